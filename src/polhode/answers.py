@@ -1,0 +1,257 @@
+"""Results as JSON objects and CSV files; names and shapes are a contract."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from polhode import precision
+from polhode.errors import BadInput
+from polhode.exact import Exact, shown
+from polhode.files import check_writable, write_whole
+from polhode.precision import NumberType, decimal_in_full, decimal_string
+from polhode.provenance import provenance
+from polhode.scene import ANGLES, ATTITUDE, Scene
+from polhode.trajectory import Trajectory, strings
+
+if TYPE_CHECKING:  # a run needs none of these
+    from polhode.foreign import Verdict
+    from polhode.integrals import Drift
+    from polhode.judging import Judgement
+    from polhode.studies.published import Figure
+    from polhode.studies.regression import Report
+    from polhode.truth import Reference
+
+
+def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
+    """The object that ``run --json`` prints."""
+    answer: dict[str, Any] = {
+        "scene": run.scene.name,
+        "number": run.number.name,
+        "bits": run.number.bits,
+    }
+    if run.digits is not None:
+        answer["digits"] = run.digits
+    answer |= {
+        "form": run.scene.form,
+        "regime": regime,
+        "columns": list(run.columns),
+        "times": run.time_strings(),
+        "states": run.state_strings(),
+    }
+    if run.angles is not None:
+        answer["angles"] = strings(run.angles, run.number)
+    if run.attitude is not None:
+        answer["attitude"] = strings(run.attitude, run.number)
+    answer |= {
+        "drift": of_drift(run.drift),
+        "outcome": run.outcome.value,
+        "reached": decimal_in_full(run.reached),
+        "steps": run.steps,
+        "provenance": dict(run.provenance),
+    }
+    return answer
+
+
+def of_drift(drift: Drift) -> dict[str, str | None]:
+    """Drift as decimal strings."""
+    return {
+        name: None if value is None else f"{value:.3e}" for name, value in drift._asdict().items()
+    }
+
+
+def of_reference(truth: Reference, times: Sequence[Exact], digits: int) -> dict[str, Any]:
+    """The object that ``reference --json`` prints: the closed form to so many digits."""
+    scene = truth.scene
+    number = NumberType("mp", precision.bits_for(digits + 1))
+    # A decimal time is taken exactly; any other is rounded so far down that no digit notices.
+    fine = NumberType("mp", number.bits + 32 + int(4 * scene.at(tuple(times)).log10_angle))
+    held = [t if is_decimal(t) else fine.rounded(t) for t in times]
+    answer: dict[str, Any] = {
+        "scene": scene.name,
+        "number": "mp",
+        "bits": number.bits,
+        "digits": digits,
+        "form": truth.kind,
+        "regime": truth.regime,
+        "reference": truth.kind,
+        "columns": list(scene.columns),
+        "times": [in_full(t) for t in held],
+        "states": strings(truth.at(held, digits + 1), number),
+    }
+    if "angles" in scene.outputs:
+        answer["angles"] = strings(truth.angles(held, digits + 1), number)
+    if "attitude" in scene.outputs:
+        answer["attitude"] = strings(truth.attitude(held, digits + 1), number)
+    answer |= {"outcome": "reached end", "steps": 0, "provenance": provenance(scene.source)}
+    return answer
+
+
+def of_judgement(judged: Judgement) -> dict[str, Any]:
+    """Correct digits over time as a JSON object."""
+    truth = judged.reference
+    answer: dict[str, Any] = {
+        "scene": truth.scene.name,
+        "reference": truth.kind,
+        "regime": truth.regime,
+        "times": [decimal_in_full(t) for t in judged.times],
+        "correct_digits": [round(d, 2) for d in judged.digits],
+        "pointwise_digits": [round(d, 2) for d in judged.pointwise],
+        "worst": round(judged.worst, 2),
+        "worst_time": decimal_in_full(judged.worst_time),
+        "drift": of_drift(judged.drift),
+    }
+    if not truth.is_closed_form:
+        answer["reference_digits"] = round(truth.agreement, 1)
+    return answer
+
+
+def sidecar(path: Path) -> Path:
+    """The JSON file beside a trajectory's CSV."""
+    return path.with_suffix(".json")
+
+
+def check_paths(path: Path) -> None:
+    """Refuse a trajectory path that cannot be written, before the run."""
+    if sidecar(path) == path:
+        raise BadInput(str(path), "-o", None, "a name such as x.csv: x.json is written beside it")
+    check_writable(path)
+
+
+def write_trajectory(path: Path, answer: dict[str, Any]) -> None:
+    """A trajectory as CSV, number type, bits, scene and provenance in a JSON file beside it."""
+    header, rows = rows_of(answer)
+    text = "".join(",".join(row) + "\n" for row in (header, *rows))
+    kept = {k: v for k, v in answer.items() if k not in ("times", "states", "angles", "attitude")}
+    write_whole(sidecar(path), as_json(kept))
+    write_whole(path, text)
+
+
+def as_json(value: Any) -> str:
+    """JSON text, ASCII: a line for each key of an object and for each row of a table."""
+    return _json(value, 0) + "\n"
+
+
+def _json(value: Any, depth: int) -> str:
+    inner, outer = "\n" + " " * (depth + 1), "\n" + " " * depth
+    if isinstance(value, dict) and value:
+        lines = [f"{json.dumps(str(k))}: {_json(v, depth + 1)}" for k, v in value.items()]
+        return "{" + inner + ("," + inner).join(lines) + outer + "}"
+    if isinstance(value, list) and value and isinstance(value[0], (list, dict)):
+        lines = [_json(v, depth + 1) for v in value]
+        return "[" + inner + ("," + inner).join(lines) + outer + "]"
+    return json.dumps(value, ensure_ascii=True, allow_nan=False)
+
+
+def frequencies(truth: Any, digits: int = 17) -> dict[str, str | None]:
+    """Period and frequencies of a reference as decimal strings."""
+    number = NumberType("mp", precision.bits_for(digits))
+    found: dict[str, Any] = {"period": truth.period, **truth.frequencies}
+    return {
+        name: None if value is None else strings([[value]], number)[0][0]
+        for name, value in found.items()
+    }
+
+
+def columns_of(scene: Scene) -> list[str]:
+    """All columns that a run of the scene gives."""
+    extra = [*ANGLES] * ("angles" in scene.outputs) + [*ATTITUDE] * ("attitude" in scene.outputs)
+    return [*scene.columns, *extra]
+
+
+def rows_of(answer: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
+    """Header and rows of a trajectory's table, strings as printed; empty where undefined."""
+    header = ["t", *answer["columns"]]
+    parts = [answer["states"]]
+    for name, columns in (("angles", ANGLES), ("attitude", ATTITUDE)):
+        if name in answer:
+            header += columns
+            parts.append(answer[name])
+    return header, [
+        [t, *("" if x is None else x for row in rows for x in row)]
+        for t, *rows in zip(answer["times"], *parts, strict=True)
+    ]
+
+
+def of_verdict(verdict: Verdict) -> dict[str, Any]:
+    """The object that ``compare --json`` prints."""
+    truth, table = verdict.reference, verdict.table
+    answer: dict[str, Any] = {
+        "file": table.name,
+        "scene": truth.scene.name,
+        "reference": truth.kind,
+        "regime": truth.regime,
+        "judged": list(verdict.judged),
+        "times": [in_full(t) for t in table.times],
+        "correct_digits": [round(d, 2) for d in verdict.digits],
+        "worst": None if verdict.worst is None else round(verdict.worst, 2),
+        "worst_time": None if verdict.worst_time is None else in_full(verdict.worst_time),
+        "parts": {name: round(d, 2) for name, d in verdict.parts.items()},
+        "drift": None if verdict.drift is None else of_drift(verdict.drift),
+        "not_judged": list(verdict.notes),
+    }
+    if not truth.is_closed_form:
+        answer["reference_digits"] = round(truth.agreement, 1)
+    return answer
+
+
+def of_check(report: Report) -> dict[str, Any]:
+    """One case of ``check --json``."""
+    return {
+        "scene": report.scene.name,
+        "regime": report.regime,
+        "reference": report.reference,
+        "passed": report.passed,
+        "runs": [
+            {
+                "number": line.number,
+                "correct_digits": round(line.digits, 2),
+                "expected": None if line.band is None else list(line.band),
+                "outcome": line.outcome,
+                "passed": line.passed,
+                "verdict": line.verdict,
+            }
+            for line in report.lines
+        ],
+        "published": [of_figure(figure) for figure in report.figures],
+    }
+
+
+def of_figure(figure: Figure) -> dict[str, Any]:
+    """A published figure beside ours."""
+    printed = figure.published
+    return {
+        "t": shown(printed.t),
+        "quantity": printed.quantity,
+        "printed": printed.value,
+        "ours": figure.ours,
+        "difference": decimal_string(figure.difference, 2),
+        "cite": printed.cite,
+        "verdict": figure.verdict,
+        "passed": figure.passed,
+    }
+
+
+def is_decimal(t: Exact) -> bool:
+    """Whether a number has finitely many decimal digits."""
+    if not isinstance(t, Fraction):
+        return False
+    rest = t.denominator // (t.denominator & -t.denominator)
+    while rest % 5 == 0:
+        rest //= 5
+    return rest == 1
+
+
+def in_full(t: Fraction) -> str:
+    """Every digit of a decimal number; any other as a fraction."""
+    if not is_decimal(t):
+        return str(t)
+    places = 0
+    while (t * 10**places).denominator != 1:
+        places += 1
+    digits = str(abs(int(t * 10**places))).rjust(places + 1, "0")
+    text = f"{digits[:-places]}.{digits[-places:]}" if places else digits
+    return "-" + text if t < 0 else text

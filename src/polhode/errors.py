@@ -1,0 +1,35 @@
+"""What goes wrong by the user's hand, said in one line."""
+
+from __future__ import annotations
+
+
+class BadInput(ValueError):
+    """Input that cannot be used: where it stands, the value met, and what was expected."""
+
+    def __init__(self, source: str, key: str, value: object, expected: str) -> None:
+        self.source, self.key, self.value, self.expected = source, key, value, expected
+        shown = "" if value is None else f" = {_short(value)}"
+        super().__init__(f"{_short(source, 200)}: {_short(key, 80)}{shown}: expected {expected}")
+
+
+def nearest(word: str, known: list[str]) -> str:
+    """The words allowed, the nearest one first in mind: for the end of an error message."""
+    from difflib import get_close_matches
+
+    close = get_close_matches(word, known, n=1)
+    listed = ", ".join(known) if len(known) <= 16 else f"one of {len(known)} names"
+    return f"{listed} (did you mean {close[0]!r}?)" if close else listed
+
+
+def _short(value: object, limit: int = 60) -> str:
+    text = value if isinstance(value, str) else _plain(value)
+    line = " ".join(text.split())
+    line = "".join(c if c.isprintable() else "?" for c in line)
+    return line if len(line) <= limit else line[: limit - 3] + "..."
+
+
+def _plain(value: object) -> str:
+    try:
+        return str(value)
+    except ValueError:  # an integer too long for Python to print
+        return "a number of thousands of digits"

@@ -1,0 +1,225 @@
+"""Trajectories that some other program computed: a CSV with any subset of the columns beside t."""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from polhode import expression
+from polhode.correct_digits import digits_of, errors, rate_scale
+from polhode.errors import BadInput
+from polhode.expression import ExpressionError
+from polhode.integrals import Drift, drift
+from polhode.precision import NumberType, to_mpf
+from polhode.scene import ANGLES, ATTITUDE, STATE, Scene
+from polhode.truth import Reference, TwoPrecisions
+
+MAX_BYTES = 1 << 30
+SPARE_DIGITS = 6
+
+
+@dataclass(frozen=True)
+class Table:
+    """A trajectory as a file holds it: exact times, and columns by name (None where empty)."""
+
+    name: str
+    times: tuple[Fraction, ...]
+    columns: dict[str, tuple[Fraction | None, ...]]
+    ignored: tuple[str, ...]
+    printed: int  # the most significant digits that any number of it has
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Correct digits of a table over time, and what could not be judged and why."""
+
+    table: Table
+    reference: Reference | TwoPrecisions
+    digits: tuple[float, ...]
+    judged: tuple[str, ...]
+    parts: dict[str, float]
+    drift: Drift | None
+    notes: tuple[str, ...]
+
+    @property
+    def worst(self) -> float | None:
+        """The fewest correct digits of the state; None where no column of it was there."""
+        return min(self.digits, default=None)
+
+    @property
+    def worst_time(self) -> Fraction | None:
+        """The first time at which the digits are fewest."""
+        worst = self.worst
+        return None if worst is None else self.table.times[self.digits.index(worst)]
+
+
+def read_table(path: Path, number: NumberType | None) -> Table:
+    """A CSV file as a table; raises BadInput.  ``number``: its decimals are rounded values of it."""
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise BadInput(str(path), "file", None, f"at most {MAX_BYTES} bytes")
+        with path.open(encoding="utf-8-sig", newline="") as lines:
+            rows = [
+                (k, [cell.strip() for cell in row])
+                for k, row in enumerate(csv.reader(lines), 1)
+                if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
+            ]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        reason = getattr(error, "strerror", None) or "not a CSV text"
+        raise BadInput(str(path), "file", None, f"a readable CSV file ({reason})") from None
+    if not rows:
+        raise BadInput(str(path), "file", None, "a header line that names the columns")
+    header = rows[0][1]
+    known = ("t", *STATE, *ANGLES, *ATTITUDE)
+    for name in known:
+        if header.count(name) > 1:
+            raise BadInput(str(path), "header", name, "each column once")
+    if "t" not in header:
+        raise BadInput(str(path), "header", ",".join(header), "a column t among its names")
+    if len(rows) == 1:
+        raise BadInput(str(path), "file", None, "at least one line of numbers")
+    return _table(path, header, rows[1:], known, number)
+
+
+def _table(
+    path: Path,
+    header: list[str],
+    rows: list[tuple[int, list[str]]],
+    known: tuple[str, ...],
+    number: NumberType | None,
+) -> Table:
+    wanted = [name for name in header if name in known]
+    found: dict[str, list[Fraction | None]] = {name: [] for name in wanted}
+    printed = 1
+    for line, cells in rows:
+        if len(cells) != len(header):
+            raise BadInput(f"{path}:{line}", "line", ",".join(cells), f"{len(header)} values")
+        for name, cell in zip(header, cells, strict=True):
+            if name not in found:
+                continue
+            if cell == "" and name != "t":
+                found[name].append(None)
+                continue
+            try:
+                value = expression.decimal(cell)
+            except ExpressionError:
+                raise BadInput(f"{path}:{line}", name, cell, "a finite decimal number") from None
+            printed = max(printed, _significant(cell))
+            found[name].append(number.rounded(value) if number else value)
+    times = [t for t in found.pop("t") if t is not None]
+    ignored = tuple(name for name in header if name not in known)
+    columns = {name: tuple(values) for name, values in found.items()}
+    return Table(str(path), tuple(times), columns, ignored, printed)
+
+
+def judge(table: Table, truth: Reference | TwoPrecisions, number: NumberType | None) -> Verdict:
+    """Correct digits of a table against the reference of a scene."""
+    scene = truth.scene
+    cap = number.most_digits if number else float(min(table.printed + 2, 1000))
+    wanted = math.ceil(cap) + SPARE_DIGITS
+    bits = math.ceil(wanted * math.log2(10)) + 32
+    notes = [f"column {name} is not known and was not judged" for name in table.ignored]
+    if not scene.columns[3:]:
+        for name in (*STATE[3:], *ANGLES, *ATTITUDE):
+            if name in table.columns:
+                notes.append(f"column {name} was not judged: the scene has no gamma")
+    judged = [name for name in scene.columns if name in table.columns]
+    for name in scene.columns:
+        if name not in judged:
+            notes.append(f"column {name} is not in the file")
+    digits: tuple[float, ...] = ()
+    order = sorted(range(len(table.times)), key=lambda k: table.times[k])
+    if judged:
+        truth_rows = _rows(truth.at, table, order, wanted)
+        states = [
+            [table.columns[name][k] if name in judged else None for name in scene.columns]
+            for k in range(len(table.times))
+        ]
+        scale = rate_scale(truth_rows, scene, bits)
+        digits = tuple(digits_of(e, cap) for e in errors(states, truth_rows, scale, bits))
+        if any(x is None for row in states for x, name in zip(row, scene.columns, strict=True) if name in judged):
+            notes.append("empty cells were not judged")
+    parts = _parts(table, truth, order, wanted, bits, cap, notes)
+    return Verdict(
+        table, truth, digits, (*judged, *parts), parts, _drift(table, scene, bits, notes), tuple(notes)
+    )
+
+
+def _rows(ask: Any, table: Table, order: list[int], digits: int) -> list[Any]:
+    """Reference rows in the file's order: times of each sign are asked for away from 0."""
+    ahead = [k for k in order if table.times[k] >= 0]
+    behind = [k for k in reversed(order) if table.times[k] < 0]
+    rows: dict[Fraction, Any] = {}
+    for part in (ahead, behind):
+        times = list(dict.fromkeys(table.times[k] for k in part))
+        if times:
+            rows |= dict(zip(times, ask(times, digits), strict=True))
+    return [rows[t] for t in table.times]
+
+
+def _parts(
+    table: Table,
+    truth: Reference | TwoPrecisions,
+    order: list[int],
+    wanted: int,
+    bits: int,
+    cap: float,
+    notes: list[str],
+) -> dict[str, float]:
+    """Digits of angles and attitude, absolute errors; a quaternion may have either sign throughout."""
+    parts: dict[str, float] = {}
+    if len(truth.scene.columns) == 3:
+        return parts
+    for what, names, ask in (
+        ("angles", ANGLES, truth.angles),
+        ("attitude", ATTITUDE, truth.attitude),
+    ):
+        there = [name for name in names if name in table.columns]
+        if not there:
+            continue
+        try:
+            rows = _rows(ask, table, order, wanted)
+        except ValueError as fault:  # BadInput is one
+            notes.append(f"{what} were not judged: {fault}")
+            continue
+        own = [
+            [table.columns[name][k] if name in there else None for name in names]
+            for k in range(len(table.times))
+        ]
+        signs = (1, -1) if what == "attitude" else (1,)
+        parts[what] = max(_part_digits(own, rows, s, bits, cap) for s in signs)
+    return parts
+
+
+def _part_digits(own: list[Any], rows: list[Any], s: int, bits: int, cap: float) -> float:
+    import mpmath
+
+    worst = cap
+    with mpmath.workprec(bits):
+        for mine, true in zip(own, rows, strict=True):
+            for x, y in zip(mine, true, strict=True):
+                if x is not None and y is not None:
+                    worst = min(worst, digits_of(abs(s * to_mpf(x, bits) - y), cap))
+    return worst
+
+
+def _drift(table: Table, scene: Scene, bits: int, notes: list[str]) -> Drift | None:
+    """Drift of the integrals, where the file has every column of the state."""
+    columns = [table.columns.get(name) for name in scene.columns]
+    if any(column is None or None in column for column in columns):
+        notes.append("drift of the integrals was not judged: a column of the state is missing")
+        return None
+    rows = [
+        [to_mpf(x, bits) for x in row if x is not None]
+        for row in zip(*(c for c in columns if c is not None), strict=True)
+    ]
+    return drift(scene, rows, bits)
+
+
+def _significant(cell: str) -> int:
+    mantissa = cell.lower().split("e")[0].lstrip("+-").replace(".", "").lstrip("0")
+    return max(1, len(mantissa))

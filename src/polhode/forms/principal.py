@@ -1,0 +1,50 @@
+"""The Euler–Poisson equations in principal axes (3.29).
+
+    A p' = (B - C) q r + Mg (z0 gamma2 - y0 gamma3),    gamma1' = r gamma2 - q gamma3,
+
+and cyclically: I w' + w × I w = Mg gamma × r0, gamma' = gamma × w.  State: p q r gamma1 gamma2
+gamma3 in principal axes; a torque-free body without gamma has p q r alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from polhode.body import Body
+from polhode.exact import Exact, sign
+from polhode.forms import Functions, combination
+
+
+def coefficients(body: Body, time_unit: int = 0) -> dict[str, Exact]:
+    """The exact coefficients that do not vanish, time measured in units of 2**time_unit."""
+    a, b, c = body.moments
+    x, y, z = body.axes.components(body.torque)
+    unit = Fraction(4) ** time_unit
+    every = {
+        "p.qr": (b - c) / a,
+        "q.rp": (c - a) / b,
+        "r.pq": (a - b) / c,
+        "p.gamma2": unit * z / a,
+        "p.gamma3": -unit * y / a,
+        "q.gamma3": unit * x / b,
+        "q.gamma1": -unit * z / b,
+        "r.gamma1": unit * y / c,
+        "r.gamma2": -unit * x / c,
+    }
+    return {name: value for name, value in every.items() if sign(value) != 0}
+
+
+def field(state: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+    """The time derivatives of p q r [gamma1 gamma2 gamma3]."""
+    p, q, r = state[:3]
+    g1, g2, g3 = state[3:] or (fn.zero, fn.zero, fn.zero)
+    rates = [
+        combination(k, fn.zero, ("p.qr", q * r), ("p.gamma2", g2), ("p.gamma3", g3)),
+        combination(k, fn.zero, ("q.rp", r * p), ("q.gamma3", g3), ("q.gamma1", g1)),
+        combination(k, fn.zero, ("r.pq", p * q), ("r.gamma1", g1), ("r.gamma2", g2)),
+    ]
+    if len(state) > 3:
+        rates += [r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2]
+    return rates

@@ -1,0 +1,1 @@
+"""Closed forms of the integrable motions: independent evidence, sharing no code with integration."""

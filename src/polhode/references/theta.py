@@ -1,0 +1,279 @@
+"""Jacobi's elliptic functions and quotients of theta functions, always in the smaller nome.
+
+The parameter k^2 and its complement k'^2 come separately, so neither end of 0 <= k <= 1 costs a
+digit: k = 0 is the circle (nome 0), k' = 0 the separatrix (complementary nome 0).  Either the nome
+q = exp(-pi K'/K) or the complementary one q' = exp(-pi K/K') is at most exp(-pi); all series run in
+that one (DLMF 20.2, 20.7(viii), 22.2).  An argument v is first reduced, v = 2 K n + v_r, |v_r| <= K.
+
+With z = pi v_r/2K or X = pi v_r/2K', everything is a sum over cos and sin of multiples of z, or
+over cosh and sinh of multiples of X.  The sums are written with arithmetic only, so the same lines
+take mpmath numbers and numpy arrays; a :class:`Functions` says whose elementary functions to use.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mpmath
+from mpmath import libmp, mpf
+
+
+@dataclass(frozen=True)
+class Functions:
+    """The elementary functions of one kind of scalar."""
+
+    cos_sin: Callable[[Any], tuple[Any, Any]]
+    cosh_sinh: Callable[[Any], tuple[Any, Any]]
+    sqrt: Callable[[Any], Any]
+    nint: Callable[[Any], Any]
+
+
+def _cosh_sinh(x: Any) -> tuple[Any, Any]:
+    cosh, sinh = libmp.mpf_cosh_sinh(x._mpf_, mpmath.mp.prec, "n")
+    return mpmath.make_mpf(cosh), mpmath.make_mpf(sinh)
+
+
+#: Functions of mpmath's numbers, at the precision in force.
+MP = Functions(mpmath.cos_sin, _cosh_sinh, mpmath.sqrt, lambda x: int(mpmath.nint(x)))
+
+
+def numpy_functions() -> Functions:
+    """Functions of numpy's arrays of doubles."""
+    import numpy as np
+
+    def cosh_sinh(x: Any) -> tuple[Any, Any]:
+        x = np.clip(x, -_SATURATED, _SATURATED)
+        return np.cosh(x), np.sinh(x)
+
+    return Functions(lambda x: (np.cos(x), np.sin(x)), cosh_sinh, np.sqrt, np.rint)
+
+
+#: Past this X only a nome below exp(-2X) leads (|X| <= log(1/q')/2): a double is at its limit.
+_SATURATED = 80.0
+
+
+@dataclass(frozen=True)
+class Waves:
+    """Multiples of one reduced argument: (cos, sin) or (cosh, sinh) of 0, 2, 4, ... and 1, 3, ...
+
+    ``turns`` is the n of v = 2 K n + v_r.
+    """
+
+    turns: Any
+    even_c: Sequence[Any]
+    even_s: Sequence[Any]
+    odd_c: Sequence[Any]
+    odd_s: Sequence[Any]
+
+
+@dataclass(frozen=True)
+class Jacobi:
+    """sn, cn, dn of one modulus, at the precision in force when it was made (:func:`jacobi`)."""
+
+    K: Any  # quarter period; infinite on the separatrix
+    Kc: Any  # K', the quarter period of the complementary modulus; infinite on the circle
+    complementary: bool  # True: the series run in q'
+    nome: Any  # the one in use
+    scale: Any  # pi/2K or pi/2K'
+    theta: Sequence[Any]  # coefficients of Theta(v), the common denominator
+    sn: Sequence[Any]
+    cn: Sequence[Any]
+    dn: Sequence[Any]
+
+    def waves(self, v: Any, fn: Functions) -> Waves:
+        """The multiples that every sum at v needs."""
+        finite = self.K < _INFINITY
+        turns = fn.nint(v / (2 * self.K)) if finite else 0 * fn.nint(v)
+        reduced = (v - 2 * self.K * turns if finite else v) * self.scale
+        if self.complementary:
+            c, s = fn.cosh_sinh(reduced)
+        else:
+            c, s = fn.cos_sin(reduced)
+        c2, s2 = 2 * c * c - 1, 2 * s * c
+        count = len(self.theta)
+        return Waves(
+            turns,
+            _ladder(c2, 1 + 0 * c, c2, count),
+            _ladder(-s2, 0 * c, c2, count),
+            _ladder(c, c, c2, count),
+            _ladder(-s, s, c2, count),
+        )
+
+    def functions(self, waves: Waves) -> tuple[Any, Any, Any]:
+        """(sn, cn, dn) at v_r, where cn >= 0; at v, sn and cn carry the sign (-1)^n."""
+        if self.complementary:
+            below, up = dot(self.theta, waves.odd_c), waves.even_c
+        else:
+            below, up = dot(self.theta, waves.even_c), waves.odd_c
+        over = 1 / below
+        return (
+            dot(self.sn, waves.odd_s) * over,
+            dot(self.cn, up) * over,
+            dot(self.dn, waves.even_c) * over,
+        )
+
+    def floats(self) -> Jacobi:
+        """The same with Python floats in place of mpmath's numbers."""
+        return Jacobi(
+            float(self.K),
+            float(self.Kc),
+            self.complementary,
+            float(self.nome),
+            float(self.scale),
+            *([float(x) for x in row] for row in (self.theta, self.sn, self.cn, self.dn)),
+        )
+
+
+@dataclass(frozen=True)
+class Quotient:
+    """H(v) = Theta(v + i a) exp(i rate v) to a constant factor, 0 <= a <= K' (:func:`quotient`).
+
+    The value at v = 2 K n + v_r is (x + i y) exp(i (rate v + jump n)) with (x, y) = ``at(waves)``
+    and x >= 0: the argument of H, continued along real v, is atan2(y, x) + rate v + jump n.
+    For Theta(v - i a) exp(-i rate v) take the conjugate.
+    """
+
+    rate: Any
+    jump: Any
+    odd: bool
+    real: Sequence[Any]
+    imaginary: Sequence[Any]
+
+    def at(self, waves: Waves) -> tuple[Any, Any]:
+        """(x, y), to a common positive factor."""
+        c, s = (waves.odd_c, waves.odd_s) if self.odd else (waves.even_c, waves.even_s)
+        return dot(self.real, c), dot(self.imaginary, s)
+
+    def floats(self) -> Quotient:
+        """The same with Python floats in place of mpmath's numbers."""
+        return Quotient(
+            float(self.rate),
+            float(self.jump),
+            self.odd,
+            [float(x) for x in self.real],
+            [float(x) for x in self.imaginary],
+        )
+
+
+_INFINITY = float("inf")
+
+
+def jacobi(k2: Any, kc2: Any) -> Jacobi:
+    """The functions of parameter k2 = k^2 and complement kc2 = k'^2 (sum 1, both >= 0)."""
+    pi, inf = mpmath.pi, mpmath.inf
+    quarter = pi / (2 * mpmath.agm(1, mpmath.sqrt(kc2))) if kc2 else inf
+    other = pi / (2 * mpmath.agm(1, mpmath.sqrt(k2))) if k2 else inf
+    complementary = bool(k2 > kc2)
+    short, long = (other, quarter) if complementary else (quarter, other)
+    nome = mpmath.exp(-pi * long / short) if long < inf else mpf(0)
+    count = _terms(nome)
+    square = [nome ** (j * j) for j in range(count)]  # q^(j^2)
+    oblong = [nome ** (j * (j + 1)) for j in range(count)]  # q^(j(j+1))
+    theta3 = [2 * c if j else c for j, c in enumerate(square)]
+    theta4 = _alternate(theta3)
+    theta2 = [2 * c for c in oblong]  # without its q^(1/4), as theta1
+    theta1 = _alternate(theta2)
+    two, three, four = (mpmath.fsum(t) for t in (theta2, theta3, theta4))
+    numbers = (quarter, other, complementary, nome, pi / (2 * short))
+    if complementary:
+        return Jacobi(
+            *numbers,
+            theta=theta2,
+            sn=_times(three / four, theta1),
+            cn=_times(two / four, theta4),
+            dn=_times(two / three, theta3),
+        )
+    return Jacobi(
+        *numbers,
+        theta=theta4,
+        sn=_times(three / two, theta1),
+        cn=_times(four / two, theta2),
+        dn=_times(four / three, theta3),
+    )
+
+
+def quotient(j: Jacobi, a: Any, *, from_end: bool = False, shifted: bool = False) -> Quotient:
+    """H for the shift a, or with ``from_end`` for the shift K' - a (for an a known to its digits).
+
+    The rate is the one that makes H/Theta a solution of Lame's equation, which the components of a
+    vector fixed in space satisfy (Whittaker, Analytical Dynamics, art. 69).  ``shifted`` takes
+    Theta(v + K + i a) in place of Theta(v + i a).
+    """
+    count = len(j.theta)
+    y = j.scale * a
+    signs = [1 - 2 * (i % 2) for i in range(count)]
+    square = [(2 if i else 1) * j.nome ** (i * i) for i in range(count)]
+    oblong = [2 * j.nome ** (i * (i + 1)) for i in range(count)]
+    pair = mpmath.cos_sin if j.complementary else MP.cosh_sinh
+    even = [pair(2 * i * y) for i in range(count)]
+    odd = [pair((2 * i + 1) * y) for i in range(count)]
+    even_c, even_s = ([s * p[part] for s, p in zip(square, even, strict=True)] for part in (0, 1))
+    odd_c, odd_s = ([s * p[part] for s, p in zip(oblong, odd, strict=True)] for part in (0, 1))
+    alternate = [1] * count if shifted else signs
+
+    def slope(over: list[Any], under: list[Any], first: int) -> Any:
+        """(over of 1, 3, ... or 2, 4, ...)/under, each side with its signs."""
+        top = mpmath.fsum((2 * i + first) * x for i, x in enumerate(over))
+        return j.scale * top / mpmath.fsum(under)
+
+    def signed(row: list[Any], by: list[int]) -> list[Any]:
+        return [s * x for s, x in zip(by, row, strict=True)]
+
+    if not j.complementary:
+        if from_end:
+            rate = -slope(signed(even_s, alternate), signed(even_c, alternate), 0)
+            c, s = (odd_c, odd_s) if shifted else (odd_s, odd_c)
+            return Quotient(rate, +mpmath.pi, True, signed(c, alternate), signed(s, alternate))
+        over, under = (odd_s, odd_c) if shifted else (odd_c, odd_s)
+        rate = slope(signed(over, alternate), signed(under, alternate), 1)
+        minus = [-x for x in signed(even_s, alternate)]
+        return Quotient(rate, mpf(0), False, signed(even_c, alternate), minus)
+    jump = mpmath.pi - 2 * y if from_end else 2 * y
+    if shifted:
+        if from_end:
+            rate = slope(even_s, even_c, 0)
+            minus = [-x for x in signed(even_s, signs)]
+            return Quotient(rate, jump, False, signed(even_c, signs), minus)
+        rate = -slope(signed(even_s, signs), signed(even_c, signs), 0)
+        return Quotient(rate, jump, False, even_c, even_s)
+    if from_end:
+        rate = -slope(odd_s, odd_c, 1) * -1
+        return Quotient(rate, jump, True, signed(odd_s, signs), signed(odd_c, signs))
+    rate = slope(signed(odd_c, signs), signed(odd_s, signs), 1)
+    return Quotient(rate, jump, True, odd_c, odd_s)
+
+
+def dot(row: Sequence[Any], waves: Sequence[Any]) -> Any:
+    """The sum of products; starts at the first, for a numpy array has no zero to start from."""
+    total = row[0] * waves[0]
+    for a, b in zip(row[1:], waves[1:], strict=True):
+        total = total + a * b
+    return total
+
+
+def _ladder(before: Any, first: Any, c2: Any, count: int) -> list[Any]:
+    """first, then x_(j+1) = 2 c2 x_j - x_(j-1), with x_(-1) = before."""
+    rungs = [first]
+    for _ in range(count - 1):
+        before, first = first, 2 * c2 * first - before
+        rungs.append(first)
+    return rungs
+
+
+def _terms(nome: Any) -> int:
+    """How many terms reach the precision in force: the worst one left out is nome^(j(j-1))."""
+    if nome == 0:
+        return 1
+    bits = float(-mpmath.log(nome, 2))
+    return math.ceil((1 + math.sqrt(1 + 4 * (mpmath.mp.prec + 4) / bits)) / 2)
+
+
+def _alternate(row: list[Any]) -> list[Any]:
+    return [-x if j % 2 else x for j, x in enumerate(row)]
+
+
+def _times(factor: Any, row: list[Any]) -> list[Any]:
+    return [factor * x for x in row]

@@ -1,0 +1,182 @@
+"""A scene: one body, one start, the times asked for.  Exact, immutable, checked once.
+
+Body axes O xyz, O the fixed point; omega = (p, q, r) and gamma, the upward vertical, in body axes
+(Yehia, chapter 3).  Integrals (3.30): h = ½ w·I w + Mg r0·gamma, f = I w·gamma, |gamma|² = 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import NamedTuple
+
+from polhode import exact
+from polhode.body import Body, Vector, dot
+from polhode.errors import BadInput
+from polhode.exact import ZERO, Exact, sign
+
+FORMS = ("principal",)
+OUTPUTS = ("angles", "attitude")
+STATE = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
+ANGLES = ("psi", "theta", "phi")
+ATTITUDE = ("q0", "q1", "q2", "q3")
+
+
+class Published(NamedTuple):
+    """A figure that somebody printed: an expression in the columns and its printed value."""
+
+    t: Exact
+    quantity: str
+    value: str
+    cite: str
+    right: int | None = None  # significant digits known to be right, where not all are
+
+
+class Event(NamedTuple):
+    """An event: the zeros of an expression in p q r gamma1 gamma2 gamma3 t."""
+
+    name: str
+    zero: str
+    direction: str = "any"
+    stop: bool = False
+
+
+class Integrals(NamedTuple):
+    """h, f and |gamma|² - 1 with the scales they are judged on; f and gamma None without gamma."""
+
+    energy: Exact
+    area: Exact | None
+    energy_scale: Exact
+    area_scale: Exact
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What is to be integrated; see the module for frame and symbols.
+
+    ``gamma`` None: a torque-free body of which only omega is asked.  ``times``: output times, all of
+    one sign (0 may be the first), |t| increasing.  Raises BadInput where a value cannot be.
+    """
+
+    body: Body
+    omega: Vector
+    gamma: Vector | None = None
+    psi: Exact = ZERO
+    times: tuple[Exact, ...] = ()
+    name: str = "scene"
+    title: str = ""
+    tags: tuple[str, ...] = ()
+    cite: tuple[str, ...] = ()
+    form: str = "principal"
+    outputs: tuple[str, ...] = ()
+    events: tuple[Event, ...] = ()
+    published: tuple[Published, ...] = ()
+    reference: str = "auto"
+    expect: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    source: str = ""  # the text it was read from, for the provenance
+
+    def __post_init__(self) -> None:
+        if self.gamma is None:
+            if not self.body.torque_free:
+                raise self._bad("start.gamma", None, "given, since the weight has a moment")
+            if self.outputs:
+                raise self._bad("run.outputs", list(self.outputs), "none without start.gamma")
+        elif dot(self.gamma, self.gamma) != 1:
+            raise self._bad(
+                "start.gamma",
+                f"length {exact.shown(exact.sqrt(dot(self.gamma, self.gamma)))}",
+                "a vector of length exactly 1, or normalise = true",
+            )
+        self._check_times("run.at", self.times)
+        for output in self.outputs:
+            if output not in OUTPUTS:
+                raise self._bad("run.outputs", output, " or ".join(OUTPUTS))
+        if self.form not in FORMS:
+            raise self._bad("run.form", self.form, " or ".join(FORMS))
+
+    def _bad(self, key: str, value: object, expected: str) -> BadInput:
+        return BadInput(self.name, key, value, expected)
+
+    def _check_times(self, key: str, times: tuple[Exact, ...]) -> None:
+        expected = "times of one sign, strictly monotone away from 0"
+        before: Exact = ZERO
+        direction = sign(times[-1]) if times else 0
+        for k, t in enumerate(times):
+            ahead = sign(t - before) * direction
+            if ahead < 0 or (ahead == 0 and not (k == 0 and sign(t) == 0)):
+                raise self._bad(f"{key}[{k + 1}]", exact.shown(t), expected)
+            before = t
+
+    def at(self, times: tuple[Exact, ...]) -> Scene:
+        """The same scene, asked for at other times."""
+        return replace(self, times=times)
+
+    @property
+    def end(self) -> Exact:
+        """The last time asked for."""
+        return self.times[-1] if self.times else ZERO
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the state's columns."""
+        return STATE if self.gamma is not None else STATE[:3]
+
+    @property
+    def start(self) -> tuple[Exact, ...]:
+        """The state at t = 0 in body axes: p q r [gamma1 gamma2 gamma3]."""
+        return (*self.omega, *self.gamma) if self.gamma is not None else self.omega
+
+    @cached_property
+    def integrals(self) -> Integrals:
+        """The exact values of (3.30) and their scales T(0) + Mg|r0| and |G(0)|."""
+        momentum = self.body.momentum(self.omega)
+        kinetic = dot(momentum, self.omega) / 2
+        torque = self.body.torque
+        energy, area = kinetic, None
+        if self.gamma is not None:
+            energy = kinetic + dot(torque, self.gamma)
+            area = dot(momentum, self.gamma)
+        return Integrals(
+            energy,
+            area,
+            kinetic + exact.sqrt(dot(torque, torque)),
+            exact.sqrt(dot(momentum, momentum)),
+        )
+
+    @cached_property
+    def log10_angle(self) -> float:
+        """log10 of the angle turned to the end: fastest rate in the start times |end|, at least 0."""
+        square = max(dot(self.omega, self.omega), self.pendulum_rate_squared)
+        return max(0.0, exact.log10(square) / 2 + exact.log10(self.end))
+
+    @cached_property
+    def pendulum_rate_squared(self) -> Exact:
+        """Mg|r0| / largest moment: the square of the slowest small oscillation's scale."""
+        torque = self.body.torque
+        return exact.sqrt(dot(torque, torque)) / max(self.body.moments)
+
+    @cached_property
+    def time_unit(self) -> int:
+        """The exponent n for which time is measured inside in units of 2**n.
+
+        Chosen from the fourth power of the fastest rate, a number that scales exactly with the
+        unit of time, so that scaling a scene by powers of two changes no bit of a run.
+        """
+        square = dot(self.omega, self.omega)
+        fourth = max(square * square, self.pendulum_rate_squared * self.pendulum_rate_squared)
+        if sign(fourth) == 0:
+            return 0
+        mantissa, exponent = exact.rounded(fourth, 8)
+        return -((exponent + mantissa.bit_length() - 1) // 4)
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether nothing moves at t = 0."""
+        return all(sign(component) == 0 for component in self.omega)
+
+
+def even_times(end: Exact, samples: int) -> tuple[Exact, ...]:
+    """The times end·k/(samples - 1), 0 and end included."""
+    return tuple(end * Fraction(k, samples - 1) for k in range(samples))

@@ -1,0 +1,1 @@
+"""Studies: one file a study, cases and methods to rows of results."""

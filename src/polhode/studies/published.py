@@ -1,0 +1,112 @@
+"""Figures that somebody printed, beside ours.
+
+Ours comes from the scene's reference (the closed form where there is one), never from a table.
+A printed figure stands when it differs from ours by at most one unit of its last digit; where only
+``right`` of its significant digits are known to be right, by at most half a unit of that digit, and
+by more than half a unit of the next one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from polhode import exact, quantities
+from polhode.expression import decimal
+from polhode.precision import bits_for, decimal_string, exactly
+from polhode.scene import ANGLES, ATTITUDE, STATE, Published, Scene
+from polhode.truth import Reference, TwoPrecisions
+
+SPARE_DIGITS = 8
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A printed figure, ours to two digits more, and their difference."""
+
+    published: Published
+    ours: str
+    difference: Fraction
+    passed: bool
+
+    @property
+    def verdict(self) -> str:
+        """In words: every printed digit is right, so many of them are, or what differs."""
+        shown = significant_digits(self.published.value)
+        if not self.passed:
+            return f"differs by {decimal_string(self.difference, 2)}"
+        if self.published.right is None:
+            return f"all {shown} digits right"
+        return f"{self.published.right} of {shown} digits right"
+
+
+def figures(scene: Scene, truth: Reference | TwoPrecisions) -> list[Figure]:
+    """Every published figure of a scene beside ours."""
+    columns = {
+        (t, digits): _columns(scene, truth, t, digits)
+        for t, digits in {(_key(p.t), _digits(p)): None for p in scene.published}
+    }
+    return [_figure(p, columns[_key(p.t), _digits(p)]) for p in scene.published]
+
+
+def significant_digits(printed: str) -> int:
+    """How many significant digits a printed decimal shows."""
+    mantissa = printed.lower().split("e")[0].lstrip("+-").replace(".", "").lstrip("0")
+    return max(1, len(mantissa))
+
+
+def _figure(published: Published, columns: Mapping[str, Any]) -> Figure:
+    digits = _digits(published)
+    bits = bits_for(digits) + 32
+    ours = exactly(quantities.value(published.quantity, columns, bits))
+    printed = decimal(published.value)
+    difference = abs(printed - ours)
+    return Figure(
+        published,
+        decimal_string(ours, significant_digits(published.value) + 2),
+        difference,
+        _stands(published, ours, difference),
+    )
+
+
+def _stands(published: Published, ours: Fraction, difference: Fraction) -> bool:
+    if published.right is None:
+        return difference <= _last_unit(published.value)
+    unit = _leading_unit(ours) / Fraction(10) ** (published.right - 1)
+    return unit / 20 < difference <= unit / 2
+
+
+def _last_unit(printed: str) -> Fraction:
+    mantissa, _, power = printed.lower().partition("e")
+    places = len(mantissa.partition(".")[2])
+    return Fraction(10) ** (int(power or 0) - places)
+
+
+def _leading_unit(x: Fraction) -> Fraction:
+    """The power of ten of the first significant digit."""
+    unit = Fraction(10) ** int(exact.log10(x) - 1)
+    while unit * 10 <= abs(x):
+        unit *= 10
+    return unit
+
+
+def _columns(
+    scene: Scene, truth: Reference | TwoPrecisions, t: Fraction, digits: int
+) -> dict[str, Any]:
+    """All columns that the scene's figures name, at one time."""
+    found = dict(zip(scene.columns, truth.at([t], digits)[0], strict=True))
+    used = " ".join(p.quantity for p in scene.published)
+    for names, ask in ((ANGLES, truth.angles), (ATTITUDE, truth.attitude)):
+        if any(name in used for name in names):
+            found |= dict(zip(names, ask([t], digits)[0], strict=True))
+    return {name: found.get(name) for name in (*STATE, *ANGLES, *ATTITUDE) if name in found}
+
+
+def _digits(published: Published) -> int:
+    return significant_digits(published.value) + SPARE_DIGITS
+
+
+def _key(t: Any) -> Any:
+    return t if isinstance(t, Fraction) else exactly(exact.rounded(t, 400)[0])

@@ -1,0 +1,101 @@
+"""The library's regression: every case against its reference, digits inside a band.
+
+A band has a lower and an upper edge: fewer digits than expected are a loss, more mean that the
+yardstick is slack.  Published figures are held against the reference as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from polhode import library, precision
+from polhode.errors import BadInput, nearest
+from polhode.integration import integrate
+from polhode.judging import Judgement, compare
+from polhode.scene import Scene
+from polhode.studies.published import Figure, figures
+from polhode.truth import Reference, TwoPrecisions, reference
+
+TICK = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Line:
+    """One check: a case in one number type against its band."""
+
+    case: str
+    number: str
+    digits: float
+    band: tuple[float, float] | None
+    judgement: Judgement | None
+    outcome: str
+
+    @property
+    def passed(self) -> bool:
+        """Whether the run ended as it should and its digits lie inside the band."""
+        if self.judgement is None:
+            return False
+        return self.band is None or self.band[0] <= self.digits <= self.band[1]
+
+    @property
+    def verdict(self) -> str:
+        """In words."""
+        if self.judgement is None:
+            return self.outcome
+        if self.band is None:
+            return "no band"
+        if self.digits < self.band[0]:
+            return "too few digits"
+        return "inside" if self.passed else "more digits than the case can have"
+
+
+@dataclass(frozen=True)
+class Report:
+    """What the checks of one case gave."""
+
+    scene: Scene
+    regime: str
+    reference: str
+    lines: tuple[Line, ...]
+    figures: tuple[Figure, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether everything stands."""
+        return all(x.passed for x in (*self.lines, *self.figures))
+
+
+def check(
+    patterns: Sequence[str] = (), numbers: Sequence[str] = (), tick: TICK | None = None
+) -> Iterator[Report]:
+    """Check cases (all that ship, or names, patterns, paths) in the number types that they expect.
+
+    ``numbers``: these types instead; a case without a band for one is run and shown without.
+    """
+    for number in numbers:
+        if number not in precision.NAMES:
+            raise BadInput("check", "number", number, nearest(number, list(precision.NAMES)))
+    scenes = [library.load(name) for name in library.matching(list(patterns))]
+    for scene in scenes:
+        if tick is not None:
+            tick(scene.name)
+        yield check_scene(scene, numbers)
+
+
+def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
+    """The checks of one case."""
+    truth = reference(scene)
+    lines = [_line(scene, truth, number) for number in numbers or scene.expect]
+    return Report(
+        scene, truth.regime, truth.kind, tuple(lines), tuple(figures(scene, truth))
+    )
+
+
+def _line(scene: Scene, truth: Reference | TwoPrecisions, number: str) -> Line:
+    band = scene.expect.get(number)
+    run = integrate(scene, number, digits=precision.DEFAULT_MP_DIGITS if number == "mp" else None)
+    if not run.outcome.done:
+        return Line(scene.name, number, 0.0, band, None, run.outcome.value)
+    judged = compare(run, truth)
+    return Line(scene.name, number, judged.worst, band, judged, run.outcome.value)

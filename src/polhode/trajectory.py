@@ -1,0 +1,122 @@
+"""What a run gives back: times, states, outcome.  Immutable."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from polhode.integrals import Drift, drift
+from polhode.precision import NumberType, decimal_in_full, decimal_string, exactly
+from polhode.scene import Scene
+
+
+class Outcome(Enum):
+    """How a run ended; ``cause`` says what happened and ``advice`` what to do."""
+
+    REACHED_END = "reached end"
+    STOPPED_AT_EVENT = "stopped at event"
+    NON_FINITE = "non-finite"
+    STEP_UNDERFLOW = "step underflow"
+    STEP_LIMIT = "step limit"
+    INTERRUPTED = "interrupted"
+
+    @property
+    def cause(self) -> str:
+        """What happened."""
+        return _CAUSES[self.value][0]
+
+    @property
+    def advice(self) -> str:
+        """What to do about it."""
+        return _CAUSES[self.value][1]
+
+    @property
+    def done(self) -> bool:
+        """Whether the run did what was asked of it."""
+        return self in (Outcome.REACHED_END, Outcome.STOPPED_AT_EVENT)
+
+
+_CAUSES = {
+    "reached end": ("all output times were reached", ""),
+    "stopped at event": ("an event that stops the run was met", ""),
+    "non-finite": (
+        "a state or a step became infinite or undefined",
+        "ask for fewer outputs (angles are singular at theta = 0 and pi) or a shorter run",
+    ),
+    "step underflow": (
+        "the step became too short to change the time",
+        "use a number type with more digits (--digits), or a shorter run",
+    ),
+    "step limit": (
+        "the end needs more steps than the limit allows",
+        "raise the limit (--max-steps), loosen --tol, or ask for a shorter run",
+    ),
+    "interrupted": ("the run was interrupted", "run again, or ask for a shorter run"),
+}
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """States of a scene at its output times, in body axes, as numbers of one type.
+
+    ``times``: exact values of the times at which the states hold (already rounded to the type).
+    ``states``: shape (len(times), 3 or 6), p q r [gamma1 gamma2 gamma3]: an ndarray for double and
+    extended, rows of mpf above.  ``steps``: Taylor steps taken.
+    """
+
+    scene: Scene
+    number: NumberType
+    times: tuple[Fraction, ...]
+    states: Any
+    outcome: Outcome
+    steps: int
+    reached: Fraction
+    tolerance: float
+    digits: int | None = None
+    attitude: Any = None
+    angles: Any = None
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def drift(self) -> Drift:
+        """Largest drift of h, f, |gamma|² from the exact scene's values."""
+        if not self.times:
+            return Drift(0.0, None, None)
+        return drift(self.scene, self.states, self.number.bits)
+
+    @property
+    def at_full_tolerance(self) -> bool:
+        """Whether the steps were made at the type's own eps."""
+        return self.tolerance <= float(self.number.eps)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the state's columns."""
+        return self.scene.columns
+
+    def time_strings(self) -> list[str]:
+        """The times, every digit."""
+        return [decimal_in_full(t) for t in self.times]
+
+    def state_strings(self) -> list[list[str]]:
+        """The states as decimal strings that round-trip."""
+        return strings(self.states, self.number)
+
+
+def strings(rows: Any, number: NumberType) -> list[list[str]]:
+    """Rows of numbers of one type as decimal strings that round-trip; None stays None."""
+    if number.name == "double":
+        return [[_double_string(float(x)) for x in row] for row in rows]
+    digits = number.printed_digits
+    return [
+        [None if x is None else decimal_string(exactly(x), digits) for x in row]  # type: ignore[misc]
+        for row in rows
+    ]
+
+
+def _double_string(x: float) -> str:
+    return f"{x:.17g}"

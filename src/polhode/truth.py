@@ -1,0 +1,134 @@
+"""The reference of a scene: its closed form, or two integrations at different precision.
+
+Both answer the same questions; ``kind`` says which it is, and nothing else is ever called exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from polhode import library, precision
+from polhode.correct_digits import worst_digits
+from polhode.errors import BadInput
+from polhode.exact import Exact
+from polhode.precision import exact_time
+from polhode.references.closed_form import Motion, closed_form
+from polhode.references.kinds import kind_of_body
+from polhode.scene import Scene
+
+
+class Reference:
+    """The closed form of a scene.
+
+    ``kind``: which closed form; ``regime``: the kind of motion; answers in the scene's body axes.
+    """
+
+    is_closed_form = True
+
+    def __init__(self, scene: Scene, kind: str, motion: Motion) -> None:
+        self.scene, self.kind, self._motion = scene, kind, motion
+        self.regime = motion.regime
+
+    def at(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Rows p q r [gamma1 gamma2 gamma3] as mpf, right to so many digits.
+
+        ``times``: ints, Fractions, floats, mpf or decimal strings, taken exactly.
+        """
+        return self._motion.at(_times(times), digits)
+
+    def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Rows q0 q1 q2 q3: the quaternion body to space, scalar first, continuous from q0 >= 0."""
+        return self._motion.attitude(_times(times), digits)
+
+    def angles(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
+        return self._motion.angles(_times(times), digits)
+
+    @property
+    def period(self) -> Any | None:
+        """The period of omega in the body, to 50 digits; None where there is none."""
+        return self._motion.period(50)
+
+    @property
+    def frequencies(self) -> dict[str, Any]:
+        """The motion's frequencies by name, radians per unit of time, to 50 digits."""
+        return self._motion.frequencies(50)
+
+
+class TwoPrecisions:
+    """A reference made by integrating twice, at different precision, where no closed form is known.
+
+    It shares the integrator and the equations with the runs that it judges: evidence against
+    rounding and truncation, not against a wrong equation.  ``agreement`` holds the correct digits
+    to which the two integrations of the last request agree.
+    """
+
+    is_closed_form = False
+    kind = "two-precisions"
+    period = None
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.regime = kind_of_body(scene.body)
+        self.agreement = float("nan")
+        self.frequencies: dict[str, Any] = {}
+        self._known: dict[tuple[tuple[Exact, ...], int], tuple[Any, float]] = {}
+
+    def at(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Rows p q r gamma1 gamma2 gamma3 as mpf, to so many digits; see ``agreement``.
+
+        Raises BadInput where the two integrations cannot be made to agree to so many digits.
+        """
+        key = (tuple(exact_time(t) for t in times), digits)
+        if key not in self._known:
+            self._known[key] = self._integrated(*key)
+        rows, self.agreement = self._known[key]
+        return [list(row) for row in rows]
+
+    def _integrated(self, times: tuple[Exact, ...], digits: int) -> tuple[Any, float]:
+        from polhode.integration import integrate
+
+        # The coarse run has some digits to spare, the fine one 12 more; where a motion multiplies
+        # errors, what was lost is added and both are made again.
+        scene, spare = self.scene.at(times), 4
+        for _ in range(4):
+            coarse_type = precision.mp_for(digits + spare, scene.log10_angle)
+            fine_type = precision.NumberType("mp", coarse_type.bits + 40)
+            coarse, fine = (integrate(scene, kind) for kind in (coarse_type, fine_type))
+            if not (coarse.outcome.done and fine.outcome.done):
+                break
+            agreement = worst_digits(coarse.states, fine.states, scene, cap=coarse_type.most_digits)
+            if agreement >= digits:
+                return fine.states, agreement
+            spare += digits - int(agreement) + 4
+        raise BadInput(scene.name, "reference", None, f"a motion that keeps {digits} digits so long")
+
+    def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Not made: the reference integrates the state alone."""
+        raise BadInput(self.scene.name, "reference", None, "a closed form for the attitude")
+
+    angles = attitude
+
+
+def reference(scene: Scene | str | Path) -> Reference | TwoPrecisions:
+    """The reference of a scene: the closed form that fits, or two integrations where none does.
+
+    Raises BadInput where the scene asks for a closed form that does not fit.
+    """
+    if not isinstance(scene, Scene):
+        scene = library.load(scene)
+    if scene.reference == "two-precisions":
+        return TwoPrecisions(scene)
+    found = closed_form(scene)
+    if found is not None and scene.reference in ("auto", found[0]):
+        return Reference(scene, *found)
+    if scene.reference != "auto":
+        fits = found[0] if found else "two-precisions"
+        raise BadInput(scene.name, "reference.kind", scene.reference, f"{fits}, which fits this body")
+    return TwoPrecisions(scene)
+
+
+def _times(times: Sequence[Any]) -> list[Exact]:
+    return [exact_time(t) for t in times]
