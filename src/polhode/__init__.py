@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from polhode.body import Body
-    from polhode.judging import Judgement, compare
     from polhode.errors import BadInput
     from polhode.integration import integrate
+    from polhode.judging import Judgement, compare
     from polhode.library import load
     from polhode.scene import Scene
     from polhode.trajectory import Outcome, Trajectory

@@ -12,7 +12,7 @@ from polhode import precision
 from polhode.errors import BadInput
 from polhode.exact import Exact, shown
 from polhode.files import check_writable, write_whole
-from polhode.precision import NumberType, decimal_in_full, decimal_string
+from polhode.precision import NumberType, decimal_in_full, decimal_string, exactly
 from polhode.provenance import provenance
 from polhode.scene import ANGLES, ATTITUDE, Scene
 from polhode.trajectory import Trajectory, strings
@@ -79,7 +79,7 @@ def of_reference(truth: Reference, times: Sequence[Exact], digits: int) -> dict[
         "regime": truth.regime,
         "reference": truth.kind,
         "columns": list(scene.columns),
-        "times": [in_full(t) for t in held],
+        "times": [in_full(exactly(t)) for t in held],
         "states": strings(truth.at(held, digits + 1), number),
     }
     if "angles" in scene.outputs:

@@ -1,8 +1,8 @@
 """A rigid body at its fixed point: inertia, centre of mass, weight, and its principal axes.
 
-Everything is exact.  Equal moments and a centre of mass on an axis are recognised after any rational
-rotation of the axes: the characteristic polynomial tells repeated and rational moments exactly, and
-projections onto an axis are formed before the axis is scaled to length one.
+Everything is exact.  Equal moments and a centre of mass on an axis are recognised after any
+rational rotation of the axes: the characteristic polynomial tells repeated and rational moments
+exactly, and projections onto an axis are formed before the axis is scaled to length one.
 """
 
 from __future__ import annotations
@@ -82,8 +82,7 @@ class Axes:
         if self.trivial:
             return IDENTITY
         a, b, c = (
-            scaled(1 / exact.sqrt(n), u)
-            for u, n in zip(self.directions, self.squares, strict=True)
+            scaled(1 / exact.sqrt(n), u) for u, n in zip(self.directions, self.squares, strict=True)
         )
         return a, b, c
 
@@ -207,9 +206,7 @@ def _eigenvector(inertia: Matrix, moment: Exact) -> Vector:
 
 def _right_handed(first: Vector, second: Vector) -> Axes:
     third = cross(first, second)
-    return Axes(
-        (first, second, third), (dot(first, first), dot(second, second), dot(third, third))
-    )
+    return Axes((first, second, third), (dot(first, first), dot(second, second), dot(third, third)))
 
 
 def _rational_if_so(inertia: Matrix, moment: Exact) -> Exact:
@@ -228,4 +225,3 @@ def _rational_if_so(inertia: Matrix, moment: Exact) -> Exact:
     candidate = Fraction(round(mantissa * Fraction(2) ** exponent), common)
     x, y, z = _shifted(inertia, candidate)
     return candidate if sign(dot(x, cross(y, z))) == 0 else moment
-

@@ -29,7 +29,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one verb; the exit code."""
     try:
         try:
-            options = _parser().parse_args(_joined(sys.argv[1:] if arguments is None else arguments))
+            given = sys.argv[1:] if arguments is None else arguments
+            options = _parser().parse_args(_joined(given))
             from polhode import verbs
 
             code: int = getattr(verbs, options.verb)(options)

@@ -29,9 +29,7 @@ def rate_scale(rows: Sequence[Sequence[Any]], scene: Scene, bits: int) -> Any:
         return to_mpf(exact.sqrt(fallback), bits) if sign(fallback) else mpmath.mpf(1)
 
 
-def errors(
-    states: Any, truth: Sequence[Sequence[Any]], scale: Any, bits: int
-) -> list[Any]:
+def errors(states: Any, truth: Sequence[Sequence[Any]], scale: Any, bits: int) -> list[Any]:
     """For each time the larger of the scaled errors of w and of gamma, as mpf.
 
     ``states``: rows as long as those of ``truth``; an entry None is not judged.
@@ -59,8 +57,10 @@ def digits_of(error: Any, cap: float) -> float:
         return 0.0
     if error == 0:
         return cap
-    return min(cap, max(0.0, -float(mpmath.log10(error)))) if cap < math.inf else max(
-        0.0, -float(mpmath.log10(error))
+    return (
+        min(cap, max(0.0, -float(mpmath.log10(error))))
+        if cap < math.inf
+        else max(0.0, -float(mpmath.log10(error)))
     )
 
 

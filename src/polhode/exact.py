@@ -5,9 +5,9 @@ remembers how it was made and encloses its value between two binary numbers, as 
 Both take part in ``+ - * /`` and comparisons, alone or mixed, so the code that decides a regime
 reads the same for rational and irrational data.
 
-The rule for *equal*: rationals are compared exactly.  An irrational number is called zero when its
-enclosure, every step carried to :data:`EQUAL_BITS` bits, still contains zero; two numbers are called
-equal when their difference is called zero.
+The rule for *equal*: rationals are compared exactly.  An irrational number is called zero when
+its enclosure, every step carried to :data:`EQUAL_BITS` bits, still contains zero; two numbers are
+called equal when their difference is called zero.
 """
 
 from __future__ import annotations
@@ -53,8 +53,7 @@ class Irrational:
             lacking = [
                 part
                 for part in node._parts
-                if isinstance(part, Irrational)
-                and (part._best is None or part._best[0] < prec)
+                if isinstance(part, Irrational) and (part._best is None or part._best[0] < prec)
             ]
             if lacking:
                 pending.extend(lacking)
@@ -135,6 +134,7 @@ def exact(value: Number) -> Exact:
 
 
 def add(a: Exact, b: Exact) -> Exact:
+    """a + b."""
     if isinstance(a, Fraction) and isinstance(b, Fraction):
         return a + b
     if isinstance(a, Fraction) and a == 0:
@@ -145,6 +145,7 @@ def add(a: Exact, b: Exact) -> Exact:
 
 
 def multiply(a: Exact, b: Exact) -> Exact:
+    """a·b; the square of a root is its radicand."""
     if isinstance(a, Fraction) and isinstance(b, Fraction):
         return a * b
     if a is b and isinstance(a, Irrational):

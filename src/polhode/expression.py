@@ -1,8 +1,8 @@
 """Expressions in scene files: numbers, names, ``+ - * / **``, brackets, sqrt, sin, cos, pi.
 
-One parser for numbers, events and published figures.  It computes while it reads: numbers combine
-exactly (:mod:`polhode.exact`); where a number meets a name, the number is lifted into the name's own
-arithmetic.  Precedence is Python's: ``-2**2`` is -4, ``2**3**2`` is 512.
+One parser for numbers, events and published figures.  It computes while it reads: numbers
+combine exactly (:mod:`polhode.exact`); where a number meets a name, it is lifted into the name's
+own arithmetic.  Precedence is Python's: ``-2**2`` is -4, ``2**3**2`` is 512.
 """
 
 from __future__ import annotations
@@ -204,7 +204,8 @@ class _Reader:
 
 
 def _split(text: str) -> list[str]:
-    tokens, position = [], 0
+    tokens: list[str] = []
+    position = 0
     while True:
         match = _TOKEN.match(text, position)
         if match is None:

@@ -58,7 +58,7 @@ class Verdict:
 
 
 def read_table(path: Path, number: NumberType | None) -> Table:
-    """A CSV file as a table; raises BadInput.  ``number``: its decimals are rounded values of it."""
+    """A CSV file as a table; raises BadInput.  ``number``: its decimals stand for numbers of it."""
     try:
         if path.stat().st_size > MAX_BYTES:
             raise BadInput(str(path), "file", None, f"at most {MAX_BYTES} bytes")
@@ -141,12 +141,11 @@ def judge(table: Table, truth: Reference | TwoPrecisions, number: NumberType | N
         ]
         scale = rate_scale(truth_rows, scene, bits)
         digits = tuple(digits_of(e, cap) for e in errors(states, truth_rows, scale, bits))
-        if any(x is None for row in states for x, name in zip(row, scene.columns, strict=True) if name in judged):
+        if any(None in table.columns[name] for name in judged):
             notes.append("empty cells were not judged")
     parts = _parts(table, truth, order, wanted, bits, cap, notes)
-    return Verdict(
-        table, truth, digits, (*judged, *parts), parts, _drift(table, scene, bits, notes), tuple(notes)
-    )
+    found = _drift(table, scene, bits, notes)
+    return Verdict(table, truth, digits, (*judged, *parts), parts, found, tuple(notes))
 
 
 def _rows(ask: Any, table: Table, order: list[int], digits: int) -> list[Any]:
@@ -170,7 +169,7 @@ def _parts(
     cap: float,
     notes: list[str],
 ) -> dict[str, float]:
-    """Digits of angles and attitude, absolute errors; a quaternion may have either sign throughout."""
+    """Digits of angles and attitude by absolute error; a quaternion may have the other sign."""
     parts: dict[str, float] = {}
     if len(truth.scene.columns) == 3:
         return parts

@@ -1,6 +1,6 @@
 """First integrals (3.30) along a trajectory, and their drift from the exact scene's values.
 
-    h = ½ w·I w + Mg r0·gamma,    f = I w·gamma,    |gamma|² = 1
+h = ½ w·I w + Mg r0·gamma,    f = I w·gamma,    |gamma|² = 1
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ GUARD_BITS = 64
 
 
 class Drift(NamedTuple):
-    """Largest departures of h, f, |gamma|² over the output times, relative to T(0) + Mg|r0|, |G(0)|, 1.
+    """Largest departures of h, f, |gamma|² over all output times.
 
+    They are relative to T(0) + Mg|r0|, |G(0)|, 1.
     A scale that is zero is replaced: |G(0)| by the momentum of the pendulum's rate,
     sqrt(Mg|r0|·largest moment), and any zero scale that is left by 1.  f and gamma are None for a
     scene without gamma.

@@ -76,9 +76,7 @@ def integrate(
     )
 
 
-def choose_number(
-    scene: Scene, number: str | NumberType | None, digits: int | None
-) -> NumberType:
+def choose_number(scene: Scene, number: str | NumberType | None, digits: int | None) -> NumberType:
     """The number type that was named, or the cheapest one that holds the digits wanted."""
     if isinstance(number, NumberType):
         return number
@@ -140,18 +138,14 @@ class _Run:
         rates = principal.field(state[:columns], k, fn)
         if not self.scene.outputs:
             return rates
-        omega, gamma = (
-            kinematics.in_scene_axes(state[i : i + 3], k, fn.zero) for i in (0, 3)
-        )
+        omega, gamma = (kinematics.in_scene_axes(state[i : i + 3], k, fn.zero) for i in (0, 3))
         if "attitude" in self.scene.outputs:
             rates += kinematics.attitude_rates(state[columns : columns + 4], omega)
         if "angles" in self.scene.outputs:
             rates += kinematics.angle_rates(omega, gamma)
         return rates
 
-    def to(
-        self, times: list[Fraction], progress: Progress | None
-    ) -> tuple[Outcome, list[Any]]:
+    def to(self, times: list[Fraction], progress: Progress | None) -> tuple[Outcome, list[Any]]:
         """Rows at the times, as far as they were reached, and the outcome."""
         from polhode import taylor
 
@@ -209,7 +203,7 @@ def _march(
             if taylor.at_end(ended):
                 break
             passed = abs(integrator.time - before)
-            if passed <= steps * abs(end) * integrator.number.eps:
+            if passed <= steps * abs(integrator.time) * integrator.number.eps:
                 return Outcome.STEP_UNDERFLOW
             ahead = abs(end - integrator.time) / passed * steps
             if integrator.steps + ahead > 10 * limit:  # hopeless: no need to try the limit out
@@ -229,7 +223,9 @@ def _rounded_times(scene: Scene, number: NumberType) -> list[Fraction]:
     for k in range(1, len(times)):
         if times[k] == times[k - 1]:
             raise BadInput(
-                scene.name, f"run.at[{k + 1}]", str(float(times[k])),
+                scene.name,
+                f"run.at[{k + 1}]",
+                str(float(times[k])),
                 f"times that differ when rounded to {number.name}",
             )
     return times

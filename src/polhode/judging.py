@@ -58,9 +58,7 @@ class Judgement:
         The same rounded start and coefficients, integrated in a wider type.
         """
         run = self.run
-        replay = integrate(
-            run.scene.at(run.times), wider(run.number), inputs=run.number
-        )
+        replay = integrate(run.scene.at(run.times), wider(run.number), inputs=run.number)
         judged = _digits(replay.states, run, self.reference, run.number.most_digits)
         return min(judged[0])
 
@@ -88,9 +86,7 @@ class Judgement:
         return "\n".join(lines)
 
 
-def compare(
-    run: Trajectory, exact: Reference | TwoPrecisions | None = None
-) -> Judgement:
+def compare(run: Trajectory, exact: Reference | TwoPrecisions | None = None) -> Judgement:
     """Judge a trajectory against a reference (the scene's own unless one is given)."""
     truth = exact if exact is not None else reference(run.scene)
     digits, pointwise = _digits(run.states, run, truth, run.number.most_digits)

@@ -3,7 +3,8 @@
 R (body -> space, z up) = Rz(psi) Rx(theta) Rz(phi); gamma = (sin theta sin phi, sin theta cos phi,
 cos theta); the unit quaternion of R, scalar first.  With w = (p, q, r) in body axes
 
-    q' = ½ q ⊗ (0, w),    psi' = (p gamma1 + q gamma2)/(gamma1² + gamma2²),    phi' = r - psi' cos theta.
+    q' = ½ q ⊗ (0, w)
+    psi' = (p gamma1 + q gamma2)/(gamma1² + gamma2²),    phi' = r - psi' cos theta.
 """
 
 from __future__ import annotations
@@ -15,7 +16,6 @@ from polhode import exact
 from polhode.body import Axes, Vector
 from polhode.exact import ONE, Exact, sign
 from polhode.forms import combination
-
 
 
 def starting_attitude(gamma: Vector, psi: Exact) -> tuple[Exact, ...]:
@@ -62,9 +62,7 @@ def in_scene_axes(vector: Sequence[Any], k: Mapping[str, Any], zero: Any) -> lis
     """A vector of principal components along the scene's axes."""
     if not any(name.startswith("turn") for name in k):
         return list(vector)
-    return [
-        combination(k, zero, *((f"turn{i}{j}", vector[i]) for i in range(3))) for j in range(3)
-    ]
+    return [combination(k, zero, *((f"turn{i}{j}", vector[i]) for i in range(3))) for j in range(3)]
 
 
 def attitude_rates(quaternion: Sequence[Any], omega: Sequence[Any]) -> list[Any]:

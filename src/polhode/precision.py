@@ -115,7 +115,7 @@ def to_mpf(x: Number, bits: int) -> Any:
 
 
 def exactly(value: Any) -> Fraction:
-    """The exact value of a float, longdouble, mpf, int or Fraction; raises ValueError if not finite."""
+    """The exact value of a float, longdouble, mpf, int, Fraction; ValueError if not finite."""
     if isinstance(value, (int, Fraction)):
         return Fraction(value)
     try:

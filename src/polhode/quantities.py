@@ -14,7 +14,9 @@ from polhode.precision import to_mpf
 def check(text: str, names: tuple[str, ...]) -> None:
     """Raise ExpressionError unless ``text`` reads as an expression in these names."""
     expression.evaluate(
-        text, dict.fromkeys(names, _ANY), Algebra(_lift_any, dict.fromkeys(expression.FUNCTIONS, _same))
+        text,
+        dict.fromkeys(names, _ANY),
+        Algebra(_lift_any, dict.fromkeys(expression.FUNCTIONS, _same)),
     )
 
 

@@ -1,4 +1,4 @@
-"""From the integrator's rows to what is asked: scene axes, the scene's unit of time, attitude, angles."""
+"""From the integrator's rows to what is asked: scene axes and units, attitude, angles."""
 
 from __future__ import annotations
 
@@ -50,7 +50,8 @@ class Readout:
 
         with mpmath.workprec(self.number.bits):
             return [
-                angles(state[3:], *row[-2:], fn) for state, row in zip(states, rows, strict=True)
+                angles(state[3:], row[-2], row[-1], fn)
+                for state, row in zip(states, rows, strict=True)
             ]
 
     @property
@@ -87,9 +88,11 @@ class Readout:
         """Rows of vectors from principal to scene axes, computed with more bits than they have."""
         axes = self.scene.body.axes
         if axes.trivial or not rows:
-            return self._kept(rows).reshape(len(rows), self.columns) if self._flat else [
-                list(row) for row in rows
-            ]
+            return (
+                self._kept(rows).reshape(len(rows), self.columns)
+                if self._flat
+                else [list(row) for row in rows]
+            )
         if self._flat:
             import numpy as np
 

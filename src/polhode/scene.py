@@ -56,8 +56,8 @@ class Integrals(NamedTuple):
 class Scene:
     """What is to be integrated; see the module for frame and symbols.
 
-    ``gamma`` None: a torque-free body of which only omega is asked.  ``times``: output times, all of
-    one sign (0 may be the first), |t| increasing.  Raises BadInput where a value cannot be.
+    ``gamma`` None: a torque-free body of which only omega is asked.  ``times``: output times, all
+    of one sign (0 may be the first), |t| increasing.  Raises BadInput where a value cannot be.
     """
 
     body: Body
@@ -147,7 +147,7 @@ class Scene:
 
     @cached_property
     def log10_angle(self) -> float:
-        """log10 of the angle turned to the end: fastest rate in the start times |end|, at least 0."""
+        """log10 of the angle turned: the fastest rate in the start times |end|; at least 0."""
         square = max(dot(self.omega, self.omega), self.pendulum_rate_squared)
         return max(0.0, exact.log10(square) / 2 + exact.log10(self.end))
 

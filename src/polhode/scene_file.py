@@ -131,9 +131,7 @@ class _Reading:
         except UnphysicalBody as fault:
             raise self.bad(f"body.{key}", _as_written(value), str(fault)) from None
 
-    def start(
-        self, table: Mapping[str, Any], body: Body
-    ) -> tuple[Vector, Vector | None, Exact]:
+    def start(self, table: Mapping[str, Any], body: Body) -> tuple[Vector, Vector | None, Exact]:
         if "angles" in table or "rates" in table:
             return self.start_in_angles(table)
         if ("omega" in table) == ("momentum" in table):

@@ -61,7 +61,7 @@ def chunk_steps(number: NumberType) -> int:
     double 0.6 µs, extended 7 µs, quad 0.3 ms, mp 2 ms at 237 bits growing like bits^2.7.
     """
     if number.name == "mp":
-        return max(1, math.floor(_CHUNK_SECONDS / (2e-3 * (number.bits / 237) ** 2.7)))
+        return max(1, int(_CHUNK_SECONDS / (2e-3 * float((number.bits / 237) ** 2.7))))
     return {"double": 200_000, "extended": 30_000, "quad": 600}[number.name]
 
 

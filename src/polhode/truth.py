@@ -5,6 +5,7 @@ Both answer the same questions; ``kind`` says which it is, and nothing else is e
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,7 @@ class Reference:
     """
 
     is_closed_form = True
+    agreement = math.inf  # no rounding enters that the digits asked for would show
 
     def __init__(self, scene: Scene, kind: str, motion: Motion) -> None:
         self.scene, self.kind, self._motion = scene, kind, motion
@@ -103,7 +105,8 @@ class TwoPrecisions:
             if agreement >= digits:
                 return fine.states, agreement
             spare += digits - int(agreement) + 4
-        raise BadInput(scene.name, "reference", None, f"a motion that keeps {digits} digits so long")
+        expected = f"a motion that keeps {digits} digits to t = {float(times[-1]):g}"
+        raise BadInput(scene.name, "reference", None, expected)
 
     def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
         """Not made: the reference integrates the state alone."""
@@ -125,8 +128,8 @@ def reference(scene: Scene | str | Path) -> Reference | TwoPrecisions:
     if found is not None and scene.reference in ("auto", found[0]):
         return Reference(scene, *found)
     if scene.reference != "auto":
-        fits = found[0] if found else "two-precisions"
-        raise BadInput(scene.name, "reference.kind", scene.reference, f"{fits}, which fits this body")
+        fits = f"{found[0] if found else 'two-precisions'}, which fits this body"
+        raise BadInput(scene.name, "reference.kind", scene.reference, fits)
     return TwoPrecisions(scene)
 
 

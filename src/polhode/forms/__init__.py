@@ -1,8 +1,8 @@
 """Forms of the equations of motion: one file a form, each field written once for any scalar.
 
-A form is ``field(state, k, fn)``: the state's components, the exact non-zero coefficients by name as
-the run's numbers, and the scalar's own functions.  The same lines feed floats, mpmath numbers and
-heyoka expressions.
+A form is ``field(state, k, fn)``: the state's components, the exact non-zero coefficients by name
+as the run's numbers, and the scalar's own functions.  The same lines feed floats, mpmath numbers
+and heyoka expressions.
 """
 
 from __future__ import annotations

@@ -8,25 +8,27 @@ Any body, any start, any time, any number of digits.  Units: any consistent set.
 
 from __future__ import annotations
 
-import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
 import mpmath
 from mpmath import mpf
 
-from polhode.exact import Exact, rounded, sign, sqrt
+from polhode.exact import Exact, rounded, sign
+from polhode.references.euler_angles import angles
+from polhode.references.euler_attitude import Attitude
+from polhode.references.euler_axes import numbered_axes
 from polhode.references.euler_motion import (
     Motion,
     Quaternion,
     Vector,
     permanent_rotation,
     polhode,
-    product,
     turned_back,
 )
+from polhode.references.euler_regimes import exact_numbers, is_permanent, regime, total
 from polhode.references.theta import MP
 
 _ZERO = Fraction(0)
@@ -52,30 +54,18 @@ class EulerTop:
         psi: Exact = _ZERO,
         axes: tuple[tuple[Exact, ...], ...] | None = None,
     ) -> None:
-        self._axes = axes
-        self._scene_omega = tuple(omega)
-        self._gamma = None if gamma is None else tuple(gamma)
+        self._gamma = gamma
         self._psi = psi
-        I = tuple(moments)  # noqa: E741
-        w = self._principal(omega)
-
-        ranking = sorted(range(3), key=functools.cmp_to_key(lambda i, j: sign(I[i] - I[j])))
-        excess = _total(I[i] * (I[i] - I[ranking[1]]) * w[i] * w[i] for i in range(3))  # G^2 - 2hB
-        if sign(excess) < 0:
-            ranking.reverse()
-        self._order = tuple(ranking)
-        # An even renumbering keeps the frame right-handed; an odd one needs axis 2 reversed.
-        self._odd = self._order in ((0, 2, 1), (1, 0, 2), (2, 1, 0))
-        self._moments = tuple(I[i] for i in self._order)
-        self._omega = self._numbered(w)
-        self._permanent = all(
-            sign((I[i] - I[j]) * w[i] * w[j]) == 0 for i, j in ((0, 1), (1, 2), (2, 0))
-        )
-        self.regime = _regime(I, w, self._permanent, sign(excess))
-        self._numbers = {} if self._permanent else _numbers(self._moments, self._omega)
+        self._axes, side = numbered_axes(axes, moments, omega)
+        principal = self._axes.principal(omega)
+        self.regime = regime(moments, principal, side)
+        self._permanent = is_permanent(moments, principal)
+        self._moments = tuple(moments[i] for i in self._axes.order)
+        self._omega = self._axes.numbered(omega)
+        self._numbers = {} if self._permanent else exact_numbers(self._moments, self._omega)
         self._motions: dict[int, Motion] = {}
-        self._starts: dict[int, tuple[Quaternion, Any]] = {}
-        self._sign: int | None = None
+        self._attitudes: dict[int, Attitude] = {}
+        self._sign = 0  # of the attitude against the Euler angles at t = 0; 0 until known
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
         """Rows p, q, r [, gamma1, gamma2, gamma3], one a time.
@@ -85,16 +75,16 @@ class EulerTop:
         bits = self._bits(times, digits)
         rows = []
         with mpmath.workprec(bits):
-            motion, frame = self._motion(bits), self._frame(bits)
+            motion = self._motion(bits)
+            axes = self._axes.mapped(lambda x: _mpf(x, bits))
             gamma = None
             if self._gamma is not None:
-                gamma = self._numbered(self._principal(self._gamma))
-                gamma = tuple(_mpf(x, bits) for x in gamma)
+                gamma = _vector(self._axes.numbered(self._gamma), bits)
             for t in times:
                 omega, turn = motion.state(_mpf(t, bits), MP)
-                row = self._scene(omega, frame)
+                row = axes.scene(omega)
                 if gamma is not None:
-                    row += self._scene(turned_back(turn, gamma), frame)
+                    row += axes.scene(turned_back(turn, gamma))
                 rows.append(row)
         return _shortened(rows, digits)
 
@@ -106,8 +96,33 @@ class EulerTop:
         """
         bits = self._bits(times, digits)
         with mpmath.workprec(bits):
-            rows = [list(self._quaternion(_mpf(t, bits), bits)) for t in times]
+            attitude = self._attitude(bits)
+            rows = [list(attitude.at(_mpf(t, bits), MP)) for t in times]
         return _shortened(rows, digits)
+
+    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
+        """Rows psi, theta, phi; psi and phi continuous in t, None where gamma is along axis 3.
+
+        They start from the psi given and phi = atan2(gamma1, gamma2).  Passing through a pole, psi
+        and phi jump by pi, and one of psi + phi, psi - phi stays continuous.  The error is below
+        10^-digits.  Where the turns can only be counted, the work grows with time: beyond a limit
+        ValueError is raised.
+        """
+        bits = self._bits(times, digits)
+        self._attitude(bits)
+        assert self._gamma is not None
+        with mpmath.workprec(bits):
+            psi = _mpf(self._psi, bits)
+            phi = mpmath.atan2(_mpf(self._gamma[0], bits), _mpf(self._gamma[1], bits))
+
+        def moment(t: Exact) -> Callable[[int], mpf]:
+            return lambda prec: _mpf(t, prec)
+
+        rows = angles(self._attitude, [moment(t) for t in times], (psi, phi), self._sign, bits)
+        return [
+            [x if x is None else _shortened([[x]], digits, absolute=True)[0][0] for x in row]
+            for row in rows
+        ]
 
     def period(self, digits: int) -> mpf | None:
         """The period of w in the body; None where w is constant or tends to the middle axis."""
@@ -132,7 +147,7 @@ class EulerTop:
                 found = {"precession": 2 * motion.half}
             else:
                 found = {"precession": motion.precession}
-                if motion.elliptic.K < mpmath.inf:
+                if mpmath.inf > motion.elliptic.K:
                     half_period = 2 * motion.elliptic.K / motion.rate
                     found["polhode"] = mpmath.pi / half_period
                     found["precession"] += motion.jump / half_period
@@ -153,25 +168,20 @@ class EulerTop:
             self._motions[bits] = made
         return self._motions[bits]
 
-    def _quaternion(self, t: mpf, bits: int) -> Quaternion:
-        """The attitude at t, continuous in t."""
-        start, frame = self._start(bits)
-        c, *axis = self._motion(bits).state(t, MP)[1]
-        return product(start, (c, *self._scene(tuple(axis), frame)))
-
-    def _start(self, bits: int) -> tuple[Quaternion, Any]:
-        """The attitude at t = 0, and the axes as numbers."""
+    def _attitude(self, bits: int) -> Attitude:
+        """The attitude as a function of time, its constants made once a precision."""
         if self._gamma is None:
-            raise ValueError("this motion was given without gamma: it has states of w only")
-        if bits not in self._starts:
+            raise ValueError("this motion was given without gamma: only its omega is known")
+        if bits not in self._attitudes:
             with mpmath.workprec(bits):
-                self._starts[bits] = (self._initial(bits), self._frame(bits))
-        return self._starts[bits]
+                axes = self._axes.mapped(lambda x: _mpf(x, bits))
+                self._attitudes[bits] = Attitude(self._motion(bits), axes, self._initial(bits))
+        return self._attitudes[bits]
 
     def _initial(self, bits: int) -> Quaternion:
         assert self._gamma is not None
         g1, g2, g3 = self._gamma
-        across = _total((g1 * g1, g2 * g2))
+        across = total((g1 * g1, g2 * g2))
         # cos^2 and sin^2 of theta/2, the smaller one from sin theta.
         near = (1 + _mpf(abs(g3), bits)) / 2
         far = _mpf(across, bits) / (4 * near)
@@ -182,7 +192,7 @@ class EulerTop:
         c1, s1 = mpmath.cos_sin((psi + phi) / 2)
         c2, s2 = mpmath.cos_sin((psi - phi) / 2)
         found = (cos * c1, sin * c2, sin * s2, cos * s1)
-        if self._sign is None:
+        if not self._sign:
             tiny = mpmath.ldexp(1, -bits // 2)  # rounding of an exact zero
             self._sign = next((1 if x > 0 else -1) for x in found if abs(x) > tiny)
         a, b, c, d = (self._sign * x for x in found)
@@ -203,97 +213,6 @@ class EulerTop:
         wanted = digits * math.log2(10) + phase + (max(spread) - min(spread)) + _GUARD
         return 64 * math.ceil(wanted / 64)
 
-    def _principal(self, vector: Sequence[Exact]) -> tuple[Exact, ...]:
-        """From the scene's axes to the principal ones."""
-        if self._axes is None:
-            return tuple(vector)
-        return tuple(_total(a * x for a, x in zip(row, vector, strict=True)) for row in self._axes)
-
-    def _numbered(self, vector: Sequence[Exact]) -> tuple[Exact, ...]:
-        """From the principal axes to those numbered for the motion."""
-        a, b, c = (vector[i] for i in self._order)
-        return a, (-b if self._odd else b), c
-
-    def _frame(self, bits: int) -> tuple[Vector, ...] | None:
-        return None if self._axes is None else tuple(_vector(row, bits) for row in self._axes)
-
-    def _scene(self, vector: Sequence[Any], frame: tuple[Vector, ...] | None) -> list[Any]:
-        """From the axes numbered for the motion to the scene's."""
-        principal: list[Any] = [None] * 3
-        for i, x in zip(self._order, vector, strict=True):
-            principal[i] = x
-        if self._odd:
-            principal[self._order[1]] = -principal[self._order[1]]
-        if frame is None:
-            return principal
-        return [sum(x * row[i] for x, row in zip(principal, frame, strict=True)) for i in range(3)]
-
-
-def _numbers(I: Sequence[Exact], w: Sequence[Exact]) -> dict[str, Exact]:  # noqa: E741
-    """The exact numbers of :mod:`polhode.references.euler_motion`, all of them >= 0."""
-    I1, I2, I3 = I
-    m1, m2, m3 = (a * x for a, x in zip(I, w, strict=True))
-    d21, d31, d32 = I2 - I1, I3 - I1, I3 - I2
-    G2 = m1 * m1 + m2 * m2 + m3 * m3
-    # P, R and G^2 - 2h I2 as sums over two axes: irrational data then cancel as little as may be.
-    P = m1 * w[0] * d31 + m2 * w[1] * d32
-    R = m2 * w[1] * d21 + m3 * w[2] * d31
-    D = m3 * w[2] * d32 - m1 * w[0] * d21
-    p2, q2, r2 = P / (I1 * d31), P / (I2 * d32), R / (I3 * d31)
-    return {
-        "I1": I1,
-        "I2": I2,
-        "I3": I3,
-        "G2": G2,
-        "k2": d21 * P / (d32 * R),
-        "kc2": d31 * D / (d32 * R),
-        "rate2": d32 * R / (I1 * I2 * I3),
-        "p2": p2,
-        "q2": q2,
-        "r2": r2,
-        "sn0_2": w[1] * w[1] / q2,
-        "cn0_2": w[0] * w[0] / p2,
-        "dn0_2": w[2] * w[2] / r2,
-        "sn_a2": I3 * R / (G2 * d31),
-        "cn_a2": I1 * P / (G2 * d31),
-        "dn_a2": I2 * P / (G2 * d32),
-    }
-
-
-def _regime(
-    I: Sequence[Exact],  # noqa: E741
-    w: Sequence[Exact],
-    permanent: bool,
-    excess: int,
-) -> str:
-    """The name of the motion; ``excess`` is the sign of G^2 - 2hB."""
-    if all(sign(x) == 0 for x in w):
-        return "rest"
-    equal = [(i, j) for i, j in ((0, 1), (1, 2), (2, 0)) if sign(I[i] - I[j]) == 0]
-    if len(equal) > 1:
-        return "sphere"
-    if equal:
-        i, j = equal[0]
-        k = 3 - i - j
-        if permanent:
-            axis = "the symmetry axis" if sign(w[k]) else "an equatorial axis"
-            return f"permanent rotation about {axis}"
-        return f"axisymmetric, {'oblate' if I[k] > I[i] else 'prolate'}: regular precession"
-    if permanent:
-        (k,) = (i for i in range(3) if sign(w[i]))
-        rank = sum(I[j] < I[k] for j in range(3))
-        return f"permanent rotation about the {('smallest', 'middle', 'largest')[rank]}-moment axis"
-    if excess == 0:
-        return "separatrix"
-    return f"polhode about the {'largest' if excess > 0 else 'smallest'}-moment axis"
-
-
-def _total(terms: Any) -> Exact:
-    total: Exact = _ZERO
-    for term in terms:
-        total = total + term
-    return total
-
 
 def _mpf(x: Exact, bits: int) -> mpf:
     """x rounded to ``bits`` bits."""
@@ -311,6 +230,10 @@ def _log2(x: Exact) -> float:
     return math.log2(abs(mantissa)) + exponent if mantissa else -math.inf
 
 
-def _shortened(rows: list[list[Any]], digits: int) -> list[list[mpf]]:
-    with mpmath.workprec(math.ceil(digits * math.log2(10)) + _SPARE):
+def _shortened(rows: list[list[Any]], digits: int, absolute: bool = False) -> list[list[mpf]]:
+    """Rounded to the digits and a little more; ``absolute``: counted from the units' place."""
+    bits = math.ceil(digits * math.log2(10)) + _SPARE
+    if absolute:
+        bits += max([0, *(mpmath.mag(x) for row in rows for x in row if x)])
+    with mpmath.workprec(bits):
         return [[+x for x in row] for row in rows]

@@ -24,7 +24,6 @@ from polhode.references.euler_motion import (
     PermanentRotation,
     Polhode,
     Quaternion,
-    Vector,
     product,
 )
 from polhode.references.theta import MP, Functions
@@ -104,7 +103,7 @@ def _dominated(row: list[Any], motion: Polhode, t: Any) -> Any:
     # cos th of the axis circled, G to that axis, keeps its sign; its least and largest modulus.
     here, there = abs(motion.momentum[2]), abs(_cosine(motion, t))
     kc = motion.elliptic.functions(motion.elliptic.waves(motion.elliptic.K, MP))[2]
-    least = here * kc if motion.elliptic.K < mpmath.inf else there
+    least = here * kc if mpmath.inf > motion.elliptic.K else there
     ends = [least, here] if motion.momentum[2] > 0 else [-least, -here]
     ratio = [mpmath.sqrt((1 + x) / (1 - x)) if x < 1 else mpmath.inf for x in ends]  # |al'/bt'|
     # Equality is enough: it is met at most in the limit of a separatrix.

@@ -63,9 +63,11 @@ def numbered_axes(
     The third is the axis that the polhode circles, of the largest moment where G^2 >= 2hB and of
     the smallest where G^2 < 2hB; the second is that of B.
     """
-    ranking = sorted(
-        range(3), key=functools.cmp_to_key(lambda i, j: sign(moments[i] - moments[j]))
-    )
+
+    def compared(i: int, j: int) -> int:
+        return sign(moments[i] - moments[j])
+
+    ranking = sorted(range(3), key=functools.cmp_to_key(compared))
     side = excess(moments, Axes(rows).principal(omega), moments[ranking[1]])
     if side < 0:
         ranking.reverse()

@@ -8,17 +8,17 @@ from fractions import Fraction
 from polhode.exact import Exact, sign
 
 
-def is_permanent(I: Sequence[Exact], w: Sequence[Exact]) -> bool:  # noqa: E741
+def is_permanent(I: Sequence[Exact], w: Sequence[Exact]) -> bool:
     """Whether w x Iw = 0."""
     return all(sign((I[i] - I[j]) * w[i] * w[j]) == 0 for i, j in ((0, 1), (1, 2), (2, 0)))
 
 
-def excess(I: Sequence[Exact], w: Sequence[Exact], middle: Exact) -> int:  # noqa: E741
+def excess(I: Sequence[Exact], w: Sequence[Exact], middle: Exact) -> int:
     """The sign of G^2 - 2hB, B the middle moment: which axis the polhode circles."""
     return sign(total(I[i] * (I[i] - middle) * w[i] * w[i] for i in range(3)))
 
 
-def regime(I: Sequence[Exact], w: Sequence[Exact], side: int) -> str:  # noqa: E741
+def regime(I: Sequence[Exact], w: Sequence[Exact], side: int) -> str:
     """The name of the motion; ``side`` is :func:`excess`."""
     if all(sign(x) == 0 for x in w):
         return "rest"
@@ -42,7 +42,7 @@ def regime(I: Sequence[Exact], w: Sequence[Exact], side: int) -> str:  # noqa: E
     return f"polhode about the {'largest' if side > 0 else 'smallest'}-moment axis"
 
 
-def exact_numbers(I: Sequence[Exact], w: Sequence[Exact]) -> dict[str, Exact]:  # noqa: E741
+def exact_numbers(I: Sequence[Exact], w: Sequence[Exact]) -> dict[str, Exact]:
     """The numbers that :func:`polhode.references.euler_motion.polhode` takes, none negative.
 
     Moments and w in the axes numbered for the motion, which is not a permanent rotation.

@@ -3,7 +3,7 @@
 The parameter k^2 and its complement k'^2 come separately, so neither end of 0 <= k <= 1 costs a
 digit: k = 0 is the circle (nome 0), k' = 0 the separatrix (complementary nome 0).  Either the nome
 q = exp(-pi K'/K) or the complementary one q' = exp(-pi K/K') is at most exp(-pi); all series run in
-that one (DLMF 20.2, 20.7(viii), 22.2).  An argument v is first reduced, v = 2 K n + v_r, |v_r| <= K.
+that one (DLMF 20.2, 20.7(viii), 22.2).  An argument is first reduced, v = 2 K n + v_r, |v_r| <= K.
 
 With z = pi v_r/2K or X = pi v_r/2K', everything is a sum over cos and sin of multiples of z, or
 over cosh and sinh of multiples of X.  The sums are written with arithmetic only, so the same lines

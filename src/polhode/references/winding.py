@@ -25,9 +25,9 @@ Fine = Callable[[mpf], tuple[Any, Any]]
 Coarse = Callable[[Any], tuple[Any, Any]]
 
 
-def most(time: float) -> bool:
-    """Whether a march to ``time`` (in units of 1/speed) is too long."""
-    return time / (2 * _REACH) > MOST_SAMPLES
+def longest() -> int:
+    """The longest time that a march can reach, in the units of :func:`growth`."""
+    return int(2 * _REACH * MOST_SAMPLES)
 
 
 def growth(fine: Fine, coarse: Coarse, times: Sequence[mpf]) -> list[tuple[float, float]]:

@@ -1,9 +1,9 @@
 """Figures that somebody printed, beside ours.
 
 Ours comes from the scene's reference (the closed form where there is one), never from a table.
-A printed figure stands when it differs from ours by at most one unit of its last digit; where only
-``right`` of its significant digits are known to be right, by at most half a unit of that digit, and
-by more than half a unit of the next one.
+A printed figure stands when it is ours rounded to its last digit, or cut off there; where only
+``right`` of its significant digits are known to be right, when it differs by at most half a unit of
+that digit and by more than half a unit of the next one.
 """
 
 from __future__ import annotations
@@ -73,7 +73,9 @@ def _figure(published: Published, columns: Mapping[str, Any]) -> Figure:
 
 def _stands(published: Published, ours: Fraction, difference: Fraction) -> bool:
     if published.right is None:
-        return difference <= _last_unit(published.value)
+        unit = _last_unit(published.value)
+        cut_off = difference < unit and abs(decimal(published.value)) <= abs(ours)
+        return cut_off or difference <= unit / 2
     unit = _leading_unit(ours) / Fraction(10) ** (published.right - 1)
     return unit / 20 < difference <= unit / 2
 

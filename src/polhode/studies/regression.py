@@ -63,7 +63,7 @@ class Report:
     @property
     def passed(self) -> bool:
         """Whether everything stands."""
-        return all(x.passed for x in (*self.lines, *self.figures))
+        return all(x.passed for x in self.lines) and all(x.passed for x in self.figures)
 
 
 def check(
@@ -87,9 +87,7 @@ def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
     """The checks of one case."""
     truth = reference(scene)
     lines = [_line(scene, truth, number) for number in numbers or scene.expect]
-    return Report(
-        scene, truth.regime, truth.kind, tuple(lines), tuple(figures(scene, truth))
-    )
+    return Report(scene, truth.regime, truth.kind, tuple(lines), tuple(figures(scene, truth)))
 
 
 def _line(scene: Scene, truth: Reference | TwoPrecisions, number: str) -> Line:

@@ -1,0 +1,90 @@
+"""Study ``accuracy``: every case in every number type, correct digits against its reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from polhode import library, precision
+from polhode.integration import integrate
+from polhode.judging import compare
+from polhode.provenance import digest
+from polhode.scene import Scene
+from polhode.studies.published import figures
+from polhode.truth import Reference, TwoPrecisions, reference
+
+NAME = "accuracy"
+QUESTION = (
+    "How many digits of each case's trajectory are correct in each number type, how far do the "
+    "integrals drift, and what does rounding the inputs alone cost?"
+)
+QUICK_CASES = (
+    *("euler/largest-axis", "euler/separatrix", "euler/sphere", "euler/turned-axes"),
+    *("general/asymmetric-chaotic", "published/nasa-brick"),
+)
+#: Longest integration, as the angle |w|·|end|, that each number type is given in the study.
+LONGEST = {"double": 1e7, "extended": 1e6, "quad": 3e4, "mp": 3e3}
+
+
+def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict[str, Any]:
+    """The study's results as a JSON object; no figure in it depends on the clock."""
+    cases = []
+    for name in QUICK_CASES if quick else library.names():
+        if tick is not None:
+            tick(f"{NAME}: {name}")
+        cases.append(_case(library.load(name)))
+    return {"study": NAME, "question": QUESTION, "quick": quick, "cases": cases}
+
+
+def _case(scene: Scene) -> dict[str, Any]:
+    truth = reference(scene)
+    runs = [
+        _run(scene, truth, name)
+        for name in precision.NAMES
+        if 10**scene.log10_angle <= LONGEST[name]
+    ]
+    return {
+        "case": scene.name,
+        "title": scene.title,
+        "regime": truth.regime,
+        "reference": truth.kind,
+        "end": precision.decimal_string(precision.exactly(precision.QUAD.rounded(scene.end)), 6),
+        "sha256": digest(scene.source),
+        "runs": runs,
+        "published": [
+            {
+                "t": float(figure.published.t),
+                "quantity": figure.published.quantity,
+                "printed": figure.published.value,
+                "ours": figure.ours,
+                "difference": precision.decimal_string(figure.difference, 2),
+                "verdict": figure.verdict,
+                "cite": figure.published.cite,
+            }
+            for figure in figures(scene, truth)
+        ],
+    }
+
+
+def _run(scene: Scene, truth: Reference | TwoPrecisions, name: str) -> dict[str, Any]:
+    run = integrate(scene, name, digits=precision.DEFAULT_MP_DIGITS if name == "mp" else None)
+    found: dict[str, Any] = {
+        "number": name,
+        "bits": run.number.bits,
+        "outcome": run.outcome.value,
+        "steps": run.steps,
+    }
+    if run.outcome.done:
+        judged = compare(run, truth)
+        found |= {
+            "correct_digits": round(judged.worst, 2),
+            "worst_time": float(judged.worst_time),
+            "input_rounding": round(judged.input_rounding, 2) if name == "double" else None,
+            "limit": judged.limit if name == "double" else None,
+            "drift": {
+                key: None if value is None else float(f"{value:.2e}")
+                for key, value in judged.drift._asdict().items()
+            },
+            "reference_digits": None if truth.is_closed_form else round(truth.agreement, 1),
+        }
+    return found
