@@ -116,7 +116,7 @@ def figure(value: str, right: int | None = None, quantity: str = "p") -> publish
 
 
 def test_a_printed_figure_stands_if_rounded_or_cut_off_from_ours():
-    """3.3256121802383088253058...: rounded (…531) and cut off (…530) stand, one unit further does not."""
+    """3.3256121802383088253058...: rounded and cut off stand, a unit further does not."""
     assert figure("3.3256121802383088").passed
     assert figure("3.32561218023830882531").passed
     assert figure("3.32561218023830882530").passed

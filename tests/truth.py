@@ -56,9 +56,9 @@ def integrate(
                     step = min(step, _length([turn], order))
                 left = time - now
                 step = left if abs(left) <= step else mpmath.sign(left) * step
-                state = [mpmath.polyval(row[::-1], step) for row in series]
+                state = [_sum(row, step) for row in series]
                 if turn is not None:
-                    angle += mpmath.polyval(turn[::-1], step)
+                    angle += _sum(turn, step)
                 now = time if step == left else now + step
             rows.append([*state] + ([] if angle is None else [angle]))
     with mpmath.workdps(digits + 5):
@@ -115,6 +115,13 @@ def _series(state: list[mpf], body: Any, order: int, with_psi: bool) -> tuple[li
 
 
 CYCLE = ((1, 2), (2, 0), (0, 1))
+
+
+def _sum(series: list[mpf], step: mpf) -> mpf:
+    total = mpf(0)
+    for c in reversed(series):
+        total = total * step + c
+    return total
 
 
 def _length(series: list[list[mpf]], order: int) -> mpf:

@@ -116,9 +116,10 @@ def sidecar(path: Path) -> Path:
 
 def check_paths(path: Path) -> None:
     """Refuse a trajectory path that cannot be written, before the run."""
+    check_writable(path)
     if sidecar(path) == path:
         raise BadInput(str(path), "-o", None, "a name such as x.csv: x.json is written beside it")
-    check_writable(path)
+    check_writable(sidecar(path))
 
 
 def write_trajectory(path: Path, answer: dict[str, Any]) -> None:

@@ -22,7 +22,8 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         verb = self.prog.removeprefix("polhode").strip()
-        raise BadInput("polhode" + (f" {verb}" if verb else ""), "command", None, message)
+        command = f"polhode {verb}" if verb else "polhode"
+        raise BadInput(command, "command", None, f"what {command} --help shows ({message})")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -42,9 +43,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except KeyboardInterrupt:
             print("polhode: interrupted", file=sys.stderr)
             return INTERRUPTED
-    except BrokenPipeError:  # the reader went away: nothing is left to say, and nobody to say it to
+    except OSError as fault:  # stdout takes no more: what is left in its buffer goes nowhere
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return DONE
+        if isinstance(fault, BrokenPipeError):  # the reader had enough
+            return DONE
+        print(f"polhode: stdout: expected a place to write to ({fault.strerror})", file=sys.stderr)
+        return BAD_INPUT
 
 
 def _joined(arguments: Sequence[str]) -> list[str]:

@@ -9,7 +9,8 @@ class BadInput(ValueError):
     def __init__(self, source: str, key: str, value: object, expected: str) -> None:
         self.source, self.key, self.value, self.expected = source, key, value, expected
         shown = "" if value is None else f" = {_short(value)}"
-        super().__init__(f"{_short(source, 200)}: {_short(key, 80)}{shown}: expected {expected}")
+        where = f"{_short(source, 200)}: {_short(key, 80)}"
+        super().__init__(f"{where}{shown}: expected {_short(expected, 600)}")
 
 
 def nearest(word: str, known: list[str]) -> str:
@@ -17,18 +18,19 @@ def nearest(word: str, known: list[str]) -> str:
     from difflib import get_close_matches
 
     close = get_close_matches(word, known, n=1)
-    listed = ", ".join(known) if len(known) <= 16 else f"one of {len(known)} names"
+    listed = ", ".join(known) if len(known) <= 20 else f"one of {len(known)} names"
     return f"{listed} (did you mean {close[0]!r}?)" if close else listed
 
 
 def _short(value: object, limit: int = 60) -> str:
-    text = value if isinstance(value, str) else _plain(value)
+    text = value if isinstance(value, str) else plain(value)
     line = " ".join(text.split())
     line = "".join(c if c.isprintable() else "?" for c in line)
     return line if len(line) <= limit else line[: limit - 3] + "..."
 
 
-def _plain(value: object) -> str:
+def plain(value: object) -> str:
+    """``str(value)``, also of an integer that Python refuses to print."""
     try:
         return str(value)
     except ValueError:  # an integer too long for Python to print

@@ -23,6 +23,7 @@ EQUAL_BITS = 4096
 Interval: TypeAlias = tuple[Any, Any]
 
 _LADDER = (128, 512, 2048, EQUAL_BITS)
+_LARGEST_ANGLE = 1 << (EQUAL_BITS // 4)  # beyond it too few of those bits are left for sin and cos
 
 
 class Irrational:
@@ -32,14 +33,14 @@ class Irrational:
     ``square`` is the number's square where that is known more simply (the radicand of a root).
     """
 
-    __slots__ = ("_best", "_parts", "_rule", "square")
+    __slots__ = ("_known", "_parts", "_rule", "square")
 
     def __init__(
         self, rule: Callable[..., Interval], *parts: Exact, square: Exact | None = None
     ) -> None:
         self._rule = rule
         self._parts = parts
-        self._best: tuple[int, Interval] | None = None
+        self._known: dict[int, Interval] = {}  # by precision: no answer depends on those before
         self.square = square
 
     def enclosure(self, prec: int) -> Interval:
@@ -47,21 +48,20 @@ class Irrational:
         pending = [self]
         while pending:  # no recursion: a long sum is a deep tree
             node = pending[-1]
-            if node._best is not None and node._best[0] >= prec:
+            if prec in node._known:
                 pending.pop()
                 continue
             lacking = [
                 part
                 for part in node._parts
-                if isinstance(part, Irrational) and (part._best is None or part._best[0] < prec)
+                if isinstance(part, Irrational) and prec not in part._known
             ]
             if lacking:
                 pending.extend(lacking)
                 continue
-            node._best = (prec, node._rule(prec, *(_held(part, prec) for part in node._parts)))
+            node._known[prec] = node._rule(prec, *(_held(part, prec) for part in node._parts))
             pending.pop()
-        assert self._best is not None
-        return self._best[1]
+        return self._known[prec]
 
     def __add__(self, other: Number) -> Exact:
         return add(self, exact(other))
@@ -118,7 +118,7 @@ class Irrational:
         return math.ldexp(mantissa, exponent)
 
     def __repr__(self) -> str:
-        return f"Irrational({float(self)!r}...)"
+        return f"Irrational({shown(self)}...)"
 
 
 Exact: TypeAlias = Fraction | Irrational
@@ -202,14 +202,16 @@ def sqrt(x: Exact) -> Exact:
 
 
 def sin(x: Exact) -> Exact:
-    """The sine of an angle in radians."""
+    """The sine of an angle in radians; raises ValueError for one too large to be reduced."""
+    _check_angle(x)
     if isinstance(x, Fraction) and x == 0:
         return ZERO
     return Irrational(lambda prec, a: _libmp().mpi_sin(a, prec), x)
 
 
 def cos(x: Exact) -> Exact:
-    """The cosine of an angle in radians."""
+    """The cosine of an angle in radians; raises ValueError for one too large to be reduced."""
+    _check_angle(x)
     if isinstance(x, Fraction) and x == 0:
         return ONE
     return Irrational(lambda prec, a: _libmp().mpi_cos(a, prec), x)
@@ -320,6 +322,15 @@ def log10(x: Number) -> float:
     return math.log10(abs(mantissa)) + exponent * math.log10(2) if mantissa else -math.inf
 
 
+def magnitude(x: Irrational) -> int:
+    """The exponent of two just above |x|, or 0 where 128 bits do not tell x from zero."""
+    low, high = x.enclosure(_LADDER[0])
+    if _libmp().mpf_sign(low) * _libmp().mpf_sign(high) <= 0:
+        return 0
+    _, _, exponent, bits = high
+    return int(exponent + bits)
+
+
 def shown(x: Number) -> str:
     """x for people: a short rational as it is, anything else to 17 digits."""
     if isinstance(x, Fraction) and len(text := str(x)) <= 12:
@@ -327,16 +338,37 @@ def shown(x: Number) -> str:
     mantissa, exponent = rounded(x, 60)
     from polhode.precision import decimal_string
 
-    return decimal_string(mantissa * Fraction(2) ** exponent, 17)
+    return decimal_string(binary(mantissa, exponent), 17)
+
+
+def binary(mantissa: int, exponent: int) -> Fraction:
+    """mantissa·2**exponent, exactly."""
+    if exponent >= 0:
+        return Fraction(mantissa << exponent)
+    return Fraction(mantissa, 1 << -exponent)
+
+
+def _check_angle(x: Exact) -> None:
+    if not -_LARGEST_ANGLE <= x <= _LARGEST_ANGLE:
+        raise ValueError("sine or cosine of an angle too large to be reduced")
 
 
 def _rounded_rational(x: Fraction, bits: int) -> tuple[int, int]:
-    if x == 0:
+    top, bottom = abs(x.numerator), x.denominator
+    if top == 0:
         return 0, 0
-    exponent = abs(x.numerator).bit_length() - x.denominator.bit_length() - bits
-    if abs(x) >= Fraction(2) ** (exponent + bits):
-        exponent += 1
-    return round(x / Fraction(2) ** exponent), exponent
+    exponent = top.bit_length() - bottom.bit_length() - bits
+    if exponent >= 0:
+        bottom <<= exponent
+    else:
+        top <<= -exponent
+    quotient, rest = divmod(top, bottom)
+    if quotient.bit_length() > bits:
+        exponent, bottom = exponent + 1, 2 * bottom
+        quotient, rest = divmod(top, bottom)
+    if 2 * rest > bottom or (2 * rest == bottom and quotient & 1):
+        quotient += 1
+    return (quotient if x > 0 else -quotient), exponent
 
 
 def _rounded_raw(raw: Any, bits: int) -> tuple[int, int] | None:
@@ -350,8 +382,7 @@ def _rounded_raw(raw: Any, bits: int) -> tuple[int, int] | None:
 
 def _held(part: Exact, prec: int) -> Interval:
     if isinstance(part, Irrational):
-        assert part._best is not None
-        return part._best[1]
+        return part._known[prec]
     lib = _libmp()
     p, q = part.numerator, part.denominator
     return lib.from_rational(p, q, prec, "f"), lib.from_rational(p, q, prec, "c")

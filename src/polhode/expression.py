@@ -19,7 +19,7 @@ from polhode.exact import Exact, Irrational
 MAX_LENGTH = 1000
 MAX_NESTING = 50
 MAX_EXPONENT = 4000  # of ten, in a decimal; and of a power of an irrational
-MAX_BITS = 14_000  # of a rational on the way
+MAX_BITS = 14_000  # of a rational on the way, and of an irrational before or after its point
 
 FUNCTIONS = ("sqrt", "sin", "cos")
 
@@ -31,6 +31,7 @@ _TOKEN = re.compile(
 _DECIMAL = re.compile(
     r"([+-]?)(?:([0-9]+)(?:\.([0-9]*))?|\.([0-9]+))(?:[eE]([+-]?[0-9]{1,9}))?", re.ASCII
 )
+_UNDERSCORE = re.compile(r"(?<=[0-9])_(?=[0-9])")
 
 
 class ExpressionError(ValueError):
@@ -53,7 +54,7 @@ def number(text: str) -> Exact:
 
 def decimal(text: str) -> Fraction:
     """The exact value of a decimal such as ``-1.25e-3``; underscores between digits may stand."""
-    match = _DECIMAL.fullmatch(text.strip().replace("_", ""))
+    match = _DECIMAL.fullmatch(_UNDERSCORE.sub("", text.strip()))
     if match is None:
         raise ExpressionError(f"{text.strip()[:40]!r} is not a finite decimal number")
     minus, whole, places, only_places, power = match.groups()
@@ -167,6 +168,8 @@ class _Reader:
 
     def combine(self, operator: str, a: Any, b: Any) -> Any:
         if not (_is_exact(a) and _is_exact(b)):
+            if operator == "/" and _is_exact(b) and exact.sign(b) == 0:
+                raise ZeroDivisionError
             a, b = self.lifted(a), self.lifted(b)
         if operator == "+":
             return _bounded(a + b)
@@ -188,7 +191,7 @@ class _Reader:
                 raise ExpressionError("a power too large to hold")
         elif size > MAX_EXPONENT:
             raise ExpressionError(f"an exponent larger than {MAX_EXPONENT}")
-        return exact.power(base, exponent)
+        return _bounded(exact.power(base, exponent))
 
     def applied(self, name: str, argument: Any) -> Any:
         if _is_exact(argument):
@@ -227,4 +230,6 @@ def _bounded(value: Any) -> Any:
         size = max(value.numerator.bit_length(), value.denominator.bit_length())
         if size > MAX_BITS:
             raise ExpressionError("a number too large to hold")
+    elif isinstance(value, Irrational) and abs(exact.magnitude(value)) > MAX_BITS:
+        raise ExpressionError("a number too large or too small to hold")
     return value

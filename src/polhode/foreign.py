@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -30,7 +31,7 @@ class Table:
     times: tuple[Fraction, ...]
     columns: dict[str, tuple[Fraction | None, ...]]
     ignored: tuple[str, ...]
-    printed: int  # the most significant digits that any number of it has
+    printed: int  # the most significant digits that any number beside t has
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,8 @@ def read_table(path: Path, number: NumberType | None) -> Table:
         with path.open(encoding="utf-8-sig", newline="") as lines:
             rows = [
                 (k, [cell.strip() for cell in row])
-                for k, row in enumerate(csv.reader(lines), 1)
-                if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
+                for k, row in enumerate(csv.reader(_uncommented(lines)), 1)
+                if any(cell.strip() for cell in row)
             ]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or "not a CSV text"
@@ -83,6 +84,11 @@ def read_table(path: Path, number: NumberType | None) -> Table:
     if len(rows) == 1:
         raise BadInput(str(path), "file", None, "at least one line of numbers")
     return _table(path, header, rows[1:], known, number)
+
+
+def _uncommented(lines: Iterable[str]) -> Iterator[str]:
+    """The lines with comments blank: a quotation mark in a comment opens nothing."""
+    return ("\n" if line.lstrip().startswith("#") else line for line in lines)
 
 
 def _table(
@@ -108,7 +114,8 @@ def _table(
                 value = expression.decimal(cell)
             except ExpressionError:
                 raise BadInput(f"{path}:{line}", name, cell, "a finite decimal number") from None
-            printed = max(printed, _significant(cell))
+            if name != "t":
+                printed = max(printed, _significant(cell))
             found[name].append(number.rounded(value) if number else value)
     times = [t for t in found.pop("t") if t is not None]
     ignored = tuple(name for name in header if name not in known)

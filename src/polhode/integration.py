@@ -165,7 +165,7 @@ class _Run:
                 self.tolerance,
             )
             self.build_seconds = time.perf_counter() - began
-            inside = [t / self.unit for t in times]
+            inside = times if self.unit == 1 else [t / self.unit for t in times]
             limit = self.max_steps if self.max_steps is not None else taylor.max_steps(self.number)
             chunk = taylor.chunk_steps(self.number)
             outcome = _march(integrator, inside, rows, limit, chunk, progress)

@@ -73,7 +73,7 @@ class Judgement:
 
     def __str__(self) -> str:
         run, truth = self.run, self.reference
-        shown = _few(range(len(self.times)), 9)
+        shown = few(len(self.times), 9)
         lines = [
             f"{run.scene.name}: {run.number.name} ({run.number.bits} bits) against {truth.kind}"
             + ("" if truth.is_closed_form else f" (agree to {truth.agreement:.1f} digits)"),
@@ -126,7 +126,8 @@ def _short(t: Fraction) -> str:
     return f"{float(t):g}" if abs(t) < 10**300 else decimal_string(exactly(t), 6)
 
 
-def _few(items: range, most: int) -> list[int]:
-    if len(items) <= most:
-        return list(items)
-    return sorted({round(k * (len(items) - 1) / (most - 1)) for k in range(most)})
+def few(count: int, most: int) -> list[int]:
+    """At most ``most`` of the indices below ``count``, evenly spread, first and last among them."""
+    if count <= most:
+        return list(range(count))
+    return sorted({round(k * (count - 1) / (most - 1)) for k in range(most)})

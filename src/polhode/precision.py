@@ -44,8 +44,7 @@ class NumberType:
 
     def rounded(self, x: Number) -> Fraction:
         """The number of this type nearest to x."""
-        mantissa, exponent = exact.rounded(x, self.bits)
-        return mantissa * Fraction(2) ** exponent
+        return exact.binary(*exact.rounded(x, self.bits))
 
 
 DOUBLE = NumberType("double", 53)
@@ -128,9 +127,8 @@ def exactly(value: Any) -> Fraction:
                 raise ValueError("not a finite number")
             size = int(mantissa) * Fraction(2) ** int(exponent)
             return -size if negative else size
-        high = float(value)  # numpy.longdouble: a double and what it leaves
-        return Fraction(high) + Fraction(float(value - high))
-    except (OverflowError, ValueError):
+        return Fraction(*value.as_integer_ratio())  # numpy.longdouble
+    except (AttributeError, OverflowError, ValueError):
         raise ValueError("not a finite number") from None
 
 

@@ -1,4 +1,4 @@
-"""Reports: each study's rows as JSON, the truth, and as Markdown made from that JSON alone."""
+"""Reports: each study's rows as JSON, the truth; Markdown and figures are made from it alone."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from polhode import figures
 from polhode.answers import as_json
 from polhode.errors import BadInput
 from polhode.files import check_writable, write_whole
@@ -16,17 +17,19 @@ from polhode.studies import accuracy
 def write_report(
     folder: Path, quick: bool = False, tick: Callable[[str], None] | None = None
 ) -> list[Path]:
-    """Run the studies and write ``folder``/NAME.json and NAME.md, each whole; the paths."""
+    """Run the studies and write ``folder``/NAME.json, NAME.svg, NAME.md, each whole; the paths."""
     if not folder.is_dir():
         raise BadInput(str(folder), "-o", None, "an existing folder")
-    paths = [folder / f"{accuracy.NAME}{suffix}" for suffix in (".json", ".md")]
+    paths = [folder / f"{accuracy.NAME}{suffix}" for suffix in (".json", ".svg", ".md")]
     for path in paths:
         check_writable(path)
+    figures.require()
     command = "polhode report" + (" --quick" if quick else "")
     found = accuracy.rows(quick, tick)
     found["provenance"] = {"command": command, "versions": versions(), "cpu": cpu()}
     write_whole(paths[0], as_json(found))
-    write_whole(paths[1], "\n".join(accuracy_page(found)) + "\n")
+    write_whole(paths[1], figures.digits_by_case(found))
+    write_whole(paths[2], "\n".join(accuracy_page(found)) + "\n")
     return paths
 
 
@@ -48,6 +51,8 @@ def accuracy_page(found: dict[str, Any]) -> Iterator[str]:
         "largest departure of the integrals from the exact scene's values, in double. A dash: "
         "not run, for it would take too long in that type."
     )
+    yield ""
+    yield "![Correct digits of every case in every number type](accuracy.svg)"
     yield ""
     for kind, title in (
         ("euler", "Against the closed form of the Euler top"),

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from polhode import exact
 from polhode.body import Body, Vector, dot
-from polhode.errors import BadInput
+from polhode.errors import BadInput, nearest
 from polhode.exact import ZERO, Exact, sign
 
 FORMS = ("principal",)
@@ -82,7 +82,7 @@ class Scene:
             if not self.body.torque_free:
                 raise self._bad("start.gamma", None, "given, since the weight has a moment")
             if self.outputs:
-                raise self._bad("run.outputs", list(self.outputs), "none without start.gamma")
+                raise self._bad("run.outputs", ", ".join(self.outputs), "none without start.gamma")
         elif dot(self.gamma, self.gamma) != 1:
             raise self._bad(
                 "start.gamma",
@@ -92,9 +92,9 @@ class Scene:
         self._check_times("run.at", self.times)
         for output in self.outputs:
             if output not in OUTPUTS:
-                raise self._bad("run.outputs", output, " or ".join(OUTPUTS))
+                raise self._bad("run.outputs", output, nearest(output, [*OUTPUTS]))
         if self.form not in FORMS:
-            raise self._bad("run.form", self.form, " or ".join(FORMS))
+            raise self._bad("run.form", self.form, nearest(self.form, [*FORMS]))
 
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)

@@ -10,8 +10,8 @@ from typing import Any
 
 from polhode import exact, expression
 from polhode.body import Body, Matrix, UnphysicalBody, Vector, diagonal, dot, scaled
-from polhode.errors import BadInput, nearest
-from polhode.exact import ZERO, Exact, sign
+from polhode.errors import BadInput, nearest, plain
+from polhode.exact import ONE, ZERO, Exact, sign
 from polhode.expression import ExpressionError
 from polhode.precision import NAMES
 from polhode.scene import ANGLES, ATTITUDE, STATE, Event, Published, Scene, even_times
@@ -43,9 +43,11 @@ def read(path: Path, name: str | None = None) -> Scene:
     """The scene in a file; raises BadInput."""
     name = name or str(path)
     try:
-        if path.stat().st_size > MAX_FILE:
+        with path.open("rb") as file:
+            found = file.read(MAX_FILE + 1)
+        if len(found) > MAX_FILE:
             raise BadInput(name, "file", None, f"at most {MAX_FILE} bytes")
-        text = path.read_text(encoding="utf-8")
+        text = found.decode("utf-8-sig").replace("\r\n", "\n")
     except (OSError, UnicodeDecodeError, ValueError) as error:
         if isinstance(error, BadInput):
             raise
@@ -60,6 +62,7 @@ def parse(text: str, name: str = "scene") -> Scene:
         data = tomllib.loads(text, parse_float=_Literal)
     except (ValueError, RecursionError) as error:
         reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)
+        reason = reason.partition(";")[0]  # Python's advice on too many digits is not for here
         raise BadInput(name, "file", None, f"TOML ({reason})") from None
     return _Reading(name, data).scene(text)
 
@@ -129,7 +132,7 @@ class _Reading:
         try:
             return Body(inertia, centre, weight)
         except UnphysicalBody as fault:
-            raise self.bad(f"body.{key}", _as_written(value), str(fault)) from None
+            raise self.bad(f"body.{key}", value, str(fault)) from None
 
     def start(self, table: Mapping[str, Any], body: Body) -> tuple[Vector, Vector | None, Exact]:
         if "angles" in table or "rates" in table:
@@ -168,10 +171,15 @@ class _Reading:
                 raise self.bad(f"start.{needed}", None, "three numbers (psi, theta, phi)")
         psi, theta, phi = self.vector("start.angles", table["angles"])
         psi_rate, theta_rate, phi_rate = self.vector("start.rates", table["rates"])
-        sine, cosine = exact.sin(theta), exact.cos(theta)
+        try:
+            sine, cosine = exact.sin(theta), exact.cos(theta)
+            s, c = exact.sin(phi), exact.cos(phi)
+        except ValueError as fault:
+            shown = _as_written(table["angles"])
+            raise self.bad("start.angles", shown, f"smaller angles ({fault})") from None
         if sign(sine) == 0:  # a pole: only psi ± phi has a meaning, and phi is counted as 0
             psi, phi = psi + phi * (1 if sign(cosine) > 0 else -1), ZERO
-        s, c = exact.sin(phi), exact.cos(phi)
+            s, c = ZERO, ONE
         gamma = (sine * s, sine * c, cosine)
         omega = (
             psi_rate * gamma[0] + theta_rate * c,
@@ -208,7 +216,8 @@ class _Reading:
         self.readable(f"{key}.zero", zero, (*STATE, "t"))
         direction = self.word(f"{key}.direction", table.get("direction", "any"))
         if direction not in ("rising", "falling", "any"):
-            raise self.bad(f"{key}.direction", direction, "rising, falling or any")
+            known = nearest(direction, ["rising", "falling", "any"])
+            raise self.bad(f"{key}.direction", direction, known)
         stop = table.get("stop", False)
         if not isinstance(stop, bool):
             raise self.bad(f"{key}.stop", stop, "true or false")
@@ -233,44 +242,44 @@ class _Reading:
         bands = {}
         for number, band in table.items():
             key = f"expect.{number}"
-            least, most = (float(self.number(key, x)) for x in self.array(key, band, 2))
-            if not 0 <= least < most <= 1e4:
-                raise self.bad(key, _as_written(band), "the least and the most correct digits")
-            bands[number] = (least, most)
+            least, most = (self.number(key, x) for x in self.array(key, band, 2))
+            if not 0 <= least < most <= 10_000:
+                raise self.bad(key, band, "the least and the most correct digits")
+            bands[number] = (float(least), float(most))
         return bands
 
     # -- typed access -------------------------------------------------------------------------
 
     def bad(self, key: str, value: object, expected: str) -> BadInput:
-        return BadInput(self.name, key, value, expected)
+        return BadInput(self.name, key, _as_written(value), expected)
 
-    def known(self, section: str, table: Mapping[str, Any]) -> None:
+    def known(self, section: str, table: Mapping[str, Any], where: str = "") -> None:
         allowed = list(_SECTIONS[section])
-        for key in table:
+        for key, value in table.items():
             if key not in allowed:
-                full = f"{section}.{key}" if section else key
-                raise self.bad(full, None, f"one of the keys {nearest(key, allowed)}")
+                full = ".".join(filter(None, (where or section, key)))
+                raise self.bad(full, value, f"one of the keys {nearest(key, allowed)}")
 
     def table(self, section: str, required: bool = True) -> Mapping[str, Any]:
         table = self.data.get(section)
         if table is None and not required:
             return {}
         if not isinstance(table, dict):
-            raise self.bad(section, _as_written(table), f"a table [{section}]")
+            raise self.bad(section, table, f"a table [{section}]")
         self.known(section, table)
         return table
 
     def tables(self, section: str) -> list[dict[str, Any]]:
         tables = self.data.get(section, [])
         if not isinstance(tables, list) or not all(isinstance(t, dict) for t in tables):
-            raise self.bad(section, _as_written(tables), f"tables [[{section}]]")
-        for table in tables:
-            self.known(section, table)
+            raise self.bad(section, tables, f"tables [[{section}]]")
+        for index, table in enumerate(tables):
+            self.known(section, table, f"{section}[{index + 1}]")
         return tables
 
     def word(self, key: str, value: Any) -> str:
         if not isinstance(value, str) or isinstance(value, _Literal):
-            raise self.bad(key, _as_written(value), "a string")
+            raise self.bad(key, value, "a string")
         return value
 
     def words(self, key: str, value: Any) -> tuple[str, ...]:
@@ -279,7 +288,7 @@ class _Reading:
     def array(self, key: str, value: Any, length: int | None = None) -> list[Any]:
         expected = "an array" if length is None else f"an array of {length} numbers"
         if not isinstance(value, list) or (length is not None and len(value) != length):
-            raise self.bad(key, _as_written(value), expected)
+            raise self.bad(key, value, expected)
         return value
 
     def vector(self, key: str, value: Any) -> Vector:
@@ -298,7 +307,7 @@ class _Reading:
                 return expression.number(value)
         except ExpressionError as fault:
             raise self.bad(key, value, f"a number ({fault})") from None
-        raise self.bad(key, _as_written(value), "a number")
+        raise self.bad(key, value, "a number")
 
     def readable(self, key: str, text: str, names: tuple[str, ...]) -> None:
         """Check an expression in named columns by computing it once with arbitrary values."""
@@ -317,10 +326,19 @@ def _is_int(value: Any) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
 
 
-def _as_written(value: Any) -> Any:
-    """A TOML value for an error message: lists without quotes around decimals."""
+def _as_written(value: Any, depth: int = 4) -> Any:
+    """A TOML value for an error message: as TOML, without quotes around decimals."""
+    if isinstance(value, (list, dict)) and depth == 0:
+        return "..."
     if isinstance(value, list):
-        return "[" + ", ".join(str(_as_written(item)) for item in value[:20]) + "]"
+        return "[" + ", ".join(_shown(item, depth) for item in value[:20]) + "]"
+    if isinstance(value, dict):
+        items = list(value.items())[:20]
+        return "{" + ", ".join(f"{key} = {_shown(item, depth)}" for key, item in items) + "}"
     if isinstance(value, bool):
         return "true" if value else "false"
     return value
+
+
+def _shown(item: Any, depth: int) -> str:
+    return plain(_as_written(item, depth - 1))

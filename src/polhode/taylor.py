@@ -119,7 +119,8 @@ class Taylor:
         """
         self._rebase()
         zero = scalar(0, self.number)
-        grid = [zero, *(scalar(t - self.offset, self.number) for t in times)]
+        ahead = [t - self.offset for t in times] if self.offset else times
+        grid = [zero, *(scalar(t, self.number) for t in ahead)]
         result = self.heyoka.propagate_grid(_array(grid, self.number), max_steps=steps)
         self.steps += int(result[3])
         return self._rows(result[-1][1:]), result[0]

@@ -59,7 +59,7 @@ def show(options: Namespace) -> int:
         elif isinstance(value, (tuple, [].__class__)):
             value = ", ".join(str(x) for x in value)
         if value not in (None, ""):
-            print(f"{key:<12}{value}")
+            print(f"{key:<14}{value}")
     return DONE
 
 
@@ -93,6 +93,8 @@ def run(options: Namespace) -> int:
         )
     answer = answers.of_run(found, truth.regime)
     done = found.outcome.done
+    if done and options.digits is not None and truth.is_closed_form:
+        answer["correct_digits"] = _judged(found, truth)
     if path is not None and done:
         answers.write_trajectory(path, answer)
     if options.json:
@@ -106,6 +108,7 @@ def run(options: Namespace) -> int:
             + ", ".join(f"{k} {v}" for k, v in answer["drift"].items() if v is not None)
         )
     if done:
+        _warn_of_lost_digits(scene, options.digits, answer)
         return DONE
     advice = f"; {found.outcome.advice}" if found.outcome.advice else ""
     wrote = "" if path is None else f"; {path} was not written"
@@ -163,6 +166,7 @@ def compare(options: Namespace) -> int:
     """Judge a trajectory that some other program computed."""
     from polhode import foreign
     from polhode.integration import choose_number
+    from polhode.judging import few
     from polhode.truth import reference as truth_of
 
     scene = library.load(options.scene)
@@ -178,11 +182,13 @@ def compare(options: Namespace) -> int:
     truth = verdict.reference
     print(f"{table.name} against {truth.kind} of {scene.name} ({truth.regime})")
     if verdict.digits:
-        rows = [
-            [t, f"{d:.2f}"] for t, d in zip(answer["times"], answer["correct_digits"], strict=True)
-        ]
+        shown_rows = few(len(verdict.digits), 11)
+        rows = [[answer["times"][k], f"{answer['correct_digits'][k]:.2f}"] for k in shown_rows]
         _print_table(["t", "correct digits"], rows)
-        print(f"worst {verdict.worst:.2f} correct digits at t = {answer['worst_time']}")
+        if len(rows) < len(verdict.digits):
+            print(f"({len(rows)} of {len(verdict.digits)} times; all of them with --json)")
+        assert verdict.worst_time is not None
+        print(f"worst {verdict.worst:.2f} correct digits at t = {float(verdict.worst_time):g}")
     for name, digits in verdict.parts.items():
         print(f"{name}: {digits:.2f} correct digits")
     if answer["drift"] is not None:
@@ -234,6 +240,31 @@ def about(options: Namespace) -> int:
     state = f"{cache['bytes']} bytes in {cache['path']}" if cache["enabled"] else "off"
     print(f"{'cache':<10}{state}")
     return DONE
+
+
+def _judged(found: Any, truth: Any) -> float:
+    """The fewest correct digits over a few of a run's times, by the closed form."""
+    from dataclasses import replace
+
+    from polhode.judging import compare, few
+
+    kept = few(len(found.times), 20)
+    part = replace(
+        found,
+        times=tuple(found.times[k] for k in kept),
+        states=[found.states[k] for k in kept],
+    )
+    return round(compare(part, truth).worst, 2)
+
+
+def _warn_of_lost_digits(scene: Scene, wanted: int | None, answer: dict[str, Any]) -> None:
+    """Say so where a run has fewer digits than were asked for: the motion multiplies errors."""
+    held = answer.get("correct_digits")
+    if wanted is not None and held is not None and held < wanted:
+        _note(
+            f"polhode: {scene.name}: {wanted} digits were asked for, {held} are correct by the "
+            f"closed form: this motion multiplies errors; ask for {2 * wanted - int(held) + 1}"
+        )
 
 
 def _times(scene: Scene, text: str) -> tuple[Exact, ...]:

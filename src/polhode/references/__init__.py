@@ -1,1 +1,1 @@
-"""Closed forms of the integrable motions: independent evidence, sharing no code with integration."""
+"""Closed forms of the integrable motions: evidence that shares no code with integration."""

@@ -120,11 +120,15 @@ def _growths(
             return q0 + 1j * q3, q1 + 1j * q2
 
         scaled = {i: times[i](used) * speed for i in open_}
-        if max(abs(t) for t in scaled.values()) > longest():
+        # No phase may outgrow the digits of a double; of a physical body none outruns |w|.
+        motion = attitude.motion
+        assert isinstance(motion, Polhode)
+        limit = longest() / max(1, motion.rate / speed, abs(motion.precession) / speed)
+        if max(abs(t) for t in scaled.values()) > limit:
             raise ValueError(
                 "psi and phi about a gamma that is not along the angular momentum are not closed: "
                 "their turns must be counted, which is possible here for |t| up to "
-                f"{mpmath.nstr(longest() / speed, 3)}"
+                f"{mpmath.nstr(limit / speed, 3)}"
             )
         for side in (1, -1):
             chosen = sorted(

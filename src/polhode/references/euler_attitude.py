@@ -100,12 +100,15 @@ def direction(z: Any) -> Any:
 def _dominated(row: list[Any], motion: Polhode, t: Any) -> Any:
     """The growth of the argument of a sum, from time 0 to t, while one term outweighs the rest."""
     sizes = [abs(x) for x in row]
-    # cos th of the axis circled, G to that axis, keeps its sign; its least and largest modulus.
-    here, there = abs(motion.momentum[2]), abs(_cosine(motion, t))
-    kc = motion.elliptic.functions(motion.elliptic.waves(motion.elliptic.K, MP))[2]
-    least = here * kc if mpmath.inf > motion.elliptic.K else there
-    ends = [least, here] if motion.momentum[2] > 0 else [-least, -here]
-    ratio = [mpmath.sqrt((1 + x) / (1 - x)) if x < 1 else mpmath.inf for x in ends]  # |al'/bt'|
+    # th, from G to the axis circled, stays on its side of pi/2; sin th at both ends of its range.
+    ends = [abs(motion.momentum[0])]
+    if mpmath.isfinite(motion.elliptic.K):
+        ends.append(abs(motion.momentum[1]))
+    else:
+        ends += [_sine(motion, time) for time in (mpmath.mpf(0), t)]
+    ratio = [(1 + mpmath.sqrt(max(0, 1 - x * x))) / x for x in ends]  # |al'/bt'|, or its inverse
+    if motion.momentum[2] < 0:
+        ratio = [1 / x for x in ratio]
     # Equality is enough: it is met at most in the limit of a separatrix.
     slack = 1 - mpmath.ldexp(1, -mpmath.mp.prec // 2)
     if all((sizes[0] - sizes[1]) * x > (sizes[2] + sizes[3]) * slack for x in ratio):
@@ -131,9 +134,10 @@ def _dominated(row: list[Any], motion: Polhode, t: Any) -> Any:
     return argument(t) - argument(mpmath.mpf(0))
 
 
-def _cosine(motion: Polhode, t: Any) -> Any:
+def _sine(motion: Polhode, t: Any) -> Any:
     waves = motion.elliptic.waves(motion.v0 + motion.rate * t, MP)
-    return motion.momentum[2] * motion.elliptic.functions(waves)[2]
+    sn, cn, _ = motion.elliptic.functions(waves)
+    return mpmath.hypot(motion.momentum[0] * cn, motion.momentum[1] * sn)
 
 
 def _along_ellipse(one: Any, other: Any, x: Any) -> Any:

@@ -59,6 +59,7 @@ class Polhode:
     v0: Any
     omega: Vector  # the amplitudes, with their signs
     momentum: Vector  # the same times I/G
+    ellipse: tuple[Any, Any]  # |momentum| 1 and 2 over the larger: no double of it underflows
     precession: Any  # of axis 3 about G, but for what ``jump`` and ``shift`` add
     jump: Any  # of psi with every half period 2K
     backward: bool  # the smallest moment is the third: the quotient enters conjugated
@@ -73,6 +74,7 @@ class Polhode:
     def place(self, t: Any, fn: Functions) -> tuple[Vector, Quaternion]:
         """w, and the quaternion body -> space in the space axes whose third is along G.
 
+        Euler angles z-y-z: Iw/G = (s1 sin th cos phi, -s1 sin th sin phi, cos th).
         With psi and phi continuous, cos th/2 exp i(psi+phi)/2 and sin th/2 exp i(psi-phi)/2 are
         continuous, hence the quaternion.  Each angle is a linear part, half turns counted by n, and
         the argument of a point of the right half plane, whose half has no branch to choose.
@@ -86,7 +88,7 @@ class Polhode:
         omega = (sign * a * cn, sign * b * sn, c * dn)
 
         one, two, three = self.momentum
-        z1, z2, z3 = abs(one) * cn, abs(two) * sn, three * dn
+        z1, z2, z3 = one * cn, two * sn, three * dn
         across2 = z1 * z1 + z2 * z2  # sin^2 th, never 0
         larger = (1 + abs(z3)) / 2
         near, far = fn.sqrt(larger), fn.sqrt(across2 / (4 * larger))
@@ -96,8 +98,9 @@ class Polhode:
         c1, s1 = _half(x, -y if self.backward else y, fn)
         c2, s2 = fn.cos_sin((self.precession * t + self.jump * n) / 2)
         psi = c1 * c2 - s1 * s2, s1 * c2 + c1 * s2
-        # chi = n pi + atan2(z2, z1), phi = -sense chi; exp(i n pi/2) by n modulo 4.
-        c3, s3 = _half(z1, z2, fn)
+        # chi = n pi + atan2(|z2|, |z1|), phi = -sense chi; exp(i n pi/2) by n modulo 4.
+        wide, high = self.ellipse
+        c3, s3 = _half(wide * cn, high * sn, fn)
         turn = 1 - (n % 4 - odd)
         still, quarter = turn * (1 - odd), turn * odd
         c4, s4 = still * c3 - quarter * s3, still * s3 + quarter * c3
@@ -116,7 +119,7 @@ class Polhode:
         sn, cn, _ = self.elliptic.functions(waves)
         x, y = self.shift.at(waves)
         psi = mpmath.atan2(-y if self.backward else y, x)
-        chi = mpmath.atan2(abs(self.momentum[1]) * sn, abs(self.momentum[0]) * cn)
+        chi = mpmath.atan2(self.ellipse[1] * sn, self.ellipse[0] * cn)
         n = waves.turns
         return self.precession * t + self.jump * n + psi, -self.sense * (chi + mpmath.pi * n)
 
@@ -130,6 +133,7 @@ class Polhode:
             v0=float(self.v0),
             omega=_floats(tuple(x / speed for x in self.omega)),
             momentum=_floats(self.momentum),
+            ellipse=_floats(self.ellipse),
             precession=float(self.precession / speed),
             jump=float(self.jump),
             start=_floats(self.start),
@@ -162,13 +166,16 @@ def polhode(numbers: Mapping[str, Any], signs: tuple[int, int, int]) -> Polhode:
     sense = -1 if backward else 1
     G = sqrt(n["G2"])
     omega = (s1 * sqrt(n["p2"]), s2 * sqrt(n["q2"]), s3 * sqrt(n["r2"]))
+    momentum = tuple(n[name] * x / G for name, x in zip(("I1", "I2", "I3"), omega, strict=True))
+    wide, high = abs(momentum[0]), abs(momentum[1])
     made = Polhode(
         elliptic,
         shift,
         rate,
         v0,
         omega,
-        (n["I1"] * omega[0] / G, n["I2"] * omega[1] / G, n["I3"] * omega[2] / G),
+        momentum,
+        (wide / max(wide, high), high / max(wide, high)),
         G / n["I3"] + sense * shift.rate * rate,
         sense * shift.jump,
         backward,
@@ -217,7 +224,7 @@ def turned_back(turn: Quaternion, g: Vector) -> Vector:
 
 def _half(x: Any, y: Any, fn: Functions) -> tuple[Any, Any]:
     """(cos, sin) of half the argument of x + i y, x >= 0."""
-    modulus = fn.sqrt(x * x + y * y)
+    modulus = fn.hypot(x, y)
     cos = fn.sqrt((1 + x / modulus) / 2)
     return cos, y / (2 * modulus * cos)
 

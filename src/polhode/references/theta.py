@@ -28,6 +28,7 @@ class Functions:
     cos_sin: Callable[[Any], tuple[Any, Any]]
     cosh_sinh: Callable[[Any], tuple[Any, Any]]
     sqrt: Callable[[Any], Any]
+    hypot: Callable[[Any, Any], Any]
     nint: Callable[[Any], Any]
 
 
@@ -37,7 +38,7 @@ def _cosh_sinh(x: Any) -> tuple[Any, Any]:
 
 
 #: Functions of mpmath's numbers, at the precision in force.
-MP = Functions(mpmath.cos_sin, _cosh_sinh, mpmath.sqrt, lambda x: int(mpmath.nint(x)))
+MP = Functions(mpmath.cos_sin, _cosh_sinh, mpmath.sqrt, mpmath.hypot, lambda x: int(mpmath.nint(x)))
 
 
 def numpy_functions() -> Functions:
@@ -48,7 +49,7 @@ def numpy_functions() -> Functions:
         x = np.clip(x, -_SATURATED, _SATURATED)
         return np.cosh(x), np.sinh(x)
 
-    return Functions(lambda x: (np.cos(x), np.sin(x)), cosh_sinh, np.sqrt, np.rint)
+    return Functions(lambda x: (np.cos(x), np.sin(x)), cosh_sinh, np.sqrt, np.hypot, np.rint)
 
 
 #: Past this X only a nome below exp(-2X) leads (|X| <= log(1/q')/2): a double is at its limit.

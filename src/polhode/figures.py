@@ -1,0 +1,63 @@
+"""Figures as SVG text; the only place that imports matplotlib."""
+
+from __future__ import annotations
+
+from io import StringIO
+from typing import Any
+
+from polhode.errors import BadInput
+
+COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
+MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
+
+
+def digits_by_case(found: dict[str, Any]) -> str:
+    """Correct digits of every case in every number type, from the accuracy study's JSON object."""
+    plt = _pyplot()
+    cases = found["cases"][::-1]
+    figure, axes = plt.subplots(figsize=(7.2, 0.6 + 0.17 * len(cases)), layout="constrained")
+    for name, colour in COLOURS.items():
+        points = [
+            (run["correct_digits"], row)
+            for row, case in enumerate(cases)
+            for run in case["runs"]
+            if run["number"] == name and "correct_digits" in run
+        ]
+        if points:
+            x, y = zip(*points, strict=True)
+            label = "mp (asked for 50)" if name == "mp" else name
+            axes.plot(x, y, MARKS[name], color=colour, ms=4, ls="none", label=label)
+    for bits in (53, 64, 113):
+        axes.axvline(bits * 0.30103, color="#999999", lw=0.6, ls=":")
+    axes.set_yticks(range(len(cases)), [case["case"] for case in cases], fontsize=6)
+    axes.set_xlim(0, 60)
+    axes.set_ylim(-0.7, len(cases) - 0.3)
+    axes.set_xlabel("correct digits over the run, worst time (dotted: what the type holds)")
+    axes.grid(axis="y", lw=0.3, color="#dddddd")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.06), ncols=4, frameon=False, fontsize=8)
+    return _svg(figure)
+
+
+def require() -> None:
+    """Raise BadInput where matplotlib is missing: before a study runs, not after."""
+    _pyplot()
+
+
+def _pyplot() -> Any:
+    try:
+        import matplotlib
+    except ImportError:
+        expected = "matplotlib, which figures need: pip install polhode[figures]"
+        raise BadInput("polhode", "figures", None, expected) from None
+    matplotlib.use("svg")
+    matplotlib.rcParams["svg.hashsalt"] = "polhode"  # the same figure gives the same text
+    from matplotlib import pyplot
+
+    return pyplot
+
+
+def _svg(figure: Any) -> str:
+    out = StringIO()
+    figure.savefig(out, format="svg", metadata={"Date": None})
+    _pyplot().close(figure)
+    return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
