@@ -17,8 +17,8 @@ import pytest
 import polhode
 from polhode import precision, taylor
 from polhode.forms import principal
-from polhode.integration import _Run
 from polhode.precision import DOUBLE, EXTENDED, QUAD, NumberType, exactly
+from polhode.run import Run, System, system
 from polhode.trajectory import Outcome
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, precision.mp(50), NumberType("mp", 333)]
@@ -43,15 +43,9 @@ def heavy(outputs: tuple[str, ...] = ()) -> polhode.Scene:
     return replace(scene_file.parse(HEAVY), outputs=outputs)
 
 
-def integrator(scene: polhode.Scene, number: NumberType) -> tuple[_Run, taylor.Taylor]:
-    run = _Run(scene, number, None, None, None)
-    return run, taylor.Taylor(
-        run.names,
-        lambda state, k: run.field(state, k, taylor.EXPRESSIONS),
-        run.coefficients,
-        run.start,
-        number,
-    )
+def integrator(scene: polhode.Scene, number: NumberType) -> tuple[System, taylor.Taylor]:
+    whole = system(scene, scene.outputs)
+    return whole, Run(scene, number).integrator(whole)
 
 
 def constants_of(decomposition: object, bits: int) -> set[Fraction]:
@@ -119,7 +113,7 @@ def test_no_vanishing_coefficient_enters(body, terms):
 def test_a_torque_free_scene_without_gamma_has_three_equations():
     scene = polhode.load("euler/no-gamma")
     run, built = integrator(scene, DOUBLE)
-    assert run.names == ["p", "q", "r"]
+    assert run.names == ("p", "q", "r")
     assert len(built.heyoka.state) == 3
     assert polhode.integrate(scene).states.shape[1] == 3
 
@@ -244,8 +238,9 @@ def test_an_end_beyond_the_step_limit_is_refused_at_once():
     assert time.perf_counter() - began < 20  # a hang would take hours; no timing is judged here
 
 
-def test_a_state_that_becomes_infinite_is_an_outcome():
+def test_a_state_that_becomes_infinite_is_an_outcome(monkeypatch):
     scene = polhode.load("euler/attitude")  # starts at a pole, where psi' is 0/0
+    monkeypatch.setattr(polhode.Scene, "starts_at_pole", False)  # and is led over it otherwise
     run = polhode.integrate(replace(scene, outputs=("angles",)), at=[1])
     assert run.outcome is Outcome.NON_FINITE
     assert run.outcome.cause
@@ -356,3 +351,43 @@ def test_psi_and_phi_are_continuous_over_many_turns():
     assert np.max(np.abs(np.diff(psi))) < 1.5
     assert np.max(np.abs(np.diff(phi))) < 1.5
     assert max(abs(psi[-1]), abs(phi[-1])) > 4 * math.pi
+
+
+@pytest.mark.parametrize("number", NUMBERS[:4], ids=lambda n: n.name)
+@pytest.mark.parametrize("gamma", [(0, 0, 1), (0, 0, -1)], ids=["upper", "lower"])
+@pytest.mark.parametrize("end", [3, -3])
+def test_angles_of_a_start_at_a_pole_begin_at_their_one_sided_limits(number, gamma, end):
+    """psi and phi are undefined at t = 0, then the closed form's mod 2 pi."""
+    scene = replace(
+        polhode.load("euler/attitude"),
+        gamma=tuple(Fraction(g) for g in gamma),
+        outputs=("angles", "attitude"),
+    )
+    run = polhode.integrate(scene, number, at=[0, Fraction(end, 100), end])
+    assert run.angles[0][0] is None
+    assert run.angles[0][2] is None
+    exact = polhode.reference(scene).angles(run.times, 60)
+    with mpmath.workprec(200):
+        for mine, true in zip(run.angles[1:], exact[1:], strict=True):
+            for k, (x, y) in enumerate(zip(mine, true, strict=True)):
+                gap = precision.to_mpf(exactly(x), 200) - y
+                if k != 1:
+                    gap -= 2 * mpmath.pi * mpmath.nint(gap / (2 * mpmath.pi))
+                assert abs(gap) < 2000 * mpmath.mpf(2) ** (1 - number.bits)
+        first, start = run.angles[1], precision.to_mpf(scene.psi, 200)
+        sign = 1 if gamma[2] > 0 else -1
+        kept = precision.to_mpf(exactly(first[0]) + sign * exactly(first[2]), 200)
+        assert abs(kept - start) < 0.1  # psi ± phi stays continuous over the pole
+
+
+def test_a_body_that_stays_at_the_pole_has_no_psi_and_phi():
+    scene = replace(
+        polhode.load("euler/largest-axis"),
+        omega=(Fraction(0), Fraction(0), Fraction(2)),
+        gamma=(Fraction(0), Fraction(0), Fraction(1)),
+        outputs=("angles", "attitude"),
+    )
+    run = polhode.integrate(scene, at=[0, 1, 2])
+    assert [row[0] for row in run.angles] == [row[2] for row in run.angles] == [None] * 3
+    assert [float(row[1]) for row in run.angles] == [0.0] * 3
+    assert run.attitude.shape == (3, 4)

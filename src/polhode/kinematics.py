@@ -10,12 +10,14 @@ cos theta); the unit quaternion of R, scalar first.  With w = (p, q, r) in body 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from typing import Any
 
 from polhode import exact
 from polhode.body import Axes, Vector
 from polhode.exact import ONE, Exact, sign
 from polhode.forms import combination
+from polhode.precision import exactly, to_mpf
 
 
 def starting_attitude(gamma: Vector, psi: Exact) -> tuple[Exact, ...]:
@@ -85,16 +87,38 @@ def angle_rates(omega: Sequence[Any], gamma: Sequence[Any]) -> list[Any]:
     return [psi_rate, r - psi_rate * g3]
 
 
-def angles(gamma: Sequence[Any], psi: Any, phi: Any, fn: Any) -> list[Any]:
-    """psi theta phi at one time: theta and phi from gamma, phi on the branch that ``phi`` is near.
+def angles_off_the_pole(
+    quaternion: Sequence[Any], gamma: Sequence[Any], psi: Exact, bits: int
+) -> tuple[Fraction, Fraction]:
+    """psi and phi a moment after a start at a pole with that psi, from attitude and gamma.
 
-    ``fn`` brings hypot, atan2, pi and rint.  At a pole psi and phi are None.
+    psi + phi = 2 arg(q0 + i q3) and psi - phi = 2 arg(q1 + i q2): the former is continuous over the
+    upper pole, the latter over the lower one.
     """
-    g1, g2, g3 = gamma
+    import mpmath
+
+    with mpmath.workprec(bits + 16):
+        q0, q1, q2, q3, g1, g2, g3 = (to_mpf(exactly(x), bits) for x in (*quaternion, *gamma))
+        start, phi = to_mpf(psi, bits + 16), mpmath.atan2(g1, g2)
+        whole = 2 * (mpmath.atan2(q3, q0) if g3 > 0 else mpmath.atan2(q2, q1))
+        whole += 2 * mpmath.pi * mpmath.nint((start - whole) / (2 * mpmath.pi))
+        return exactly(whole - phi if g3 > 0 else whole + phi), exactly(phi)
+
+
+def angles(gamma: Sequence[Any], psi_and_phi: Sequence[Any], fn: Any) -> list[Any]:
+    """psi theta phi at one time: theta and phi from gamma, phi on the integrated one's branch.
+
+    ``fn`` brings hypot, atan2, pi and rint.  At a pole psi and phi are None.  A motion that passes
+    exactly through a pole turns phi by pi against the integrated one: psi then turns by pi too.
+    """
+    (g1, g2, g3), (psi, phi) = gamma, psi_and_phi
     across = fn.hypot(g1, g2)
     theta = fn.atan2(across, g3)
     if across == 0:
         return [None, theta, None]
     principal = fn.atan2(g1, g2)
-    turns = fn.rint((phi - principal) / (2 * fn.pi))
-    return [psi, theta, principal + 2 * fn.pi * turns]
+    halves = fn.rint((phi - principal) / fn.pi)
+    if halves % 2 == 1:
+        side = 1 if g3 > 0 else -1
+        return [psi - side * fn.pi, theta, principal + (halves + 1) * fn.pi]
+    return [psi, theta, principal + halves * fn.pi]

@@ -9,7 +9,7 @@ from typing import Any
 from polhode.exact import Number
 from polhode.kinematics import angles
 from polhode.precision import NumberType, to_double, to_extended, to_mpf
-from polhode.scene import Scene
+from polhode.scene import ATTITUDE, Scene
 
 GUARD_BITS = 16
 
@@ -48,9 +48,11 @@ class Readout:
         fn = self._functions
         import mpmath
 
+        first = self.columns + (len(ATTITUDE) if "attitude" in self.scene.outputs else 0)
         with mpmath.workprec(self.number.bits):
             return [
-                angles(state[3:], row[-2], row[-1], fn)
+                # a motion that stays at a pole has no psi and phi among its variables
+                angles(state[3:], row[first : first + 2] if len(row) > first else (0, 0), fn)
                 for state, row in zip(states, rows, strict=True)
             ]
 

@@ -22,6 +22,7 @@ OUTPUTS = ("angles", "attitude")
 STATE = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
 ANGLES = ("psi", "theta", "phi")
 ATTITUDE = ("q0", "q1", "q2", "q3")
+ANGLE_VARIABLES = ("psi", "phi")  # of the angles, those that are integrated along
 
 
 class Published(NamedTuple):
@@ -170,6 +171,11 @@ class Scene:
             return 0
         mantissa, exponent = exact.rounded(fourth, 8)
         return -((exponent + mantissa.bit_length() - 1) // 4)
+
+    @property
+    def starts_at_pole(self) -> bool:
+        """Whether the third axis is vertical at t = 0, where psi and phi have no meaning."""
+        return self.gamma is not None and sign(self.gamma[0]) == 0 == sign(self.gamma[1])
 
     @property
     def at_rest(self) -> bool:

@@ -68,9 +68,9 @@ def chunk_steps(number: NumberType) -> int:
 class Taylor:
     """An integrator of one autonomous system from its start, in one number type.
 
-    ``field``: rates from a list of variables and the coefficients; time starts at 0.  Time is kept
-    as an exact offset plus heyoka's own time, which is put back to 0 at each chunk's end: output
-    times are rounded relative to the chunk's start, never relative to zero.
+    ``field``: rates from a list of variables and the coefficients; the start holds at time
+    ``origin``.  Time is kept as an exact offset plus heyoka's own time, which is put back to 0 at
+    each chunk's end: output times are rounded relative to the chunk's start, never to zero.
     """
 
     def __init__(
@@ -81,9 +81,10 @@ class Taylor:
         start: Sequence[Number],
         number: NumberType,
         tolerance: Number | None = None,
+        origin: Fraction = Fraction(0),
     ) -> None:
         self.number = number
-        self.offset = Fraction(0)
+        self.offset = origin
         self.steps = 0
         variables = hy.make_vars(*names)
         k = {name: hy.expression(scalar(x, number)) for name, x in coefficients.items()}

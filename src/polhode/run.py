@@ -1,0 +1,211 @@
+"""One integration under way: the equations that the scene needs, marched from time to time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from polhode import kinematics
+from polhode.errors import BadInput
+from polhode.exact import Exact
+from polhode.forms import Functions, principal
+from polhode.precision import NumberType, exactly
+from polhode.readout import Readout, number_value
+from polhode.scene import ANGLE_VARIABLES, ATTITUDE, Scene
+from polhode.trajectory import Outcome
+
+#: Called now and then with the fraction of the time done and the steps taken.
+Progress = Callable[[float, int], None]
+
+#: Where a start at a pole is left, in the scene's own unit of time: a fraction of a radian on.
+_OFF_THE_POLE = Fraction(1, 2)
+
+
+@dataclass(frozen=True)
+class System:
+    """Variables, exact coefficients and exact start of what is integrated, in principal axes.
+
+    Time is measured in the scene's own unit.  Quaternion and angles are those of the scene's axes.
+    """
+
+    columns: int
+    names: tuple[str, ...]
+    outputs: tuple[str, ...]
+    coefficients: Mapping[str, Exact]
+    start: tuple[Exact, ...]
+
+    def field(self, state: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+        """Rates of the state and of what the outputs ask for."""
+        n = self.columns
+        rates = principal.field(state[:n], k, fn)
+        if not self.outputs:
+            return rates
+        omega, gamma = (kinematics.in_scene_axes(state[i : i + 3], k, fn.zero) for i in (0, 3))
+        if "attitude" in self.outputs:
+            rates += kinematics.attitude_rates(state[n : n + 4], omega)
+        if "angles" in self.outputs:
+            rates += kinematics.angle_rates(omega, gamma)
+        return rates
+
+
+def system(scene: Scene, outputs: Sequence[str]) -> System:
+    """The equations of a scene with these outputs and nothing else."""
+    axes, unit = scene.body.axes, Fraction(2) ** scene.time_unit
+    names = [*scene.columns]
+    start: list[Exact] = [unit * w for w in axes.components(scene.omega)]
+    k = principal.coefficients(scene.body, scene.time_unit)
+    if scene.gamma is not None:
+        start += axes.components(scene.gamma)
+        if outputs:
+            k |= kinematics.turn_coefficients(axes)
+        if "attitude" in outputs:
+            names += ATTITUDE
+            start += kinematics.starting_attitude(scene.gamma, scene.psi)
+        if "angles" in outputs:
+            names += ANGLE_VARIABLES
+            start += [scene.psi, kinematics.starting_phi(scene.gamma)]
+    return System(len(scene.columns), tuple(names), tuple(outputs), k, tuple(start))
+
+
+class Run:
+    """One run of a scene in one number type; rows of variables come out, in principal axes."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        number: NumberType,
+        tolerance: Fraction | None = None,
+        max_steps: int | None = None,
+        inputs: NumberType | None = None,
+    ) -> None:
+        self.scene, self.number, self.tolerance = scene, number, tolerance
+        self.max_steps, self.inputs = max_steps, inputs
+        self.steps = 0
+        self.reached = Fraction(0)
+        self.build_seconds = self.seconds = 0.0
+
+    def to(self, times: list[Fraction], progress: Progress | None) -> tuple[Outcome, list[Any]]:
+        """Rows at the times, as far as they were reached, and the outcome."""
+        from polhode import taylor
+
+        unit = Fraction(2) ** self.scene.time_unit
+        inside = times if unit == 1 else [t / unit for t in times]
+        rows: list[Any] = []
+        whole = self._rounded(system(self.scene, self.scene.outputs))
+        if inside[0] == 0:
+            rows.append([number_value(x, self.number) for x in whole.start])
+        if len(rows) == len(inside):
+            return Outcome.REACHED_END, rows
+        began = time.perf_counter()
+        try:
+            origin = Fraction(0)
+            if "angles" in self.scene.outputs and self.scene.starts_at_pole:
+                whole, origin = self._off_the_pole(whole, inside[len(rows)])
+            integrator = self.integrator(whole, origin)
+            limit = self.max_steps if self.max_steps is not None else taylor.max_steps(self.number)
+            chunk = taylor.chunk_steps(self.number)
+            outcome = _march(integrator, inside, rows, limit, chunk, progress)
+        except taylor.OutOfRange as fault:
+            expected = f"a type of wider range ({fault})"
+            raise BadInput(self.scene.name, "number", self.number.name, expected) from None
+        self.seconds = time.perf_counter() - began
+        self.steps += integrator.steps
+        self.reached = integrator.time * unit
+        return outcome, rows
+
+    def integrator(self, what: System, origin: Fraction = Fraction(0)) -> Any:
+        """A heyoka integrator of a system that stands at time ``origin``."""
+        from polhode import taylor
+
+        began = time.perf_counter()
+        built = taylor.Taylor(
+            what.names,
+            lambda state, k: what.field(state, k, taylor.EXPRESSIONS),
+            what.coefficients,
+            what.start,
+            self.number,
+            self.tolerance,
+            origin,
+        )
+        self.build_seconds += time.perf_counter() - began
+        return built
+
+    def _rounded(self, what: System) -> System:
+        """The system with its inputs rounded to a narrower type, where that was asked for."""
+        if self.inputs is None:
+            return what
+        return System(
+            what.columns,
+            what.names,
+            what.outputs,
+            {name: self.inputs.rounded(x) for name, x in what.coefficients.items()},
+            tuple(self.inputs.rounded(x) for x in what.start),
+        )
+
+    def _off_the_pole(self, whole: System, first: Fraction) -> tuple[System, Fraction]:
+        """The system a moment after a start at a pole, where psi' is 0/0, and that moment.
+
+        The attitude leads over the pole; psi and phi then begin at their one-sided limits, the one
+        of psi ± phi that has a meaning at the pole staying continuous.  A motion that stays at
+        the pole has no psi and phi at all.
+        """
+        moment = max(-_OFF_THE_POLE, min(_OFF_THE_POLE, first / 2))
+        bridge = self._rounded(system(self.scene, ("attitude",)))
+        leading = self.integrator(bridge)
+        found, _ = leading.chunk([moment], 10**6)
+        self.steps += leading.steps
+        row = found[0]
+        gamma = Readout(self.scene, self.number).states([row])[0][3:]
+        if all(x == 0 for x in gamma[:2]):
+            outputs = tuple(name for name in whole.outputs if name != "angles")
+            start = whole.start[:-2]
+            return System(whole.columns, whole.names[:-2], outputs, whole.coefficients, start), (
+                Fraction(0)
+            )
+        kept = row if "attitude" in whole.outputs else row[: whole.columns]
+        psi, phi = kinematics.angles_off_the_pole(
+            row[whole.columns :], gamma, self.scene.psi, self.number.bits
+        )
+        start = (*(exactly(x) for x in kept), psi, phi)
+        names, k = whole.names, whole.coefficients
+        return System(whole.columns, names, whole.outputs, k, start), moment
+
+
+def _march(
+    integrator: Any,
+    times: list[Fraction],
+    rows: list[Any],
+    limit: int,
+    chunk: int,
+    progress: Progress | None,
+) -> Outcome:
+    """Advance chunk by chunk, appending a row for each time reached; the outcome."""
+    from polhode import taylor
+
+    end = times[-1]
+    try:
+        while len(rows) < len(times):
+            steps = min(chunk, limit - integrator.steps)
+            if steps <= 0:
+                return Outcome.STEP_LIMIT
+            before = integrator.time
+            found, ended = integrator.chunk(times[len(rows) :], steps)
+            if not taylor.finite(ended):
+                return Outcome.NON_FINITE
+            rows.extend(found)
+            if taylor.at_end(ended):
+                break
+            passed = abs(integrator.time - before)
+            if passed <= steps * abs(integrator.time) * integrator.number.eps:
+                return Outcome.STEP_UNDERFLOW
+            ahead = abs(end - integrator.time) / passed * steps
+            if integrator.steps + ahead > 10 * limit:  # hopeless: no need to try the limit out
+                return Outcome.STEP_LIMIT
+            if progress is not None:
+                progress(float(integrator.time / end), integrator.steps)
+    except KeyboardInterrupt:
+        return Outcome.INTERRUPTED
+    return Outcome.REACHED_END
