@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import decimal
 import json
 from collections.abc import Sequence
 from fractions import Fraction
@@ -250,9 +251,6 @@ def in_full(t: Fraction) -> str:
     """Every digit of a decimal number; any other as a fraction."""
     if not is_decimal(t):
         return str(t)
-    places = 0
-    while (t * 10**places).denominator != 1:
-        places += 1
-    digits = str(abs(int(t * 10**places))).rjust(places + 1, "0")
-    text = f"{digits[:-places]}.{digits[-places:]}" if places else digits
-    return "-" + text if t < 0 else text
+    prec = t.numerator.bit_length() + t.denominator.bit_length() + 1  # never fewer than its digits
+    with decimal.localcontext(prec=prec):
+        return f"{decimal.Decimal(t.numerator) / t.denominator:f}"

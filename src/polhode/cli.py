@@ -92,7 +92,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--tol", metavar="X", help="tolerance of a step, the type's eps unless given")
     run.add_argument("--form", metavar="F", help="form of the equations")
     run.add_argument("--outputs", metavar="O,O", help="angles, attitude: instead of the scene's")
-    run.add_argument("--max-steps", type=_digits, metavar="N", help="limit on the steps")
+    run.add_argument("--max-steps", type=_steps, metavar="N", help="limit on the steps")
     run.add_argument("--no-project", action="store_true", help="no projection (there is none yet)")
     run.add_argument("-o", dest="file", metavar="FILE", help="write a CSV, and JSON beside it")
 
@@ -124,6 +124,13 @@ def _digits(text: str) -> int:
         return int(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"a whole number, not {text[:40]!r}") from None
+
+
+def _steps(text: str) -> int:
+    steps = _digits(text)
+    if steps < 1:
+        raise argparse.ArgumentTypeError(f"1 or more, not {steps}")
+    return steps
 
 
 if __name__ == "__main__":

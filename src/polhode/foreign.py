@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from polhode import expression
 from polhode.correct_digits import digits_of, errors, rate_scale
@@ -20,6 +20,7 @@ from polhode.scene import ANGLES, ATTITUDE, STATE, Scene
 from polhode.truth import Reference, TwoPrecisions
 
 MAX_BYTES = 1 << 30
+MAX_LINE = 1_000_000  # characters
 SPARE_DIGITS = 6
 
 
@@ -63,10 +64,10 @@ def read_table(path: Path, number: NumberType | None) -> Table:
     try:
         if path.stat().st_size > MAX_BYTES:
             raise BadInput(str(path), "file", None, f"at most {MAX_BYTES} bytes")
-        with path.open(encoding="utf-8-sig", newline="") as lines:
+        with path.open(encoding="utf-8-sig", newline="") as text:
             rows = [
                 (k, [cell.strip() for cell in row])
-                for k, row in enumerate(csv.reader(_uncommented(lines)), 1)
+                for k, row in enumerate(csv.reader(_uncommented(text)), 1)
                 if any(cell.strip() for cell in row)
             ]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
@@ -86,9 +87,12 @@ def read_table(path: Path, number: NumberType | None) -> Table:
     return _table(path, header, rows[1:], known, number)
 
 
-def _uncommented(lines: Iterable[str]) -> Iterator[str]:
+def _uncommented(text: TextIO) -> Iterator[str]:
     """The lines with comments blank: a quotation mark in a comment opens nothing."""
-    return ("\n" if line.lstrip().startswith("#") else line for line in lines)
+    for line in iter(lambda: text.readline(MAX_LINE + 1), ""):
+        if len(line) > MAX_LINE:
+            raise csv.Error("a line without end")
+        yield "\n" if line.lstrip().startswith("#") else line
 
 
 def _table(
