@@ -305,6 +305,13 @@ def test_digits_choose_the_type_and_a_narrower_one_is_refused():
         polhode.integrate(scene, "double", digits=30)
 
 
+def test_a_machine_without_the_80_bit_type_refuses_it_and_goes_on_to_quad(monkeypatch):
+    monkeypatch.setattr(precision, "extended_here", lambda: False)
+    with pytest.raises(polhode.BadInput, match="no 64 bits here"):
+        polhode.integrate("euler/largest-axis", "extended", at=[1])
+    assert polhode.integrate("euler/largest-axis", digits=16, at=[1]).number is QUAD
+
+
 # -- attitude and angles ----------------------------------------------------------------------
 
 

@@ -128,8 +128,7 @@ def write_trajectory(path: Path, answer: dict[str, Any]) -> None:
     header, rows = rows_of(answer)
     text = "".join(",".join(row) + "\n" for row in (header, *rows))
     kept = {k: v for k, v in answer.items() if k not in ("times", "states", "angles", "attitude")}
-    write_whole(sidecar(path), as_json(kept))
-    write_whole(path, text)
+    write_whole({path: text, sidecar(path): as_json(kept)})
 
 
 def as_json(value: Any) -> str:

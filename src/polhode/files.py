@@ -4,27 +4,34 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 from polhode.errors import BadInput
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Write a text file through a temporary one beside it, then rename; raises BadInput."""
-    temporary = None
+def write_whole(texts: Mapping[Path, str]) -> None:
+    """Write text files that belong together; raises BadInput.
+
+    Each goes to a temporary file beside its place first; they are renamed once all are complete.
+    """
+    staged: dict[Path, str] = {}
+    path = Path()
     try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as out:
-            out.write(text)
-            out.flush()
-            os.fsync(out.fileno())
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, path)
-        temporary = None
+        for path, text in texts.items():
+            handle, staged[path] = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as out:
+                out.write(text)
+                out.flush()
+                os.fsync(out.fileno())
+            os.chmod(staged[path], 0o666 & ~_umask())
+        for path in texts:
+            os.replace(staged[path], path)
+            del staged[path]
     except OSError as error:
         raise BadInput(str(path), "file", None, f"a place to write to ({error.strerror})") from None
     finally:
-        if temporary is not None:
+        for temporary in staged.values():
             Path(temporary).unlink(missing_ok=True)
 
 

@@ -23,10 +23,10 @@ class Drift(NamedTuple):
     They are relative to T(0) + Mg|r0|, |G(0)|, 1.
     A scale that is zero is replaced: |G(0)| by the momentum of the pendulum's rate,
     sqrt(Mg|r0|·largest moment), and any zero scale that is left by 1.  f and gamma are None for a
-    scene without gamma.
+    scene without gamma, all of them where no state was reached.
     """
 
-    h: float
+    h: float | None
     f: float | None
     gamma: float | None
 

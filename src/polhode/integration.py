@@ -73,10 +73,13 @@ def integrate(
 
 def choose_number(scene: Scene, number: str | NumberType | None, digits: int | None) -> NumberType:
     """The number type that was named, or the cheapest one that holds the digits wanted."""
+    name = number.name if isinstance(number, NumberType) else number
+    if name is not None and name not in precision.NAMES:
+        raise BadInput(scene.name, "number", name, nearest(name, list(precision.NAMES)))
+    if name == "extended" and not precision.extended_here():
+        raise BadInput(scene.name, "number", name, "quad: long double has no 64 bits here")
     if isinstance(number, NumberType):
         return number
-    if number is not None and number not in precision.NAMES:
-        raise BadInput(scene.name, "number", number, nearest(number, list(precision.NAMES)))
     if digits is not None and not 1 <= digits <= precision.MAX_DIGITS:
         raise BadInput(scene.name, "digits", digits, f"1 to {precision.MAX_DIGITS}")
     if digits is None:

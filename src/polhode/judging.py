@@ -116,10 +116,9 @@ def wider(number: NumberType) -> NumberType:
 
 def drift_line(drift: Drift) -> str:
     """Drift in one line."""
-    parts = [f"h {drift.h:.1e}"]
-    if drift.f is not None and drift.gamma is not None:
-        parts += [f"f {drift.f:.1e}", f"|gamma|^2 {drift.gamma:.1e}"]
-    return ", ".join(parts)
+    names = ("h", "f", "|gamma|^2")
+    shown = zip(names, drift, strict=True)
+    return ", ".join(f"{name} {value:.1e}" for name, value in shown if value is not None)
 
 
 def _short(t: Fraction) -> str:

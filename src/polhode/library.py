@@ -18,7 +18,7 @@ def folder() -> Path:
 def names() -> list[str]:
     """The names of all cases that ship, such as ``euler/separatrix``, sorted."""
     top = folder()
-    return sorted(str(p.relative_to(top).with_suffix("")) for p in top.rglob("*.toml"))
+    return sorted(p.relative_to(top).with_suffix("").as_posix() for p in top.rglob("*.toml"))
 
 
 def load(scene: str | Path) -> Scene:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 from polhode import exact
@@ -17,7 +18,7 @@ LOG10_2 = math.log10(2)
 DIGITS_HELD = {"double": 15, "extended": 18, "quad": 33}  # what --digits may ask of each type
 NAMES = ("double", "extended", "quad", "mp")
 DEFAULT_MP_DIGITS = 50
-MAX_DIGITS = 10_000  # that --digits may ask for
+MAX_DIGITS = 4000  # that --digits may ask for
 
 
 @dataclass(frozen=True)
@@ -75,9 +76,17 @@ def for_digits(digits: int, log10_angle: float) -> NumberType:
     like its 3/2 power times a small factor; the guard digits cover both.
     """
     for name, held in DIGITS_HELD.items():
-        if digits + math.ceil(log10_angle) <= held:
+        if digits + math.ceil(log10_angle) <= held and (name != "extended" or extended_here()):
             return named(name)
     return mp_for(digits, log10_angle)
+
+
+@cache
+def extended_here() -> bool:
+    """Whether this machine's long double is the 80-bit one."""
+    import numpy as np
+
+    return bool(np.finfo(np.longdouble).nmant == EXTENDED.bits - 1)
 
 
 def mp_for(digits: int, log10_angle: float) -> NumberType:

@@ -27,9 +27,9 @@ def write_report(
     command = "polhode report" + (" --quick" if quick else "")
     found = accuracy.rows(quick, tick)
     found["provenance"] = {"command": command, "versions": versions(), "cpu": cpu()}
-    write_whole(paths[0], as_json(found))
-    write_whole(paths[1], figures.digits_by_case(found))
-    write_whole(paths[2], "\n".join(accuracy_page(found)) + "\n")
+    page = "\n".join(accuracy_page(found)) + "\n"
+    texts = (as_json(found), figures.digits_by_case(found), page)
+    write_whole(dict(zip(paths, texts, strict=True)))
     return paths
 
 

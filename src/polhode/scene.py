@@ -147,10 +147,14 @@ class Scene:
         )
 
     @cached_property
+    def log10_rate(self) -> float:
+        """log10 of the fastest rate in the start: |w| or sqrt(Mg|r0|/largest moment)."""
+        return exact.log10(max(dot(self.omega, self.omega), self.pendulum_rate_squared)) / 2
+
+    @property
     def log10_angle(self) -> float:
-        """log10 of the angle turned: the fastest rate in the start times |end|; at least 0."""
-        square = max(dot(self.omega, self.omega), self.pendulum_rate_squared)
-        return max(0.0, exact.log10(square) / 2 + exact.log10(self.end))
+        """log10 of the angle turned to the end: the fastest rate times |end|; at least 0."""
+        return max(0.0, self.log10_rate + exact.log10(self.end))
 
     @cached_property
     def pendulum_rate_squared(self) -> Exact:
@@ -176,11 +180,6 @@ class Scene:
     def starts_at_pole(self) -> bool:
         """Whether the third axis is vertical at t = 0, where psi and phi have no meaning."""
         return self.gamma is not None and sign(self.gamma[0]) == 0 == sign(self.gamma[1])
-
-    @property
-    def at_rest(self) -> bool:
-        """Whether nothing moves at t = 0."""
-        return all(sign(component) == 0 for component in self.omega)
 
 
 def even_times(end: Exact, samples: int) -> tuple[Exact, ...]:

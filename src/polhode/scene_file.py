@@ -16,7 +16,8 @@ from polhode.expression import ExpressionError
 from polhode.precision import NAMES
 from polhode.scene import ANGLES, ATTITUDE, STATE, Event, Published, Scene, even_times
 
-MAX_FILE = 1_000_000  # bytes
+MAX_FILE = 100_000  # bytes
+MAX_LINE = 10_000  # characters: a TOML key of thousands of parts costs quadratic time
 MAX_SAMPLES = 1_000_000
 
 _SECTIONS: dict[str, tuple[str, ...]] = {
@@ -58,6 +59,8 @@ def read(path: Path, name: str | None = None) -> Scene:
 
 def parse(text: str, name: str = "scene") -> Scene:
     """The scene in a TOML text; raises BadInput."""
+    if any(len(line) > MAX_LINE for line in text.splitlines()):
+        raise BadInput(name, "file", None, f"lines of at most {MAX_LINE} characters")
     try:
         data = tomllib.loads(text, parse_float=_Literal)
     except (ValueError, RecursionError) as error:
@@ -150,6 +153,9 @@ class _Reading:
         if "gamma" not in table:
             if not body.torque_free:
                 raise self.bad("start.gamma", None, "given, since the weight has a moment")
+            for idle in ("psi", "normalise"):
+                if idle in table:
+                    raise self.bad(f"start.{idle}", table[idle], "nothing without start.gamma")
             return omega, None, psi
         gamma = self.vector("start.gamma", table["gamma"])
         square = dot(gamma, gamma)

@@ -85,7 +85,7 @@ class Trajectory:
     def drift(self) -> Drift:
         """Largest drift of h, f, |gamma|² from the exact scene's values."""
         if not self.times:
-            return Drift(0.0, None, None)
+            return Drift(None, None, None)
         return drift(self.scene, self.states, self.number.bits)
 
     @property
@@ -119,4 +119,4 @@ def strings(rows: Any, number: NumberType) -> list[list[str]]:
 
 
 def _double_string(x: float) -> str:
-    return f"{x:.17g}"
+    return f"{x:#.17g}" if x else "0"

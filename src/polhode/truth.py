@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from polhode import library, precision
+from polhode import exact, library, precision
 from polhode.correct_digits import worst_digits
 from polhode.errors import BadInput
 from polhode.exact import Exact
@@ -18,6 +18,8 @@ from polhode.precision import exact_time
 from polhode.references.closed_form import Motion, closed_form
 from polhode.references.kinds import kind_of_body
 from polhode.scene import Scene
+
+MAX_LOG10_ANGLE = 100
 
 
 class Reference:
@@ -38,15 +40,15 @@ class Reference:
 
         ``times``: ints, Fractions, floats, mpf or decimal strings, taken exactly.
         """
-        return self._motion.at(_times(times), digits)
+        return self._motion.at(_times(self.scene, times), digits)
 
     def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
         """Rows q0 q1 q2 q3: the quaternion body to space, scalar first, continuous from q0 >= 0."""
-        return self._motion.attitude(_times(times), digits)
+        return self._motion.attitude(_times(self.scene, times), digits)
 
     def angles(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
         """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
-        return self._motion.angles(_times(times), digits)
+        return self._motion.angles(_times(self.scene, times), digits)
 
     @property
     def period(self) -> Any | None:
@@ -133,5 +135,11 @@ def reference(scene: Scene | str | Path) -> Reference | TwoPrecisions:
     return TwoPrecisions(scene)
 
 
-def _times(times: Sequence[Any]) -> list[Exact]:
-    return [exact_time(t) for t in times]
+def _times(scene: Scene, times: Sequence[Any]) -> list[Exact]:
+    """Times taken exactly; raises BadInput beyond 10**100 radians, where digits cost more each."""
+    found = [exact_time(t) for t in times]
+    for t in found:
+        if scene.log10_rate + exact.log10(t) > MAX_LOG10_ANGLE:
+            expected = f"at most 10**{MAX_LOG10_ANGLE} radians turned"
+            raise BadInput(scene.name, "t", f"10**{exact.log10(t):.0f}", expected)
+    return found

@@ -1,18 +1,48 @@
-"""The Euler angles psi, theta, phi of the torque-free body, psi and phi continuous in time."""
+"""The Euler angles psi, theta, phi of a closed form's attitude, psi and phi continuous in time."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import mpmath
 from mpmath import mpf
 
 from polhode.exact import EQUAL_BITS
-from polhode.references.euler_attitude import Attitude, direction, speed_bound
-from polhode.references.euler_motion import Polhode
-from polhode.references.theta import MP, numpy_functions
+from polhode.references.euler_attitude import direction
+from polhode.references.euler_motion import Quaternion
+from polhode.references.theta import MP, Functions, numpy_functions
 from polhode.references.winding import growth, longest
+
+
+class Attitude(Protocol):
+    """What the angles need of a closed form: its attitude at one precision."""
+
+    @property
+    def start(self) -> Quaternion:
+        """The attitude at t = 0."""
+        ...
+
+    def at(self, t: Any, fn: Functions) -> Quaternion:
+        """The attitude at t, continuous in t."""
+        ...
+
+    def arguments(self, t: Any) -> tuple[Any, Any] | None:
+        """Growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0, where it is closed."""
+        ...
+
+    def speed(self) -> Any:
+        """An upper bound of |w|."""
+        ...
+
+    def fastest(self) -> Any:
+        """An upper bound of the rates that the motion is made of."""
+        ...
+
+    def floats(self, speed: Any) -> Attitude:
+        """The same in doubles, time in units of 1/speed."""
+        ...
+
 
 #: Attitude at a number of bits.
 Source = Callable[[int], Attitude]
@@ -81,7 +111,7 @@ def _start(attitude: Attitude, t: mpf, start: tuple[Any, Any]) -> tuple[Any, Any
     one, other = (psi + phi) / 2, (psi - phi) / 2
     if al and bt:
         return one, other
-    speed = _speed(attitude)
+    speed = attitude.speed()
     soon = mpmath.sign(t) * mpmath.ldexp(1, -mpmath.mp.prec // 4) / speed if speed else mpf(0)
     q0, q1, q2, q3 = attitude.at(soon, MP)
     if not bt:
@@ -99,16 +129,16 @@ def _growths(
         with mpmath.workprec(used):
             attitude = source(used)
             found.append(attitude.arguments(time(used)))
-            if found[-1] is None and isinstance(attitude.motion, Polhode):
+            if found[-1] is None:
                 open_.append(i)
-            elif found[-1] is not None and None in found[-1]:
+            elif None in found[-1]:
                 found[-1] = None
     if not open_:
         return found
     used = max(_COUNTING_BITS, *(bits[i] for i in open_))
     with mpmath.workprec(used):
         attitude, fn = source(used), numpy_functions()
-        speed = _speed(attitude)
+        speed = attitude.speed()
         coarse = source(_COARSE_BITS).floats(speed)
 
         def fine(t: mpf) -> tuple[Any, Any]:
@@ -121,12 +151,10 @@ def _growths(
 
         scaled = {i: times[i](used) * speed for i in open_}
         # No phase may outgrow the digits of a double; of a physical body none outruns |w|.
-        motion = attitude.motion
-        assert isinstance(motion, Polhode)
-        limit = longest() / max(1, motion.rate / speed, abs(motion.precession) / speed)
+        limit = longest() * speed / attitude.fastest()
         if max(abs(t) for t in scaled.values()) > limit:
             raise ValueError(
-                "psi and phi about a gamma that is not along the angular momentum are not closed: "
+                "psi and phi of this motion in these axes are not closed: "
                 "their turns must be counted, which is possible here for |t| up to "
                 f"{mpmath.nstr(limit / speed, 3)}"
             )
@@ -138,8 +166,3 @@ def _growths(
             for i, count in zip(chosen, counts, strict=True):
                 found[i] = count
     return found
-
-
-def _speed(attitude: Attitude) -> Any:
-    motion = attitude.motion
-    return speed_bound(motion) if isinstance(motion, Polhode) else 2 * motion.half

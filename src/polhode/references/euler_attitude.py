@@ -47,6 +47,18 @@ class Attitude:
         a, b, c, d = (float(x) for x in self.start)
         return Attitude(self.motion.floats(speed), self.axes.mapped(float), (a, b, c, d))
 
+    def speed(self) -> Any:
+        """An upper bound of |w| over all time."""
+        if isinstance(self.motion, PermanentRotation):
+            return 2 * self.motion.half
+        return speed_bound(self.motion)
+
+    def fastest(self) -> Any:
+        """An upper bound of the rates that the motion is made of."""
+        if isinstance(self.motion, PermanentRotation):
+            return 2 * self.motion.half
+        return max(self.speed(), self.motion.rate, abs(self.motion.precession))
+
     def arguments(self, t: Any) -> tuple[Any, Any] | None:
         """The growth of arg al and arg bt from time 0 to t, where it is closed; else None.
 

@@ -103,13 +103,29 @@ class Jacobi:
             _ladder(-s, s, c2, count),
         )
 
+    def denominator(self, waves: Waves) -> Any:
+        """Theta(v_r), to a constant factor."""
+        return dot(self.theta, waves.odd_c if self.complementary else waves.even_c)
+
+    def slopes(self, waves: Waves) -> Waves:
+        """The derivatives in v of the multiples; with them every sum gives its derivative."""
+        back = self.scale if self.complementary else -self.scale
+
+        def times(factor: Any, row: Sequence[Any], first: int) -> list[Any]:
+            return [factor * (2 * j + first) * x for j, x in enumerate(row)]
+
+        return Waves(
+            waves.turns,
+            times(back, waves.even_s, 0),
+            times(self.scale, waves.even_c, 0),
+            times(back, waves.odd_s, 1),
+            times(self.scale, waves.odd_c, 1),
+        )
+
     def functions(self, waves: Waves) -> tuple[Any, Any, Any]:
         """(sn, cn, dn) at v_r, where cn >= 0; at v, sn and cn carry the sign (-1)^n."""
-        if self.complementary:
-            below, up = dot(self.theta, waves.odd_c), waves.even_c
-        else:
-            below, up = dot(self.theta, waves.even_c), waves.odd_c
-        over = 1 / below
+        up = waves.even_c if self.complementary else waves.odd_c
+        over = 1 / self.denominator(waves)
         return (
             dot(self.sn, waves.odd_s) * over,
             dot(self.cn, up) * over,
