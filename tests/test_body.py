@@ -256,3 +256,22 @@ def test_torque_free_is_decided_exactly(centre: tuple, weight: object, free: boo
     body = Body(diagonal(vector(2, 3, 4)), vector(*centre), weighed)
     assert body.torque_free is free
     assert not free or body.torque == (ZERO, ZERO, ZERO)
+
+
+def test_numbers_of_any_kind_are_taken_exactly():
+    """Ints, decimal strings, expressions, Fractions; a float is the binary number that it is."""
+    import numpy as np
+
+    from polhode import BadInput, Body, Scene, integrate
+
+    body = Body.of_moments([2, "1.5", Fraction(1)], centre=("0.1", 0, 0), weight=np.float64(2))
+    assert body.moments == (2, Fraction(3, 2), 1)
+    assert body.torque == (Fraction(1, 5), 0, 0)
+    assert Body.of_moments([1, 1, 1], (0.1, 0, 0), 1).centre[0] == Fraction(0.1) != Fraction(1, 10)
+    scene = Scene(body, omega=(0, "1/3", 1), gamma=("sqrt(1/2)", "sqrt(1/2)", 0), times=(1, "2.5"))
+    assert integrate(scene).times == (1, Fraction(5, 2))
+    for wrong in (None, True, [1], "one", float("nan")):
+        with pytest.raises(ValueError):  # noqa: PT011  # the kind is what is tested
+            Body.of_moments([1, 1, wrong])
+    with pytest.raises(BadInput):
+        Scene(body, omega=(0, 0, 1), gamma=(0.6, 0, 0.8))  # doubles are not of length 1

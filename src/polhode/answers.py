@@ -87,7 +87,7 @@ def of_reference(truth: Reference, times: Sequence[Exact], digits: int) -> dict[
         answer["angles"] = strings(truth.angles(held, digits + 1), number)
     if "attitude" in scene.outputs:
         answer["attitude"] = strings(truth.attitude(held, digits + 1), number)
-    answer |= {"outcome": "reached end", "steps": 0, "provenance": provenance(scene.source)}
+    answer |= {"outcome": "reached end", "steps": 0, "provenance": provenance(scene.text)}
     return answer
 
 

@@ -8,17 +8,26 @@ exactly, and projections onto an axis are formed before the axis is scaled to le
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import Any
 
 from polhode import exact
 from polhode.exact import ONE, ZERO, Exact, sign
+from polhode.precision import exact_number
 
 Vector = tuple[Exact, Exact, Exact]
 Matrix = tuple[Vector, Vector, Vector]
 
 IDENTITY: Matrix = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
+
+
+def exact_vector(values: Sequence[Any]) -> Vector:
+    """Three numbers of any kind, taken exactly."""
+    a, b, c = (exact_number(value) for value in values)
+    return a, b, c
 
 
 def dot(a: Vector, b: Vector) -> Exact:
@@ -94,16 +103,20 @@ OWN_AXES = Axes(IDENTITY, (ONE, ONE, ONE))
 class Body:
     """Inertia matrix I at the fixed point, centre of mass r0, weight Mg, in body axes.
 
-    Raises UnphysicalBody unless I is symmetric with positive principal moments of which none
-    exceeds the sum of the other two.
+    Numbers of any kind are taken exactly (see :func:`polhode.precision.exact_number`).  Raises
+    UnphysicalBody unless I is symmetric with positive principal moments of which none exceeds the
+    sum of the other two.
     """
 
     inertia: Matrix
-    centre: Vector
-    weight: Exact
+    centre: Vector = (ZERO, ZERO, ZERO)
+    weight: Exact = ZERO
 
     def __post_init__(self) -> None:
-        rows = self.inertia
+        rows = tuple(exact_vector(row) for row in self.inertia)
+        object.__setattr__(self, "inertia", rows)
+        object.__setattr__(self, "centre", exact_vector(self.centre))
+        object.__setattr__(self, "weight", exact_number(self.weight))
         for i, j in ((0, 1), (0, 2), (1, 2)):
             if rows[i][j] != rows[j][i]:
                 raise UnphysicalBody("a symmetric matrix")
@@ -112,6 +125,13 @@ class Body:
             raise UnphysicalBody("positive principal moments")
         if a + b < c or b + c < a or c + a < b:
             raise UnphysicalBody("principal moments of which none exceeds the sum of the others")
+
+    @classmethod
+    def of_moments(
+        cls, moments: Sequence[Any], centre: Sequence[Any] = (0, 0, 0), weight: Any = 0
+    ) -> Body:
+        """A body given in principal axes by its moments A, B, C."""
+        return cls(diagonal(exact_vector(moments)), exact_vector(centre), exact_number(weight))
 
     @property
     def moments(self) -> Vector:

@@ -9,7 +9,7 @@ from typing import Any
 
 from polhode import library, precision
 from polhode.errors import BadInput, nearest
-from polhode.precision import NumberType, exact_time
+from polhode.precision import NumberType, exact_number
 from polhode.provenance import provenance
 from polhode.readout import Readout
 from polhode.run import Progress, Run
@@ -42,7 +42,7 @@ def integrate(
     if not isinstance(scene, Scene):
         scene = library.load(scene)
     if at is not None:
-        scene = scene.at(tuple(exact_time(t) for t in at))
+        scene = scene.at(tuple(exact_number(t) for t in at))
     if scene.events:
         names = ", ".join(event.name for event in scene.events)
         raise BadInput(scene.name, "events", names, "none: events are not located yet")
@@ -65,7 +65,7 @@ def integrate(
         tolerance=float(tolerance or chosen.eps),
         digits=digits,
         provenance={
-            **provenance(scene.source),
+            **provenance(scene.text),
             "seconds": {"build": run.build_seconds, "run": run.seconds - run.build_seconds},
         },
     )
@@ -114,7 +114,7 @@ def _tolerance(scene: Scene, number: NumberType, tol: Any) -> Fraction | None:
     if tol is None:
         return None
     try:
-        wanted = exact_time(tol)
+        wanted = exact_number(tol)
     except ValueError:
         raise BadInput(scene.name, "tol", str(tol), "a number") from None
     if not isinstance(wanted, Fraction) or not number.eps <= wanted <= Fraction(1, 10):

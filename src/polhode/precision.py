@@ -141,13 +141,21 @@ def exactly(value: Any) -> Fraction:
         raise ValueError("not a finite number") from None
 
 
-def exact_time(value: Any) -> Exact:
-    """A time given in Python: int, Fraction, Irrational, float, mpf, or a decimal string."""
+def exact_number(value: Any) -> Exact:
+    """A number given in Python, taken exactly, a float as the binary number that it is.
+
+    ``value``: int, Fraction, Irrational, float, numpy or mpmath number, or a string holding an
+    expression such as ``"0.1"`` or ``"sqrt(2)/3"``.  Raises ValueError for anything else.
+    """
+    if isinstance(value, (Fraction, exact.Irrational)):
+        return value
     if isinstance(value, str):
         from polhode.expression import number
 
         return number(value)
-    return value if isinstance(value, exact.Irrational) else exactly(value)
+    if isinstance(value, bool) or not hasattr(value, "__float__"):
+        raise ValueError(f"not a number: {value!r}")
+    return exactly(value)
 
 
 def decimal_string(x: Fraction, digits: int) -> str:

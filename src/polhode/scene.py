@@ -13,9 +13,10 @@ from functools import cached_property
 from typing import NamedTuple
 
 from polhode import exact
-from polhode.body import Body, Vector, dot
+from polhode.body import Body, Vector, dot, exact_vector
 from polhode.errors import BadInput, nearest
 from polhode.exact import ZERO, Exact, sign
+from polhode.precision import exact_number
 
 FORMS = ("principal",)
 OUTPUTS = ("angles", "attitude")
@@ -58,7 +59,8 @@ class Scene:
     """What is to be integrated; see the module for frame and symbols.
 
     ``gamma`` None: a torque-free body of which only omega is asked.  ``times``: output times, all
-    of one sign (0 may be the first), |t| increasing.  Raises BadInput where a value cannot be.
+    of one sign (0 may be the first), |t| increasing.  Numbers of any kind are taken exactly, a float
+    as the binary number that it is.  Raises BadInput where a value cannot be.
     """
 
     body: Body
@@ -79,6 +81,11 @@ class Scene:
     source: str = ""  # the text it was read from, for the provenance
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "omega", exact_vector(self.omega))
+        object.__setattr__(self, "psi", exact_number(self.psi))
+        object.__setattr__(self, "times", tuple(exact_number(t) for t in self.times))
+        if self.gamma is not None:
+            object.__setattr__(self, "gamma", exact_vector(self.gamma))
         if self.gamma is None:
             if not self.body.torque_free:
                 raise self._bad("start.gamma", None, "given, since the weight has a moment")
@@ -113,6 +120,13 @@ class Scene:
     def at(self, times: tuple[Exact, ...]) -> Scene:
         """The same scene, asked for at other times."""
         return replace(self, times=times)
+
+    @property
+    def text(self) -> str:
+        """The text that identifies the scene: its file's, or its exact numbers."""
+        body = self.body
+        parts = (body.inertia, body.centre, body.weight, self.omega, self.gamma, self.psi)
+        return self.source or repr((parts, self.times))
 
     @property
     def end(self) -> Exact:

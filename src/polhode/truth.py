@@ -14,7 +14,7 @@ from polhode import exact, library, precision
 from polhode.correct_digits import worst_digits
 from polhode.errors import BadInput
 from polhode.exact import Exact
-from polhode.precision import exact_time
+from polhode.precision import exact_number
 from polhode.references.closed_form import Motion, closed_form
 from polhode.references.kinds import kind_of_body
 from polhode.scene import Scene
@@ -85,7 +85,7 @@ class TwoPrecisions:
 
         Raises BadInput where the two integrations cannot be made to agree to so many digits.
         """
-        key = (tuple(exact_time(t) for t in times), digits)
+        key = (tuple(exact_number(t) for t in times), digits)
         if key not in self._known:
             self._known[key] = self._integrated(*key)
         rows, self.agreement = self._known[key]
@@ -137,7 +137,7 @@ def reference(scene: Scene | str | Path) -> Reference | TwoPrecisions:
 
 def _times(scene: Scene, times: Sequence[Any]) -> list[Exact]:
     """Times taken exactly; raises BadInput beyond 10**100 radians, where digits cost more each."""
-    found = [exact_time(t) for t in times]
+    found = [exact_number(t) for t in times]
     for t in found:
         if scene.log10_rate + exact.log10(t) > MAX_LOG10_ANGLE:
             expected = f"at most 10**{MAX_LOG10_ANGLE} radians turned"

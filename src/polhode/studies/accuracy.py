@@ -49,7 +49,7 @@ def _case(scene: Scene) -> dict[str, Any]:
         "regime": truth.regime,
         "reference": truth.kind,
         "end": precision.decimal_string(precision.exactly(precision.QUAD.rounded(scene.end)), 6),
-        "sha256": digest(scene.source),
+        "sha256": digest(scene.text),
         "runs": runs,
         "published": [
             {
