@@ -108,6 +108,8 @@ def test_a_centre_on_an_axis_is_recognised_exactly(
     along = transposed(rotation)[axis]
     centre = (height * along[0], height * along[1], height * along[2])
     body = Body(turned(moments, rotation), centre, ONE)
+    # A matrix that is diagonal already keeps its axes: with two equal moments any across would do.
+    assume(len(set(moments)) == 3 or not body.axes.trivial)
     found = body.axes.components(body.centre)
     assert sum(sign(x) != 0 for x in found) == 1
     assert dot(found, found) == height * height

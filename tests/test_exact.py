@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from polhode import exact
 from polhode.exact import EQUAL_BITS, Irrational, arctan2, cos, log10, pi, power, rounded, sign, sin
 from polhode.exact import sqrt as root
+from polhode.precision import shown
 
 TWO, THREE, SIX = Fraction(2), Fraction(3), Fraction(6)
 BITS = [1, 2, 8, 24, 53, 64, 113, 333]
@@ -189,5 +190,5 @@ def test_the_root_of_a_square_is_rational(x: Fraction) -> None:
 
 @pytest.mark.parametrize("big", [root(TWO) * 10**4000, root(TWO) / 10**4000])
 def test_a_number_beyond_doubles_can_be_shown(big: Irrational) -> None:
-    assert "1.414213562373095" in repr(big)
-    assert "4000" in exact.shown(big)
+    assert "* 2**" in repr(big)
+    assert "4000" in shown(big)

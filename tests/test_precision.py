@@ -182,7 +182,7 @@ def test_exactly_takes_other_exact_numbers() -> None:
     assert exactly(Fraction(1, 3)) == Fraction(1, 3)
     assert exactly(np.float32(0.1)) == Fraction(float(np.float32(0.1)))
     assert exactly(decimal.Decimal("0.1")) == Fraction(1, 10)
-    assert precision.exact_time("1/10") == Fraction(1, 10)
+    assert precision.exact_number("1/10") == Fraction(1, 10)
 
 
 @pytest.mark.parametrize(

@@ -39,6 +39,33 @@ def test_every_regime_of_the_euler_top_has_a_case():
         assert any(wanted in regime for regime in regimes), wanted
 
 
+def test_every_regime_of_the_lagrange_top_and_the_pendulum_has_a_case():
+    truths = [polhode.reference(name) for name in library.names()]
+    regimes = {truth.regime for truth in truths if truth.kind in ("lagrange", "pendulum")}
+    assert regimes >= {
+        *("nutation", "cusped", "looping", "hanging", "homoclinic to the sleeping top"),
+        *("steady precession, slow", "steady precession, fast", "spherical pendulum"),
+        *("sleeping, stable", "sleeping, unstable", "sleeping, critical spin"),
+        *("through the upper pole", "through the lower pole"),
+        *("planar pendulum, librating", "planar pendulum, rotating", "planar pendulum, separatrix"),
+        *("pendulum, librating", "pendulum, rotating", "pendulum, separatrix"),
+        *("rest, hanging", "rest, upright"),
+    }
+
+
+@pytest.mark.parametrize("which", ["p.qr", "q.rp", "p.gamma2", "q.gamma1"])
+def test_a_corrupted_equation_of_the_lagrange_top_fails(which, monkeypatch):
+    honest = principal.coefficients
+
+    def corrupted(body, time_unit=0):
+        k = honest(body, time_unit)
+        return k | {which: k[which] * CHANGE}
+
+    monkeypatch.setattr(principal, "coefficients", corrupted)
+    report = next(regression.check(["lagrange/nutation"], ["quad"]))
+    assert not report.passed
+
+
 @pytest.mark.slow
 def test_the_whole_library_passes():
     failed = [report.scene.name for report in regression.check() if not report.passed]

@@ -27,6 +27,13 @@ def test_the_committed_report_covers_every_case_as_it_is():
         assert case["sha256"] == digest(library.load(case["case"]).source), case["case"]
 
 
+def test_every_case_stands_in_a_table_of_the_page():
+    found = committed()
+    page = "\n".join(report.accuracy_page(found))
+    for case in found["cases"]:
+        assert f"| {case['case']} |" in page, case["case"]
+
+
 def test_page_and_figure_are_made_from_the_json_alone():
     found = committed()
     assert (COMMITTED / "accuracy.md").read_text() == "\n".join(report.accuracy_page(found)) + "\n"

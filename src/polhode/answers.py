@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 from polhode import precision
 from polhode.errors import BadInput
-from polhode.exact import Exact, shown
+from polhode.exact import Exact
 from polhode.files import check_writable, write_whole
-from polhode.precision import NumberType, decimal_in_full, decimal_string, exactly
+from polhode.precision import NumberType, decimal_in_full, decimal_string, exactly, shown
 from polhode.provenance import provenance
 from polhode.scene import ANGLES, ATTITUDE, Scene
-from polhode.trajectory import Trajectory, strings
+from polhode.trajectory import EventTimes, Trajectory, strings
 
 if TYPE_CHECKING:  # a run needs none of these
     from polhode.foreign import Verdict
@@ -47,6 +47,8 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
         answer["angles"] = strings(run.angles, run.number)
     if run.attitude is not None:
         answer["attitude"] = strings(run.attitude, run.number)
+    if run.scene.events:
+        answer["events"] = [of_event(event, run.number) for event in run.events]
     answer |= {
         "drift": of_drift(run.drift),
         "outcome": run.outcome.value,
@@ -55,6 +57,17 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
         "provenance": dict(run.provenance),
     }
     return answer
+
+
+def of_event(event: EventTimes, number: NumberType) -> dict[str, Any]:
+    """When an event happened, and the states then."""
+    return {
+        "name": event.name,
+        "times": event.time_strings(),
+        "states": strings(event.states, number),
+        "grazing": list(event.grazing),
+        "complete": event.complete,
+    }
 
 
 def of_drift(drift: Drift) -> dict[str, str | None]:

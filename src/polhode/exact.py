@@ -118,7 +118,7 @@ class Irrational:
         return math.ldexp(mantissa, exponent)
 
     def __repr__(self) -> str:
-        return f"Irrational({shown(self)}...)"
+        return "Irrational({} * 2**{}...)".format(*rounded(self, 53))
 
 
 Exact: TypeAlias = Fraction | Irrational
@@ -329,16 +329,6 @@ def magnitude(x: Irrational) -> int:
         return 0
     _, _, exponent, bits = high
     return int(exponent + bits)
-
-
-def shown(x: Number) -> str:
-    """x for people: a short rational as it is, anything else to 17 digits."""
-    if isinstance(x, Fraction) and len(text := str(x)) <= 12:
-        return text
-    mantissa, exponent = rounded(x, 60)
-    from polhode.precision import decimal_string
-
-    return decimal_string(binary(mantissa, exponent), 17)
 
 
 def binary(mantissa: int, exponent: int) -> Fraction:

@@ -14,28 +14,39 @@ MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
 def digits_by_case(found: dict[str, Any]) -> str:
     """Correct digits of every case in every number type, from the accuracy study's JSON object."""
     plt = _pyplot()
-    cases = found["cases"][::-1]
-    figure, axes = plt.subplots(figsize=(7.2, 0.6 + 0.17 * len(cases)), layout="constrained")
+    cases = found["cases"]
+    half = -(-len(cases) // 2)
+    figure, panels = plt.subplots(1, 2, figsize=(11, 1.2 + 0.15 * half), layout="constrained")
+    for axes, part in zip(panels, (cases[:half], cases[half:]), strict=True):
+        _dots(axes, part[::-1], half)
+    figure.legend(
+        *panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=4, frameon=False
+    )
+    label = "correct digits, worst of all output times (dotted: what a type holds)"
+    figure.supxlabel(label, size=9)
+    return _svg(figure)
+
+
+def _dots(axes: Any, cases: list[dict[str, Any]], rows: int) -> None:
+    """One row a case, from the top down; ``rows``: how many rows the panel has."""
+    first = rows - len(cases)
     for name, colour in COLOURS.items():
         points = [
-            (run["correct_digits"], row)
+            (run["correct_digits"], first + row)
             for row, case in enumerate(cases)
             for run in case["runs"]
             if run["number"] == name and "correct_digits" in run
         ]
-        if points:
-            x, y = zip(*points, strict=True)
-            label = "mp (asked for 50)" if name == "mp" else name
-            axes.plot(x, y, MARKS[name], color=colour, ms=4, ls="none", label=label)
+        x, y = zip(*points, strict=True) if points else ((), ())
+        label = "mp (asked for 50)" if name == "mp" else name
+        axes.plot(x, y, MARKS[name], color=colour, ms=4, ls="none", label=label)
     for bits in (53, 64, 113):
         axes.axvline(bits * 0.30103, color="#999999", lw=0.6, ls=":")
-    axes.set_yticks(range(len(cases)), [case["case"] for case in cases], fontsize=6)
+    axes.set_yticks(range(first, rows), [case["case"] for case in cases], fontsize=6)
+    axes.tick_params(axis="x", labelsize=8)
     axes.set_xlim(0, 60)
-    axes.set_ylim(-0.7, len(cases) - 0.3)
-    axes.set_xlabel("correct digits over the run, worst time (dotted: what the type holds)")
+    axes.set_ylim(-0.7, rows - 0.3)
     axes.grid(axis="y", lw=0.3, color="#dddddd")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.06), ncols=4, frameon=False, fontsize=8)
-    return _svg(figure)
 
 
 def require() -> None:

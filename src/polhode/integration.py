@@ -43,9 +43,6 @@ def integrate(
         scene = library.load(scene)
     if at is not None:
         scene = scene.at(tuple(exact_number(t) for t in at))
-    if scene.events:
-        names = ", ".join(event.name for event in scene.events)
-        raise BadInput(scene.name, "events", names, "none: events are not located yet")
     chosen = choose_number(scene, number, digits)
     tolerance = _tolerance(scene, chosen, tol)
     times = _rounded_times(scene, chosen)
@@ -59,6 +56,7 @@ def integrate(
         states=read.states(rows),
         attitude=read.attitude(rows),
         angles=read.angles(rows),
+        events=run.events,
         outcome=outcome,
         steps=run.steps,
         reached=run.reached,

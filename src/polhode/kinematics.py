@@ -21,7 +21,10 @@ from polhode.precision import exactly, to_mpf
 
 
 def starting_attitude(gamma: Vector, psi: Exact) -> tuple[Exact, ...]:
-    """The quaternion at t = 0, q0 >= 0; at a pole phi is counted as 0."""
+    """The quaternion at t = 0: the first component that is not 0 is positive.
+
+    At a pole phi is counted as 0.
+    """
     sine = exact.sqrt(gamma[0] * gamma[0] + gamma[1] * gamma[1])
     half_theta = _half_angle(gamma[2], ONE)
     half_phi = (ONE, exact.ZERO) if sign(sine) == 0 else _half_angle(gamma[1] / sine, gamma[0])
@@ -33,7 +36,8 @@ def starting_attitude(gamma: Vector, psi: Exact) -> tuple[Exact, ...]:
         st * (s * cp - c * sp),
         ct * (s * cp + c * sp),
     )
-    return tuple(-x for x in q) if sign(q[0]) < 0 else q
+    leading = next(side for x in q if (side := sign(x)))
+    return tuple(-x for x in q) if leading < 0 else q
 
 
 def _half_angle(cosine: Exact, side: Exact) -> tuple[Exact, Exact]:

@@ -13,6 +13,7 @@ from typing import Any
 
 from polhode import exact
 from polhode.exact import Exact, Number
+from polhode.expression import number
 
 LOG10_2 = math.log10(2)
 DIGITS_HELD = {"double": 15, "extended": 18, "quad": 33}  # what --digits may ask of each type
@@ -150,8 +151,6 @@ def exact_number(value: Any) -> Exact:
     if isinstance(value, (Fraction, exact.Irrational)):
         return value
     if isinstance(value, str):
-        from polhode.expression import number
-
         return number(value)
     if isinstance(value, bool) or not hasattr(value, "__float__"):
         raise ValueError(f"not a number: {value!r}")
@@ -181,6 +180,13 @@ def decimal_string(x: Fraction, digits: int) -> str:
     else:
         body = f"{text[0]}.{text[1:]}e{power:+03d}" if digits > 1 else f"{text}e{power:+03d}"
     return "-" + body if x < 0 else body
+
+
+def shown(x: Number) -> str:
+    """x for people: a short rational as it is, anything else to 17 digits."""
+    if isinstance(x, Fraction) and len(text := str(x)) <= 12:
+        return text
+    return decimal_string(exact.binary(*exact.rounded(x, 60)), 17)
 
 
 def decimal_in_full(x: Fraction) -> str:

@@ -13,6 +13,13 @@ from polhode.files import check_writable, write_whole
 from polhode.provenance import cpu, versions
 from polhode.studies import accuracy
 
+_TITLES = {
+    "euler": "Against the closed form of the Euler top",
+    "lagrange": "Against the closed form of the Lagrange top",
+    "pendulum": "Against the closed form of the physical pendulum",
+    "two-precisions": "Against two integrations at different precision (no closed form)",
+}
+
 
 def write_report(
     folder: Path, quick: bool = False, tick: Callable[[str], None] | None = None
@@ -54,10 +61,7 @@ def accuracy_page(found: dict[str, Any]) -> Iterator[str]:
     yield ""
     yield "![Correct digits of every case in every number type](accuracy.svg)"
     yield ""
-    for kind, title in (
-        ("euler", "Against the closed form of the Euler top"),
-        ("two-precisions", "Against two integrations at different precision (no closed form)"),
-    ):
+    for kind, title in _TITLES.items():
         cases = [case for case in found["cases"] if case["reference"] == kind]
         if cases:
             yield f"## {title}"

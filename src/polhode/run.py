@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from polhode import kinematics
+from polhode import kinematics, precision
 from polhode.errors import BadInput
 from polhode.exact import Exact
 from polhode.forms import Functions, principal
 from polhode.precision import NumberType, exactly
 from polhode.readout import Readout, number_value
 from polhode.scene import ANGLE_VARIABLES, ATTITUDE, Scene
-from polhode.trajectory import Outcome
+from polhode.trajectory import EventTimes, Outcome
 
 #: Called now and then with the fraction of the time done and the steps taken.
 Progress = Callable[[float, int], None]
@@ -86,9 +86,29 @@ class Run:
         self.steps = 0
         self.reached = Fraction(0)
         self.build_seconds = self.seconds = 0.0
+        self.events: tuple[EventTimes, ...] = ()
+        self._watch: Any = None
 
     def to(self, times: list[Fraction], progress: Progress | None) -> tuple[Outcome, list[Any]]:
         """Rows at the times, as far as they were reached, and the outcome."""
+        from polhode import taylor
+
+        began = time.perf_counter()
+        try:
+            if self.scene.events:
+                from polhode.events import Watch
+
+                self._watch = Watch(self.scene, self.number, self.tolerance)
+            outcome, rows = self._to(times, progress)
+        except taylor.OutOfRange as fault:
+            expected = f"a type of wider range ({fault})"
+            raise BadInput(self.scene.name, "number", self.number.name, expected) from None
+        if self._watch is not None:
+            self.events = self._watch.found()
+        self.seconds = time.perf_counter() - began
+        return outcome, rows
+
+    def _to(self, times: list[Fraction], progress: Progress | None) -> tuple[Outcome, list[Any]]:
         from polhode import taylor
 
         unit = Fraction(2) ** self.scene.time_unit
@@ -99,24 +119,45 @@ class Run:
             rows.append([number_value(x, self.number) for x in whole.start])
         if len(rows) == len(inside):
             return Outcome.REACHED_END, rows
-        began = time.perf_counter()
-        try:
-            origin = Fraction(0)
-            if "angles" in self.scene.outputs and self.scene.starts_at_pole:
-                whole, origin = self._off_the_pole(whole, inside[len(rows)])
-            integrator = self.integrator(whole, origin)
+        origin = Fraction(0)
+        if "angles" in self.scene.outputs and self.scene.starts_at_pole:
+            whole, origin = self._off_the_pole(whole, inside[len(rows)])
+        outcome = Outcome.STOPPED_AT_EVENT
+        if not self._stopped:
+            integrator = self.integrator(whole, origin, self._watch)
+            self._refuse_what_never_moves()
             limit = self.max_steps if self.max_steps is not None else taylor.max_steps(self.number)
             chunk = taylor.chunk_steps(self.number)
             outcome = _march(integrator, inside, rows, limit, chunk, progress)
-        except taylor.OutOfRange as fault:
-            expected = f"a type of wider range ({fault})"
-            raise BadInput(self.scene.name, "number", self.number.name, expected) from None
-        self.seconds = time.perf_counter() - began
-        self.steps += integrator.steps
-        self.reached = integrator.time * unit
+            self.steps += integrator.steps
+            self.reached = integrator.time * unit
+        if self._stopped:
+            self.reached = self.number.rounded(self._watch.stop) * unit
+            rows = [row for row, t in zip(rows, times, strict=False) if abs(t) <= abs(self.reached)]
         return outcome, rows
 
-    def integrator(self, what: System, origin: Fraction = Fraction(0)) -> Any:
+    @property
+    def _stopped(self) -> bool:
+        return self._watch is not None and self._watch.stop is not None
+
+    def _refuse_what_never_moves(self) -> None:
+        """Refuse an event that is zero all along the motion: in this type, and to 200 digits."""
+        suspects = self._watch.still() if self._watch is not None else []
+        if not suspects:
+            return
+        from polhode.events import Watch
+
+        fine = Run(self.scene, precision.mp(200))
+        watch = Watch(self.scene, fine.number, None)
+        fine.integrator(system(self.scene, ()), watch=watch)
+        for k in watch.still():
+            if k in suspects:
+                event = self.scene.events[k]
+                key, text = f"events[{k + 1}].zero", event.expression or event.name
+                expected = "an expression that is not zero all along the motion"
+                raise BadInput(self.scene.name, key, text, expected)
+
+    def integrator(self, what: System, origin: Fraction = Fraction(0), watch: Any = None) -> Any:
         """A heyoka integrator of a system that stands at time ``origin``."""
         from polhode import taylor
 
@@ -129,6 +170,7 @@ class Run:
             self.number,
             self.tolerance,
             origin,
+            watch,
         )
         self.build_seconds += time.perf_counter() - began
         return built
@@ -154,9 +196,12 @@ class Run:
         """
         moment = max(-_OFF_THE_POLE, min(_OFF_THE_POLE, first / 2))
         bridge = self._rounded(system(self.scene, ("attitude",)))
-        leading = self.integrator(bridge)
+        leading = self.integrator(bridge, watch=self._watch)
+        self._refuse_what_never_moves()
         found, _ = leading.chunk([moment], 10**6)
         self.steps += leading.steps
+        if self._stopped:
+            return whole, moment
         row = found[0]
         gamma = Readout(self.scene, self.number).states([row])[0][3:]
         if all(x == 0 for x in gamma[:2]):
@@ -196,6 +241,8 @@ def _march(
             if not taylor.finite(ended):
                 return Outcome.NON_FINITE
             rows.extend(found)
+            if integrator.stopped:
+                return Outcome.STOPPED_AT_EVENT
             if taylor.at_end(ended):
                 break
             passed = abs(integrator.time - before)

@@ -16,7 +16,7 @@ from polhode import exact
 from polhode.body import Body, Vector, dot, exact_vector
 from polhode.errors import BadInput, nearest
 from polhode.exact import ZERO, Exact, sign
-from polhode.precision import exact_number
+from polhode.precision import exact_number, shown
 
 FORMS = ("principal",)
 OUTPUTS = ("angles", "attitude")
@@ -24,6 +24,11 @@ STATE = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
 ANGLES = ("psi", "theta", "phi")
 ATTITUDE = ("q0", "q1", "q2", "q3")
 ANGLE_VARIABLES = ("psi", "phi")  # of the angles, those that are integrated along
+
+#: Events known by name: theta' = 0, the third axis horizontal, w along the middle principal axis
+#: changing sign (no expression in scene axes), and a Poincaré section, followed by its expression.
+FLIP, SECTION = "flip", "section:"
+READY_MADE = {"nutation": "p*gamma2 - q*gamma1", "equator": "gamma3", FLIP: None}
 
 
 class Published(NamedTuple):
@@ -37,12 +42,34 @@ class Published(NamedTuple):
 
 
 class Event(NamedTuple):
-    """An event: the zeros of an expression in p q r gamma1 gamma2 gamma3 t."""
+    """An event: the zeros of an expression in p q r gamma1 gamma2 gamma3 t, in the scene's units.
+
+    ``zero`` may be empty where the name says it.  ``direction``: rising, falling or any, as t
+    grows, in backward runs too.  ``stop``: the run ends at the first one.
+    """
 
     name: str
-    zero: str
+    zero: str = ""
     direction: str = "any"
     stop: bool = False
+
+    @property
+    def expression(self) -> str | None:
+        """What vanishes, as text; None for w along the middle principal axis."""
+        if self.zero:
+            return self.zero
+        if self.name.startswith(SECTION):
+            return self.name.removeprefix(SECTION)
+        return READY_MADE.get(self.name, "")
+
+    @property
+    def needs_zero(self) -> bool:
+        """Whether the name alone does not say what vanishes."""
+        return self.name not in READY_MADE and not self.name.startswith(SECTION)
+
+    def counts(self, slope: int) -> bool:
+        """Whether a zero of that slope is one asked for; a grazing contact (0) always is."""
+        return slope == 0 or self.direction in ("any", "rising" if slope > 0 else "falling")
 
 
 class Integrals(NamedTuple):
@@ -59,8 +86,8 @@ class Scene:
     """What is to be integrated; see the module for frame and symbols.
 
     ``gamma`` None: a torque-free body of which only omega is asked.  ``times``: output times, all
-    of one sign (0 may be the first), |t| increasing.  Numbers of any kind are taken exactly, a float
-    as the binary number that it is.  Raises BadInput where a value cannot be.
+    of one sign (0 may be the first), |t| increasing.  Numbers of any kind are taken exactly, a
+    float as the binary number that it is.  Raises BadInput where a value cannot be.
     """
 
     body: Body
@@ -94,7 +121,7 @@ class Scene:
         elif dot(self.gamma, self.gamma) != 1:
             raise self._bad(
                 "start.gamma",
-                f"length {exact.shown(exact.sqrt(dot(self.gamma, self.gamma)))}",
+                f"length {shown(exact.sqrt(dot(self.gamma, self.gamma)))}",
                 "a vector of length exactly 1, or normalise = true",
             )
         self._check_times("run.at", self.times)
@@ -114,7 +141,7 @@ class Scene:
         for k, t in enumerate(times):
             ahead = sign(t - before) * direction
             if ahead < 0 or (ahead == 0 and not (k == 0 and sign(t) == 0)):
-                raise self._bad(f"{key}[{k + 1}]", exact.shown(t), expected)
+                raise self._bad(f"{key}[{k + 1}]", shown(t), expected)
             before = t
 
     def at(self, times: tuple[Exact, ...]) -> Scene:

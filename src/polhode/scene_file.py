@@ -14,7 +14,17 @@ from polhode.errors import BadInput, nearest, plain
 from polhode.exact import ONE, ZERO, Exact, sign
 from polhode.expression import ExpressionError
 from polhode.precision import NAMES
-from polhode.scene import ANGLES, ATTITUDE, STATE, Event, Published, Scene, even_times
+from polhode.scene import (
+    ANGLES,
+    ATTITUDE,
+    READY_MADE,
+    SECTION,
+    STATE,
+    Event,
+    Published,
+    Scene,
+    even_times,
+)
 
 MAX_FILE = 100_000  # bytes
 MAX_LINE = 10_000  # characters: a TOML key of thousands of parts costs quadratic time
@@ -33,7 +43,7 @@ _SECTIONS: dict[str, tuple[str, ...]] = {
     "reference": ("kind",),
     "expect": NAMES,
 }
-_REFERENCES = ("auto", "euler", "two-precisions")
+_REFERENCES = ("auto", "euler", "lagrange", "pendulum", "two-precisions")
 
 
 class _Literal(str):
@@ -218,8 +228,16 @@ class _Reading:
     def event(self, index: int, table: Mapping[str, Any]) -> Event:
         key = f"events[{index + 1}]"
         name = self.word(f"{key}.name", table.get("name", f"event {index + 1}"))
-        zero = self.word(f"{key}.zero", table.get("zero"))
-        self.readable(f"{key}.zero", zero, (*STATE, "t"))
+        if "zero" not in table and Event(name).needs_zero:
+            known = nearest(name, [*READY_MADE, f"{SECTION}<expression>"])
+            raise self.bad(f"{key}.zero", None, f"an expression, or one of the names {known}")
+        if "zero" in table:
+            zero = self.word(f"{key}.zero", table.get("zero"))
+            self.readable(f"{key}.zero", zero, (*STATE, "t"))
+        else:
+            zero = ""
+            if name.startswith(SECTION):
+                self.readable(f"{key}.name", name.removeprefix(SECTION), (*STATE, "t"))
         direction = self.word(f"{key}.direction", table.get("direction", "any"))
         if direction not in ("rising", "falling", "any"):
             known = nearest(direction, ["rising", "falling", "any"])

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from polhode import answers
-from polhode.exact import shown
 from polhode.forms import principal
+from polhode.precision import shown
 from polhode.references.kinds import kind_of_body
 from polhode.scene import Scene
 from polhode.truth import reference

@@ -71,6 +71,7 @@ class Taylor:
     ``field``: rates from a list of variables and the coefficients; the start holds at time
     ``origin``.  Time is kept as an exact offset plus heyoka's own time, which is put back to 0 at
     each chunk's end: output times are rounded relative to the chunk's start, never to zero.
+    ``watch`` (polhode.events) gives heyoka events and may end the run.
     """
 
     def __init__(
@@ -82,8 +83,10 @@ class Taylor:
         number: NumberType,
         tolerance: Number | None = None,
         origin: Fraction = Fraction(0),
+        watch: Any = None,
     ) -> None:
         self.number = number
+        self.watch = watch
         self.offset = origin
         self.steps = 0
         variables = hy.make_vars(*names)
@@ -94,10 +97,12 @@ class Taylor:
         if tolerance is not None:
             options["tol"] = scalar(tolerance, number)
         with _disk_cache(number):
+            if watch is not None:
+                options["nt_events"] = watch.attach(self, variables, rates)
             self.heyoka = hy.taylor_adaptive(
                 list(zip(variables, rates, strict=True)),
                 _array(state, number),
-                **_TYPES[number.name](number),
+                **type_options(number),
                 **options,
             )
 
@@ -110,7 +115,7 @@ class Taylor:
     def time(self) -> Fraction:
         """The exact time reached."""
         high, low = self.heyoka.dtime
-        return self.offset + self._exactly(high) + self._exactly(low)
+        return self.offset + self.exactly(high) + self.exactly(low)
 
     def chunk(self, times: Sequence[Fraction], steps: int) -> tuple[Any, Any]:
         """Take up to ``steps`` steps towards the last time; states at the times that were passed.
@@ -122,23 +127,40 @@ class Taylor:
         zero = scalar(0, self.number)
         ahead = [t - self.offset for t in times] if self.offset else times
         grid = [zero, *(scalar(t, self.number) for t in ahead)]
-        result = self.heyoka.propagate_grid(_array(grid, self.number), max_steps=steps)
+        options: dict[str, Any] = {"max_steps": steps}
+        if self.watch is not None and self.watch.after_step is not None:
+            options["callback"] = self.watch.after_step
+        result = self.heyoka.propagate_grid(_array(grid, self.number), **options)
         self.steps += int(result[3])
         return self._rows(result[-1][1:]), result[0]
+
+    def numbers(self, row: Any) -> Any:
+        """A row of heyoka's numbers as a trajectory holds them: an array, or mpf above extended."""
+        if self.number.name in ("double", "extended"):
+            return row
+        import mpmath
+
+        with mpmath.workprec(self.number.bits):
+            return [mpmath.mpf(str(x)) for x in row]
+
+    @property
+    def stopped(self) -> bool:
+        """Whether an event has ended the run."""
+        return self.watch is not None and self.watch.stop is not None
 
     def _rebase(self) -> None:
         self.offset = self.time
         self.heyoka.time = scalar(0, self.number)
+        if self.watch is not None:
+            self.watch.rebased(self)
 
     def _rows(self, states: Any) -> Any:
         if self.number.name in ("double", "extended"):
             return states
-        import mpmath
+        return [self.numbers(row) for row in states.tolist()]
 
-        with mpmath.workprec(self.number.bits):
-            return [[mpmath.mpf(str(x)) for x in row] for row in states.tolist()]
-
-    def _exactly(self, value: Any) -> Fraction:
+    def exactly(self, value: Any) -> Fraction:
+        """The exact value of a number of heyoka's."""
         if self.number.name in ("double", "extended"):
             return exactly(value)
         import mpmath
@@ -173,6 +195,11 @@ _TYPES: dict[str, Callable[[NumberType], dict[str, Any]]] = {
     "quad": lambda _: {"fp_type": hy.real128, "compact_mode": True},
     "mp": lambda number: {"fp_type": hy.real, "prec": number.bits, "compact_mode": True},
 }
+
+
+def type_options(number: NumberType) -> dict[str, Any]:
+    """heyoka's options that choose a number type, for integrators and compiled functions."""
+    return _TYPES[number.name](number)
 
 
 def _array(values: list[Any], number: NumberType) -> Any:

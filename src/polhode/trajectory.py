@@ -45,7 +45,8 @@ _CAUSES = {
     "stopped at event": ("an event that stops the run was met", ""),
     "non-finite": (
         "a state or a step became infinite or undefined",
-        "ask for fewer outputs (angles are singular at theta = 0 and pi) or a shorter run",
+        "ask for fewer outputs (angles are singular at theta = 0 and pi), for events that stay "
+        "finite, or for a shorter run",
     ),
     "step underflow": (
         "the step became too short to change the time",
@@ -60,12 +61,34 @@ _CAUSES = {
 
 
 @dataclass(frozen=True)
+class EventTimes:
+    """When one event of a scene happened, in order of integration, and the states then.
+
+    ``times``: rounded to the run's type.  ``states``: rows as in a trajectory, taken at the event
+    itself: on the section to the type's precision, even where the time has no digits left for it.
+    ``grazing``: whether rounding decides if there is a zero at all, or two.  ``complete``: whether
+    rising and falling zeros alternate, as they do unless one was lost or a pole was passed.
+    """
+
+    name: str
+    times: tuple[Fraction, ...]
+    states: Any
+    grazing: tuple[bool, ...]
+    complete: bool = True
+
+    def time_strings(self) -> list[str]:
+        """The times, every digit."""
+        return [decimal_in_full(t) for t in self.times]
+
+
+@dataclass(frozen=True)
 class Trajectory:
     """States of a scene at its output times, in body axes, as numbers of one type.
 
     ``times``: exact values of the times at which the states hold (already rounded to the type).
     ``states``: shape (len(times), 3 or 6), p q r [gamma1 gamma2 gamma3]: an ndarray for double and
-    extended, rows of mpf above.  ``steps``: Taylor steps taken.
+    extended, rows of mpf above.  ``steps``: Taylor steps taken.  ``events``: one for each event of
+    the scene.
     """
 
     scene: Scene
@@ -79,6 +102,7 @@ class Trajectory:
     digits: int | None = None
     attitude: Any = None
     angles: Any = None
+    events: tuple[EventTimes, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -96,7 +97,7 @@ class TwoPrecisions:
 
         # The coarse run has some digits to spare, the fine one 12 more; where a motion multiplies
         # errors, what was lost is added and both are made again.
-        scene, spare = self.scene.at(times), 4
+        scene, spare = replace(self.scene.at(times), events=()), 4
         for _ in range(4):
             coarse_type = precision.mp_for(digits + spare, scene.log10_angle)
             fine_type = precision.NumberType("mp", coarse_type.bits + 40)
@@ -126,11 +127,12 @@ def reference(scene: Scene | str | Path) -> Reference | TwoPrecisions:
         scene = library.load(scene)
     if scene.reference == "two-precisions":
         return TwoPrecisions(scene)
-    found = closed_form(scene)
-    if found is not None and scene.reference in ("auto", found[0]):
+    found = closed_form(scene, scene.reference)
+    if found is not None:
         return Reference(scene, *found)
     if scene.reference != "auto":
-        fits = f"{found[0] if found else 'two-precisions'}, which fits this body"
+        other = closed_form(scene)
+        fits = f"{other[0] if other else 'two-precisions'}, which fits body and start"
         raise BadInput(scene.name, "reference.kind", scene.reference, fits)
     return TwoPrecisions(scene)
 

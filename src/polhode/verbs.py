@@ -6,14 +6,18 @@ import sys
 import time
 from argparse import Namespace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from polhode import answers, expression, library, precision
 from polhode.errors import BadInput
-from polhode.exact import Exact, shown
+from polhode.exact import Exact
 from polhode.expression import ExpressionError
+from polhode.precision import shown
 from polhode.provenance import cpu, versions
 from polhode.scene import Scene
+
+if TYPE_CHECKING:
+    from polhode.trajectory import EventTimes
 
 DONE, FAILED, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -107,6 +111,8 @@ def run(options: Namespace) -> int:
             f"{answer['outcome']}, {answer['steps']} steps; drift "
             + ", ".join(f"{k} {v}" for k, v in answer["drift"].items() if v is not None)
         )
+        for event in found.events:
+            _note(_told(event))
     if done:
         _warn_of_lost_digits(scene, options.digits, answer)
         return DONE
@@ -255,6 +261,18 @@ def _judged(found: Any, truth: Any) -> float:
         states=[found.states[k] for k in kept],
     )
     return round(compare(part, truth).worst, 2)
+
+
+def _told(event: EventTimes) -> str:
+    """One line about an event: how often, and when first."""
+    shown_times = [
+        f"{float(t):.17g}" + " (grazing)" * grazing
+        for t, grazing in zip(event.times[:10], event.grazing, strict=False)
+    ]
+    more = ", ..." * (len(event.times) > len(shown_times))
+    when = f" at t = {', '.join(shown_times)}{more}" if shown_times else ""
+    lost = "" if event.complete else "; a zero was lost, or a pole passed"
+    return f"event {event.name}: {len(event.times)}{when}{lost}"
 
 
 def _warn_of_lost_digits(scene: Scene, wanted: int | None, answer: dict[str, Any]) -> None:

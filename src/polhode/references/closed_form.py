@@ -9,8 +9,12 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 from polhode.exact import Exact
+from polhode.references import lagrange, pendulum
 from polhode.references.euler import EulerTop
 from polhode.scene import Scene
+
+#: The closed forms by name, in the order in which they are tried.
+KINDS = ("euler", "lagrange", "pendulum")
 
 
 class Motion(Protocol):
@@ -42,19 +46,23 @@ class Motion(Protocol):
         ...
 
 
-def closed_form(scene: Scene) -> tuple[str, Motion] | None:
-    """The name and the motion of the first closed form that fits body and start, if any does."""
-    if scene.body.torque_free:
-        return "euler", _euler(scene)
-    return None
+def closed_form(scene: Scene, kind: str = "auto") -> tuple[str, Motion] | None:
+    """The name and the motion of the first closed form that fits body and start, if any does.
 
-
-def _euler(scene: Scene) -> EulerTop:
-    axes = scene.body.axes
-    return EulerTop(
-        scene.body.moments,
-        scene.omega,
-        scene.gamma,
-        scene.psi,
-        None if axes.trivial else axes.rows,
+    ``kind`` asks for one of them by name.
+    """
+    body = scene.body
+    axes = None if body.axes.trivial else body.axes.rows
+    if body.torque_free:
+        found = EulerTop(body.moments, scene.omega, scene.gamma, scene.psi, axes)
+        return ("euler", found) if kind in ("auto", "euler") else None
+    assert scene.gamma is not None
+    torque, omega, gamma = (
+        body.axes.components(v) for v in (body.torque, scene.omega, scene.gamma)
     )
+    given = (body.moments, torque, scene.omega, scene.gamma, scene.psi, axes)
+    if kind in ("auto", "lagrange") and lagrange.fits(body.moments, torque):
+        return "lagrange", lagrange.LagrangeTop(*given)
+    if kind in ("auto", "pendulum") and pendulum.fits(body.moments, torque, omega, gamma):
+        return "pendulum", pendulum.Pendulum(*given)
+    return None

@@ -39,6 +39,10 @@ class Attitude(Protocol):
         """An upper bound of the rates that the motion is made of."""
         ...
 
+    def bend(self) -> Any | None:
+        """A bound of the quaternion's second derivative over speed^2, where there is one."""
+        ...
+
     def floats(self, speed: Any) -> Attitude:
         """The same in doubles, time in units of 1/speed."""
         ...
@@ -162,7 +166,7 @@ def _growths(
             chosen = sorted(
                 (i for i in open_ if side * scaled[i] >= 0), key=lambda i: side * scaled[i]
             )
-            counts = growth(fine, many, [scaled[i] for i in chosen])
+            counts = growth(fine, many, [scaled[i] for i in chosen], attitude.bend())
             for i, count in zip(chosen, counts, strict=True):
                 found[i] = count
     return found

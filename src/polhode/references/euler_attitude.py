@@ -59,6 +59,9 @@ class Attitude:
             return 2 * self.motion.half
         return max(self.speed(), self.motion.rate, abs(self.motion.precession))
 
+    def bend(self) -> None:
+        """No bound of the quaternion's second derivative is known here."""
+
     def arguments(self, t: Any) -> tuple[Any, Any] | None:
         """The growth of arg al and arg bt from time 0 to t, where it is closed; else None.
 

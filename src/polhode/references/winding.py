@@ -30,14 +30,24 @@ def longest() -> int:
     return int(2 * _REACH * MOST_SAMPLES)
 
 
-def growth(fine: Fine, coarse: Coarse, times: Sequence[mpf]) -> list[tuple[float, float]]:
+def growth(
+    fine: Fine, coarse: Coarse, times: Sequence[mpf], bend: Any | None = None
+) -> list[tuple[float, float]]:
     """Growth of (arg al, arg bt) from time 0 to each of ``times``, which go away from 0.
 
     Times are in units in which al and bt move at most by half a unit of time.  ``fine`` gives the
     two parameters at one time, at the precision in force, ``coarse`` at an array of times in
-    doubles.  From an exact 0 at time 0 the argument grows from its limit there.
+    doubles.  From an exact 0 at time 0 the argument grows from its limit there.  ``bend``, a bound
+    of their second derivatives, shortens the work where they pass near 0 slowly.
     """
     import numpy as np
+
+    def distance(p: Any, q: Any) -> Any:
+        """Of 0 from the segments from p to q."""
+        way = q - p
+        length = np.abs(way) ** 2
+        along = np.clip(-(p * way.conj()).real / np.where(length > 0, length, 1), 0, 1)
+        return np.abs(p + along * way)
 
     def marched(start: float, end: float) -> Any:
         """Growth between two doubles."""
@@ -55,7 +65,10 @@ def growth(fine: Fine, coarse: Coarse, times: Sequence[mpf]) -> list[tuple[float
         reach = np.abs(right - left) / 2 + _DOUBT
         good = np.ones(len(left), dtype=bool)
         for a, b in zip(*ends, strict=True):
-            good &= np.maximum(np.abs(a), np.abs(b)) > reach
+            certain = np.maximum(np.abs(a), np.abs(b)) > reach
+            if bend is not None:
+                certain |= distance(a, b) > float(bend) * reach * reach / 2 + _DOUBT
+            good &= certain
         total = np.array(
             [np.angle(b[good] * np.conj(a[good])).sum() for a, b in zip(*ends, strict=True)]
         )
@@ -64,7 +77,7 @@ def growth(fine: Fine, coarse: Coarse, times: Sequence[mpf]) -> list[tuple[float
             return total
         if reach.max() < _FINEST:
             return total + sum(
-                np.array(bisected(fine, mpf(float(a)), mpf(float(b))))
+                np.array(bisected(fine, mpf(float(a)), mpf(float(b)), bend))
                 for a, b in zip(left, right, strict=True)
             )
         cuts = left + (right - left) * (np.arange(_PIECES + 1)[:, None] / _PIECES)
@@ -76,16 +89,17 @@ def growth(fine: Fine, coarse: Coarse, times: Sequence[mpf]) -> list[tuple[float
         # The first and last steps go from the exact start and to the exact time.
         near = float(time)
         total = total + marched(now, near)
-        extra = bisected(fine, mpf(near), time)
+        extra = bisected(fine, mpf(near), time, bend)
         found.append((float(total[0] + extra[0]), float(total[1] + extra[1])))
         now = near
     return found
 
 
-def bisected(fine: Fine, left: mpf, right: mpf) -> list[float]:
+def bisected(fine: Fine, left: mpf, right: mpf, bend: Any | None = None) -> list[float]:
     """Growth of the two arguments over one interval, by bisection in high precision.
 
-    Through an exact 0 the argument jumps by pi, counted upwards.
+    With a bound of the second derivative, the path is also known to stay near its chord.  Through
+    an exact 0 the argument jumps by pi, counted upwards.
     """
     grown = []
     for which in (0, 1):
@@ -95,13 +109,27 @@ def bisected(fine: Fine, left: mpf, right: mpf) -> list[float]:
             a, b = pending.pop()
             p, q = fine(a)[which], fine(b)[which]
             reach = abs(b - a) / 2
-            if max(abs(p), abs(q)) > reach or reach < mpmath.ldexp(1, -mpmath.mp.prec // 3):
+            certain = max(abs(p), abs(q)) > reach or (
+                bend is not None and _from_origin(p, q) > bend * reach * reach / 2
+            )
+            if certain or reach < mpmath.ldexp(1, -mpmath.mp.prec // 3):
                 total += _difference(p, q)
                 continue
             middle = (a + b) / 2
             pending += [(middle, b), (a, middle)]
         grown.append(total)
     return grown
+
+
+def _from_origin(p: Any, q: Any) -> Any:
+    """The distance of 0 from the segment from p to q."""
+    way = q - p
+    along = -(p * way.conjugate()).real
+    if along <= 0 or not way:
+        return abs(p)
+    if along >= (way * way.conjugate()).real:
+        return abs(q)
+    return abs((p * way.conjugate()).imag) / abs(way)
 
 
 def _difference(p: Any, q: Any) -> float:

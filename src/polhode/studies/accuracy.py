@@ -23,7 +23,7 @@ QUICK_CASES = (
     *("general/asymmetric-chaotic", "published/nasa-brick"),
 )
 #: Longest integration, as the angle |w|·|end|, that each number type is given in the study.
-LONGEST = {"double": 1e7, "extended": 1e6, "quad": 3e4, "mp": 3e3}
+LONGEST = {"double": 1e7, "extended": 1e6, "quad": 1e4, "mp": 3e3}
 
 
 def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict[str, Any]:

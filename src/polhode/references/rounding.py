@@ -1,0 +1,37 @@
+"""Between exact numbers and mpmath's: rounding on the way in and on the way out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import mpmath
+from mpmath import libmp, mpf
+
+from polhode.exact import Exact, rounded
+
+_SPARE = 8  # bits kept beyond the digits asked for
+
+
+def number(x: Exact, bits: int) -> mpf:
+    """``x`` rounded to ``bits`` bits, whatever the precision in force."""
+    return mpmath.make_mpf(libmp.from_man_exp(*rounded(x, bits)))
+
+
+def log2(x: Exact) -> float:
+    """log2 |x|, to a bit; -inf at 0."""
+    mantissa, exponent = rounded(x, 8)
+    return math.log2(abs(mantissa)) + exponent if mantissa else -math.inf
+
+
+def shortened(row: Sequence[Any], digits: int, *, absolute: bool = False) -> list[Any]:
+    """Rounded to the digits and a little more; ``absolute``: counted from the units' place.
+
+    None stays None.
+    """
+    bits = math.ceil(digits * math.log2(10)) + _SPARE
+    if absolute:
+        bits += max([0, *(mpmath.mag(x) for x in row if x)])
+    with mpmath.workprec(bits):
+        return [x if x is None else +x for x in row]

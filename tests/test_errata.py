@@ -1,0 +1,279 @@
+"""The errata page: every entry's right form holds to 45 digits, its printed form does not hold.
+
+Nothing here is taken from print but the two forms compared.  The angular velocity comes from the
+rotation matrix R = Rz(psi) Rx(theta) Rz(phi), by R^T R' = the matrix of w x; the motion from
+I w' + w x I w = Mg gamma x r0; the momenta from L = 1/2 w.Iw - Mg r0.gamma.
+"""
+
+import random
+import re
+from pathlib import Path
+
+import mpmath
+import pytest
+from mpmath import mpf
+
+import polhode
+
+PAGE = Path(polhode.__file__).parent / "errata.md"
+WORKING = 80
+HOLDS = mpf(10) ** -45
+FAILS = mpf(10) ** -3
+COUNT = 20
+
+
+def vector(*row):
+    return mpmath.matrix(row)
+
+
+def dot(a, b):
+    return mpmath.fdot(zip(a, b, strict=True))
+
+
+def cross(a, b):
+    return vector(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def turn(axis, angle, derivative=0):
+    """The rotation about z (axis 2) or x (axis 0) by an angle, or its derivative by the angle."""
+    i, j = {2: (0, 1), 0: (1, 2)}[axis]
+    c, s = mpmath.cos_sin(angle + derivative * mpmath.pi / 2)
+    m = mpmath.zeros(3)
+    m[i, i], m[i, j], m[j, i], m[j, j] = c, -s, s, c
+    if not derivative:
+        m[axis, axis] = mpf(1)
+    return m
+
+
+def placed(angles, rates):
+    """w and gamma in body axes, from the rotation matrix and its rate of change."""
+    factors = [(2, angles[0]), (0, angles[1]), (2, angles[2])]
+    matrices = [turn(*factor) for factor in factors]
+    whole = matrices[0] * matrices[1] * matrices[2]
+    changing = mpmath.zeros(3)
+    for i, (factor, rate) in enumerate(zip(factors, rates, strict=True)):
+        parts = list(matrices)
+        parts[i] = turn(*factor, derivative=1)
+        changing += rate * (parts[0] * parts[1] * parts[2])
+    spin = whole.T * changing
+    return vector(spin[2, 1], spin[0, 2], spin[1, 0]), whole[2, :].T
+
+
+class Top:
+    """One body, angles and rates, drawn at random away from all that could hide a term."""
+
+    def __init__(self, seed):
+        draw = random.Random(seed)
+
+        def number(low, high):
+            return mpf(draw.randint(10**6 * low, 10**6 * high)) / 10**7
+
+        self.moments = [number(10, 12), number(14, 16), number(18, 22)]
+        draw.shuffle(self.moments)
+        self.torque = [number(4, 12) * draw.choice((-1, 1)) for _ in range(3)]  # Mg r0
+        quadrant = [draw.choice((0, 1, 2, 3)) for _ in range(2)]
+        self.angles = [
+            number(0, 60),
+            number(5, 10) if draw.random() < 0.5 else mpmath.pi - number(5, 10),
+            number(5, 10) + quadrant[1] * mpmath.pi / 2,
+        ]
+        self.rates = [number(5, 20) * draw.choice((-1, 1)) for _ in range(3)]
+
+    def lagrangian(self, angles, rates):
+        omega, gamma = placed(angles, rates)
+        kinetic = sum(a * w * w for a, w in zip(self.moments, omega, strict=True)) / 2
+        return kinetic - dot(self.torque, gamma)
+
+    def momenta(self):
+        """dL/d(rates).  L is quadratic in them, so the central difference is exact."""
+        found = []
+        for i in range(3):
+            up, down = ([*self.rates] for _ in range(2))
+            up[i], down[i] = up[i] + 1, down[i] - 1
+            ends = self.lagrangian(self.angles, up), self.lagrangian(self.angles, down)
+            found.append((ends[0] - ends[1]) / 2)
+        return found
+
+    def hamiltonian(self, angles, momenta):
+        """1/2 p.M^-1 p + V, M the matrix of second derivatives of L by the rates: exact too."""
+        zero = self.lagrangian(angles, [0, 0, 0])
+
+        def kinetic(*rates):
+            return self.lagrangian(angles, rates) - zero
+
+        unit = [[mpf(i == j) for j in range(3)] for i in range(3)]
+        M = mpmath.zeros(3)
+        for i in range(3):
+            for j in range(3):
+                both = [a + b for a, b in zip(unit[i], unit[j], strict=True)]
+                M[i, j] = kinetic(*both) - kinetic(*unit[i]) - kinetic(*unit[j])
+        p = mpmath.matrix(momenta)
+        return (p.T * mpmath.lu_solve(M, p))[0] / 2 - zero
+
+
+class Body:
+    """A body with a full inertia matrix, at a random state; Mg and r0 apart."""
+
+    def __init__(self, seed):
+        draw = random.Random(seed)
+
+        def number(low, high):
+            return mpf(draw.randint(10**6 * low, 10**6 * high)) / 10**7
+
+        angles = [number(0, 60) for _ in range(3)]
+        axes = turn(2, angles[0]) * turn(0, angles[1]) * turn(2, angles[2])
+        self.inertia = axes * mpmath.diag([number(10, 12), number(14, 16), number(18, 22)]) * axes.T
+        self.gyration = self.inertia**-1
+        self.weight = number(10, 20)
+        self.centre = vector(*(number(4, 12) * draw.choice((-1, 1)) for _ in range(3)))
+        self.omega = vector(*(number(4, 12) * draw.choice((-1, 1)) for _ in range(3)))
+        gamma = vector(*(number(4, 12) * draw.choice((-1, 1)) for _ in range(3)))
+        self.gamma = gamma / mpmath.norm(gamma)
+        self.momentum = self.inertia * self.omega
+        moment = self.weight * cross(self.gamma, self.centre)
+        self.momentum_rate = moment - cross(self.omega, self.momentum)
+        self.twice = dot(self.omega, self.momentum)
+        self.energy = self.twice / 2 + self.weight * dot(self.centre, self.gamma)
+        self.area = dot(self.momentum, self.gamma)
+
+
+def area_in_angles(seed):
+    """3.46: f = Iw.gamma."""
+    top = Top(seed)
+    A, B, C = top.moments
+    (_, theta, phi), (psi1, theta1, phi1) = top.angles, top.rates
+    (c, s), (cph, sph) = mpmath.cos_sin(theta), mpmath.cos_sin(phi)
+    omega, gamma = placed(top.angles, top.rates)
+    true = sum(a * w * g for a, w, g in zip(top.moments, omega, gamma, strict=True))
+    assert abs(true - top.momenta()[0]) < HOLDS
+    printed = (A * sph**2 + B * cph**2) * s**2 * psi1 + C * c**2 * psi1
+    printed += (A - B) * s * sph * cph * theta1
+    return true, printed + C * c * phi1, printed
+
+
+def momentum_of_theta(seed):
+    """3.47: p_theta = dL/d(theta')."""
+    top = Top(seed)
+    A, B, _ = top.moments
+    (_, theta, phi), (psi1, theta1, _) = top.angles, top.rates
+    (c, s), (cph, sph) = mpmath.cos_sin(theta), mpmath.cos_sin(phi)
+    last = (A * cph**2 + B * sph**2) * theta1
+    right = (A - B) * s * cph * sph * psi1 + last
+    (p, q, _), true = placed(top.angles, top.rates)[0], top.momenta()[1]
+    assert abs(true - (A * p * cph - B * q * sph)) < HOLDS
+    return true, right, (A - B) * s * c * sph * psi1 + last
+
+
+def rate_of_the_momentum_of_theta(seed):
+    """3.52: p_theta' = -dH/d(theta), and = dL/d(theta)."""
+    top = Top(seed)
+    A, B, _ = top.moments
+    psi, theta, phi = top.angles
+    f, p_theta, p_phi = momenta = top.momenta()
+    step = mpf(10) ** -30  # errors 1e-120 and the working precision over 1e-30
+
+    def slope(function):
+        # the fourth-order rule, for dH and dL leave no room for a step's square
+        a, b, c, d = (function(theta + k * step) for k in (-2, -1, 1, 2))
+        return (a - 8 * b + 8 * c - d) / (12 * step)
+
+    true = -slope(lambda x: top.hamiltonian([psi, x, phi], momenta))
+    other = slope(lambda x: top.lagrangian([psi, x, phi], top.rates))
+    assert abs(true - other) < HOLDS
+    (c, s), (cph, sph) = mpmath.cos_sin(theta), mpmath.cos_sin(phi)
+    x, y, z = top.torque
+    rest = -(A - B) * sph * cph * (f * c - p_phi) * p_theta / (A * B * s**2)
+    rest -= (x * sph + y * cph) * c - z * s
+    first = (A * cph**2 + B * sph**2) * (f - p_phi * c) * (f * c - p_phi) / (A * B)
+    return true, first / s**3 + rest, first / s**2 + rest
+
+
+def area_in_omega_alone(seed):
+    """3.61: gamma eliminated from f by the equations of motion and h."""
+    body = Body(seed)
+    omega, I = body.omega, body.inertia
+    rate = body.gyration * body.momentum_rate
+    moment = I * rate + cross(omega, I * omega)
+    height = body.energy - dot(omega, I * omega) / 2
+    vertical = cross(body.centre, moment) + height * body.centre
+    vertical /= body.weight * dot(body.centre, body.centre)
+    assert mpmath.norm(vertical - body.gamma) < HOLDS
+
+    def left(sign):
+        bracket = (body.energy + sign * dot(omega, I * omega) / 2) * (I * omega)
+        bracket += cross(I * rate, I * omega) - dot(I * omega, I * omega) * omega
+        return dot(body.centre, bracket)
+
+    true = body.weight * body.area * dot(body.centre, body.centre)
+    return true, left(1), left(-1)
+
+
+def area_in_momentum_alone(seed):
+    """3.63: the same in G."""
+    body = Body(seed)
+    G, A = body.momentum, body.gyration
+
+    def left(sign):
+        bracket = (body.energy + sign * dot(A * G, G) / 2) * G
+        bracket += cross(body.momentum_rate, G) - dot(G, G) * (A * G)
+        return dot(body.centre, bracket)
+
+    true = body.weight * body.area * dot(body.centre, body.centre)
+    return true, left(1), left(-1)
+
+
+ENTRIES = {
+    "3.46": area_in_angles,
+    "3.47": momentum_of_theta,
+    "3.52": rate_of_the_momentum_of_theta,
+    "3.61": area_in_omega_alone,
+    "3.63": area_in_momentum_alone,
+}
+
+
+@pytest.mark.parametrize("entry", ENTRIES)
+@pytest.mark.parametrize("seed", range(COUNT))
+def test_the_right_form_holds_and_the_printed_form_fails(entry, seed):
+    with mpmath.workdps(WORKING):
+        true, right, printed = ENTRIES[entry](seed)
+        scale = abs(true)
+        assert scale > FAILS
+        assert abs(right - true) < HOLDS * scale
+        assert abs(printed - true) > FAILS * scale
+
+
+def test_the_printed_area_is_not_constant_and_the_right_one_is():
+    """3.46 along a short piece of a motion, by its first derivative in time."""
+    with mpmath.workdps(WORKING):
+        for seed in range(COUNT):
+            top = Top(seed)
+            A, B, C = top.moments
+            omega, gamma = placed(top.angles, top.rates)
+            momentum = vector(*(a * w for a, w in zip(top.moments, omega, strict=True)))
+            rate = cross(gamma, top.torque) - cross(omega, momentum)
+            turning = cross(gamma, omega)
+            assert abs(dot(rate, gamma) + dot(momentum, turning)) < HOLDS
+            # printed f = f - C cos(theta) phi', phi' = r - psi' cos(theta)
+            p, q, r = omega
+            g1, g2, g3 = gamma
+            across = g1 * g1 + g2 * g2
+            p1, q1, r1 = rate[0] / A, rate[1] / B, rate[2] / C
+            d1, d2, d3 = turning
+            above = p * g1 + q * g2
+            above1 = p1 * g1 + p * d1 + q1 * g2 + q * d2
+            psi1 = above / across
+            assert abs(psi1 - top.rates[0]) < HOLDS
+            psi2 = above1 / across - above * 2 * (g1 * d1 + g2 * d2) / across**2
+            phi1, phi2 = r - psi1 * g3, r1 - psi2 * g3 - psi1 * d3
+            assert abs(C * (d3 * phi1 + g3 * phi2)) > FAILS
+
+
+def test_every_entry_of_the_page_is_tested():
+    text = PAGE.read_text()
+    assert re.findall(r"^## (\d\.\d\d)", text, re.M) == list(ENTRIES)
+    for section in text.split("\n## ")[1:]:
+        assert [section.count(f"- {part}:") for part in ("printed", "right", "how it shows")] == [
+            1,
+            1,
+            1,
+        ]
