@@ -11,29 +11,29 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import mpmath
 from mpmath import mpf
 
-from polhode.exact import Exact, rounded, sign
+from polhode.exact import Exact, sign
 from polhode.references.euler_angles import angles
 from polhode.references.euler_attitude import Attitude
 from polhode.references.euler_axes import numbered_axes
 from polhode.references.euler_motion import (
     Motion,
-    Quaternion,
-    Vector,
     permanent_rotation,
     polhode,
     turned_back,
 )
-from polhode.references.euler_regimes import exact_numbers, is_permanent, regime, total
+from polhode.references.euler_regimes import exact_numbers, is_permanent, regime
+from polhode.references.rounding import log2, number, shortened, vector
+from polhode.references.start import start_quaternion, start_sign
 from polhode.references.theta import MP
 
 _ZERO = Fraction(0)
 _GUARD = 40  # bits beyond the digits asked for, the growth of phases and the spread of the moments
-_SPARE = 8  # bits kept beyond the digits asked for
 
 
 class EulerTop:
@@ -65,7 +65,6 @@ class EulerTop:
         self._numbers = {} if self._permanent else exact_numbers(self._moments, self._omega)
         self._motions: dict[int, Motion] = {}
         self._attitudes: dict[int, Attitude] = {}
-        self._sign = 0  # of the attitude against the Euler angles at t = 0; 0 until known
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
         """Rows p, q, r [, gamma1, gamma2, gamma3], one a time.
@@ -76,17 +75,17 @@ class EulerTop:
         rows = []
         with mpmath.workprec(bits):
             motion = self._motion(bits)
-            axes = self._axes.mapped(lambda x: _mpf(x, bits))
+            axes = self._axes.mapped(lambda x: number(x, bits))
             gamma = None
             if self._gamma is not None:
-                gamma = _vector(self._axes.numbered(self._gamma), bits)
+                gamma = vector(self._axes.numbered(self._gamma), bits)
             for t in times:
-                omega, turn = motion.state(_mpf(t, bits), MP)
+                omega, turn = motion.state(number(t, bits), MP)
                 row = axes.scene(omega)
                 if gamma is not None:
                     row += axes.scene(turned_back(turn, gamma))
                 rows.append(row)
-        return _shortened(rows, digits)
+        return [shortened(row, digits) for row in rows]
 
     def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
         """Unit quaternions q0, q1, q2, q3 of R, one a time: q0 >= 0 at t = 0, then continuous.
@@ -97,8 +96,8 @@ class EulerTop:
         bits = self._bits(times, digits)
         with mpmath.workprec(bits):
             attitude = self._attitude(bits)
-            rows = [list(attitude.at(_mpf(t, bits), MP)) for t in times]
-        return _shortened(rows, digits)
+            rows = [list(attitude.at(number(t, bits), MP)) for t in times]
+        return [shortened(row, digits) for row in rows]
 
     def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
         """Rows psi, theta, phi; psi and phi continuous in t, None where gamma is along axis 3.
@@ -112,17 +111,16 @@ class EulerTop:
         self._attitude(bits)
         assert self._gamma is not None
         with mpmath.workprec(bits):
-            psi = _mpf(self._psi, bits)
-            phi = mpmath.atan2(_mpf(self._gamma[0], bits), _mpf(self._gamma[1], bits))
+            psi = number(self._psi, bits)
+            phi = mpmath.atan2(number(self._gamma[0], bits), number(self._gamma[1], bits))
 
         def moment(t: Exact) -> Callable[[int], mpf]:
-            return lambda prec: _mpf(t, prec)
+            return lambda prec: number(t, prec)
 
-        rows = angles(self._attitude, [moment(t) for t in times], (psi, phi), self._sign, bits)
-        return [
-            [x if x is None else _shortened([[x]], digits, absolute=True)[0][0] for x in row]
-            for row in rows
-        ]
+        rows = angles(
+            self._attitude, [moment(t) for t in times], (psi, phi), self._side, bits
+        )
+        return [[shortened([x], digits, absolute=True)[0] for x in row] for row in rows]
 
     def period(self, digits: int) -> mpf | None:
         """The period of w in the body; None where w is constant or tends to the middle axis."""
@@ -132,7 +130,7 @@ class EulerTop:
         with mpmath.workprec(bits):
             motion: Any = self._motion(bits)
             period = 4 * motion.elliptic.K / motion.rate
-        return _shortened([[period]], digits)[0][0]
+        return shortened([period], digits)[0]
 
     def frequencies(self, digits: int) -> dict[str, mpf]:
         """Mean rates in radians a unit of time.
@@ -151,16 +149,16 @@ class EulerTop:
                     half_period = 2 * motion.elliptic.K / motion.rate
                     found["polhode"] = mpmath.pi / half_period
                     found["precession"] += motion.jump / half_period
-        return {name: _shortened([[x]], digits)[0][0] for name, x in found.items()}
+        return {name: shortened([x], digits)[0] for name, x in found.items()}
 
     def _motion(self, bits: int) -> Motion:
         """The constants at a precision, made once."""
         if bits not in self._motions:
             with mpmath.workprec(bits):
                 if self._permanent:
-                    made: Motion = permanent_rotation(_vector(self._omega, bits))
+                    made: Motion = permanent_rotation(vector(self._omega, bits))
                 else:
-                    numbers = {name: _mpf(x, bits) for name, x in self._numbers.items()}
+                    numbers = {name: number(x, bits) for name, x in self._numbers.items()}
                     s1, s3 = (1 if sign(self._omega[i]) >= 0 else -1 for i in (0, 2))
                     s2 = sign(self._moments[2] - self._moments[1]) * s1 * s3
                     numbers["sn0"] = mpmath.sqrt(numbers["sn0_2"]) * sign(self._omega[1]) * s2
@@ -174,29 +172,17 @@ class EulerTop:
             raise ValueError("this motion was given without gamma: only its omega is known")
         if bits not in self._attitudes:
             with mpmath.workprec(bits):
-                axes = self._axes.mapped(lambda x: _mpf(x, bits))
-                self._attitudes[bits] = Attitude(self._motion(bits), axes, self._initial(bits))
+                axes = self._axes.mapped(lambda x: number(x, bits))
+                side = self._side
+                start = start_quaternion(self._gamma, self._psi, side, bits)
+                self._attitudes[bits] = Attitude(self._motion(bits), axes, start)
         return self._attitudes[bits]
 
-    def _initial(self, bits: int) -> Quaternion:
+    @cached_property
+    def _side(self) -> int:
+        """Of the attitude against the Euler angles at t = 0."""
         assert self._gamma is not None
-        g1, g2, g3 = self._gamma
-        across = total((g1 * g1, g2 * g2))
-        # cos^2 and sin^2 of theta/2, the smaller one from sin theta.
-        near = (1 + _mpf(abs(g3), bits)) / 2
-        far = _mpf(across, bits) / (4 * near)
-        near, far = mpmath.sqrt(near), mpmath.sqrt(far)
-        cos, sin = (near, far) if sign(g3) >= 0 else (far, near)
-        phi = mpmath.atan2(_mpf(g1, bits), _mpf(g2, bits))
-        psi = _mpf(self._psi, bits)
-        c1, s1 = mpmath.cos_sin((psi + phi) / 2)
-        c2, s2 = mpmath.cos_sin((psi - phi) / 2)
-        found = (cos * c1, sin * c2, sin * s2, cos * s1)
-        if not self._sign:
-            tiny = mpmath.ldexp(1, -bits // 2)  # rounding of an exact zero
-            self._sign = next((1 if x > 0 else -1) for x in found if abs(x) > tiny)
-        a, b, c, d = (self._sign * x for x in found)
-        return a, b, c, d
+        return start_sign(self._gamma, self._psi)
 
     def _bits(self, times: Sequence[Exact], digits: int) -> int:
         """Working precision: the digits, what phases and the spread of the moments cost, a guard.
@@ -204,36 +190,11 @@ class EulerTop:
         Rounded up to a multiple of 64, so that nearby requests share their constants.
         """
         moments = [abs(x) for x in self._moments]
-        spread = _log2(moments[0]), _log2(moments[1]), _log2(moments[2])
+        spread = log2(moments[0]), log2(moments[1]), log2(moments[2])
         phase = 0.0
-        momentum = max((_log2(x) + m for x, m in zip(self._omega, spread, strict=True)))
-        last = max((_log2(t) for t in times), default=-math.inf)
+        momentum = max((log2(x) + m for x, m in zip(self._omega, spread, strict=True)))
+        last = max((log2(t) for t in times), default=-math.inf)
         if last > -math.inf and momentum > -math.inf:
             phase = max(0.0, momentum - min(spread) + last)
         wanted = digits * math.log2(10) + phase + (max(spread) - min(spread)) + _GUARD
         return 64 * math.ceil(wanted / 64)
-
-
-def _mpf(x: Exact, bits: int) -> mpf:
-    """x rounded to ``bits`` bits."""
-    return mpf(rounded(x, bits))
-
-
-def _vector(row: Sequence[Exact], bits: int) -> Vector:
-    a, b, c = (_mpf(x, bits) for x in row)
-    return a, b, c
-
-
-def _log2(x: Exact) -> float:
-    """log2 |x|, to a bit; -inf at 0."""
-    mantissa, exponent = rounded(x, 8)
-    return math.log2(abs(mantissa)) + exponent if mantissa else -math.inf
-
-
-def _shortened(rows: list[list[Any]], digits: int, absolute: bool = False) -> list[list[mpf]]:
-    """Rounded to the digits and a little more; ``absolute``: counted from the units' place."""
-    bits = math.ceil(digits * math.log2(10)) + _SPARE
-    if absolute:
-        bits += max([0, *(mpmath.mag(x) for row in rows for x in row if x)])
-    with mpmath.workprec(bits):
-        return [[+x for x in row] for row in rows]

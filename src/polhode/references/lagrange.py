@@ -12,16 +12,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import mpmath
 from mpmath import mpf
 
 from polhode.body import Vector
-from polhode.exact import EQUAL_BITS, Exact
+from polhode.exact import Exact
 from polhode.references.euler_angles import angles
-from polhode.references.euler_motion import Quaternion
-from polhode.references.lagrange_attitude import Attitude, attitude, first_quaternion, top_start
+from polhode.references.lagrange_attitude import Attitude, attitude, top_start
 from polhode.references.lagrange_axes import fits, placed, top_axes
 from polhode.references.lagrange_motion import (
     Motion,
@@ -34,6 +34,7 @@ from polhode.references.lagrange_motion import (
 from polhode.references.lagrange_regimes import constants, regime
 from polhode.references.lagrange_roots import gaps
 from polhode.references.rounding import log2, number, shortened
+from polhode.references.start import start_quaternion, start_sign
 from polhode.references.theta import MP
 
 __all__ = ["LagrangeTop", "fits"]
@@ -77,7 +78,6 @@ class LagrangeTop:
             self._extra = math.ceil(gaps(self._constants, 64).lost)
         self._motions: dict[int, Motion] = {}
         self._attitudes: dict[int, Attitude] = {}
-        self._sign = 0  # of the attitude against the Euler angles at t = 0; 0 until known
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
         """Rows p, q, r, gamma1, gamma2, gamma3, one a time.
@@ -189,23 +189,15 @@ class LagrangeTop:
         if bits not in self._attitudes:
             motion = self._motion(bits)
             with mpmath.workprec(bits):
-                start = self._signed(first_quaternion(self._gamma, self._psi, bits))
+                start = start_quaternion(self._gamma, self._psi, self._sign, bits)
                 torque = number(self._constants.a, bits) / 2
                 self._attitudes[bits] = attitude(motion, torque, self._axes.matrix(bits), start)
         return self._attitudes[bits]
 
-    def _signed(self, found: Quaternion) -> Quaternion:
-        prec = 256
-        while not self._sign:
-            with mpmath.workprec(prec):
-                tiny = mpmath.ldexp(1, -prec // 2)
-                q = first_quaternion(self._gamma, self._psi, prec)
-                first = next(x for x in q if abs(x) > tiny)
-                if first is q[0] or prec >= EQUAL_BITS:  # what is left below is called zero
-                    self._sign = 1 if first > 0 else -1
-            prec = EQUAL_BITS
-        a, b, c, d = (self._sign * x for x in found)
-        return a, b, c, d
+    @cached_property
+    def _sign(self) -> int:
+        """Of the attitude against the Euler angles at t = 0."""
+        return start_sign(self._gamma, self._psi)
 
     def _bits(self, times: Sequence[Exact], digits: int) -> int:
         """Working precision: the digits, what phases cost, a guard.

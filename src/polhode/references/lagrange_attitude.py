@@ -152,19 +152,6 @@ def attitude(motion: Motion, torque: Any, matrix: Matrix, start: Quaternion) -> 
     return Attitude(motion, ((p, q), (r, s)), start, _range(motion, (a, b), (x, y)), torque)
 
 
-def first_quaternion(gamma: Sequence[Exact], psi: Exact, bits: int) -> Quaternion:
-    """Rz(psi) Rx(theta) Rz(phi) with phi = atan2(g1, g2), to ``bits`` bits; the sign is open."""
-    g1, g2, g3 = gamma
-    near = (1 + number(abs(g3), bits)) / 2
-    far = number(g1 * g1 + g2 * g2, bits) / (4 * near)
-    near, far = mpmath.sqrt(near), mpmath.sqrt(far)
-    cos, sin = (near, far) if sign(g3) >= 0 else (far, near)
-    turn, phi = number(psi, bits), mpmath.atan2(number(g1, bits), number(g2, bits))
-    c1, s1 = mpmath.cos_sin((turn + phi) / 2)
-    c2, s2 = mpmath.cos_sin((turn - phi) / 2)
-    return cos * c1, sin * c2, sin * s2, cos * s1
-
-
 def _range(motion: Motion, al: Pair, bt: Pair) -> tuple[Any, Any, Any, Any]:
     """Least and largest |al| and |bt|."""
     if not isinstance(motion, Nutating):
