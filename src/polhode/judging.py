@@ -13,7 +13,7 @@ from polhode.integrals import Drift
 from polhode.integration import integrate
 from polhode.precision import EXTENDED, QUAD, NumberType, decimal_string, exactly
 from polhode.trajectory import Trajectory
-from polhode.truth import Reference, TwoPrecisions, reference
+from polhode.truth import Reference, Remembered, TwoPrecisions, reference
 
 SPARE_DIGITS = 6  # of the reference beyond what the trajectory's type holds
 
@@ -27,7 +27,7 @@ class Judgement:
     """
 
     run: Trajectory
-    reference: Reference | TwoPrecisions
+    reference: Reference | TwoPrecisions | Remembered
     digits: tuple[float, ...]
     pointwise: tuple[float, ...]
 
@@ -86,7 +86,9 @@ class Judgement:
         return "\n".join(lines)
 
 
-def compare(run: Trajectory, exact: Reference | TwoPrecisions | None = None) -> Judgement:
+def compare(
+    run: Trajectory, exact: Reference | TwoPrecisions | Remembered | None = None
+) -> Judgement:
     """Judge a trajectory against a reference (the scene's own unless one is given)."""
     truth = exact if exact is not None else reference(run.scene)
     digits, pointwise = _digits(run.states, run, truth, run.number.most_digits)
@@ -94,7 +96,7 @@ def compare(run: Trajectory, exact: Reference | TwoPrecisions | None = None) -> 
 
 
 def _digits(
-    states: Any, run: Trajectory, truth: Reference | TwoPrecisions, cap: float
+    states: Any, run: Trajectory, truth: Reference | TwoPrecisions | Remembered, cap: float
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
     wanted = math.ceil(cap) + SPARE_DIGITS
     bits = math.ceil(wanted * math.log2(10)) + 32

@@ -118,6 +118,28 @@ class TwoPrecisions:
     angles = attitude
 
 
+class Remembered:
+    """A reference whose rows are kept: a request for fewer digits at the same times costs nothing.
+
+    For judging several runs of one scene, the one with the most digits first.
+    """
+
+    def __init__(self, truth: Reference | TwoPrecisions) -> None:
+        self._truth = truth
+        self._kept: dict[tuple[Any, ...], tuple[int, list[list[Any]], float]] = {}
+        self.scene, self.kind, self.regime = truth.scene, truth.kind, truth.regime
+        self.is_closed_form, self.agreement = truth.is_closed_form, truth.agreement
+
+    def at(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Rows right to at least so many digits."""
+        key = tuple(times)
+        if key not in self._kept or self._kept[key][0] < digits:
+            rows = self._truth.at(times, digits)
+            self._kept[key] = digits, rows, self._truth.agreement
+        _, rows, self.agreement = self._kept[key]
+        return rows
+
+
 def reference(scene: Scene | str | Path) -> Reference | TwoPrecisions:
     """The reference of a scene: the closed form that fits, or two integrations where none does.
 

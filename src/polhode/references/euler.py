@@ -117,9 +117,7 @@ class EulerTop:
         def moment(t: Exact) -> Callable[[int], mpf]:
             return lambda prec: number(t, prec)
 
-        rows = angles(
-            self._attitude, [moment(t) for t in times], (psi, phi), self._side, bits
-        )
+        rows = angles(self._attitude, [moment(t) for t in times], (psi, phi), self._side, bits)
         return [[shortened([x], digits, absolute=True)[0] for x in row] for row in rows]
 
     def period(self, digits: int) -> mpf | None:

@@ -11,7 +11,7 @@ from polhode.judging import compare
 from polhode.provenance import digest
 from polhode.scene import Scene
 from polhode.studies.published import figures
-from polhode.truth import Reference, TwoPrecisions, reference
+from polhode.truth import Remembered, reference
 
 NAME = "accuracy"
 QUESTION = (
@@ -38,11 +38,9 @@ def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict
 
 def _case(scene: Scene) -> dict[str, Any]:
     truth = reference(scene)
-    runs = [
-        _run(scene, truth, name)
-        for name in precision.NAMES
-        if 10**scene.log10_angle <= LONGEST[name]
-    ]
+    kept = Remembered(truth)
+    fitting = [name for name in precision.NAMES if 10**scene.log10_angle <= LONGEST[name]]
+    runs = [_run(scene, kept, name) for name in reversed(fitting)][::-1]  # most digits first
     return {
         "case": scene.name,
         "title": scene.title,
@@ -66,7 +64,7 @@ def _case(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _run(scene: Scene, truth: Reference | TwoPrecisions, name: str) -> dict[str, Any]:
+def _run(scene: Scene, truth: Remembered, name: str) -> dict[str, Any]:
     run = integrate(scene, name, digits=precision.DEFAULT_MP_DIGITS if name == "mp" else None)
     found: dict[str, Any] = {
         "number": name,

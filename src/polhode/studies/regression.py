@@ -15,7 +15,7 @@ from polhode.integration import integrate
 from polhode.judging import Judgement, compare
 from polhode.scene import Scene
 from polhode.studies.published import Figure, figures
-from polhode.truth import Reference, TwoPrecisions, reference
+from polhode.truth import Remembered, reference
 
 TICK = Callable[[str], None]
 
@@ -86,11 +86,14 @@ def check(
 def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
     """The checks of one case."""
     truth = reference(scene)
-    lines = [_line(scene, truth, number) for number in numbers or scene.expect]
+    kept, wanted = Remembered(truth), [*(numbers or scene.expect)]
+    widest = sorted(wanted, key=precision.NAMES.index, reverse=True)
+    made = {number: _line(scene, kept, number) for number in widest}
+    lines = [made[number] for number in wanted]
     return Report(scene, truth.regime, truth.kind, tuple(lines), tuple(figures(scene, truth)))
 
 
-def _line(scene: Scene, truth: Reference | TwoPrecisions, number: str) -> Line:
+def _line(scene: Scene, truth: Remembered, number: str) -> Line:
     band = scene.expect.get(number)
     run = integrate(scene, number, digits=precision.DEFAULT_MP_DIGITS if number == "mp" else None)
     if not run.outcome.done:
