@@ -21,6 +21,7 @@ _HOMES = {
     "Outcome": "trajectory",
     "Scene": "scene",
     "Trajectory": "trajectory",
+    "__version__": "provenance",
     "compare": "judging",
     "integrate": "integration",
     "load": "library",

@@ -4,26 +4,30 @@ from __future__ import annotations
 
 import hashlib
 import platform
+import sys
 from functools import cache
-from importlib import metadata
 from typing import Any
 
-
-def version() -> str:
-    """polhode's version."""
-    try:
-        return metadata.version("polhode")
-    except metadata.PackageNotFoundError:
-        return "not installed"
+__version__ = "0.1.0"
 
 
 @cache
 def versions() -> dict[str, str]:
     """Versions of polhode, Python and the numerical libraries."""
-    found = {"polhode": version(), "python": platform.python_version()}
+    found = {"polhode": __version__, "python": platform.python_version()}
     for package in ("heyoka", "numpy", "mpmath"):
-        found[package] = metadata.version(package)
+        loaded = sys.modules.get(package)  # its own word costs nothing; the metadata 3 ms each
+        found[package] = getattr(loaded, "__version__", None) or _installed(package)
     return found
+
+
+def _installed(package: str) -> str:
+    from importlib import metadata
+
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "not installed"
 
 
 @cache

@@ -9,8 +9,6 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 from polhode.exact import Exact
-from polhode.references import lagrange, pendulum
-from polhode.references.euler import EulerTop
 from polhode.scene import Scene
 
 #: The closed forms by name, in the order in which they are tried.
@@ -51,18 +49,27 @@ def closed_form(scene: Scene, kind: str = "auto") -> tuple[str, Motion] | None:
 
     ``kind`` asks for one of them by name.
     """
+    # Each family is imported only where a scene may need it: a run pays for nothing else.
     body = scene.body
     axes = None if body.axes.trivial else body.axes.rows
     if body.torque_free:
+        from polhode.references.euler import EulerTop
+
         found = EulerTop(body.moments, scene.omega, scene.gamma, scene.psi, axes)
         return ("euler", found) if kind in ("auto", "euler") else None
     assert scene.gamma is not None
+    from polhode.references import lagrange_axes
+
     torque, omega, gamma = (
         body.axes.components(v) for v in (body.torque, scene.omega, scene.gamma)
     )
     given = (body.moments, torque, scene.omega, scene.gamma, scene.psi, axes)
-    if kind in ("auto", "lagrange") and lagrange.fits(body.moments, torque):
-        return "lagrange", lagrange.LagrangeTop(*given)
+    if kind in ("auto", "lagrange") and lagrange_axes.fits(body.moments, torque):
+        from polhode.references.lagrange import LagrangeTop
+
+        return "lagrange", LagrangeTop(*given)
+    from polhode.references import pendulum
+
     if kind in ("auto", "pendulum") and pendulum.fits(body.moments, torque, omega, gamma):
         return "pendulum", pendulum.Pendulum(*given)
     return None
