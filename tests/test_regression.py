@@ -53,6 +53,17 @@ def test_every_regime_of_the_lagrange_top_and_the_pendulum_has_a_case():
     }
 
 
+def test_every_type_and_class_of_the_kovalevskaya_top_has_a_case():
+    truths = [polhode.reference(n) for n in library.names() if n.startswith("kovalevskaya/")]
+    assert {truth.kind for truth in truths} == {"kovalevskaya"}
+    assert {truth.regime for truth in truths} >= {
+        *("-e+ (complex pair)", "-eee+", "e-+ (complex pair)", "e-ee+", "ee-e+", "eee-+"),
+        *("Delaunay", "Appelrot, special motion", "Bobylev-Steklov"),
+        *("pendulum about an equatorial axis", "pendulum about the axis of symmetry"),
+        *("degenerate curve, quasi-periodic", "degenerate curve, asymptotic"),
+    }
+
+
 @pytest.mark.parametrize("which", ["p.qr", "q.rp", "p.gamma2", "q.gamma1"])
 def test_a_corrupted_equation_of_the_lagrange_top_fails(which, monkeypatch):
     honest = principal.coefficients

@@ -16,6 +16,7 @@ from polhode.studies import accuracy
 _TITLES = {
     "euler": "Against the closed form of the Euler top",
     "lagrange": "Against the closed form of the Lagrange top",
+    "kovalevskaya": "Against the closed form of the Kovalevskaya top",
     "pendulum": "Against the closed form of the physical pendulum",
     "two-precisions": "Against two integrations at different precision (no closed form)",
 }

@@ -43,7 +43,7 @@ _SECTIONS: dict[str, tuple[str, ...]] = {
     "reference": ("kind",),
     "expect": NAMES,
 }
-_REFERENCES = ("auto", "euler", "lagrange", "pendulum", "two-precisions")
+_REFERENCES = ("auto", "euler", "lagrange", "kovalevskaya", "pendulum", "two-precisions")
 
 
 class _Literal(str):

@@ -41,15 +41,25 @@ class Reference:
 
         ``times``: ints, Fractions, floats, mpf or decimal strings, taken exactly.
         """
-        return self._motion.at(_times(self.scene, times), digits)
+        return self._asked(self._motion.at, times, digits)
 
     def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
         """Rows q0 q1 q2 q3: the quaternion body to space, scalar first, continuous from q0 >= 0."""
-        return self._motion.attitude(_times(self.scene, times), digits)
+        return self._asked(self._motion.attitude, times, digits)
 
     def angles(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
         """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
-        return self._motion.angles(_times(self.scene, times), digits)
+        return self._asked(self._motion.angles, times, digits)
+
+    def _asked(self, question: Any, times: Sequence[Any], digits: int) -> list[list[Any]]:
+        try:
+            rows: list[list[Any]] = question(_times(self.scene, times), digits)
+            return rows
+        except BadInput:
+            raise
+        except (ValueError, ArithmeticError) as fault:
+            expected = f"a question that this closed form answers ({fault})"
+            raise BadInput(self.scene.name, "reference", self.kind, expected) from None
 
     @property
     def period(self) -> Any | None:

@@ -11,9 +11,6 @@ from typing import Any, Protocol
 from polhode.exact import Exact
 from polhode.scene import Scene
 
-#: The closed forms by name, in the order in which they are tried.
-KINDS = ("euler", "lagrange", "pendulum")
-
 
 class Motion(Protocol):
     """What every closed form answers, in body axes, to any number of digits."""
@@ -68,8 +65,12 @@ def closed_form(scene: Scene, kind: str = "auto") -> tuple[str, Motion] | None:
         from polhode.references.lagrange import LagrangeTop
 
         return "lagrange", LagrangeTop(*given)
-    from polhode.references import pendulum
+    from polhode.references import kovalevskaya_axes, pendulum
 
+    if kind in ("auto", "kovalevskaya") and kovalevskaya_axes.fits(body.moments, torque):
+        from polhode.references.kovalevskaya import KovalevskayaTop
+
+        return "kovalevskaya", KovalevskayaTop(*given)
     if kind in ("auto", "pendulum") and pendulum.fits(body.moments, torque, omega, gamma):
         return "pendulum", pendulum.Pendulum(*given)
     return None
