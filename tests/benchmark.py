@@ -122,6 +122,21 @@ def closed_forms() -> None:
         print(f"{digits:5d} digits {1e3 * min(setups):30.2f} {1e3 * min(states):12.3f}")
 
 
+def kovalevskaya() -> None:
+    print("\nKovalevskaya top to t = 1000, 70 digits, s      closed form  integrator  ratio")
+    for name in ("generic", "type-e-ee", "type-ee-e", "irrational-centre"):
+        scene = polhode.load(f"kovalevskaya/{name}").at((Fraction(1000),))
+        seconds = []
+        for job in (
+            lambda s: polhode.reference(s).at([1000], 70),
+            lambda s: polhode.integrate(s, digits=70),
+        ):
+            began = time.perf_counter()
+            job(scene)
+            seconds.append(time.perf_counter() - began)
+        print(f"{name:45s}{seconds[0]:12.2f}{seconds[1]:12.2f}{seconds[1] / seconds[0]:7.1f}")
+
+
 def start_up() -> None:
     print("\nwhole process, warm, s (minimum of 9)")
     run = [sys.executable, "-m", "polhode", "run", "euler/largest-axis", "--json"]
@@ -154,4 +169,5 @@ if __name__ == "__main__":
     print(f"heyoka {hy.__version__}, numpy {np.__version__}")
     integration()
     closed_forms()
+    kovalevskaya()
     start_up()

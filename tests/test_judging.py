@@ -219,3 +219,27 @@ def test_bodies_are_named_by_their_exact_structure(body, kind):
         assert kind_of_body(scene_file.parse(text).body) == "Goryachev-Chaplygin body"
     else:
         assert kind_of_body(scene_file.parse(text).body) == kind
+
+
+@pytest.mark.parametrize("name", ["euler/separatrix", "lagrange/cusped", "kovalevskaya/type-e-ee"])
+@pytest.mark.parametrize("digits", [20, 50])
+def test_the_error_estimate_bounds_the_true_error_and_is_not_slack(name, digits):
+    truth = polhode.reference(name)
+    estimate = truth.error([1, 7], digits)
+    rows, finer = truth.at([1, 7], digits), truth.at([1, 7], digits + 30)
+    scale = correct_digits.rate_scale(finer, truth.scene, 300)
+    true = max(correct_digits.errors(rows, finer, scale, 300))
+    assert true <= estimate * (1 + mpmath.mpf(10) ** -6)
+    assert mpmath.mpf(10) ** (-digits - 12) < estimate < mpmath.mpf(10) ** -digits
+
+
+def test_the_curve_of_a_kovalevskaya_top_is_shown():
+    from polhode.show import described
+
+    facts = described(polhode.load("kovalevskaya/type-e-ee"))
+    assert facts["regime"] == "e-ee+"
+    assert len(facts["curve"]["e"]) == 3
+    assert len(facts["curve"]["tau"]) == 3
+    assert set(facts["frequencies"]) == {"period", "s1", "s2"}
+    assert described(polhode.load("kovalevskaya/delaunay"))["curve"]["tau"] is None
+    assert "curve" not in described(polhode.load("lagrange/cusped"))

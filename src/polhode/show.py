@@ -9,7 +9,7 @@ from polhode.forms import principal
 from polhode.precision import shown
 from polhode.references.kinds import kind_of_body
 from polhode.scene import Scene
-from polhode.truth import reference
+from polhode.truth import Reference, reference
 
 
 def described(scene: Scene) -> dict[str, Any]:
@@ -34,8 +34,10 @@ def described(scene: Scene) -> dict[str, Any]:
     facts["integrals"] = {"h": shown(values.energy)}
     if values.area is not None:
         facts["integrals"] |= {"f": shown(values.area)}
-    if truth.is_closed_form:
+    if isinstance(truth, Reference):
         facts["frequencies"] = answers.frequencies(truth)
+        if truth.curve is not None:
+            facts["curve"] = _curve(truth.curve)
     facts |= {
         "form": scene.form,
         "columns": answers.columns_of(scene),
@@ -45,3 +47,20 @@ def described(scene: Scene) -> dict[str, Any]:
         "time_unit": f"2**{scene.time_unit}",
     }
     return facts
+
+
+def _curve(found: dict[str, Any]) -> dict[str, Any]:
+    """The curve of a Kovalevskaya top, in time units of 2**-exponent, to 17 digits."""
+    import mpmath
+
+    def text(x: Any) -> str:
+        return str(mpmath.nstr(x, 17))
+
+    return {
+        name: [text(x) for x in value]
+        if isinstance(value, list)
+        else value
+        if value is None or isinstance(value, int)
+        else text(value)
+        for name, value in found.items()
+    }

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from polhode import exact, library, precision
-from polhode.correct_digits import worst_digits
+from polhode.correct_digits import errors, rate_scale, worst_digits
 from polhode.errors import BadInput
 from polhode.exact import Exact
 from polhode.precision import exact_number
@@ -41,20 +41,42 @@ class Reference:
 
         ``times``: ints, Fractions, floats, mpf or decimal strings, taken exactly.
         """
-        return self._asked(self._motion.at, times, digits)
+        rows: list[list[Any]] = self._asked(self._motion.at, times, digits)
+        return rows
 
     def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
         """Rows q0 q1 q2 q3: the quaternion body to space, scalar first, continuous from q0 >= 0."""
-        return self._asked(self._motion.attitude, times, digits)
+        rows: list[list[Any]] = self._asked(self._motion.attitude, times, digits)
+        return rows
 
     def angles(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
         """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
-        return self._asked(self._motion.angles, times, digits)
+        rows: list[list[Any]] = self._asked(self._motion.angles, times, digits)
+        return rows
 
-    def _asked(self, question: Any, times: Sequence[Any], digits: int) -> list[list[Any]]:
+    def error(self, times: Sequence[Any], digits: int = 50) -> Any:
+        """An estimate of the error of :meth:`at`, of w over its largest modulus, or of gamma.
+
+        A closed form that certifies itself is asked; of any other the answers are held against
+        those with 15 more digits.
+        """
+        certify = getattr(self._motion, "error", None)
+        if certify is not None:
+            return self._asked(lambda found, wanted: certify(wanted, found), times, digits)
+        rows, finer = self.at(times, digits), self.at(times, digits + 15)
+        bits = precision.bits_for(digits + 40)
+        scale = rate_scale(finer, self.scene, bits)
+        return max(errors(rows, finer, scale, bits))
+
+    @property
+    def curve(self) -> dict[str, Any] | None:
+        """The algebraic curve of a Kovalevskaya top: H, K2, its roots e and period matrix tau."""
+        curve = getattr(self._motion, "curve", None)
+        return None if curve is None else dict(curve(50))
+
+    def _asked(self, question: Any, times: Sequence[Any], digits: int) -> Any:
         try:
-            rows: list[list[Any]] = question(_times(self.scene, times), digits)
-            return rows
+            return question(_times(self.scene, times), digits)
         except BadInput:
             raise
         except (ValueError, ArithmeticError) as fault:
