@@ -61,6 +61,7 @@ def test_every_type_and_class_of_the_kovalevskaya_top_has_a_case():
         *("Delaunay", "Appelrot, special motion", "Bobylev-Steklov"),
         *("pendulum about an equatorial axis", "pendulum about the axis of symmetry"),
         *("degenerate curve, quasi-periodic", "degenerate curve, asymptotic"),
+        "multiply degenerate curve",
     }
 
 
