@@ -105,7 +105,7 @@ def _table(cases: list[dict[str, Any]]) -> Iterator[str]:
         cells = [
             case["case"],
             case["regime"],
-            case["end"],
+            format(float(case["end"]), "g"),
             *(_digits(runs.get(name)) for name in ("double", "extended", "quad", "mp")),
             _number(double.get("input_rounding"), ".1f"),
             double.get("limit") or "–",
