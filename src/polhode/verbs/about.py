@@ -1,0 +1,46 @@
+"""``polhode about``: versions, number types, processor, caches."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from typing import Any
+
+from polhode import library, precision
+from polhode.provenance import cpu, versions
+from polhode.verbs.terminal import DONE, print_json
+
+HELP = "versions, number types, processor, caches"
+
+
+def options(parser: ArgumentParser) -> None:
+    """The verb's own options."""
+
+
+def main(options: Namespace) -> int:
+    """Versions, number types, processor, caches."""
+    from polhode import taylor
+
+    facts: dict[str, Any] = {
+        "versions": versions(),
+        "cpu": cpu(),
+        "number_types": {
+            n.name: {"bits": n.bits, "digits": round(n.most_digits, 1)}
+            for n in (precision.named(name) for name in precision.NAMES)
+        },
+        "cases": len(library.names()),
+        "cache": taylor.cache(),
+    }
+    if options.json:
+        print_json(facts)
+        return DONE
+    for name, version in facts["versions"].items():
+        print(f"{name:<10}{version}")
+    print(f"{'cpu':<10}{facts['cpu']}")
+    for name, held in facts["number_types"].items():
+        size = "any number of bits" if name == "mp" else f"{held['bits']} bits"
+        print(f"{name:<10}{size}" + ("" if name == "mp" else f", {held['digits']} digits"))
+    cache = facts["cache"]
+    print(f"{'cases':<10}{facts['cases']}")
+    state = f"{cache['bytes']} bytes in {cache['path']}" if cache["enabled"] else "off"
+    print(f"{'cache':<10}{state}")
+    return DONE

@@ -1,0 +1,55 @@
+"""``polhode compare``: judge a trajectory that some other program computed."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+from polhode import answers, library
+from polhode.verbs.terminal import DONE, print_json, print_table, whole
+
+HELP = "judge a trajectory that some other program computed"
+
+
+def options(parser: ArgumentParser) -> None:
+    """The verb's own options."""
+    parser.add_argument("file", metavar="FILE", help="a CSV with a column t and any of the others")
+    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+    parser.add_argument("--number", help="the file's decimals are rounded values of this type")
+    parser.add_argument("--digits", type=whole, help="digits of mp, with --number mp")
+
+
+def main(options: Namespace) -> int:
+    """Judge a trajectory that some other program computed."""
+    from polhode import foreign
+    from polhode.integration import choose_number
+    from polhode.judging import few
+    from polhode.truth import reference as truth_of
+
+    scene = library.load(options.scene)
+    number = None
+    if options.number is not None:
+        number = choose_number(scene, options.number, options.digits)
+    table = foreign.read_table(Path(options.file), number)
+    verdict = foreign.judge(table, truth_of(scene), number)
+    answer = answers.of_verdict(verdict)
+    if options.json:
+        print_json(answer)
+        return DONE
+    truth = verdict.reference
+    print(f"{table.name} against {truth.kind} of {scene.name} ({truth.regime})")
+    if verdict.digits:
+        shown_rows = few(len(verdict.digits), 11)
+        rows = [[answer["times"][k], f"{answer['correct_digits'][k]:.2f}"] for k in shown_rows]
+        print_table(["t", "correct digits"], rows)
+        if len(rows) < len(verdict.digits):
+            print(f"({len(rows)} of {len(verdict.digits)} times; all of them with --json)")
+        assert verdict.worst_time is not None
+        print(f"worst {verdict.worst:.2f} correct digits at t = {float(verdict.worst_time):g}")
+    for name, digits in verdict.parts.items():
+        print(f"{name}: {digits:.2f} correct digits")
+    if answer["drift"] is not None:
+        print("drift " + ", ".join(f"{k} {v}" for k, v in answer["drift"].items() if v))
+    for note in verdict.notes:
+        print(f"not judged: {note}")
+    return DONE

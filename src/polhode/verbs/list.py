@@ -1,0 +1,42 @@
+"""``polhode list``: the cases that ship."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+
+from polhode import library
+from polhode.verbs.terminal import DONE, print_json, print_table
+
+HELP = "the cases that ship, with regime and reference"
+
+
+def options(parser: ArgumentParser) -> None:
+    """The verb's own options."""
+    parser.add_argument("--tag", help="only the cases with this tag")
+
+
+def main(options: Namespace) -> int:
+    """The cases that ship."""
+    from polhode.truth import reference
+
+    rows = []
+    for name in library.names():
+        scene = library.load(name)
+        if options.tag and options.tag not in scene.tags:
+            continue
+        truth = reference(scene)
+        rows.append(
+            {
+                "name": name,
+                "title": scene.title,
+                "tags": [*scene.tags],
+                "regime": truth.regime,
+                "reference": truth.kind,
+            }
+        )
+    if options.json:
+        print_json(rows)
+    else:
+        table = [[r["name"], r["reference"], r["regime"], r["title"]] for r in rows]
+        print_table(["case", "reference", "regime", "title"], table)
+    return DONE

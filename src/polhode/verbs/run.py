@@ -1,0 +1,140 @@
+"""``polhode run``: integrate a scene."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from polhode import answers, library
+from polhode.scene import Scene
+from polhode.verbs.terminal import (
+    DONE,
+    INTERRUPTED,
+    NOT_REACHED,
+    Progress,
+    note,
+    positive,
+    print_json,
+    print_rows,
+    read_times,
+    whole,
+)
+
+if TYPE_CHECKING:
+    from polhode.trajectory import EventTimes
+
+HELP = "integrate a scene"
+
+
+def options(parser: ArgumentParser) -> None:
+    """The verb's own options."""
+    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+    parser.add_argument("--digits", type=whole, help="digits wanted; they choose the number type")
+    parser.add_argument("--number", help="double (default), extended, quad or mp")
+    parser.add_argument("--at", metavar="T,T...", help="output times instead of the scene's")
+    parser.add_argument(
+        "--tol", metavar="X", help="tolerance of a step, the type's eps unless given"
+    )
+    parser.add_argument("--form", metavar="F", help="form of the equations")
+    parser.add_argument("--outputs", metavar="O,O", help="angles, attitude: instead of the scene's")
+    parser.add_argument("--max-steps", type=positive, metavar="N", help="limit on the steps")
+    parser.add_argument(
+        "--no-project", action="store_true", help="no projection (there is none yet)"
+    )
+    parser.add_argument("-o", dest="file", metavar="FILE", help="write a CSV, and JSON beside it")
+
+
+def main(options: Namespace) -> int:
+    """Integrate a scene."""
+    from dataclasses import replace
+
+    from polhode.integration import integrate
+    from polhode.trajectory import Outcome
+    from polhode.truth import reference
+
+    scene = library.load(options.scene)
+    if options.at is not None:
+        scene = scene.at(read_times(scene, options.at))
+    if options.form is not None:
+        scene = replace(scene, form=options.form)
+    if options.outputs is not None:
+        scene = replace(scene, outputs=tuple(o for o in options.outputs.split(",") if o))
+    path = None if options.file is None else Path(options.file)
+    if path is not None:
+        answers.check_paths(path)
+    truth = reference(scene)
+    with Progress("run") as progress:
+        found = integrate(
+            scene,
+            options.number,
+            digits=options.digits,
+            tol=options.tol,
+            max_steps=options.max_steps,
+            progress=progress.show,
+        )
+    answer = answers.of_run(found, truth.regime)
+    done = found.outcome.done
+    if done and options.digits is not None and truth.is_closed_form:
+        answer["correct_digits"] = _judged(found, truth)
+    if path is not None and done:
+        answers.write_trajectory(path, answer)
+    if options.json:
+        print_json(answer)
+    elif path is None:
+        print_rows(answer)
+    if not options.json:
+        note(
+            f"{scene.name}: {answer['number']} ({answer['bits']} bits), {answer['regime']}; "
+            f"{answer['outcome']}, {answer['steps']} steps; drift "
+            + ", ".join(f"{k} {v}" for k, v in answer["drift"].items() if v is not None)
+        )
+        for event in found.events:
+            note(_told(event))
+    if done:
+        _warn_of_lost_digits(scene, options.digits, answer)
+        return DONE
+    advice = f"; {found.outcome.advice}" if found.outcome.advice else ""
+    wrote = "" if path is None else f"; {path} was not written"
+    note(
+        f"polhode: {scene.name}: reached t = {float(found.reached):g} of {float(scene.end):g}: "
+        f"{found.outcome.cause}{advice}{wrote}"
+    )
+    return INTERRUPTED if found.outcome is Outcome.INTERRUPTED else NOT_REACHED
+
+
+def _judged(found: Any, truth: Any) -> float:
+    """The fewest correct digits over a few of a run's times, by the closed form."""
+    from dataclasses import replace
+
+    from polhode.judging import compare, few
+
+    kept = few(len(found.times), 20)
+    part = replace(
+        found,
+        times=tuple(found.times[k] for k in kept),
+        states=[found.states[k] for k in kept],
+    )
+    return round(compare(part, truth).worst, 2)
+
+
+def _told(event: EventTimes) -> str:
+    """One line about an event: how often, and when first."""
+    shown_times = [
+        f"{float(t):.17g}" + " (grazing)" * grazing
+        for t, grazing in zip(event.times[:10], event.grazing, strict=False)
+    ]
+    more = ", ..." * (len(event.times) > len(shown_times))
+    when = f" at t = {', '.join(shown_times)}{more}" if shown_times else ""
+    lost = "" if event.complete else "; a zero was lost, or a pole passed"
+    return f"event {event.name}: {len(event.times)}{when}{lost}"
+
+
+def _warn_of_lost_digits(scene: Scene, wanted: int | None, answer: dict[str, Any]) -> None:
+    """Say so where a run has fewer digits than were asked for: the motion multiplies errors."""
+    held = answer.get("correct_digits")
+    if wanted is not None and held is not None and held < wanted:
+        note(
+            f"polhode: {scene.name}: {wanted} digits were asked for, {held} are correct by the "
+            f"closed form: this motion multiplies errors; ask for {2 * wanted - int(held) + 1}"
+        )

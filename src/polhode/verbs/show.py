@@ -1,0 +1,33 @@
+"""``polhode show``: what a scene is."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+
+from polhode import library
+from polhode.verbs.terminal import DONE, print_json
+
+HELP = "body, regime, integrals, frequencies, what will be modelled"
+
+
+def options(parser: ArgumentParser) -> None:
+    """The verb's own options."""
+    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+
+
+def main(options: Namespace) -> int:
+    """Body, regime, integrals, frequencies, what will be modelled."""
+    from polhode.show import described
+
+    facts = described(library.load(options.scene))
+    if options.json:
+        print_json(facts)
+        return DONE
+    for key, value in facts.items():
+        if isinstance(value, dict):
+            value = ", ".join(f"{k} = {v}" for k, v in value.items() if v is not None)
+        elif isinstance(value, (tuple, list)):
+            value = ", ".join(str(x) for x in value)
+        if value not in (None, ""):
+            print(f"{key:<14}{value}")
+    return DONE
