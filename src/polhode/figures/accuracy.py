@@ -1,19 +1,15 @@
-"""Figures as SVG text; the only place that imports matplotlib."""
+"""Figure of the accuracy study: correct digits of every case in every number type."""
 
 from __future__ import annotations
 
-from io import StringIO
 from typing import Any
 
-from polhode.errors import BadInput
-
-COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
-MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
+from polhode.figures.canvas import COLOURS, MARKS, as_svg, pyplot
 
 
-def digits_by_case(found: dict[str, Any]) -> str:
+def svg(found: dict[str, Any]) -> str:
     """Correct digits of every case in every number type, from the accuracy study's JSON object."""
-    plt = _pyplot()
+    plt = pyplot()
     cases = found["cases"]
     half = -(-len(cases) // 2)
     figure, panels = plt.subplots(1, 2, figsize=(11, 1.2 + 0.15 * half), layout="constrained")
@@ -24,7 +20,7 @@ def digits_by_case(found: dict[str, Any]) -> str:
     )
     label = "correct digits, worst of all output times (dotted: what a type holds)"
     figure.supxlabel(label, size=9)
-    return _svg(figure)
+    return as_svg(figure)
 
 
 def _dots(axes: Any, cases: list[dict[str, Any]], rows: int) -> None:
@@ -47,28 +43,3 @@ def _dots(axes: Any, cases: list[dict[str, Any]], rows: int) -> None:
     axes.set_xlim(0, 60)
     axes.set_ylim(-0.7, rows - 0.3)
     axes.grid(axis="y", lw=0.3, color="#dddddd")
-
-
-def require() -> None:
-    """Raise BadInput where matplotlib is missing: before a study runs, not after."""
-    _pyplot()
-
-
-def _pyplot() -> Any:
-    try:
-        import matplotlib
-    except ImportError:
-        expected = "matplotlib, which figures need: pip install polhode[figures]"
-        raise BadInput("polhode", "figures", None, expected) from None
-    matplotlib.use("svg")
-    matplotlib.rcParams["svg.hashsalt"] = "polhode"  # the same figure gives the same text
-    from matplotlib import pyplot
-
-    return pyplot
-
-
-def _svg(figure: Any) -> str:
-    out = StringIO()
-    figure.savefig(out, format="svg", metadata={"Date": None})
-    _pyplot().close(figure)
-    return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"

@@ -1,0 +1,72 @@
+"""The blocks that a page is made of.  Text is Markdown of one line: `code`, *emphasis*, links."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+
+class Heading(NamedTuple):
+    """A section's title."""
+
+    text: str
+
+
+class Text(NamedTuple):
+    """A paragraph."""
+
+    text: str
+
+
+class Items(NamedTuple):
+    """A list of points."""
+
+    items: tuple[str, ...]
+
+
+class Table(NamedTuple):
+    """Rows of cells under a header; ``align``: one character a column, l or r."""
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    align: str = ""
+
+
+class Figure(NamedTuple):
+    """A figure of this study by name (``name``.svg), and what it shows."""
+
+    name: str
+    alt: str
+
+
+Block = Heading | Text | Items | Table | Figure
+
+
+def markdown(title: str, blocks: Iterable[Block]) -> str:
+    """The page as Markdown."""
+    return "\n".join(_lines(title, blocks)).rstrip() + "\n"
+
+
+def _lines(title: str, blocks: Iterable[Block]) -> Iterator[str]:
+    yield f"# {title}"
+    yield ""
+    for block in blocks:
+        match block:
+            case Heading(text):
+                yield f"## {text}"
+            case Text(text):
+                yield text
+            case Items(items):
+                yield from (f"- {item}" for item in items)
+            case Table(header, rows, align):
+                sides = align or "l" * len(header)
+                yield _row(header)
+                yield "|" + "|".join("--:" if side == "r" else "---" for side in sides) + "|"
+                yield from (_row(row) for row in rows)
+            case Figure(name, alt):
+                yield f"![{alt}]({name}.svg)"
+        yield ""
+
+
+def _row(cells: Iterable[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
