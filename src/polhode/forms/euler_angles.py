@@ -22,6 +22,10 @@ from polhode.forms import Functions, combination
 from polhode.forms.own_units import PRINCIPAL, OwnUnits
 from polhode.scene import Scene
 
+#: Variables' names, other than those of the psi and phi that an output may add.
+ANGLES = ("precession", "nutation", "rotation")
+RATES = ("psi1", "theta1", "phi1")
+
 
 class Turn(NamedTuple):
     """Sines and cosines of theta and phi: s c and sf cf."""

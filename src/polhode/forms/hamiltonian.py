@@ -45,7 +45,7 @@ class Hamiltonian:
     axes: Axes
     coefficients: Mapping[str, Exact]
     start: tuple[Exact, ...]
-    variables: tuple[str, ...] = ("psi", "theta", "phi", "p_psi", "p_theta", "p_phi")
+    variables: tuple[str, ...] = (*euler_angles.ANGLES, "p_psi", "p_theta", "p_phi")
     instead: str = PRINCIPAL
 
     def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:

@@ -46,7 +46,7 @@ class Lagrangian:
     axes: Axes
     coefficients: Mapping[str, Exact]
     start: tuple[Exact, ...]
-    variables: tuple[str, ...] = ("psi", "theta", "phi", "psi1", "theta1", "phi1")
+    variables: tuple[str, ...] = (*euler_angles.ANGLES, *euler_angles.RATES)
     instead: str = PRINCIPAL
 
     def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:

@@ -118,7 +118,7 @@ class Routhian:
     coefficients: Mapping[str, Exact]
     start: tuple[Exact, ...]
     reduced: Callable[[Turn, Sequence[Any], Coefficients, Functions], tuple[Any, Any]]
-    variables: tuple[str, ...] = ("theta", "phi", "theta1", "phi1")
+    variables: tuple[str, ...] = (*euler_angles.ANGLES[1:], *euler_angles.RATES[1:])
     instead: str = PRINCIPAL
 
     def field(self, values: Sequence[Any], k: Coefficients, fn: Functions) -> list[Any]:

@@ -28,9 +28,9 @@ from polhode.scene import Scene
 
 
 class Parts(NamedTuple):
-    """What w, G and D give; a and b as above, d = D/|N|²."""
+    """What w, G and D give: along = n·G, d = D/|N|², the others as above."""
 
-    n_G: Any
+    along: Any
     N: list[Any]
     N2: Any
     T: Any
@@ -69,7 +69,7 @@ def rates(
     """G' and D'."""
     it = parts(omega, G, D, k, fn)
     n_w = combination(k, fn.zero, *zip("xyz", omega, strict=True))
-    along, back = it.d * k["n2"], it.d * it.n_G
+    along, back = it.d * k["n2"], it.d * it.along
     (p, q, r), (G1, G2, G3) = omega, G
     turning = (r * G2 - q * G3, p * G3 - r * G1, q * G1 - p * G2)  # G × w
     G_rates = [
@@ -77,7 +77,7 @@ def rates(
         for i, name in enumerate("xyz")
     ]
     gamma_w = it.a * n_w + 2 * (it.b * it.T) + it.d * _dot(it.N, omega)
-    swing = (2 * it.T - it.u) * it.u + k["n2"] * length(it, D, k, fn) - gamma_w * it.n_G
+    swing = (2 * it.T - it.u) * it.u + k["n2"] * length(it, D, k, fn) - gamma_w * it.along
     return [*G_rates, swing]
 
 
