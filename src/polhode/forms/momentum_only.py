@@ -47,7 +47,7 @@ class MomentumOnly:
         G = values[:3]
         omega = _omega(G, k)
         it = without_gamma.parts(omega, G, values[3], k, fn)
-        return omega, without_gamma.gamma(it, G, k, fn)
+        return omega, without_gamma.gamma(it, k, fn)
 
     def integrals(
         self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
@@ -55,7 +55,7 @@ class MomentumOnly:
         """|gamma|²; h and f are given."""
         G, D = values[:3], values[3]
         it = without_gamma.parts(_omega(G, k), G, D, k, fn)
-        return {"gamma": without_gamma.length(it, D, k, fn)}
+        return {"gamma": without_gamma.length(it, D, k)}
 
     def distance(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
         """0 where G is parallel to r0."""

@@ -2,16 +2,17 @@
 
 With n = Mg r0, G = I w, T = ½ w·G the integrals give n·gamma = u = h - T and G·gamma = f, and
 
-    gamma = a n + b G + (D/|N|²) N,    N = n × G,    D = gamma·N,
-    |N|² a = u |G|² - f n·G,    |N|² b = f |n|² - u n·G.
+    gamma = (u n + b P)/|n|² + d N,    N = n × G,    P = N × n,    D = gamma·N,
+    |N|² b = f |n|² - u n·G,    |N|² d = D,
 
+three directions at right angles, so that near G ∥ r0 what is lost across r0 is not lost along it.
 |gamma|² = 1 makes D² a function of w (3.61, 3.63), whose two roots meet at branch points.  Carried
 along as a variable, D passes through zero there like any other number:
 
-    G' = gamma × n - w × G = -b N + (D/|N|²)(|n|² G - (n·G) n) - w × G,
-    D' = (2 T - u) u + |n|² |gamma|² - (gamma·w)(n·G),
+    G' = d P - b N + G × w,
+    D' = 2 T u + b² |N|² + |n|² d D - (gamma·w)(n·G),
 
-|gamma|² = a u + b f + D²/|N|² being the integral that is left.  Singular where G is parallel to r0.
+with |n|² |gamma|² = u² + b² |N|² + |n|² d D, the integral that is left.  Singular where G ∥ r0.
 """
 
 from __future__ import annotations
@@ -28,39 +29,47 @@ from polhode.scene import Scene
 
 
 class Parts(NamedTuple):
-    """What w, G and D give: along = n·G, d = D/|N|², the others as above."""
+    """What w, G and D give, as above; ``level`` = n·G, ``lean`` = b² |N|²."""
 
-    along: Any
+    level: Any
     N: list[Any]
-    N2: Any
+    P: list[Any]
     T: Any
     u: Any
-    a: Any
     b: Any
     d: Any
+    lean: Any
 
 
 def parts(
     omega: Sequence[Any], G: Sequence[Any], D: Any, k: Mapping[str, Any], fn: Functions
 ) -> Parts:
     """The parts of gamma."""
-    nG, N, N2 = across(G, k, fn)
+    zero = fn.zero
+    N = lever(G, k, fn)
+    N1, N2, N3 = N
+    P = [
+        combination(k, zero, ("z", N2), ("y", -N3)),
+        combination(k, zero, ("x", N3), ("z", -N1)),
+        combination(k, zero, ("y", N1), ("x", -N2)),
+    ]
+    level = combination(k, zero, *zip("xyz", G, strict=True))
+    square = _dot(N, N)
     T = _dot(omega, G) / 2
-    u = combination(k, fn.zero, ("h", 1)) - T
-    a = (u * _dot(G, G) - combination(k, fn.zero, ("f", nG))) / N2
-    b = (combination(k, fn.zero, ("f.n2", 1)) - u * nG) / N2
-    return Parts(nG, N, N2, T, u, a, b, D / N2)
+    u = combination(k, zero, ("h", 1)) - T
+    above = combination(k, zero, ("f.n2", 1)) - u * level
+    b = above / square
+    return Parts(level, N, P, T, u, b, D / square, b * above)
 
 
-def across(G: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> tuple[Any, list[Any], Any]:
-    """n·G, N = n × G and |N|²."""
+def lever(G: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+    """N = n × G."""
     G1, G2, G3 = G
-    N = [
+    return [
         combination(k, fn.zero, ("y", G3), ("z", -G2)),
         combination(k, fn.zero, ("z", G1), ("x", -G3)),
         combination(k, fn.zero, ("x", G2), ("y", -G1)),
     ]
-    return combination(k, fn.zero, ("x", G1), ("y", G2), ("z", G3)), N, _dot(N, N)
 
 
 def rates(
@@ -68,35 +77,32 @@ def rates(
 ) -> list[Any]:
     """G' and D'."""
     it = parts(omega, G, D, k, fn)
-    n_w = combination(k, fn.zero, *zip("xyz", omega, strict=True))
-    along, back = it.d * k["n2"], it.d * it.along
     (p, q, r), (G1, G2, G3) = omega, G
     turning = (r * G2 - q * G3, p * G3 - r * G1, q * G1 - p * G2)  # G × w
-    G_rates = [
-        along * G[i] - combination(k, fn.zero, (name, back)) - it.b * it.N[i] + turning[i]
-        for i, name in enumerate("xyz")
-    ]
-    gamma_w = it.a * n_w + 2 * (it.b * it.T) + it.d * _dot(it.N, omega)
-    swing = (2 * it.T - it.u) * it.u + k["n2"] * length(it, D, k, fn) - gamma_w * it.along
+    G_rates = [it.d * it.P[i] - it.b * it.N[i] + turning[i] for i in range(3)]
+    gamma_w = it.u * combination(k, fn.zero, *zip("xyz", omega, strict=True))
+    gamma_w = k["1/n2"] * (gamma_w + it.b * _dot(it.P, omega)) + it.d * _dot(it.N, omega)
+    swing = 2 * (it.T * it.u) + it.lean + k["n2"] * (it.d * D) - gamma_w * it.level
     return [*G_rates, swing]
 
 
-def gamma(it: Parts, G: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+def gamma(it: Parts, k: Mapping[str, Any], fn: Functions) -> list[Any]:
     """The components of gamma."""
     return [
-        combination(k, fn.zero, (name, it.a)) + it.b * G[i] + it.d * it.N[i]
+        k["1/n2"] * (combination(k, fn.zero, (name, it.u)) + it.b * it.P[i]) + it.d * it.N[i]
         for i, name in enumerate("xyz")
     ]
 
 
-def length(it: Parts, D: Any, k: Mapping[str, Any], fn: Functions) -> Any:
+def length(it: Parts, D: Any, k: Mapping[str, Any]) -> Any:
     """|gamma|²."""
-    return it.a * it.u + combination(k, fn.zero, ("f", it.b)) + it.d * D
+    return k["1/n2"] * (it.u * it.u + it.lean) + it.d * D
 
 
 def distance(G: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
     """|r0 × G|² over |r0|² and a bound of |G|² that the energy sets: 0 to 1."""
-    return k["nearness"] * across(G, k, fn)[2]
+    N = lever(G, k, fn)
+    return k["nearness"] * _dot(N, N)
 
 
 def starting(scene: Scene, form: str) -> tuple[OwnUnits, dict[str, Exact]]:
@@ -113,8 +119,8 @@ def starting(scene: Scene, form: str) -> tuple[OwnUnits, dict[str, Exact]]:
     if sign(dot(own.momentum, own.momentum) * n2 - nG * nG) == 0:
         raise refused("at the start the momentum I w is parallel to the centre r0, or 0")
     bound = 2 * max(own.moments) * (own.energy + sqrt(n2))  # |G|² <= 2 A T, T <= h + |n|
-    k = own.coefficients() | {"h": own.energy, "f": own.area, "n2": n2, "f.n2": own.area * n2}
-    return own, present(k | {"nearness": 1 / (n2 * bound)})
+    k = own.coefficients() | {"h": own.energy, "f.n2": own.area * n2}
+    return own, present(k | {"n2": n2, "1/n2": 1 / n2, "nearness": 1 / (n2 * bound)})
 
 
 def gamma_from_omega(
