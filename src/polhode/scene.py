@@ -21,7 +21,7 @@ from polhode.precision import exact_number, shown
 #: The forms of the equations (polhode.forms), in the order of the source.
 FORMS = (
     *("general", "inertia-axes", "principal", "momentum", "gyration-axes"),
-    *("quaternion",),
+    *("lagrangian", "hamiltonian", "routhian", "omega-only", "momentum-only", "quaternion"),
 )
 OUTPUTS = ("angles", "attitude")
 STATE = ("p", "q", "r", "gamma1", "gamma2", "gamma3")

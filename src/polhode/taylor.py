@@ -204,8 +204,11 @@ def at_singular_set(outcome: Any) -> bool:
 
 
 def nearest(number: NumberType) -> Fraction:
-    """The distance to a form's singular set at which a run ends: about eps**(1/4)."""
-    return Fraction(2) ** -((number.bits - 1) // 4)
+    """The smallest distance to a form's singular set, about sqrt(eps): a run ends there.
+
+    A distance is a square (sin² theta), so the set is met within about eps**(1/4).
+    """
+    return Fraction(2) ** -((number.bits - 1) // 2)
 
 
 def _damping(number: NumberType) -> Fraction:

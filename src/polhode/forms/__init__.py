@@ -58,7 +58,7 @@ class Form(ABC):
         """omega and gamma in the form's axes; gamma [] for a scene without it."""
 
     def distance(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
-        """How near the singular set is: 0 on it, of order 1 away from it; None without one."""
+        """How near the singular set is, squared: 0 on it, of order 1 away from it; None without."""
         return None
 
 
