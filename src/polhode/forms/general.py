@@ -27,7 +27,7 @@ class General(Form):
     def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
         """The rates of p q r [gamma1 gamma2 gamma3]."""
         omega, gamma = values[:3], values[3:]
-        terms = dict(zip(matrices.pairs(OMEGA), matrices.products(omega), strict=True))
+        terms = matrices.products(OMEGA, omega)
         terms |= dict(zip(GAMMA, gamma, strict=False))
         rates = matrices.rates(OMEGA, terms, k, fn.zero)
         return rates + matrices.gamma_rates(gamma, omega) if gamma else rates
@@ -49,7 +49,7 @@ def in_axes(scene: Scene, axes: Axes) -> General:
     inertia = scene.body.inertia
     solved = matrices.along(axes, matrices.inverse(inertia))
     spin = matrices.product(solved, matrices.turning(matrices.along(axes, inertia)))
-    k = matrices.named(OMEGA, matrices.pairs(OMEGA), [[-x for x in row] for row in spin])
+    k = matrices.named(OMEGA, matrices.product_names(OMEGA), [[-x for x in row] for row in spin])
     weight = matrices.product(solved, matrices.across(matrices.torque(scene, axes)))
     k |= matrices.named(OMEGA, GAMMA, weight)
     return General(scene, axes, scene.columns, k, matrices.omega_and_gamma(scene, axes))

@@ -69,7 +69,10 @@ def product(left: Matrix, right: Sequence[Sequence[Exact]]) -> list[list[Exact]]
 
 
 def turning(matrix: Matrix) -> list[list[Exact]]:
-    """x × (matrix·x) as coefficients of x1², x2², x3², x2x3, x3x1, x1x2: a row a component."""
+    """x × (matrix·x), a row a component, as coefficients of the :func:`products` of x.
+
+    The coefficients of the squares add up to zero: x2² enters as x2² - x3².
+    """
     rows = []
     for a, b in _CYCLE:
         found: dict[tuple[int, int], Exact] = dict.fromkeys(_PAIRS, ZERO)
@@ -77,7 +80,7 @@ def turning(matrix: Matrix) -> list[list[Exact]]:
             for first, second, term in ((a, i, matrix[b][i]), (b, i, -matrix[a][i])):
                 pair = (first, second) if (first, second) in found else (second, first)
                 found[pair] = found[pair] + term
-        rows.append([found[pair] for pair in _PAIRS])
+        rows.append([found[pair] for pair in _PAIRS if pair != (2, 2)])
     return rows
 
 
@@ -99,14 +102,18 @@ def named(
     return {name: x for name, x in found.items() if sign(x) != 0}
 
 
-def pairs(names: Sequence[str]) -> list[str]:
-    """The names of the six products that :func:`turning` has coefficients of."""
-    return [names[i] + names[j] for i, j in _PAIRS]
+def products(names: Sequence[str], vector: Sequence[Any]) -> dict[str, Any]:
+    """x1² - x3², x2² - x3², x2 x3, x3 x1, x1 x2 by name."""
+    x, y, z = vector
+    square = z * z
+    values = (x * x - square, y * y - square, y * z, z * x, x * y)
+    return dict(zip(product_names(names), values, strict=True))
 
 
-def products(vector: Sequence[Any]) -> list[Any]:
-    """The six products of a vector's components."""
-    return [vector[i] * vector[j] for i, j in _PAIRS]
+def product_names(names: Sequence[str]) -> list[str]:
+    """The names of the five products."""
+    x, y, z = names
+    return [f"{x}{x}-{z}{z}", f"{y}{y}-{z}{z}", y + z, z + x, x + y]
 
 
 def rates(

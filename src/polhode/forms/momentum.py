@@ -30,7 +30,7 @@ class Momentum(Form):
         """The rates of P Q R [gamma1 gamma2 gamma3]."""
         momentum = values[:3]
         omega, gamma = self.state(values, k, fn)
-        terms = dict(zip(matrices.pairs(MOMENTUM), matrices.products(momentum), strict=True))
+        terms = matrices.products(MOMENTUM, momentum)
         terms |= dict(zip(GAMMA, gamma, strict=False))
         rates = matrices.rates(MOMENTUM, terms, k, fn.zero)
         return rates + matrices.gamma_rates(gamma, omega) if gamma else rates
@@ -54,7 +54,7 @@ def in_axes(scene: Scene, axes: Axes) -> Momentum:
     unit = _unit(sum((body.inertia[i][i] for i in (1, 2)), body.inertia[0][0]))
     gyration = [scaled(unit, row) for row in matrices.along(axes, matrices.inverse(body.inertia))]
     a, b, c = gyration
-    k = matrices.named(MOMENTUM, matrices.pairs(MOMENTUM), matrices.turning((a, b, c)))
+    k = matrices.named(MOMENTUM, matrices.product_names(MOMENTUM), matrices.turning((a, b, c)))
     weight = scaled(1 / unit, matrices.torque(scene, axes))
     k |= matrices.named(MOMENTUM, GAMMA, matrices.across(weight))
     k |= matrices.named(OMEGA, MOMENTUM, gyration)
