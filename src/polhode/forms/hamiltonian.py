@@ -15,19 +15,17 @@ H = ½ (A p² + B q² + C r²) + V, V = Mg r0·gamma, and
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from polhode import exact
-from polhode.body import Axes
-from polhode.exact import Exact
-from polhode.forms import Functions, combination, euler_angles
+from polhode.forms import Form, Functions, combination, euler_angles
 from polhode.forms.euler_angles import Turn
-from polhode.forms.own_units import PRINCIPAL, own_units, present
+from polhode.forms.own_units import own_units, present
 from polhode.scene import Scene
 
 NAME = "hamiltonian"
 SOURCE = "3.47–3.53"
+VARIABLES = (*euler_angles.ANGLES, "p_psi", "p_theta", "p_phi")
 
 
 def _momentum(turn: Turn, momenta: Sequence[Any]) -> list[Any]:
@@ -37,16 +35,8 @@ def _momentum(turn: Turn, momenta: Sequence[Any]) -> list[Any]:
     return [n * turn.sf + p_theta * turn.cf, n * turn.cf - p_theta * turn.sf, p_phi]
 
 
-@dataclass(frozen=True)
-class Hamiltonian:
+class Hamiltonian(Form):
     """The form for one scene; momenta in its own unit of mass."""
-
-    scene: Scene
-    axes: Axes
-    coefficients: Mapping[str, Exact]
-    start: tuple[Exact, ...]
-    variables: tuple[str, ...] = (*euler_angles.ANGLES, "p_psi", "p_theta", "p_phi")
-    instead: str = PRINCIPAL
 
     def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
         """The rates of the angles and of their momenta."""
@@ -97,4 +87,4 @@ def for_scene(scene: Scene) -> Hamiltonian:
     p_theta = (G1 * g2 - G2 * g1) / exact.sqrt(g1 * g1 + g2 * g2)
     k = own.coefficients() | {"1/A": 1 / A, "1/B": 1 / B, "1/C": 1 / C, "1/B-1/A": 1 / B - 1 / A}
     start = (*angles, own.area, p_theta, G3)
-    return Hamiltonian(scene, scene.body.axes, present(k), start)
+    return Hamiltonian(scene, scene.body.axes, VARIABLES, present(k), start)

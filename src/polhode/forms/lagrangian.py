@@ -12,18 +12,16 @@ the third axis; with p' q' r' from these the mass matrix is solved in closed for
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
-from polhode.body import Axes
-from polhode.exact import Exact
-from polhode.forms import Functions, euler_angles, principal
+from polhode.forms import Form, Functions, euler_angles, principal
 from polhode.forms.euler_angles import Turn
-from polhode.forms.own_units import PRINCIPAL, own_units, present
+from polhode.forms.own_units import own_units, present
 from polhode.scene import Scene
 
 NAME = "lagrangian"
 SOURCE = "3.43–3.46"
+VARIABLES = (*euler_angles.ANGLES, *euler_angles.RATES)
 
 
 def accelerations(
@@ -38,16 +36,8 @@ def accelerations(
     return psi2, p1 * cf - q1 * sf - lifted * phi1, r1 - psi2 * c + lifted * theta1
 
 
-@dataclass(frozen=True)
-class Lagrangian:
+class Lagrangian(Form):
     """The form for one scene; see :mod:`polhode.forms`."""
-
-    scene: Scene
-    axes: Axes
-    coefficients: Mapping[str, Exact]
-    start: tuple[Exact, ...]
-    variables: tuple[str, ...] = (*euler_angles.ANGLES, *euler_angles.RATES)
-    instead: str = PRINCIPAL
 
     def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
         """The rates of psi theta phi psi' theta' phi'."""
@@ -82,4 +72,4 @@ def for_scene(scene: Scene) -> Lagrangian:
     own = own_units(scene, NAME)
     start = euler_angles.start(scene, own, NAME)
     k = principal.coefficients(scene.body, scene.time_unit) | present(own.coefficients())
-    return Lagrangian(scene, scene.body.axes, k, (*start.angles, *start.rates))
+    return Lagrangian(scene, scene.body.axes, VARIABLES, k, (*start.angles, *start.rates))

@@ -7,33 +7,22 @@ In principal axes, where the gyration matrix is diag(1/A, 1/B, 1/C); G' and D' a
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
-from polhode.body import Axes
-from polhode.exact import Exact
-from polhode.forms import Functions, without_gamma
-from polhode.forms.own_units import PRINCIPAL
+from polhode.forms import Form, Functions, without_gamma
 from polhode.scene import Scene
 
 NAME = "momentum-only"
 SOURCE = "3.62–3.63"
+VARIABLES = ("G1", "G2", "G3", "D")
 
 
 def _omega(G: Sequence[Any], k: Mapping[str, Any]) -> list[Any]:
     return [k[f"1/{name}"] * x for name, x in zip("ABC", G, strict=True)]
 
 
-@dataclass(frozen=True)
-class MomentumOnly:
+class MomentumOnly(Form):
     """The form for one scene; G and D in its own unit of mass."""
-
-    scene: Scene
-    axes: Axes
-    coefficients: Mapping[str, Exact]
-    start: tuple[Exact, ...]
-    variables: tuple[str, ...] = ("G1", "G2", "G3", "D")
-    instead: str = PRINCIPAL
 
     def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
         """The rates of G1 G2 G3 D."""
@@ -66,4 +55,4 @@ def for_scene(scene: Scene) -> MomentumOnly:
     """The form; raises BadInput where the weight has no moment or G is parallel to r0."""
     own, k = without_gamma.starting(scene, NAME)
     k |= {f"1/{name}": 1 / moment for name, moment in zip("ABC", own.moments, strict=True)}
-    return MomentumOnly(scene, scene.body.axes, k, (*own.momentum, own.swing))
+    return MomentumOnly(scene, scene.body.axes, VARIABLES, k, (*own.momentum, own.swing))

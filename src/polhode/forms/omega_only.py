@@ -6,33 +6,22 @@ In principal axes; I w' = G' and D' as :mod:`polhode.forms.without_gamma` derive
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
-from polhode.body import Axes
-from polhode.exact import Exact
-from polhode.forms import Functions, without_gamma
-from polhode.forms.own_units import PRINCIPAL
+from polhode.forms import Form, Functions, without_gamma
 from polhode.scene import Scene
 
 NAME = "omega-only"
 SOURCE = "3.60–3.61"
+VARIABLES = ("p", "q", "r", "D")
 
 
 def _momentum(omega: Sequence[Any], k: Mapping[str, Any]) -> list[Any]:
     return [k[name] * w for name, w in zip("ABC", omega, strict=True)]
 
 
-@dataclass(frozen=True)
-class OmegaOnly:
+class OmegaOnly(Form):
     """The form for one scene; D in its own unit of mass."""
-
-    scene: Scene
-    axes: Axes
-    coefficients: Mapping[str, Exact]
-    start: tuple[Exact, ...]
-    variables: tuple[str, ...] = ("p", "q", "r", "D")
-    instead: str = PRINCIPAL
 
     def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
         """The rates of p q r D."""
@@ -66,4 +55,4 @@ def for_scene(scene: Scene) -> OmegaOnly:
     """The form; raises BadInput where the weight has no moment or I w is parallel to r0."""
     own, k = without_gamma.starting(scene, NAME)
     k |= {f"1/{name}": 1 / moment for name, moment in zip("ABC", own.moments, strict=True)}
-    return OmegaOnly(scene, scene.body.axes, k, (*own.omega, own.swing))
+    return OmegaOnly(scene, scene.body.axes, VARIABLES, k, (*own.omega, own.swing))

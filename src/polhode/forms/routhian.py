@@ -16,16 +16,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.body import Axes
-from polhode.exact import Exact
-from polhode.forms import Functions, combination, euler_angles, principal
+from polhode.forms import Form, Functions, combination, euler_angles, principal
 from polhode.forms.euler_angles import Turn
 from polhode.forms.lagrangian import accelerations
-from polhode.forms.own_units import PRINCIPAL, own_units, present
+from polhode.forms.own_units import own_units, present
 from polhode.scene import Scene
 
 NAME = "routhian"
 SOURCE = "3.54–3.59"
+VARIABLES = (*euler_angles.ANGLES[1:], *euler_angles.RATES[1:])
 
 Coefficients = Mapping[str, Any]
 
@@ -110,16 +109,10 @@ def about_second_axis(
 
 
 @dataclass(frozen=True)
-class Routhian:
+class Routhian(Form):
     """The form for one scene; ``reduced``: its body's equations for theta'' and phi''."""
 
-    scene: Scene
-    axes: Axes
-    coefficients: Mapping[str, Exact]
-    start: tuple[Exact, ...]
     reduced: Callable[[Turn, Sequence[Any], Coefficients, Functions], tuple[Any, Any]]
-    variables: tuple[str, ...] = (*euler_angles.ANGLES[1:], *euler_angles.RATES[1:])
-    instead: str = PRINCIPAL
 
     def field(self, values: Sequence[Any], k: Coefficients, fn: Functions) -> list[Any]:
         """The rates of theta phi theta' phi'."""
@@ -165,4 +158,4 @@ def for_scene(scene: Scene) -> Routhian:
         reduced = general
         k |= principal.coefficients(scene.body, scene.time_unit)
     first = (*start.angles[1:], *start.rates[1:])
-    return Routhian(scene, scene.body.axes, present(k), first, reduced)
+    return Routhian(scene, scene.body.axes, VARIABLES, present(k), first, reduced)
