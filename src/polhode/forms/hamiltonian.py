@@ -36,7 +36,7 @@ def _momentum(turn: Turn, momenta: Sequence[Any]) -> list[Any]:
 
 
 class Hamiltonian(Form):
-    """The equations of one scene; momenta in its own unit of mass."""
+    """The form for one scene; momenta in its own unit of mass."""
 
     def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
         """The rates of the angles and of their momenta."""

@@ -37,7 +37,7 @@ def accelerations(
 
 
 class Lagrangian(Form):
-    """The equations of one scene."""
+    """The form for one scene; see :mod:`polhode.forms`."""
 
     def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
         """The rates of psi theta phi psi' theta' phi'."""

@@ -22,7 +22,7 @@ def _omega(G: Sequence[Any], k: Mapping[str, Any]) -> list[Any]:
 
 
 class MomentumOnly(Form):
-    """The equations of one scene; G and D in its own unit of mass."""
+    """The form for one scene; G and D in its own unit of mass."""
 
     def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
         """The rates of G1 G2 G3 D."""

@@ -21,7 +21,7 @@ def _momentum(omega: Sequence[Any], k: Mapping[str, Any]) -> list[Any]:
 
 
 class OmegaOnly(Form):
-    """The equations of one scene; D in its own unit of mass."""
+    """The form for one scene; D in its own unit of mass."""
 
     def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
         """The rates of p q r D."""

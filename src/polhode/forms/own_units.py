@@ -11,9 +11,11 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from polhode import exact
-from polhode.body import Vector, cross, dot
+from polhode.body import Vector, cross, dot, scaled
 from polhode.errors import BadInput
 from polhode.exact import Exact, sign
+from polhode.forms.matrices import omega_and_gamma
+from polhode.forms.matrices import torque as torque_along
 from polhode.scene import Scene
 
 PRINCIPAL = "principal"
@@ -58,14 +60,13 @@ def own_units(scene: Scene, form: str) -> OwnUnits:
     """The scene's numbers; raises BadInput where it leaves out gamma, which ``form`` needs."""
     if scene.gamma is None:
         raise BadInput(scene.name, "form", form, f"{PRINCIPAL} for a scene without start.gamma")
-    body, axes = scene.body, scene.body.axes
-    time = Fraction(2) ** scene.time_unit
+    body = scene.body
     mantissa, exponent = exact.rounded(max(body.moments), 8)
     mass = Fraction(2) ** (exponent + mantissa.bit_length() - 1)
     a, b, c = (moment / mass for moment in body.moments)
-    x, y, z = (time * time * m / mass for m in axes.components(body.torque))
-    p, q, r = (time * w for w in axes.components(scene.omega))
-    return OwnUnits((a, b, c), (x, y, z), (p, q, r), axes.components(scene.gamma), mass)
+    p, q, r, *gamma = omega_and_gamma(scene, body.axes)
+    torque = scaled(1 / mass, torque_along(scene, body.axes))
+    return OwnUnits((a, b, c), torque, (p, q, r), (gamma[0], gamma[1], gamma[2]), mass)
 
 
 def present(coefficients: dict[str, Exact]) -> dict[str, Exact]:

@@ -110,7 +110,7 @@ def about_second_axis(
 
 @dataclass(frozen=True)
 class Routhian(Form):
-    """The equations of one scene; ``reduced``: its body's equations for theta'' and phi''."""
+    """The form for one scene; ``reduced``: its body's equations for theta'' and phi''."""
 
     reduced: Callable[[Turn, Sequence[Any], Coefficients, Functions], tuple[Any, Any]]
 
