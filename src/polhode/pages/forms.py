@@ -41,7 +41,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         yield Heading(f"{motion['what']}: `{motion['case']}`")
         axes = motion["axes"] and f" Axes in the order {motion['axes']}."
         yield Text(
-            f"To t = {motion['end']} (quad to a twentieth), judged by {motion['reference']}."
+            f"To t = {motion['end']} (quad to a tenth), judged by {motion['reference']}."
             + (axes or "")
         )
         yield _table(motion["runs"])
