@@ -460,14 +460,14 @@ def test_a_constant_off_by_1e_20_is_seen(name, monkeypatch):
     moments, torque, omega, gamma = data(name)
     done = taylor(moments, torque, omega, gamma, [F(2)], 40)
     assert distance(done, top_of(name).at([F(2)], 40)) < mpf(10) ** -40
-    made = pendulum._swing
+    made = pendulum.swing_of
     for field in ("rate", "v0", "k"):
 
         def corrupt(*args, field=field):
             right = made(*args)
             return replace(right, **{field: getattr(right, field) * (1 + mpf(10) ** -20)})
 
-        monkeypatch.setattr(pendulum, "_swing", corrupt)
+        monkeypatch.setattr(pendulum, "swing_of", corrupt)
         error = distance(done, top_of(name).at([F(2)], 40))
         monkeypatch.undo()
         unused = field == "k" and MOTIONS[name][4] != "pendulum, librating"
