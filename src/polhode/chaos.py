@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from polhode import exact, library
-from polhode.conditioning import at_rest
+from polhode.conditioning import at_rest, six
 from polhode.exact import sign
 from polhode.precision import exact_number, to_double
 from polhode.run import system
@@ -77,7 +77,7 @@ def lyapunov(scene: Scene | str | Path, end: Any = None, max_steps: int = MAX_ST
     elif sign(scene.end) < 0:
         last = -last
     plain = system(scene, ())
-    start = np.array([to_double(x) for x in plain.start] + [0.0] * (6 - len(plain.start)))
+    start = six(plain.start)
     tangent = np.array([[0.6], [-0.5], [0.4], [0.3], [0.2], [-0.3]])  # along no axis
     if len(plain.start) == 3:
         tangent[3:] = 0
@@ -138,7 +138,8 @@ def _size(flow: Any) -> float:
     """ln of the tangent's length."""
     import numpy as np
 
-    return math.log(float(np.linalg.norm(flow.tangents))) + flow.exponent * math.log(2)
+    length = float(np.linalg.norm(flow.tangents))
+    return math.log(length) + float(flow.exponent) * math.log(2)
 
 
 def _slowest(scene: Scene) -> float:

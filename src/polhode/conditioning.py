@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 from polhode import exact, library, precision
 from polhode.exact import Exact, sign
 from polhode.forms import Functions, principal
-from polhode.precision import DOUBLE, LOG10_2, NumberType, exact_number, to_double
+from polhode.precision import DOUBLE, LOG10_2, NumberType, exact_number, exactly, to_double
 from polhode.run import Run, System, system
 from polhode.scene import Scene
 
@@ -98,8 +98,8 @@ def conditioning(
 ) -> Conditioning:
     """Kappa of a scene at its times (or others), by the variational equations in double.
 
-    It is followed until kappa·eps of ``number`` reaches 1 and is right to two digits and more: where
-    the motion in double is no longer the scene's, it is led along one in a wider type than
+    It is followed until kappa·eps of ``number`` reaches 1, and is right to two digits and more:
+    where the motion in double is no longer the scene's, it is led along one in a wider type than
     ``number``.  ``max_steps``: beyond so many, "kappa not computed".
     """
     if not isinstance(scene, Scene):
@@ -168,7 +168,7 @@ def _looks(
 
     plain = system(scene, ())
     body, unit = scene.body, scene.time_unit
-    start = np.array([to_double(x) for x in plain.start] + [0.0] * (6 - len(plain.start)))
+    start = six(plain.start)
     tangents = np.hstack([np.diag(start), np.zeros((6, 6))])
     flow = Variations(plain.coefficients, start, tangents, principal.sensitivities(body, unit))
     k = {name: to_double(x) for name, x in plain.coefficients.items()}
@@ -198,17 +198,16 @@ class _Leader:
     """The motion in a wider type, asked for at times that grow."""
 
     def __init__(self, scene: Scene, number: NumberType, plain: System) -> None:
-        self._columns = len(plain.start)
         self._run = Run(scene, number).integrator(plain)
 
-    def at(self, time: float) -> list[float]:
+    def at(self, time: float) -> Any:
         """The six components of the state at a time, as doubles."""
         from polhode import taylor
 
         rows: Any = []
         while len(rows) == 0:
             rows, _ = self._run.chunk([Fraction(time)], taylor.chunk_steps(self._run.number))
-        return [float(x) for x in rows[0]] + [0.0] * (6 - self._columns)
+        return six([exactly(x) for x in rows[0]])
 
 
 class _Still:
@@ -226,6 +225,13 @@ def at_rest(plain: System) -> bool:
     """Whether the state is a fixed point of the equations, exactly."""
     rates = principal.field(plain.start, plain.coefficients, _EXACTLY)
     return all(sign(rate) == 0 for rate in rates)
+
+
+def six(state: Sequence[Exact]) -> Any:
+    """A state as six doubles, gamma zero where there is none."""
+    import numpy as np
+
+    return np.array([*(to_double(x) for x in state), *[0.0] * (6 - len(state))])
 
 
 def _moments(outputs: list[float]) -> Iterator[float]:

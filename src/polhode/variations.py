@@ -27,15 +27,15 @@ from polhode.taylor import EXPRESSIONS
 class Variations:
     """A state in principal axes and tangents to it, marched together.
 
-    ``coefficients``: of :mod:`polhode.forms.principal`; ``start``: six doubles; ``tangents``: shape
-    (6, n), of which the last ``len(drives)`` are driven by these changes of the coefficients.
+    ``coefficients``: of :mod:`polhode.forms.principal`; ``start``: six doubles; ``tangents``:
+    shape (6, n), of which the last ``len(drives)`` are driven by these changes of the coefficients.
     ``exponent``: the tangents are 2**exponent times what is kept.
     """
 
     def __init__(
         self,
         coefficients: Mapping[str, Number],
-        start: Sequence[float],
+        start: Any,
         tangents: Any,
         drives: Sequence[Mapping[str, Number]] = (),
     ) -> None:
@@ -65,7 +65,7 @@ class Variations:
         return self.heyoka.state[:6]
 
     @state.setter
-    def state(self, values: Sequence[float]) -> None:
+    def state(self, values: Any) -> None:
         self.heyoka.state[:6] = values
 
     @property

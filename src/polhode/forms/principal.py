@@ -52,7 +52,7 @@ def sensitivities(body: Body, time_unit: int = 0) -> list[dict[str, Exact]]:
 
     Six dictionaries like that of :func:`coefficients`; what vanishes is left out.
     """
-    moments, torque = body.moments, body.axes.components(body.torque)
+    moments = body.moments
     found: list[dict[str, Exact]] = [{} for _ in range(6)]
     every = coefficients(body, time_unit)
     for i, name in enumerate(("p.qr", "q.rp", "r.pq")):
