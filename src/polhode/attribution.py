@@ -14,23 +14,20 @@ class Attribution:
 
     ``digits``: those that are correct.  ``held``: the most that the number type holds.
     ``possible``: those that the problem allows, None where kappa was not computed.  ``method``:
-    those that truncation and rounding of the steps leave; None where it was not asked.
+    those that truncation and rounding of the steps leave.
     ``reference``: those that the reference is good for, inf for a closed form.
     """
 
     digits: float
     held: float
     possible: float | None
-    method: float | None
+    method: float
     reference: float
 
     def __str__(self) -> str:
-        def shown(x: float | None) -> str:
-            return "unknown" if x is None else f"{x:.1f}"
-
         return (
-            f"{self.digits:.1f} correct digits: possible {shown(self.possible)}, "
-            f"by the method {shown(self.method)}, the reference {shown(self.reference)}"
+            f"{self.digits:.2f} correct digits: possible {shown_possible(self.possible)}, "
+            f"by the method {self.method:.2f}, the reference {self.reference:.2f}"
         )
 
 
@@ -59,3 +56,10 @@ def is_lost(digits: float, possible: float | None) -> bool:
 def shown_digits(digits: float, possible: float | None) -> str:
     """Correct digits for people; never a number where none is left."""
     return "none left" if is_lost(digits, possible) else f"{digits:.2f}"
+
+
+def shown_possible(possible: float | None) -> str:
+    """Digits possible for people."""
+    if possible is None:
+        return "unknown"
+    return "none" if possible == 0 else f"{possible:.2f}"

@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from polhode.attribution import Attribution, is_lost, limit, shown_digits
+from polhode.attribution import Attribution, is_lost, limit, shown_digits, shown_possible
 from polhode.conditioning import Conditioning, conditioning
 from polhode.correct_digits import digits_of, errors, rate_scale
 from polhode.integrals import Drift
@@ -128,7 +128,7 @@ class Judgement:
             f"  {'t':>14}  correct digits  possible",
             *(
                 f"  {_short(self.times[k]):>14}  {shown_digits(self.digits[k], possible[k]):<14}"
-                f"  {'–' if possible[k] is None else format(possible[k], '.1f')}"
+                f"  {shown_possible(possible[k])}"
                 for k in shown
             ),
             f"  {self.lost or f'worst {self.worst:.1f} at t = {_short(self.worst_time)}'};"

@@ -22,7 +22,7 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Judge a trajectory that some other program computed."""
     from polhode import foreign
-    from polhode.attribution import shown_digits
+    from polhode.attribution import shown_digits, shown_possible
     from polhode.integration import choose_number
     from polhode.judging import few
     from polhode.truth import reference as truth_of
@@ -46,7 +46,7 @@ def main(options: Namespace) -> int:
             [
                 answer["times"][k],
                 shown_digits(verdict.digits[k], possible[k]),
-                "-" if possible[k] is None else f"{possible[k]:.2f}",
+                shown_possible(possible[k]),
             ]
             for k in shown_rows
         ]
