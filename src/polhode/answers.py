@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import decimal
 import json
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -20,6 +21,7 @@ from polhode.scene import ANGLES, ATTITUDE, Scene
 from polhode.trajectory import EventTimes, Trajectory, strings
 
 if TYPE_CHECKING:  # a run needs none of these
+    from polhode.chaos import Lyapunov
     from polhode.foreign import Verdict
     from polhode.integrals import Drift
     from polhode.judging import Judgement
@@ -211,6 +213,7 @@ def of_verdict(verdict: Verdict) -> dict[str, Any]:
         "worst": None if verdict.worst is None or verdict.lost else round(verdict.worst, 2),
         "worst_time": None if verdict.worst_time is None else in_full(verdict.worst_time),
         "limit": verdict.limit,
+        "motion": of_motion(verdict.motion),
         "yardstick": verdict.yardstick.name,
         "no_digits_left_after": verdict.lost_after if verdict.lost else None,
         "parts": {name: round(d, 2) for name, d in verdict.parts.items()},
@@ -220,6 +223,17 @@ def of_verdict(verdict: Verdict) -> dict[str, Any]:
     if not truth.is_closed_form:
         answer["reference_digits"] = round(truth.agreement, 1)
     return answer
+
+
+def of_motion(found: Lyapunov) -> dict[str, Any]:
+    """The verdict regular or chaotic as a JSON object."""
+    return {
+        "verdict": found.verdict,
+        "exponent": float(f"{found.exponent:.4g}"),
+        "uncertainty": None if found.uncertainty == math.inf else float(f"{found.uncertainty:.2g}"),
+        "until": found.end,
+        "reason": found.reason,
+    }
 
 
 def of_check(report: Report) -> dict[str, Any]:

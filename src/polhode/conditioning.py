@@ -15,6 +15,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from polhode import exact, library, precision
@@ -91,7 +92,7 @@ class Conditioning:
 
 
 def conditioning(
-    scene: Scene | str,
+    scene: Scene | str | Path,
     times: Sequence[Any] | None = None,
     number: NumberType | str = DOUBLE,
     max_steps: int = MAX_STEPS,
@@ -175,7 +176,8 @@ def _looks(
     turn = np.array([[to_double(x) for x in row] for row in body.axes.rows]).T
     leader: _Leader | _Still | None = _Still(start) if at_rest(plain) else None
     for t in _moments(outputs):
-        if t != 0 and not flow.to(t, max_steps - flow.steps):
+        arrived = t == 0 or flow.to(t, max_steps - flow.steps)
+        if not (arrived and flow.finite):
             more = flow.steps >= max_steps
             why = f"more than {max_steps} steps" if more else "not finite in double"
             yield f"kappa not computed beyond t = {flow.time * 2.0**unit:.3g}: {why}"

@@ -13,6 +13,7 @@ from typing import Any, TextIO
 
 from polhode import expression
 from polhode.attribution import is_lost, limit
+from polhode.chaos import Lyapunov, lyapunov
 from polhode.conditioning import Conditioning, conditioning
 from polhode.correct_digits import digits_of, errors, rate_scale
 from polhode.errors import BadInput
@@ -89,6 +90,11 @@ class Verdict:
         return next((part.lost for part in self.conditionings if gone and part.lost), "")
 
     @cached_property
+    def motion(self) -> Lyapunov:
+        """Whether the scene's motion is regular or chaotic, as far as a moment's work tells."""
+        return lyapunov(self.reference.scene, max_steps=100_000)
+
+    @cached_property
     def limit(self) -> str | None:
         """What limits the digits: rounding, conditioning, method or reference; None unjudged."""
         if self.worst is None:
@@ -96,7 +102,7 @@ class Verdict:
         if self.worst >= self.table.printed - 1:
             return "rounding (of the printed digits)"
         possible = self.digits_possible[self.digits.index(self.worst)]
-        steps = "of the program" if possible is not None else "of the program; kappa not computed"
+        steps = "steps of the program" + "; kappa not computed" * (possible is None)
         held = min(self.held, self.yardstick.most_digits)
         return limit(self.worst, held, possible, self.reference.agreement, steps)
 

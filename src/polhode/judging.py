@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from polhode.attribution import Attribution, is_lost, limit, shown_digits, shown_possible
+from polhode.chaos import Lyapunov, lyapunov
 from polhode.conditioning import Conditioning, conditioning
 from polhode.correct_digits import digits_of, errors, rate_scale
 from polhode.integrals import Drift
@@ -66,6 +67,11 @@ class Judgement:
     def digits_possible(self) -> tuple[float | None, ...]:
         """The digits that kappa leaves at each time; None where it was not computed."""
         return self.conditioning.digits_possible(self.run.number)[: len(self.times)]
+
+    @cached_property
+    def motion(self) -> Lyapunov:
+        """Whether the scene's motion is regular or chaotic, and its Lyapunov exponent."""
+        return lyapunov(self.run.scene)
 
     @property
     def lost(self) -> str:

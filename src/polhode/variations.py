@@ -69,6 +69,11 @@ class Variations:
         self.heyoka.state[:6] = values
 
     @property
+    def finite(self) -> bool:
+        """Whether state and tangents are."""
+        return bool(np.all(np.isfinite(self.heyoka.state)))
+
+    @property
     def tangents(self) -> Any:
         """The tangents as kept, shape (6, n)."""
         return self._tangents.T

@@ -56,6 +56,7 @@ def main(options: Namespace) -> int:
         assert verdict.worst_time is not None
         worst = f"worst {verdict.worst:.2f} correct digits at t = {float(verdict.worst_time):g}"
         print(f"{verdict.lost or worst}; limited by {verdict.limit}")
+    print(f"motion {verdict.motion}")
     for name, digits in verdict.parts.items():
         print(f"{name}: {digits:.2f} correct digits")
     if answer["drift"] is not None:
