@@ -105,7 +105,7 @@ def _weakest(cases: list[dict[str, Any]]) -> Iterator[Block]:
             case["case"],
             run["limit"],
             run["input_rounding"],
-            run["lost"] or "",
+            run.get("lost") or "",
         )
         for case in cases
         for run in case["runs"]
