@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from polhode.body import Body
+    from polhode.chaos import Lyapunov, lyapunov
+    from polhode.conditioning import Conditioning, conditioning_of
     from polhode.errors import BadInput
     from polhode.integration import integrate
     from polhode.judging import Judgement, compare
@@ -17,14 +19,18 @@ if TYPE_CHECKING:
 _HOMES = {
     "Body": "body",
     "BadInput": "errors",
+    "Conditioning": "conditioning",
     "Judgement": "judging",
+    "Lyapunov": "chaos",
     "Outcome": "trajectory",
     "Scene": "scene",
     "Trajectory": "trajectory",
     "__version__": "provenance",
     "compare": "judging",
+    "conditioning_of": "conditioning",
     "integrate": "integration",
     "load": "library",
+    "lyapunov": "chaos",
     "reference": "truth",
 }
 

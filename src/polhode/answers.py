@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import decimal
 import json
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from polhode import precision
+from polhode.attribution import is_lost
 from polhode.errors import BadInput
 from polhode.exact import Exact
 from polhode.files import check_writable, write_whole
@@ -19,6 +21,7 @@ from polhode.scene import ANGLES, ATTITUDE, Scene
 from polhode.trajectory import EventTimes, Trajectory, strings
 
 if TYPE_CHECKING:  # a run needs none of these
+    from polhode.chaos import Lyapunov
     from polhode.foreign import Verdict
     from polhode.integrals import Drift
     from polhode.judging import Judgement
@@ -114,8 +117,10 @@ def of_judgement(judged: Judgement) -> dict[str, Any]:
         "times": [decimal_in_full(t) for t in judged.times],
         "correct_digits": [round(d, 2) for d in judged.digits],
         "pointwise_digits": [round(d, 2) for d in judged.pointwise],
+        "digits_possible": [None if p is None else round(p, 2) for p in judged.digits_possible],
         "worst": round(judged.worst, 2),
         "worst_time": decimal_in_full(judged.worst_time),
+        "limit": judged.limit,
         "drift": of_drift(judged.drift),
     }
     if not truth.is_closed_form:
@@ -200,9 +205,17 @@ def of_verdict(verdict: Verdict) -> dict[str, Any]:
         "regime": truth.regime,
         "judged": list(verdict.judged),
         "times": [in_full(t) for t in table.times],
-        "correct_digits": [round(d, 2) for d in verdict.digits],
-        "worst": None if verdict.worst is None else round(verdict.worst, 2),
+        "correct_digits": [
+            None if is_lost(d, p) else round(d, 2)
+            for d, p in zip(verdict.digits, verdict.digits_possible, strict=True)
+        ],
+        "digits_possible": [None if p is None else round(p, 2) for p in verdict.digits_possible],
+        "worst": None if verdict.worst is None or verdict.lost else round(verdict.worst, 2),
         "worst_time": None if verdict.worst_time is None else in_full(verdict.worst_time),
+        "limit": verdict.limit,
+        "motion": of_motion(verdict.motion),
+        "yardstick": verdict.yardstick.name,
+        "no_digits_left_after": verdict.lost_after if verdict.lost else None,
         "parts": {name: round(d, 2) for name, d in verdict.parts.items()},
         "drift": None if verdict.drift is None else of_drift(verdict.drift),
         "not_judged": list(verdict.notes),
@@ -210,6 +223,17 @@ def of_verdict(verdict: Verdict) -> dict[str, Any]:
     if not truth.is_closed_form:
         answer["reference_digits"] = round(truth.agreement, 1)
     return answer
+
+
+def of_motion(found: Lyapunov) -> dict[str, Any]:
+    """The verdict regular or chaotic as a JSON object."""
+    return {
+        "verdict": found.verdict,
+        "exponent": float(f"{found.exponent:.4g}"),
+        "uncertainty": None if found.uncertainty == math.inf else float(f"{found.uncertainty:.2g}"),
+        "until": found.end,
+        "reason": found.reason,
+    }
 
 
 def of_check(report: Report) -> dict[str, Any]:
@@ -227,6 +251,7 @@ def of_check(report: Report) -> dict[str, Any]:
                 "outcome": line.outcome,
                 "passed": line.passed,
                 "verdict": line.verdict,
+                "limit": line.limit or None,
             }
             for line in report.lines
         ],
