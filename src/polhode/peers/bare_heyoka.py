@@ -1,0 +1,40 @@
+"""heyoka written by hand: the same equations, tolerance and output times, and nothing around them."""
+
+from __future__ import annotations
+
+from polhode.peers.field import returning
+from polhode.peers.protocol import Problem, Solution, Solve, serve
+
+
+def load() -> str:
+    """Import heyoka."""
+    import heyoka
+
+    return f"heyoka {heyoka.__version__}"
+
+
+def build(problem: Problem) -> Solve:
+    """An integrator a tolerance, made at its first use: the order is compiled in."""
+    import heyoka as hy
+    import numpy as np
+
+    variables = hy.make_vars("p", "q", "r", "g1", "g2", "g3")
+    system = list(zip(variables, returning(problem.coefficients)(*variables), strict=True))
+    grid = np.array(problem.times)
+    made = {}
+
+    def solve(tol: float) -> Solution:
+        if tol not in made:
+            made[tol] = hy.taylor_adaptive(system, problem.start, tol=tol)
+        integrator = made[tol]
+        integrator.time = 0.0
+        integrator.state[:] = problem.start
+        *_, steps, _, rows = integrator.propagate_grid(grid)
+        return Solution(rows, int(steps))
+
+    made[2.0**-52] = hy.taylor_adaptive(system, problem.start)
+    return solve
+
+
+if __name__ == "__main__":
+    serve(load, build)
