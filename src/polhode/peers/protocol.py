@@ -18,6 +18,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 
@@ -38,10 +39,14 @@ class Problem:
 
 
 class Solution(NamedTuple):
-    """States at the output times, and the steps taken where the peer tells them."""
+    """States at the output times, and the steps taken where the peer tells them.
+
+    ``building``: seconds of the run that belong to the compile column.
+    """
 
     rows: Any
     steps: int | None = None
+    building: float = 0.0
 
 
 Solve = Callable[[float], Solution]
@@ -68,14 +73,13 @@ def serve(
     _, preparing = _clocked(prepare)
     write({"version": version, "import": importing[0], "prepare": preparing[0]})
     for k, wanted in enumerate(job["problems"]):
-        solve, building = _clocked(lambda problem=read(wanted): build(problem))
+        solve, building = _clocked(partial(build, read(wanted)))
         write({"problem": k, "compile": building[0]})
         for tolerance in wanted["tolerances"]:
             label = {"problem": k, "tol": tolerance}
             try:
-                solution, clocks = timed(
-                    lambda solve=solve, tol=tolerance: solve(tol), job["repeats"], job["patience"]
-                )
+                run = partial(solve, tolerance)
+                solution, clocks = timed(run, job["repeats"], job["patience"])
             except Exception as fault:  # whatever a peer raises is a result of the study
                 write({**label, "failed": f"{type(fault).__name__}: {fault}"})
                 continue
@@ -83,16 +87,24 @@ def serve(
             write({**label, "rows": rows, "steps": solution.steps, **clocks})
 
 
-def timed(run: Callable[[], Any], repeats: int, patience: float) -> tuple[Any, dict[str, Any]]:
-    """A run's result, and wall and processor seconds of ``repeats`` runs after one that warms up.
+def timed(
+    run: Callable[[], Solution], repeats: int, patience: float
+) -> tuple[Solution, dict[str, Any]]:
+    """A run's solution, and wall and processor seconds of ``repeats`` runs after one to warm up.
 
     Where one run takes longer than ``patience`` it is not repeated and its own time counts.
     """
-    result, first = _clocked(run)
-    clocks = [first]
-    if first[0] <= patience:
-        clocks = [_clocked(run)[1] for _ in range(repeats)]
-    return result, {"seconds": [c[0] for c in clocks], "cpu": [c[1] for c in clocks]}
+    solution, clock = _run(run)
+    clocks = [clock]
+    if clock[0] <= patience:
+        clocks = [_run(run)[1] for _ in range(repeats)]
+    return solution, {"seconds": [c[0] for c in clocks], "cpu": [c[1] for c in clocks]}
+
+
+def _run(run: Callable[[], Solution]) -> tuple[Solution, tuple[float, float]]:
+    """A solution and its clocks without what belongs to the compile column."""
+    solution, (wall, cpu) = _clocked(run)
+    return solution, (max(0.0, wall - solution.building), max(0.0, cpu - solution.building))
 
 
 def write(answer: dict[str, Any]) -> None:
