@@ -1,4 +1,4 @@
-"""heyoka written by hand: the same equations, tolerance and output times, and nothing around them."""
+"""heyoka written by hand: the same equations, tolerance and times, and nothing else."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """What a peer's process does: read a job, time its parts one by one, write what came out.
 
 A job: {"problems": [...], "repeats": timed runs a tolerance, "patience": seconds above which a run
-is not repeated}.  A problem: {"coefficients": nine doubles, "start": six, "times": output times from
-0 on, all as hex floats; "method": which of the driver's methods; "tolerances"}.
+is not repeated}.  A problem: {"coefficients": nine doubles, "start": six, "times": output times
+from 0 on, all as hex floats; "method": which of the driver's methods; "tolerances"}.
 
 The answer is lines of JSON, written as they are made, so that a process that dies or is stopped
 leaves what it had: first {"version", "import", "prepare"} or {"missing"}; for each problem
@@ -34,8 +34,8 @@ class Problem:
     @classmethod
     def read(cls, job: dict[str, Any]) -> Problem:
         """From the job's JSON."""
-        numbers = (_doubles(job[key]) for key in ("coefficients", "start", "times"))
-        return cls(*numbers, job["method"])
+        c, start, times = (_doubles(job[key]) for key in ("coefficients", "start", "times"))
+        return cls(c, start, times, job["method"])
 
 
 class Solution(NamedTuple):

@@ -28,7 +28,7 @@ from polhode.scene import Scene, even_times
 from polhode.studies import growth
 from polhode.studies.own_process import projecting
 from polhode.studies.processes import Curve, Method, Task, plain_scene, run_all
-from polhode.truth import reference
+from polhode.truth import TwoPrecisions, reference
 
 NAME = "long-run"
 QUESTION = (
@@ -94,7 +94,7 @@ class Start:
 def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
     """The study's results as a JSON object; no figure in it depends on the clock."""
     decades = (2, 4) if quick else (2, 6)
-    tops = [row for row in ensembles(decades, STARTS, tick)]
+    tops = list(ensembles(decades, STARTS, tick))
     end = 10_000 if quick else 100_000
     found = {
         "study": NAME,
@@ -244,14 +244,25 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
                     "last_decade": None if fitted is None else round(fitted.last_decade, 3),
                 }
         made.append(found)
+    limit = _reference_error(first)
+    least = min(x for found in made for x in found["error"]["median"])
     return {
         "top": top,
         "starts": len(members),
         "times": [int(t) for t in times],
         "fitted_since": since,
-        "reference_error": _short(float(reference(first).error(times[-1:], DIGITS))),
+        "reference_error": limit,
+        "wall": limit is not None and limit > least / 10,
         "methods": made,
     }
+
+
+def _reference_error(scene: Scene) -> float | None:
+    """An estimate of the closed form's own error at the last time; None where there is none."""
+    truth = reference(scene)
+    if isinstance(truth, TwoPrecisions):
+        return None
+    return _short(float(truth.error(scene.times[-1:], DIGITS)))
 
 
 def _digits(error: float) -> float:

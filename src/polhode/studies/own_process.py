@@ -61,7 +61,7 @@ def build(job: Job) -> Solve:
     return solve
 
 
-def projecting(wanted: bool) -> dict[str, bool]:
+def projecting(wanted: bool) -> dict[str, Any]:
     """The keyword that switches projection on or off."""
     from inspect import signature
 

@@ -1,8 +1,8 @@
 """Methods run as processes of their own: what is asked of them, what came back, what became of it.
 
-Every process gets the same numbers: coefficients, start and output times of the exact scene, rounded
-once to double.  Two rounds are made, the first with empty caches of compiled code and the second
-with those that the first left; the clocks of both count.
+Every process gets the same numbers: coefficients, start and output times of the exact scene,
+rounded once to double.  Two rounds are made, the first with empty caches of compiled code, the
+second with those that the first left; the clocks of both count.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from polhode import library
+from polhode.exact import Exact
 from polhode.forms import principal
 from polhode.peers.field import TERMS
 from polhode.precision import to_double
@@ -168,13 +169,13 @@ def environment(cache: Path) -> dict[str, str]:
     }
 
 
-def plain_scene(case: str, times: Sequence[Fraction]) -> Scene:
+def plain_scene(case: str, times: Sequence[Exact]) -> Scene:
     """A case of the library at these times, asked for its states alone."""
     return replace(library.load(case), times=tuple(times), outputs=(), events=(), published=())
 
 
 def stale(rows: Sequence[Sequence[Any]]) -> bool:
-    """Whether a moving body's states were left unchanged: a row equals the start or its neighbour."""
+    """Whether states of a moving body were left unchanged: one equals the start or the last."""
     later = rows[1:]
     return any(row in (rows[0], before) for before, row in zip(rows, later, strict=False))
 

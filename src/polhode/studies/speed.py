@@ -1,4 +1,4 @@
-"""Study ``speed``: work against precision, polhode beside heyoka alone and beside other programs."""
+"""Study ``speed``: work against precision, polhode beside heyoka alone and other programs."""
 
 from __future__ import annotations
 
@@ -6,14 +6,24 @@ import math
 import statistics
 import tempfile
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
+from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from polhode.correct_digits import digits_of, errors, rate_scale
 from polhode.precision import DOUBLE, bits_for, named
-from polhode.scene import Scene, even_times
-from polhode.studies.processes import Curve, Method, Task, Tick, plain_scene, run_all
+from polhode.scene import Scene
+from polhode.studies.contenders import (
+    DEFAULT,
+    ENGINE,
+    MOTIONS,
+    PLAIN,
+    QUICK_MOTIONS,
+    Motion,
+    methods,
+    scene_of,
+)
+from polhode.studies.processes import Curve, Method, Task, Tick, run_all
 from polhode.studies.work_precision import Against, Mark, against, wall
 from polhode.truth import reference
 
@@ -22,72 +32,8 @@ QUESTION = (
     "How many correct digits does a second buy: polhode in each number type, with and without "
     "projection, beside heyoka written by hand and beside other programs?"
 )
-SAMPLES = 11
 SPARE_DIGITS = 6
 LOOSEST = 6.0  # digits from which curves are compared
-DEFAULT = "polhode double projected"
-ENGINE = "heyoka alone"
-
-
-class Motion(NamedTuple):
-    """A case of the library to its own end; ``kind``: regular, chaotic, or short for slow peers."""
-
-    name: str
-    case: str
-    end: int
-    kind: str
-
-
-MOTIONS = (
-    Motion("Euler top", "euler/largest-axis", 1000, "regular"),
-    Motion("Lagrange top", "lagrange/nutation", 1000, "regular"),
-    Motion("Kovalevskaya top", "kovalevskaya/generic", 1000, "regular"),
-    Motion("asymmetric body", "general/asymmetric-regular", 1000, "regular"),
-    Motion("asymmetric body, chaotic", "general/asymmetric-chaotic", 100, "chaotic"),
-    Motion("asymmetric body, short", "general/asymmetric-regular", 2, "short"),
-)
-
-_OWN = "polhode.studies.own_process"
-_TOLERANCES = (1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
-_FINE = {
-    "double": (*_TOLERANCES, 2.0**-52),
-    "extended": (1e-12, 1e-15, 2.0**-63),
-    "quad": (1e-20, 1e-28, 2.0**-112),
-    "mp": (1e-40, float(named("mp").eps)),
-}
-
-
-def _own(number: str, tolerances: tuple[float, ...]) -> tuple[Method, Method]:
-    return tuple(  # type: ignore[return-value]
-        Method(f"polhode {word}", _OWN, word, tolerances, number, 120.0)
-        for word in (number, f"{number} projected")
-    )
-
-
-def _peer(name: str, module: str, method: str = "", limit: float = 60.0) -> Method:
-    return Method(name, f"polhode.peers.{module}", method, _TOLERANCES, limit=limit)
-
-
-OURS = tuple(method for number, fine in _FINE.items() for method in _own(number, fine))
-HEYOKA = Method(ENGINE, "polhode.peers.bare_heyoka", "", _FINE["double"])
-PEERS = (
-    _peer("SciPy DOP853, Python", "scipy_python", "DOP853"),
-    _peer("SciPy LSODA, Python", "scipy_python", "LSODA"),
-    _peer("SciPy DOP853, numba", "scipy_numba", "DOP853"),
-    _peer("SciPy LSODA, numba", "scipy_numba", "LSODA"),
-    _peer("numbalsoda dop853", "numbalsoda_cfunc", "dop853"),
-    _peer("numbalsoda lsoda", "numbalsoda_cfunc", "lsoda"),
-    _peer("CyRK DOP853", "cyrk", "DOP853"),
-    _peer("CyRK VERN8", "cyrk", "VERN8"),
-    _peer("CyRK LSODA", "cyrk", "LSODA"),
-    _peer("diffrax Dopri8", "diffrax_dopri8", "Dopri8"),
-)
-SLOW_PEERS = (_peer("mpmath odefun", "mpmath_odefun"),)
-
-QUICK_MOTIONS = ("Kovalevskaya top", "asymmetric body, short")
-QUICK_TYPES = ("double", "extended")
-QUICK_PEERS = ("scipy_python", "mpmath_odefun")  # what needs no compiler
-QUICK_TOLERANCES = (1e-8, 1e-12, 2.0**-52, 2.0**-63, 1e-14)
 
 
 def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
@@ -106,27 +52,31 @@ def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
         mine, curves = curves[: len(asked[motion])], curves[len(asked[motion]) :]
         judged = dict(zip(asked[motion], mine, strict=True))
         found.append(motion_row(motion, scenes[motion], judged))
-    return {"study": NAME, "question": QUESTION, "quick": quick, "motions": found}
+    return {
+        "study": NAME,
+        "question": QUESTION,
+        "quick": quick,
+        "target": target(found),
+        "motions": found,
+    }
 
 
-def methods(motion: Motion, quick: bool) -> list[Method]:
-    """The methods that run a motion: slow peers on the short one, all others on the rest."""
-    chosen = [*OURS, HEYOKA, *(SLOW_PEERS if motion.kind == "short" else PEERS)]
-    if not quick:
-        return chosen
-    return [
-        method._replace(tolerances=tuple(t for t in method.tolerances if t in QUICK_TOLERANCES))
-        for method in chosen
-        if (method in OURS and method.number in QUICK_TYPES)
-        or method is HEYOKA
-        or method.module.rpartition(".")[2] in QUICK_PEERS
-    ]
+def target(motions: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Whether polhode's double curve is ahead of every peer on the regular motions.
 
-
-def scene_of(motion: Motion) -> Scene:
-    """The motion's scene at its output times, which every method takes as doubles."""
-    times = [DOUBLE.rounded(t) for t in even_times(Fraction(motion.end), SAMPLES)]
-    return plain_scene(motion.case, times)
+    ``behind``: where it is not, at what factor of the peer's seconds, from which digits.
+    """
+    regular = [m for m in motions if m["kind"] == "regular" and "verdict" in m]
+    return {
+        "ahead": all(m["verdict"]["ahead_of_all"] for m in regular) if regular else None,
+        "reaches_floor": all(m["verdict"]["reaches_floor"] for m in regular) if regular else None,
+        "behind": [
+            {"motion": m["motion"], **row}
+            for m in regular
+            for row in m["verdict"]["peers"]
+            if not row["ahead"]
+        ],
+    }
 
 
 def motion_row(motion: Motion, scene: Scene, curves: Mapping[Method, Curve]) -> dict[str, Any]:
@@ -164,7 +114,7 @@ def verdict(found: Sequence[Mapping[str, Any]], floor: float) -> dict[str, Any]:
     heyoka is our engine: against it, the overhead at equal tolerance and what projection gains.
     """
     marks = {method["method"]: _marks(method["points"]) for method in found}
-    ours = marks.get(DEFAULT) or marks["polhode double"]
+    ours = marks.get(DEFAULT) or marks[PLAIN]
     peers = [m for m in found if m["number"] == "double" and _is_peer(m["method"])]
     compared = {
         m["method"]: against(ours, marks[m["method"]], LOOSEST, floor)
@@ -193,7 +143,7 @@ def _engine(
     }
     row: dict[str, Any] = {}
     best = max((mark.digits for mark in marks.get(ENGINE, ())), default=None)
-    for name in ("polhode double", DEFAULT):
+    for name in (PLAIN, DEFAULT):
         shared = by_tol.get(name, {}).keys() & by_tol.get(ENGINE, {}).keys()
         if not shared or best is None:
             continue
@@ -202,6 +152,7 @@ def _engine(
             "overhead_least": round(min(ratios.values()), 3),
             "overhead_most": round(max(ratios.values()), 3),
             "overhead_tightest": round(ratios[min(shared)], 3),
+            "seconds_more": _short(min(by_tol[name][t] - by_tol[ENGINE][t] for t in shared)),
             "digits_gained": round(max(mark.digits for mark in marks[name]) - best, 2),
         }
     return row
@@ -258,7 +209,7 @@ def _digits(rows: Any, truth: Any, scene: Scene, cap: float) -> float:
 def _limits(scene: Scene) -> tuple[float | None, float | None]:
     """kappa at the end, and the fewest digits possible in double over the run."""
     try:
-        from polhode.conditioning import conditioning
+        conditioning = import_module("polhode.conditioning").conditioning
     except ImportError:
         return None, None
     found = conditioning(scene)
