@@ -235,12 +235,21 @@ def test_a_reference_that_is_wrong_is_found_by_the_wall(monkeypatch, tmp_path):
 # the study
 
 
+EPS_DIGITS = -math.log10(2**-52)  # a point whose tolerance is eps
+
+
 def synthetic() -> dict:
     """Rows as the study gives them, with a peer that is faster at 6 digits and one missing."""
 
     def method(name, number, points, **more):
         shown = [
-            {"tol": 10.0**-d, "digits": d, "seconds_min": s, "seconds_median": s, "cpu": s}
+            {
+                "tol": 10.0**-d if d != EPS_DIGITS else 2.0**-52,
+                "digits": d,
+                "seconds_min": s,
+                "seconds_median": s,
+                "cpu": s,
+            }
             | {"runs": 6, "steps": None}
             for d, s in points
         ]
@@ -256,7 +265,7 @@ def synthetic() -> dict:
 
     methods = [
         method(contenders.PLAIN, "double", [(6.0, 0.002), (12.0, 0.003)]),
-        method(contenders.DEFAULT, "double", [(6.0, 0.002), (13.0, 0.004)]),
+        method(contenders.PROJECTED, "double", [(6.0, 0.001), (EPS_DIGITS, 0.004)]),
         method("polhode quad", "quad", [(20.0, 1.0), (30.0, 2.0)]),
         method(contenders.ENGINE, "double", [(6.0, 0.001), (12.0, 0.002)]),
         method("CyRK DOP853", "double", [(5.0, 0.0005), (6.0, 0.001), (11.0, 0.02)]),
@@ -296,7 +305,12 @@ def test_the_verdict_says_where_polhode_is_behind():
     assert found["target"]["behind"] == [{"motion": "Euler top", **rows["CyRK DOP853"]}]
     engine = verdict["engine"]
     assert engine[contenders.PLAIN]["overhead_most"] == 2
-    assert engine[contenders.DEFAULT]["digits_gained"] == 1
+    assert engine[contenders.PROJECTED]["digits_gained"] == round(EPS_DIGITS - 12, 2)
+
+
+def test_polhode_as_it_comes_is_projected_at_eps_alone():
+    marks = speed.as_it_comes(synthetic()["motions"][0]["methods"])
+    assert marks == [Mark(6, 0.002), Mark(12, 0.003), Mark(EPS_DIGITS, 0.004)]
 
 
 def test_page_and_figure_are_made_from_the_json_alone():

@@ -10,8 +10,8 @@ from polhode.scene import Scene, even_times
 from polhode.studies.processes import Method, plain_scene
 
 SAMPLES = 11
-DEFAULT = "polhode double projected"
 PLAIN = "polhode double"
+PROJECTED = "polhode double projected"
 ENGINE = "heyoka alone"
 
 

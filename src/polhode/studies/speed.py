@@ -14,10 +14,10 @@ from polhode.correct_digits import digits_of, errors, rate_scale
 from polhode.precision import DOUBLE, bits_for, named
 from polhode.scene import Scene
 from polhode.studies.contenders import (
-    DEFAULT,
     ENGINE,
     MOTIONS,
     PLAIN,
+    PROJECTED,
     QUICK_MOTIONS,
     Motion,
     methods,
@@ -109,12 +109,12 @@ def motion_row(motion: Motion, scene: Scene, curves: Mapping[Method, Curve]) -> 
 
 
 def verdict(found: Sequence[Mapping[str, Any]], floor: float) -> dict[str, Any]:
-    """polhode's double curve against each peer's from 1e-6 down to ``floor`` digits.
+    """polhode's double curve as it comes against each peer's from 1e-6 down to ``floor`` digits.
 
     heyoka is our engine: against it, the overhead at equal tolerance and what projection gains.
     """
     marks = {method["method"]: _marks(method["points"]) for method in found}
-    ours = marks.get(DEFAULT) or marks[PLAIN]
+    ours = as_it_comes(found)
     peers = [m for m in found if m["number"] == "double" and _is_peer(m["method"])]
     compared = {
         m["method"]: against(ours, marks[m["method"]], LOOSEST, floor)
@@ -133,6 +133,14 @@ def verdict(found: Sequence[Mapping[str, Any]], floor: float) -> dict[str, Any]:
     }
 
 
+def as_it_comes(found: Sequence[Mapping[str, Any]]) -> list[Mark]:
+    """polhode's double curve without any switch: projected at the tolerance eps and only there."""
+    eps = float(DOUBLE.eps)
+    points = {m["method"]: m["points"] for m in found}
+    loose = [p for p in points[PLAIN] if p["tol"] > eps or PROJECTED not in points]
+    return _marks([*loose, *(p for p in points.get(PROJECTED, ()) if p["tol"] <= eps)])
+
+
 def _engine(
     found: Sequence[Mapping[str, Any]], marks: Mapping[str, Sequence[Mark]]
 ) -> dict[str, Any]:
@@ -143,7 +151,7 @@ def _engine(
     }
     row: dict[str, Any] = {}
     best = max((mark.digits for mark in marks.get(ENGINE, ())), default=None)
-    for name in (PLAIN, DEFAULT):
+    for name in (PLAIN, PROJECTED):
         shared = by_tol.get(name, {}).keys() & by_tol.get(ENGINE, {}).keys()
         if not shared or best is None:
             continue
