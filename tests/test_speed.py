@@ -123,6 +123,12 @@ def test_a_peer_that_fails_stays_in_the_table_with_the_reason(peer, name, status
     assert set(curve.points) == {1e-6, 1e-9}
 
 
+def test_a_peer_that_cannot_be_built_fails_at_every_tolerance(peer):
+    curve = peer("unbuilt", build="raise RuntimeError('no compiler')")
+    assert curve.status == "failed"
+    assert curve.reason == "at tolerance 1e-06, 1e-09: RuntimeError: no compiler"
+
+
 def test_a_peer_that_takes_too_long_is_stopped_and_keeps_what_it_had(peer):
     curve = peer("sleeping", limit=3.0)
     assert curve.status == "failed"

@@ -73,15 +73,20 @@ def serve(
     _, preparing = _clocked(prepare)
     write({"version": version, "import": importing[0], "prepare": preparing[0]})
     for k, wanted in enumerate(job["problems"]):
-        solve, building = _clocked(partial(build, read(wanted)))
+        try:
+            solve, building = _clocked(partial(build, read(wanted)))
+        except Exception as fault:  # whatever a peer raises is a result of the study
+            for tolerance in wanted["tolerances"]:
+                write({"problem": k, "tol": tolerance, "failed": _told(fault)})
+            continue
         write({"problem": k, "compile": building[0]})
         for tolerance in wanted["tolerances"]:
             label = {"problem": k, "tol": tolerance}
             try:
                 run = partial(solve, tolerance)
                 solution, clocks = timed(run, job["repeats"], job["patience"])
-            except Exception as fault:  # whatever a peer raises is a result of the study
-                write({**label, "failed": f"{type(fault).__name__}: {fault}"})
+            except Exception as fault:
+                write({**label, "failed": _told(fault)})
                 continue
             rows = [[written(x) for x in row] for row in solution.rows]
             write({**label, "rows": rows, "steps": solution.steps, **clocks})
@@ -116,6 +121,10 @@ def _clocked(run: Callable[[], Any]) -> tuple[Any, tuple[float, float]]:
     wall, cpu = time.perf_counter(), time.process_time()
     result = run()
     return result, (time.perf_counter() - wall, time.process_time() - cpu)
+
+
+def _told(fault: Exception) -> str:
+    return f"{type(fault).__name__}: {fault}"
 
 
 def _doubles(texts: Sequence[str]) -> tuple[float, ...]:
