@@ -33,6 +33,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     for name, title in (("error", "Error"), ("drift", "Drift")):
         yield Heading(f"{title}: median and largest of the ensemble")
         yield _growth(tops, name)
+    yield from _corrections(tops)
     blamed = [top["top"] for top in tops if top["wall"]]
     yield Text(
         "The closed forms' own errors at the last time are "
@@ -74,6 +75,28 @@ def _growth(tops: list[dict[str, Any]], name: str) -> Table:
                 rows.append((top["top"], method["method"], *cells))
     header = ("top", "method", *(f"t = {t}" for t in times))
     return Table(header, tuple(rows), "ll" + "r" * len(times))
+
+
+def _corrections(tops: list[dict[str, Any]]) -> Iterator[Block]:
+    """What projection took, which stands in for the drift of projected runs."""
+    rows = tuple(
+        (
+            top["top"],
+            ", ".join(method["projection"]["onto"]),
+            _power(method["projection"]["largest"]),
+            _power(method["projection"]["sum"]),
+        )
+        for top in tops
+        for method in top["methods"]
+        if "projection" in method
+    )
+    if rows:
+        yield Heading("Projection")
+        yield Text(
+            "The drift of a projected run is no evidence of accuracy. Instead: the largest single "
+            "correction of the state and the largest sum of a run's corrections, over all starts."
+        )
+        yield Table(("top", "onto", "largest", "sum"), rows, "llrr")
 
 
 def _far(far: dict[str, Any]) -> Iterator[Block]:

@@ -38,8 +38,8 @@ _TOLERANCES = (1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
 _FINE = {
     "double": (*_TOLERANCES, 2.0**-52),
     "extended": (1e-12, 1e-15, 2.0**-63),
-    "quad": (1e-20, 1e-28, 2.0**-112),
-    "mp": (1e-40, float(named("mp").eps)),
+    "quad": (1e-20, 2.0**-112),
+    "mp": (float(named("mp").eps),),
 }
 
 

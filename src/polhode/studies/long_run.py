@@ -40,7 +40,7 @@ STARTS = 16
 SEED = 20
 DIGITS = 24  # asked of the closed forms
 FIT_SINCE = 1000.0  # the roundings of the inputs, which grow like t, come first
-METHODS = ("double", "double projected")
+PLAIN, PROJECTED = "double", "double projected"
 
 Tick = Callable[[str], None]
 
@@ -61,11 +61,15 @@ TOPS = {
 
 
 class Member(NamedTuple):
-    """One start's errors and drifts at the times, for each method that was run."""
+    """One start's errors at the times for each method, the drift, and what projection took.
+
+    ``drift``: of the run that is not projected; after a projection it says nothing about accuracy.
+    ``projection``: the integrals' names, and the largest and the sum of the corrections.
+    """
 
     errors: dict[str, list[float]]
-    drifts: dict[str, list[float]]
-    corrections: dict[str, list[float]]
+    drift: list[float]
+    projection: tuple[tuple[str, ...], float, float] | None
 
 
 @dataclass(frozen=True)
@@ -112,7 +116,7 @@ def ensembles(
 ) -> Iterator[dict[str, Any]]:
     """A row a top: medians over its starts at every half decade, and exponents."""
     times = half_decades(*decades)
-    methods = METHODS if projection_is_there() else METHODS[:1]
+    methods = (PLAIN, PROJECTED) if projection_is_there() else (PLAIN,)
     asked = [Start(top, k, times, methods) for top in TOPS for k in range(starts)]
     members: list[Member] = []
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
@@ -144,17 +148,19 @@ def follow(start: Start) -> Member:
     truth = reference(scene).at(scene.times, DIGITS)
     bits = bits_for(DIGITS) + 32
     scale = rate_scale(truth, scene, bits)
-    found = Member({}, {}, {})
+    made, departures, taken = {}, [], None
     for method in start.methods:
-        projected = method.endswith("projected")
-        run = integrate(scene, "double", **projecting(projected))
-        found.errors[method] = [float(e) for e in errors(run.states, truth, scale, bits)]
-        if not projected:  # of a projected run the drift says nothing about accuracy
-            found.drifts[method] = [
+        run = integrate(scene, "double", **projecting(method == PROJECTED))
+        made[method] = [float(e) for e in errors(run.states, truth, scale, bits)]
+        if method == PROJECTED:
+            put = getattr(run, "projection")  # noqa: B009
+            taken = put.onto, put.largest, put.sum
+        else:
+            departures = [
                 max(x for x in drift(scene, run.states[k : k + 1], DOUBLE.bits) if x is not None)
                 for k in range(len(run.states))
             ]
-    return found
+    return Member(made, departures, taken)
 
 
 def far(end: int, quick: bool, tick: Tick | None = None) -> dict[str, Any]:
@@ -232,7 +238,7 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
         found: dict[str, Any] = {"method": method}
         for name, series in (
             ("error", [m.errors[method] for m in members]),
-            ("drift", [m.drifts[method] for m in members if method in m.drifts]),
+            ("drift", [m.drift for m in members] if method == PLAIN else []),
         ):
             if series:
                 fitted = growth.exponent(shown, series, since)
@@ -243,6 +249,13 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
                     "uncertainty": None if fitted is None else round(fitted.uncertainty, 3),
                     "last_decade": None if fitted is None else round(fitted.last_decade, 3),
                 }
+        taken = [m.projection for m in members if m.projection is not None]
+        if method == PROJECTED and taken:
+            found["projection"] = {
+                "onto": sorted({name for onto, _, _ in taken for name in onto}),
+                "largest": _short(max(largest for _, largest, _ in taken)),
+                "sum": _short(max(total for _, _, total in taken)),
+            }
         made.append(found)
     limit = _reference_error(first)
     least = min(x for found in made for x in found["error"]["median"])
