@@ -214,6 +214,9 @@ def test_a_wall_is_blamed_on_the_reference():
     higher = [(1e-12, 12.0), (1e-20, 20.0), (1e-25, 20.1)]
     assert wall([("double", FLAT_AT_9), ("quad", higher)]) is None
     assert wall([("extended", higher), ("quad", higher), ("double", FLAT_AT_9)]) == 20.1
+    assert wall([("extended", higher), ("quad", higher), ("double", CLIMBING)]) == 20.1
+    still = [(1e-12, 12.0), (1e-20, 20.0), (1e-25, 20.6)]
+    assert wall([("extended", higher), ("quad", still), ("double", CLIMBING)]) is None
     assert wall([("double", CLIMBING), ("quad", [])]) is None
 
 

@@ -43,18 +43,15 @@ _FINE = {
 }
 
 
-def _own(number: str, tolerances: tuple[float, ...]) -> tuple[Method, Method]:
-    return tuple(  # type: ignore[return-value]
-        Method(f"polhode {word}", _OWN, word, tolerances, number, 120.0)
-        for word in (number, f"{number} projected")
-    )
-
-
 def _peer(name: str, module: str, method: str = "", limit: float = 60.0) -> Method:
     return Method(name, f"polhode.peers.{module}", method, _TOLERANCES, limit=limit)
 
 
-OURS = tuple(method for number, fine in _FINE.items() for method in _own(number, fine))
+OURS = tuple(
+    Method(f"polhode {word}", _OWN, word, fine, number, 120.0)
+    for number, fine in _FINE.items()
+    for word in (number, f"{number} projected")
+)
 HEYOKA = Method(ENGINE, "polhode.peers.bare_heyoka", "", _FINE["double"])
 PEERS = (
     _peer("SciPy DOP853, Python", "scipy_python", "DOP853"),

@@ -87,13 +87,17 @@ def wall(curves: Iterable[tuple[str, Sequence[tuple[float, float]]]]) -> float |
     flatten at that type's rounding: only where those that reach furthest are of two types and all
     have flattened is there a wall that rounding does not explain.
     """
-    found = [(number, _plateau(points)) for number, points in curves if points]
-    best = max((max(d for _, d in points) for _, points in curves if points), default=0.0)
-    highest = [(number, level) for number, level in found if level is None or level > best - FLAT]
-    if any(level is None for _, level in highest):
+    filled = [(number, points) for number, points in curves if points]
+    reach = [max(digits for _, digits in points) for _, points in filled]
+    furthest = [
+        (number, _plateau(points))
+        for (number, points), digits in zip(filled, reach, strict=True)
+        if digits > max(reach) - FLAT
+    ]
+    levels = [level for _, level in furthest if level is not None]
+    if len(levels) < len(furthest) or len({number for number, _ in furthest}) < 2:
         return None
-    levels = [level for _, level in highest if level is not None]
-    return min(levels) if len({number for number, _ in highest}) > 1 else None
+    return min(levels)
 
 
 def _plateau(points: Sequence[tuple[float, float]]) -> float | None:
