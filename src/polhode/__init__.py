@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from polhode.body import Body
+    from polhode.ensemble import Ensemble, integrate_many
     from polhode.errors import BadInput
     from polhode.integration import integrate
     from polhode.judging import Judgement, compare
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "Body": "body",
     "BadInput": "errors",
+    "Ensemble": "ensemble",
     "Judgement": "judging",
     "Outcome": "trajectory",
     "Scene": "scene",
@@ -24,6 +26,7 @@ _HOMES = {
     "__version__": "provenance",
     "compare": "judging",
     "integrate": "integration",
+    "integrate_many": "ensemble",
     "load": "library",
     "reference": "truth",
 }

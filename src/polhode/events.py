@@ -232,7 +232,7 @@ class Watch:
                 EventTimes(
                     name=event.name,
                     times=tuple(self.number.rounded(m.time) * unit for m in marks),
-                    states=read.states([self.integrator.numbers(m.row) for m in marks]),
+                    states=read.states([taylor.numbers(m.row, self.number) for m in marks]),
                     grazing=tuple(m.slope == 0 for m in marks),
                     complete=complete,
                 )

@@ -44,8 +44,8 @@ def integrate(
     if at is not None:
         scene = scene.at(tuple(exact_number(t) for t in at))
     chosen = choose_number(scene, number, digits)
-    tolerance = _tolerance(scene, chosen, tol)
-    times = _rounded_times(scene, chosen)
+    tolerance = rounded_tolerance(scene, chosen, tol)
+    times = rounded_times(scene, chosen)
     run = Run(scene, chosen, tolerance, max_steps, inputs)
     outcome, rows = run.to(times, progress)
     read = Readout(scene, chosen)
@@ -92,7 +92,7 @@ def choose_number(scene: Scene, number: str | NumberType | None, digits: int | N
     return precision.named(number)
 
 
-def _rounded_times(scene: Scene, number: NumberType) -> list[Fraction]:
+def rounded_times(scene: Scene, number: NumberType) -> list[Fraction]:
     """The output times as numbers of the run's type."""
     if not scene.times:
         raise BadInput(scene.name, "run.end", None, "given, or times asked for with --at")
@@ -108,7 +108,8 @@ def _rounded_times(scene: Scene, number: NumberType) -> list[Fraction]:
     return times
 
 
-def _tolerance(scene: Scene, number: NumberType, tol: Any) -> Fraction | None:
+def rounded_tolerance(scene: Scene, number: NumberType, tol: Any) -> Fraction | None:
+    """The tolerance of a step, checked; None for the type's eps."""
     if tol is None:
         return None
     try:

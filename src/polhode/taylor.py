@@ -96,12 +96,12 @@ class Taylor:
         options: dict[str, Any] = {}
         if tolerance is not None:
             options["tol"] = scalar(tolerance, number)
-        with _disk_cache(number):
+        with disk_cache(number):
             if watch is not None:
                 options["nt_events"] = watch.attach(self, variables, rates)
             self.heyoka = hy.taylor_adaptive(
                 list(zip(variables, rates, strict=True)),
-                _array(state, number),
+                array(state, number),
                 **type_options(number),
                 **options,
             )
@@ -130,18 +130,9 @@ class Taylor:
         options: dict[str, Any] = {"max_steps": steps}
         if self.watch is not None and self.watch.after_step is not None:
             options["callback"] = self.watch.after_step
-        result = self.heyoka.propagate_grid(_array(grid, self.number), **options)
+        result = self.heyoka.propagate_grid(array(grid, self.number), **options)
         self.steps += int(result[3])
         return self._rows(result[-1][1:]), result[0]
-
-    def numbers(self, row: Any) -> Any:
-        """A row of heyoka's numbers as a trajectory holds them: an array, or mpf above extended."""
-        if self.number.name in ("double", "extended"):
-            return row
-        import mpmath
-
-        with mpmath.workprec(self.number.bits):
-            return [mpmath.mpf(str(x)) for x in row]
 
     @property
     def stopped(self) -> bool:
@@ -157,7 +148,7 @@ class Taylor:
     def _rows(self, states: Any) -> Any:
         if self.number.name in ("double", "extended"):
             return states
-        return [self.numbers(row) for row in states.tolist()]
+        return [numbers(row, self.number) for row in states.tolist()]
 
     def exactly(self, value: Any) -> Fraction:
         """The exact value of a number of heyoka's."""
@@ -167,6 +158,16 @@ class Taylor:
 
         with mpmath.workprec(self.number.bits):
             return exactly(mpmath.mpf(str(value)))
+
+
+def numbers(row: Any, number: NumberType) -> Any:
+    """A row of heyoka's numbers as a trajectory holds them: an array, or mpf above extended."""
+    if number.name in ("double", "extended"):
+        return row
+    import mpmath
+
+    with mpmath.workprec(number.bits):
+        return [mpmath.mpf(str(x)) for x in row]
 
 
 def cache() -> dict[str, Any]:
@@ -202,14 +203,15 @@ def type_options(number: NumberType) -> dict[str, Any]:
     return _TYPES[number.name](number)
 
 
-def _array(values: list[Any], number: NumberType) -> Any:
+def array(values: list[Any], number: NumberType) -> Any:
+    """Numbers of heyoka's type as the array that it takes."""
     if number.name in ("double", "extended"):
         return np.array(values, dtype=np.float64 if number.name == "double" else np.longdouble)
     return np.array(values)
 
 
 @contextmanager
-def _disk_cache(number: NumberType) -> Any:
+def disk_cache(number: NumberType) -> Any:
     """heyoka's disk cache, switched off where it never hits and only grows."""
     if number.name != "mp" or not hy.llvm_state.get_diskcache_enabled():
         yield

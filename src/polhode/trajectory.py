@@ -23,6 +23,7 @@ class Outcome(Enum):
     STEP_UNDERFLOW = "step underflow"
     STEP_LIMIT = "step limit"
     INTERRUPTED = "interrupted"
+    NOT_RUN = "not run"
 
     @property
     def cause(self) -> str:
@@ -57,6 +58,7 @@ _CAUSES = {
         "raise the limit (--max-steps), loosen --tol, or ask for a shorter run",
     ),
     "interrupted": ("the run was interrupted", "run again, or ask for a shorter run"),
+    "not run": ("the sweep was interrupted before this member was done", "run it again"),
 }
 
 
