@@ -81,17 +81,15 @@ def solve(job: Job, stop: Callable[[], bool] | None = None) -> list[Solved | Non
 
 def compiled(job: Job) -> Any:
     """heyoka's integrator of a job, of this thread alone; compiled once a process."""
-    mine = _threads.__dict__
     key = (job.names, job.columns, job.number, job.tolerance)
-    if key not in mine:
+    if getattr(_own, "key", None) != key:  # one is enough: jobs of one sweep follow each other
         with _compiling:
             built = _compiled(*key)
-        mine.clear()  # one is enough: jobs of one sweep follow each other
-        mine[key] = copy.copy(built)
-    return mine[key]
+        _own.integrator, _own.key = copy.copy(built), key
+    return _own.integrator
 
 
-_threads = threading.local()
+_own = threading.local()
 _compiling = threading.Lock()
 
 
@@ -117,9 +115,7 @@ def _compiled(
         return hy.taylor_adaptive(equations, start, pars=pars, **options)
 
 
-def _solve(
-    job: Job, lanes: Sequence[Lane], stop: Callable[[], bool] | None
-) -> list[Solved | None]:
+def _solve(job: Job, lanes: Sequence[Lane], stop: Callable[[], bool] | None) -> list[Solved | None]:
     """Integrate as many systems as one step advances."""
     integrator = compiled(job)
     march = _March(job, lanes, integrator)
@@ -220,13 +216,11 @@ class _March:
 
     def solved(self, outcome: str) -> list[Solved | None]:
         """What has been reached."""
-        reached = self.reached
+        lanes = [self.rows]
         if self.batch:
-            blocks = np.concatenate(self.rows) if self.rows else np.zeros((0, self.job.columns, 1))
+            blocks = np.concatenate(self.rows or [np.zeros((0, self.job.columns, self.places))])
             lanes = [np.ascontiguousarray(blocks[:, :, i]) for i in range(len(self.lanes))]
-        else:
-            lanes = [self.rows]
         return [
-            Solved(rows, outcome, steps, reached)
+            Solved(rows, outcome, steps, self.reached)
             for rows, steps in zip(lanes, self.steps, strict=True)
         ]

@@ -11,7 +11,6 @@ from typing import Any, TypeVar
 T = TypeVar("T")
 
 
-
 def cores() -> int:
     """How many processors this process may use."""
     try:

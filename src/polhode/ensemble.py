@@ -14,11 +14,11 @@ from typing import Any
 from polhode import crew, library, vary
 from polhode.errors import BadInput
 from polhode.exact import Exact
+from polhode.forms import principal
 from polhode.integration import choose_number, rounded_times, rounded_tolerance
 from polhode.precision import NumberType, decimal_in_full, exact_number
 from polhode.provenance import provenance
 from polhode.readout import Readout
-from polhode.run import system
 from polhode.scene import Scene
 from polhode.trajectory import Outcome, Trajectory
 
@@ -213,35 +213,48 @@ def _plan(
     times = tuple(rounded_times(scene, chosen))
     tolerance = rounded_tolerance(scene, chosen, tol)
 
+    from polhode import taylor
+
+    names, lanes = _lanes(members, times[-1], chosen)
+    limit = max_steps if max_steps is not None else taylor.max_steps(chosen)
+    return _Plan(varied, members, chosen, tolerance, limit, times, names, lanes)
+
+
+def _lanes(
+    members: Sequence[Scene], end: Fraction, number: NumberType
+) -> tuple[tuple[str, ...], tuple[Any, ...]]:
+    """The names of all coefficients that any member has, and each member in numbers of a type."""
     from polhode import batches, taylor
 
-    systems = [system(member, ()) for member in members]
-    names = tuple(sorted(set().union(*(s.coefficients for s in systems))))
-    rounded: dict[Exact, Fraction] = {}
+    bodies: dict[tuple[int, int], dict[str, Exact]] = {}
+    for member in members:
+        key = id(member.body), member.time_unit  # members share their bodies
+        if key not in bodies:
+            bodies[key] = principal.coefficients(member.body, member.time_unit)
+    names = tuple(sorted(set().union(*bodies.values())))
+    known: dict[int, tuple[Exact, Fraction]] = {}  # they share most of their numbers, too
 
-    def number_of(x: Exact) -> Fraction:
-        """x rounded to the run's type, each object once: members share most of theirs."""
-        if id(x) not in rounded:
-            rounded[id(x)] = chosen.rounded(x)
-        return rounded[id(x)]
+    def typed(x: Exact) -> Fraction:
+        if id(x) not in known:
+            taylor.scalar(x, number)
+            known[id(x)] = x, number.rounded(x)
+        return known[id(x)][1]
 
     lanes = []
-    for member, s in zip(members, systems, strict=True):
-        lane = batches.Lane(
-            tuple(number_of(s.coefficients[n]) if n in s.coefficients else Fraction(0) for n in names),
-            tuple(number_of(x) for x in s.start),
-            member.time_unit,
-        )
-        lanes.append(lane)
+    for member in members:
+        unit, axes = Fraction(2) ** member.time_unit, member.body.axes
+        k = bodies[id(member.body), member.time_unit]
         try:
-            unit = Fraction(2) ** member.time_unit
-            for x in (*lane.coefficients, *lane.start, times[0] / unit, times[-1] / unit):
-                taylor.scalar(x, chosen)
+            taylor.scalar(end / unit, number)
+            start = [typed(unit * w) for w in axes.components(member.omega)]
+            if member.gamma is not None:
+                start += [typed(g) for g in axes.components(member.gamma)]
+            coefficients = [typed(k[name]) if name in k else Fraction(0) for name in names]
         except taylor.OutOfRange as fault:
             expected = f"a type of wider range ({fault})"
-            raise BadInput(member.name, "number", chosen.name, expected) from None
-    limit = max_steps if max_steps is not None else taylor.max_steps(chosen)
-    return _Plan(varied, members, chosen, tolerance, limit, times, names, tuple(lanes))
+            raise BadInput(member.name, "number", number.name, expected) from None
+        lanes.append(batches.Lane(tuple(coefficients), tuple(start), member.time_unit))
+    return names, tuple(lanes)
 
 
 def _solved(

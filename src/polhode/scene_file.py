@@ -85,6 +85,11 @@ def body_and_start(
     return body, *reading.start(reading.table("start"), body)
 
 
+def exact_value(value: Any, key: str, name: str) -> Exact:
+    """The exact number that a value in a scene file's tables stands for; raises BadInput."""
+    return _Reading(name, {}).number(key, value)
+
+
 def tables(text: str, name: str = "scene") -> dict[str, Any]:
     """The tables of a TOML text, decimals kept digit for digit; raises BadInput."""
     if any(len(line) > MAX_LINE for line in text.splitlines()):

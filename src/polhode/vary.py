@@ -93,12 +93,10 @@ def members(scene: Scene, varied: Grid) -> tuple[Scene, ...]:
     found = []
     for index, row in enumerate(varied.rows):
         name = label(scene.name, varied, index)
-        for key, spots, value in zip(varied.keys, places, row, strict=True):
+        for spots, value in zip(places, row, strict=True):
             for table, at in spots:
                 table[at] = value
-        of_body = tuple(
-            x for k, x in zip(varied.keys, row, strict=True) if k.startswith("body.")
-        )
+        of_body = tuple(x for k, x in zip(varied.keys, row, strict=True) if k.startswith("body."))
         known = scene.body if same_body else bodies.get(of_body)
         body, omega, gamma, psi = scene_file.body_and_start(data, name, known)
         bodies[of_body] = body
@@ -149,16 +147,14 @@ def _tables(scene: Scene) -> dict[str, Any]:
     return {"body": {**form, "centre": list(body.centre), "weight": body.weight}, "start": start}
 
 
-def _places(
-    data: dict[str, Any], keys: Sequence[str], name: str
-) -> list[list[tuple[Any, Any]]]:
+def _places(data: dict[str, Any], keys: Sequence[str], name: str) -> list[list[tuple[Any, Any]]]:
     """For each key the containers and indices of its number; an inertia's mirror image with it."""
     body, start = data["body"], data["start"]
     if "centre" in body:
         body.setdefault("weight", 0)
     if "gamma" in start:
         start.setdefault("psi", 0)
-    known = dict(_leaves(data))
+    known = dict(_leaves(data, name))
     places, taken = [], set()
     for key in keys:
         if key not in known or not _KEY.fullmatch(key):
@@ -176,8 +172,8 @@ def _places(
     return places
 
 
-def _leaves(data: dict[str, Any]) -> Iterable[tuple[str, tuple[Any, Any]]]:
-    """Every number of the tables: its key, and where it stands."""
+def _leaves(data: dict[str, Any], name: str) -> Iterable[tuple[str, tuple[Any, Any]]]:
+    """Every number of the tables: its key, and where it stands; read once for all members."""
     pending: list[tuple[str, Any, Any]] = [
         (f"{section}.{key}", data[section], key) for section in _SECTIONS for key in data[section]
     ]
@@ -187,4 +183,5 @@ def _leaves(data: dict[str, Any]) -> Iterable[tuple[str, tuple[Any, Any]]]:
             table[at] = value = list(value)  # the caller's tables stay as they are
             pending += [(f"{key}[{i + 1}]", value, i) for i in range(len(value))]
         elif not isinstance(value, (bool, dict)):
+            table[at] = scene_file.exact_value(value, key, name)
             yield key, (table, at)
