@@ -216,7 +216,7 @@ class _March:
 
     def solved(self, outcome: str) -> list[Solved | None]:
         """What has been reached."""
-        lanes = [self.rows]
+        lanes: list[Any] = [self.rows]
         if self.batch:
             blocks = np.concatenate(self.rows or [np.zeros((0, self.job.columns, self.places))])
             lanes = [np.ascontiguousarray(blocks[:, :, i]) for i in range(len(self.lanes))]

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from polhode import library, precision
+from polhode.dense import Dense
 from polhode.errors import BadInput, nearest
 from polhode.precision import NumberType, exact_number
 from polhode.provenance import provenance
@@ -36,6 +37,7 @@ def integrate(
     coefficients to this narrower type first, to see what that rounding alone does.  ``progress``:
     called now and then with the fraction of the time done and the steps taken.
 
+    The trajectory can be called at any time that it reached, see :class:`polhode.dense.Dense`.
     Ctrl-C ends the run within a second; the trajectory then holds what was reached.  Raises
     BadInput for what cannot be integrated.
     """
@@ -66,6 +68,7 @@ def integrate(
             **provenance(scene.text),
             "seconds": {"build": run.build_seconds, "run": run.seconds - run.build_seconds},
         },
+        dense=Dense(run),
     )
 
 
