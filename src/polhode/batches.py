@@ -19,7 +19,7 @@ import numpy as np
 
 from polhode import taylor
 from polhode.forms import principal
-from polhode.precision import NumberType
+from polhode.precision import NumberType, exactly
 
 #: Internal time units (a radian or two of the fastest rate) between two looks at the keyboard, for
 #: each step between them: at two or three steps a unit, a fifth of a second.
@@ -56,6 +56,7 @@ class Job(NamedTuple):
 class Solved(NamedTuple):
     """Rows in principal axes and internal units as far as times were reached, and how it ended.
 
+    Above extended they are Fractions: an mpf narrows when it is unpickled.
     ``outcome``: the name of a :class:`polhode.trajectory.Outcome`.
     """
 
@@ -212,7 +213,8 @@ class _March:
         elif self.job.number.name == "extended":
             self.rows += [row.copy() for row in states[:count]]
         else:
-            self.rows += [taylor.numbers(r.tolist(), self.job.number) for r in states[:count]]
+            wide = (taylor.numbers(row.tolist(), self.job.number) for row in states[:count])
+            self.rows += [[exactly(x) for x in row] for row in wide]
 
     def solved(self, outcome: str) -> list[Solved | None]:
         """What has been reached."""

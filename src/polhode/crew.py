@@ -4,8 +4,16 @@ from __future__ import annotations
 
 import os
 import threading
+import warnings
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    CancelledError,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -54,36 +62,43 @@ def elsewhere(
 ) -> tuple[bool, list[int]]:
     """Solve the jobs in an executor: whether Ctrl-C did not come, and the jobs that it lost.
 
-    A job is lost with the worker that died over it, or with the whole pool.
+    A job is lost with the worker that died over it, or with the whole pool; a warning says so.
     """
     futures: dict[Future[T], int] = {}
-    lost: list[int] = []
+    lost: dict[int, BaseException] = {}
     try:
         for k, job in enumerate(jobs):
             try:
                 futures[executor.submit(solve, job)] = k
-            except RuntimeError:  # broken or shut down already: BrokenExecutor is one
-                lost.append(k)
+            except RuntimeError as fault:  # broken or shut down already: BrokenExecutor is one
+                lost[k] = fault
         _collect(futures, ready, lost)
     except KeyboardInterrupt:
         for future in futures:
             future.cancel()
         return False, []
+    if lost:
+        first = next(iter(lost.values()))
+        text = f"{len(lost)} of {len(jobs)} jobs were lost ({first!r}) and are run in this process"
+        warnings.warn(text, RuntimeWarning, stacklevel=4)
     return True, sorted(lost)
 
 
 def _collect(
     futures: dict[Future[T], int],
     ready: Callable[[int, T], None],
-    lost: list[int] | None = None,
+    lost: dict[int, BaseException] | None = None,
 ) -> None:
     """Hand on each result as it comes; a future without one raises, or is noted as lost."""
     while futures:
         done, _ = wait(futures, return_when=FIRST_COMPLETED)
         for future in done:
             k = futures[future]
-            if lost is not None and (future.cancelled() or future.exception() is not None):
-                lost.append(k)
-            else:
+            fault = CancelledError() if future.cancelled() else future.exception()
+            if fault is None:
                 ready(k, future.result())
+            elif lost is None:
+                raise fault
+            else:
+                lost[k] = fault
             del futures[future]

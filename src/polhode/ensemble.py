@@ -16,9 +16,9 @@ from polhode.errors import BadInput
 from polhode.exact import Exact
 from polhode.forms import principal
 from polhode.integration import choose_number, rounded_times, rounded_tolerance
-from polhode.precision import NumberType, decimal_in_full, exact_number
+from polhode.precision import NumberType, exact_number
 from polhode.provenance import provenance
-from polhode.readout import Readout
+from polhode.readout import Readout, number_value
 from polhode.scene import Scene
 from polhode.trajectory import Outcome, Trajectory
 
@@ -325,17 +325,10 @@ def _states(plan: _Plan, found: Sequence[Any]) -> Any:
         states = np.full(shape, mpmath.nan, dtype=object)
     for k, result in enumerate(found):
         if result is not None and len(result.rows):
-            read = Readout(plan.members[k], plan.number).states(list(result.rows))
+            rows = list(result.rows)
+            if states.dtype == object:
+                rows = [[number_value(x, plan.number) for x in row] for row in rows]
+            read = Readout(plan.members[k], plan.number).states(rows)
             for i, row in enumerate(read):
                 states[k, i] = row
     return states
-
-
-def value_string(x: Exact) -> str:
-    """A varied value in full where it is a binary or decimal number, else to 17 digits."""
-    from polhode.precision import shown
-
-    try:
-        return decimal_in_full(x) if isinstance(x, Fraction) else shown(x)
-    except ValueError:
-        return str(x)

@@ -88,7 +88,7 @@ def members(scene: Scene, varied: Grid) -> tuple[Scene, ...]:
     data = _tables(scene)
     places = _places(data, varied.keys, scene.name)
     same_body = not any(key.startswith("body.") for key in varied.keys)
-    bodies: dict[tuple[Exact, ...], Body] = {}
+    bodies: dict[tuple[Any, ...], Body] = {}
     bare = replace(scene, times=(), published=(), expect={}, source="", outputs=())
     found = []
     for index, row in enumerate(varied.rows):
@@ -96,7 +96,11 @@ def members(scene: Scene, varied: Grid) -> tuple[Scene, ...]:
         for spots, value in zip(places, row, strict=True):
             for table, at in spots:
                 table[at] = value
-        of_body = tuple(x for k, x in zip(varied.keys, row, strict=True) if k.startswith("body."))
+        of_body = tuple(
+            x if isinstance(x, Fraction) else (id(x),)
+            for key, x in zip(varied.keys, row, strict=True)
+            if key.startswith("body.")
+        )
         known = scene.body if same_body else bodies.get(of_body)
         body, omega, gamma, psi = scene_file.body_and_start(data, name, known)
         bodies[of_body] = body
