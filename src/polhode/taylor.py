@@ -23,6 +23,11 @@ from polhode.precision import NumberType, exactly, to_double, to_extended
 #: The scalar functions of heyoka's expressions.
 EXPRESSIONS = Functions(hy.expression(0.0), hy.sin, hy.cos, hy.sqrt)
 
+# heyoka logs on stdout, the place for results.  What it has to say is known from elsewhere: a cache
+# that cannot be used costs compiling again and shows in :func:`cache`; a multiple zero that it
+# gives up on is found through the derivative, or shows in ``EventTimes.complete``.
+hy.set_logger_level_critical()
+
 _CHUNK_SECONDS = 0.2
 _MAX_STEPS = {"double": 10**8, "extended": 10**7, "quad": 10**6, "mp": 10**6}
 _SMALLEST_DOUBLE = 2.0**-1022
@@ -229,13 +234,17 @@ def numbers(row: Any, number: NumberType) -> Any:
 
 
 def cache() -> dict[str, Any]:
-    """heyoka's disk cache of compiled code: whether it is on, where, and its size."""
+    """heyoka's disk cache of compiled code: whether it is on, where, its size, or what is wrong."""
     state = hy.llvm_state
-    return {
-        "enabled": bool(state.get_diskcache_enabled()),
-        "path": str(state.get_diskcache_path()),
-        "bytes": int(state.get_diskcache_size()),
-    }
+    enabled = bool(state.get_diskcache_enabled())
+    try:
+        return {
+            "enabled": enabled,
+            "path": str(state.get_diskcache_path()),
+            "bytes": int(state.get_diskcache_size()),
+        }
+    except (RuntimeError, ValueError) as fault:  # damaged, full, read-only, no folder, no home
+        return {"enabled": enabled, "path": None, "bytes": None, "fault": str(fault)}
 
 
 def finite(outcome: Any) -> bool:
