@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from polhode.body import Body
     from polhode.chaos import Lyapunov, lyapunov
     from polhode.conditioning import Conditioning, conditioning_of
+    from polhode.ensemble import Ensemble, integrate_many
     from polhode.errors import BadInput
     from polhode.integration import integrate
     from polhode.judging import Judgement, compare
@@ -20,6 +21,7 @@ _HOMES = {
     "Body": "body",
     "BadInput": "errors",
     "Conditioning": "conditioning",
+    "Ensemble": "ensemble",
     "Judgement": "judging",
     "Lyapunov": "chaos",
     "Outcome": "trajectory",
@@ -29,6 +31,7 @@ _HOMES = {
     "compare": "judging",
     "conditioning_of": "conditioning",
     "integrate": "integration",
+    "integrate_many": "ensemble",
     "load": "library",
     "lyapunov": "chaos",
     "reference": "truth",

@@ -200,8 +200,7 @@ class Scene:
     @cached_property
     def pendulum_rate_squared(self) -> Exact:
         """Mg|r0| / largest moment: the square of the slowest small oscillation's scale."""
-        torque = self.body.torque
-        return exact.sqrt(dot(torque, torque)) / max(self.body.moments)
+        return exact.sqrt(self.body.pendulum_rate_fourth)
 
     @cached_property
     def time_unit(self) -> int:
@@ -211,7 +210,7 @@ class Scene:
         unit of time, so that scaling a scene by powers of two changes no bit of a run.
         """
         square = dot(self.omega, self.omega)
-        fourth = max(square * square, self.pendulum_rate_squared * self.pendulum_rate_squared)
+        fourth = max(square * square, self.body.pendulum_rate_fourth)
         if sign(fourth) == 0:
             return 0
         mantissa, exponent = exact.rounded(fourth, 8)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
@@ -23,6 +23,7 @@ class Outcome(Enum):
     STEP_UNDERFLOW = "step underflow"
     STEP_LIMIT = "step limit"
     INTERRUPTED = "interrupted"
+    NOT_RUN = "not run"
 
     @property
     def cause(self) -> str:
@@ -57,6 +58,7 @@ _CAUSES = {
         "raise the limit (--max-steps), loosen --tol, or ask for a shorter run",
     ),
     "interrupted": ("the run was interrupted", "run again, or ask for a shorter run"),
+    "not run": ("the sweep was interrupted before this member was done", "run it again"),
 }
 
 
@@ -104,6 +106,16 @@ class Trajectory:
     angles: Any = None
     events: tuple[EventTimes, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    dense: Callable[[Any], Any] | None = field(default=None, repr=False, compare=False)
+
+    def __call__(self, t: Any) -> Any:
+        """The state at time t, or the states at several times, see :class:`polhode.dense.Dense`.
+
+        Raises BadInput (a ValueError) for a time that the run did not reach.
+        """
+        if self.dense is None:
+            raise ValueError("states at the output times only: nothing was integrated here")
+        return self.dense(t)
 
     @cached_property
     def drift(self) -> Drift:
