@@ -11,6 +11,8 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import polhode
 from polhode import attribution, cli, foreign
@@ -176,6 +178,25 @@ def test_the_monodromy_is_the_one_known():
         flow = Variations(plain, start, np.hstack([np.eye(6), np.zeros((6, 6))]), [{}] * 6)
         assert flow.to(float(end), 10**6)
         assert math.isclose(np.max(np.abs(flow.tangents)), size, rel_tol=0.5)
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    st.integers(-60, 60),
+    st.integers(-60, 60),
+    st.tuples(*[st.integers(-20, 20)] * 3),
+    st.integers(1, 30),
+)
+def test_kappa_does_not_depend_on_units(mass, time, omega, t):
+    """Scaling by powers of two changes no bit of it."""
+
+    def kappa(mass: int, time: int) -> tuple:
+        m, rate = Fraction(2) ** mass, Fraction(2) ** -time
+        body = Body.of_moments([4 * m, 3 * m, 2 * m], [m / 3, m / 2, m], rate**2)
+        spin = tuple(rate * w / 8 for w in omega)
+        return conditioning(Scene(body, spin, ("0.6", 0, "0.8"), times=(t / rate,))).kappa
+
+    assert kappa(mass, time) == kappa(0, 0)
 
 
 # -- what is said of it -----------------------------------------------------------------------
@@ -365,6 +386,11 @@ def test_a_chaotic_motion_is_told_from_a_regular_one():
 def test_too_short_a_look_decides_nothing():
     assert polhode.lyapunov(asymmetric("1.1", [1]), 20).verdict == "undecided"
     assert polhode.lyapunov(asymmetric("3", [1]), 20).verdict == "undecided"
+
+
+def test_an_end_at_the_start_is_refused():
+    with pytest.raises(polhode.BadInput, match="other than 0"):
+        polhode.lyapunov("euler/largest-axis", 0)
 
 
 def test_the_exponent_is_per_unit_of_the_scenes_time():

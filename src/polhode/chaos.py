@@ -17,6 +17,7 @@ from typing import Any
 
 from polhode import exact, library
 from polhode.conditioning import at_rest, six
+from polhode.errors import BadInput
 from polhode.exact import sign
 from polhode.precision import exact_number, to_double
 from polhode.run import system
@@ -60,7 +61,7 @@ def lyapunov(scene: Scene | str | Path, end: Any = None, max_steps: int = MAX_ST
 
     ``end``: the time to follow it to; unless given the scene's own end, or 2000 units of the slower
     of its spin and its pendulum's swing if that is longer.  "undecided" where the time is too short
-    to tell.
+    to tell; BadInput for an end at 0.
     """
     import numpy as np
 
@@ -71,6 +72,8 @@ def lyapunov(scene: Scene | str | Path, end: Any = None, max_steps: int = MAX_ST
     unit, slow = 2.0**scene.time_unit, _slowest(scene)
     last = DEFAULT_LENGTH * slow
     if end is not None:
+        if exact_number(end) == 0:
+            raise BadInput(scene.name, "end", 0, "a time other than 0")
         last = to_double(exact_number(end)) / unit
     elif abs(to_double(scene.end) / unit) > last:
         last = to_double(scene.end) / unit
