@@ -52,6 +52,12 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
         answer["attitude"] = strings(run.attitude, run.number)
     if run.scene.events:
         answer["events"] = [of_event(event, run.number) for event in run.events]
+    if run.projection is not None:
+        answer["projection"] = {
+            "onto": list(run.projection.onto),
+            "largest": f"{run.projection.largest:.3e}",
+            "sum": f"{run.projection.sum:.3e}",
+        }
     answer |= {
         "drift": of_drift(run.drift),
         "outcome": run.outcome.value,

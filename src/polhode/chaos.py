@@ -10,7 +10,7 @@ neighbour's, which has the same exponent where the motion is chaotic.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -79,7 +79,7 @@ def lyapunov(scene: Scene | str | Path, end: Any = None, max_steps: int = MAX_ST
         last = to_double(scene.end) / unit
     elif sign(scene.end) < 0:
         last = -last
-    plain = system(scene, ())
+    plain = system(replace(scene, form="principal"), ())
     start = six(plain.start)
     tangent = np.array([[0.6], [-0.5], [0.4], [0.3], [0.2], [-0.3]])  # along no axis
     if len(plain.start) == 3:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -167,7 +167,7 @@ def _looks(
 
     from polhode.variations import Variations
 
-    plain = system(scene, ())
+    plain = system(replace(scene, form="principal"), ())
     body, unit = scene.body, scene.time_unit
     start = six(plain.start)
     tangents = np.hstack([np.diag(start), np.zeros((6, 6))])

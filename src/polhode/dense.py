@@ -62,7 +62,7 @@ class Dense:
         return exact / self._unit
 
     def _row(self, t: Fraction) -> Any:
-        """The state in principal axes and the run's own unit."""
+        """The variables of the run's form, in its own unit."""
         if not self._chunks:
             return self._run.start()
         from polhode import taylor
@@ -77,7 +77,7 @@ class Dense:
         row = piece.at(at, self.number)
         if ahead != near:
             row = self._moved(row, ahead - near, leg.system)
-        return row[: leg.system.columns]
+        return row[: len(leg.system.form.variables)]
 
     def _moved(self, row: Any, by: Fraction, what: System) -> Any:
         """A row moved on by less than the last bit of its time."""

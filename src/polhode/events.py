@@ -27,6 +27,7 @@ import heyoka as hy
 from polhode import exact, expression, kinematics, taylor
 from polhode.exact import ZERO, sign
 from polhode.expression import Algebra
+from polhode.forms import equations
 from polhode.precision import NumberType, exactly
 from polhode.quantities import Size, middle_axis, sign_at_start, size_of
 from polhode.readout import Readout
@@ -109,24 +110,27 @@ class Watch:
             self.evaluate.append(hy.cfunc(both, vars=list(variables), **options))
         return events
 
-    def _expression(self, k: int, variables: Sequence[Any]) -> Any:
+    def _expression(self, which: int, variables: Sequence[Any]) -> Any:
         """One event's expression in the integrator's variables and the symbol of its time."""
         scene, number = self.scene, self.number
 
         def constant(x: Any) -> Any:
             return hy.expression(taylor.scalar(x, number))
 
-        text = scene.events[k].expression
+        form, fn = equations(scene), taylor.EXPRESSIONS
+        values = variables[: len(form.variables)]
+        k = {name: constant(x) for name, x in form.coefficients.items()}
+        vectors = form.state(values, k, fn)
+        text = scene.events[which].expression
         if text is None:
-            return variables[middle_axis(scene)]
-        turn = {
-            name: constant(x) for name, x in kinematics.turn_coefficients(scene.body.axes).items()
-        }
-        n = len(scene.columns)
+            return self._along_the_middle_axis(vectors[0], constant)
+        exactly_turned = kinematics.turn_coefficients(form.axes)
+        turn = {name: constant(x) for name, x in exactly_turned.items()}
         columns = [
             x
-            for i in range(0, n, 3)
-            for x in kinematics.in_scene_axes(variables[i : i + 3], turn, taylor.EXPRESSIONS.zero)
+            for vector in vectors
+            if vector
+            for x in kinematics.in_scene_axes(vector, turn, fn.zero)
         ]
         clock = _T
         if scene.time_unit:
@@ -137,6 +141,16 @@ class Watch:
         functions = {"sqrt": hy.sqrt, "sin": hy.sin, "cos": hy.cos}
         found = expression.evaluate(text, names, Algebra(constant, functions))
         return found if isinstance(found, hy.expression) else constant(found)
+
+    def _along_the_middle_axis(self, omega: Sequence[Any], constant: Any) -> Any:
+        """The component of omega along the middle principal axis."""
+        axes, middle = self.scene.body.axes, middle_axis(self.scene)
+        form = equations(self.scene)
+        if form.axes is axes:
+            return omega[middle]
+        direction = form.axes.components(axes.rows[middle])
+        terms = [constant(x) * w for x, w in zip(direction, omega, strict=True) if sign(x) != 0]
+        return sum(terms[1:], terms[0])
 
     def rebased(self, integrator: Any) -> None:
         """Tell heyoka the time from which it counts, where an expression has t in it."""

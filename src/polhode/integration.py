@@ -59,6 +59,7 @@ def integrate(
         attitude=read.attitude(rows),
         angles=read.angles(rows),
         events=run.events,
+        projection=run.projection,
         outcome=outcome,
         steps=run.steps,
         reached=run.reached,

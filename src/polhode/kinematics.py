@@ -53,7 +53,7 @@ def starting_phi(gamma: Vector) -> Exact:
 
 
 def turn_coefficients(axes: Axes) -> dict[str, Exact]:
-    """The non-zero entries of the turn from principal to scene axes, where there is one."""
+    """The non-zero entries of the turn from these axes to the scene's, where there is one."""
     if axes.trivial:
         return {}
     return {
@@ -65,7 +65,7 @@ def turn_coefficients(axes: Axes) -> dict[str, Exact]:
 
 
 def in_scene_axes(vector: Sequence[Any], k: Mapping[str, Any], zero: Any) -> list[Any]:
-    """A vector of principal components along the scene's axes."""
+    """A vector of components in a form's axes along the scene's."""
     if not any(name.startswith("turn") for name in k):
         return list(vector)
     return [combination(k, zero, *((f"turn{i}{j}", vector[i]) for i in range(3))) for j in range(3)]

@@ -1,4 +1,4 @@
-"""From the integrator's rows to what is asked: scene axes and units, attitude, angles."""
+"""From the integrator's rows to what is asked: omega and gamma in scene axes, attitude, angles."""
 
 from __future__ import annotations
 
@@ -7,23 +7,29 @@ from types import SimpleNamespace
 from typing import Any
 
 from polhode.exact import Number
+from polhode.forms import Functions, equations
 from polhode.kinematics import angles
-from polhode.precision import NumberType, to_double, to_extended, to_mpf
+from polhode.precision import NumberType, exactly, to_double, to_extended, to_mpf
 from polhode.scene import ATTITUDE, Scene
 
 GUARD_BITS = 16
 
 
 class Readout:
-    """Reads rows of one run: the state in principal axes, then quaternion, then psi and phi."""
+    """Reads rows of one run: the form's variables, then quaternion, then psi and phi.
+
+    Omega and gamma are computed from the variables with more bits than those have.
+    """
 
     def __init__(self, scene: Scene, number: NumberType) -> None:
         self.scene, self.number = scene, number
-        self.columns = len(scene.columns)
+        self.form, self.columns = equations(scene), len(scene.columns)
 
     def states(self, rows: list[Any]) -> Any:
         """p q r [gamma1 gamma2 gamma3] in scene axes: an ndarray, or rows of mpf above extended."""
-        turned = self._turned([row[: self.columns] for row in rows])
+        if not rows:
+            return self._kept([]).reshape(0, self.columns) if self._flat else []
+        turned = self._vectors([row[: len(self.form.variables)] for row in rows])
         exponent = -self.scene.time_unit
         if self._flat:
             import numpy as np
@@ -38,7 +44,8 @@ class Readout:
         """q0 q1 q2 q3, if asked for."""
         if "attitude" not in self.scene.outputs:
             return None
-        return self._kept([row[self.columns : self.columns + 4] for row in rows])
+        first = len(self.form.variables)
+        return self._kept([row[first : first + 4] for row in rows])
 
     def angles(self, rows: list[Any]) -> list[list[Any]] | None:
         """psi theta phi, if asked for; psi and phi None at a pole."""
@@ -48,7 +55,9 @@ class Readout:
         fn = self._functions
         import mpmath
 
-        first = self.columns + (len(ATTITUDE) if "attitude" in self.scene.outputs else 0)
+        first = len(self.form.variables) + (
+            len(ATTITUDE) if "attitude" in self.scene.outputs else 0
+        )
         with mpmath.workprec(self.number.bits):
             return [
                 # a motion that stays at a pole has no psi and phi among its variables
@@ -86,34 +95,61 @@ class Readout:
 
         return np.array(rows, dtype=self._kind)
 
-    def _turned(self, rows: list[Any]) -> Any:
-        """Rows of vectors from principal to scene axes, computed with more bits than they have."""
-        axes = self.scene.body.axes
-        if axes.trivial or not rows:
-            return (
-                self._kept(rows).reshape(len(rows), self.columns)
-                if self._flat
-                else [list(row) for row in rows]
-            )
-        if self._flat:
-            import numpy as np
-
-            turn = np.array([[to_extended(x) for x in row] for row in axes.rows])
-            wide = np.array(rows, dtype=np.longdouble)
-            vectors = [wide[:, k : k + 3] @ turn for k in range(0, self.columns, 3)]
-            return np.hstack(vectors).astype(self._kind)
+    def _vectors(self, rows: list[Any]) -> Any:
+        """Rows of omega and gamma in scene axes and the run's unit, rounded once at the end."""
+        if self.number.name == "double":
+            return self._in_extended(rows)
         import mpmath
 
-        entries = [[to_mpf(x, self.number.bits + GUARD_BITS) for x in row] for row in axes.rows]
+        bits = self.number.bits + GUARD_BITS
+        with mpmath.workprec(bits):
+            k = {name: to_mpf(x, bits) for name, x in self.form.coefficients.items()}
+            fn = Functions(mpmath.mpf(0), mpmath.sin, mpmath.cos, mpmath.sqrt)
+            found = [
+                self.form.state([to_mpf(exactly(x), bits) for x in row], k, fn) for row in rows
+            ]
+        turned = self._turned(found, bits)
+        if not self._flat:
+            return turned
+        wide = [[to_extended(exactly(x)) for x in row] for row in turned]
+        return self._kept(wide).reshape(len(rows), self.columns)
+
+    def _turned(self, found: list[Any], bits: int) -> list[list[Any]]:
+        """Pairs of omega and gamma, one after the other, turned and rounded to the run's type."""
+        import mpmath
+
+        axes = self.form.axes
         with mpmath.workprec(self.number.bits):
+            if axes.trivial:
+                return [[+x for vector in pair for x in vector] for pair in found]
+            entries = [[to_mpf(x, bits) for x in row] for row in axes.rows]
             return [
                 [
-                    mpmath.fdot((entries[i][j], row[k + i]) for i in range(3))
-                    for k in range(0, self.columns, 3)
+                    mpmath.fdot((entries[i][j], vector[i]) for i in range(3))
+                    for vector in pair
+                    if vector
                     for j in range(3)
                 ]
-                for row in rows
+                for pair in found
             ]
+
+    def _in_extended(self, rows: list[Any]) -> Any:
+        """The same for doubles, all rows at once."""
+        import numpy as np
+
+        wide = np.array(rows, dtype=np.longdouble)
+        k = {name: to_extended(x) for name, x in self.form.coefficients.items()}
+        fn = Functions(np.longdouble(0), np.sin, np.cos, np.sqrt)
+        vectors = [
+            np.stack(np.broadcast_arrays(wide[:, 0], *vector)[1:], axis=1)
+            for vector in self.form.state(list(wide.T), k, fn)
+            if vector
+        ]
+        axes = self.form.axes
+        if not axes.trivial:
+            turn = np.array([[to_extended(x) for x in row] for row in axes.rows])
+            vectors = [vector @ turn for vector in vectors]
+        return np.hstack(vectors).astype(self._kind)
 
 
 def number_value(x: Number, number: NumberType) -> Any:

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from polhode import kinematics, precision
+from polhode import exact, kinematics, precision
 from polhode.errors import BadInput
 from polhode.exact import Exact
-from polhode.forms import Functions, principal
+from polhode.forms import Form, Functions, equations
 from polhode.precision import NumberType, exactly
 from polhode.readout import Readout, number_value
 from polhode.scene import ANGLE_VARIABLES, ATTITUDE, Scene
-from polhode.trajectory import EventTimes, Outcome
+from polhode.trajectory import EventTimes, Outcome, Projection
 
 #: Called now and then with the fraction of the time done and the steps taken.
 Progress = Callable[[float, int], None]
@@ -23,15 +23,17 @@ Progress = Callable[[float, int], None]
 #: Where a start at a pole is left, in the scene's own unit of time: a fraction of a radian on.
 _OFF_THE_POLE = Fraction(1, 2)
 
+_EXACTLY = Functions(exact.ZERO, exact.sin, exact.cos, exact.sqrt)
+
 
 @dataclass(frozen=True)
 class System:
-    """Variables, exact coefficients and exact start of what is integrated, in principal axes.
+    """Variables, exact coefficients and exact start of what is integrated: a form and outputs.
 
     Time is measured in the scene's own unit.  Quaternion and angles are those of the scene's axes.
     """
 
-    columns: int
+    form: Form
     names: tuple[str, ...]
     outputs: tuple[str, ...]
     coefficients: Mapping[str, Exact]
@@ -39,11 +41,12 @@ class System:
 
     def field(self, state: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
         """Rates of the state and of what the outputs ask for."""
-        n = self.columns
-        rates = principal.field(state[:n], k, fn)
+        n = len(self.form.variables)
+        rates = self.form.field(state[:n], k, fn)
         if not self.outputs:
             return rates
-        omega, gamma = (kinematics.in_scene_axes(state[i : i + 3], k, fn.zero) for i in (0, 3))
+        vectors = self.form.state(state[:n], k, fn)
+        omega, gamma = (kinematics.in_scene_axes(vector, k, fn.zero) for vector in vectors)
         if "attitude" in self.outputs:
             rates += kinematics.attitude_rates(state[n : n + 4], omega)
         if "angles" in self.outputs:
@@ -53,21 +56,18 @@ class System:
 
 def system(scene: Scene, outputs: Sequence[str]) -> System:
     """The equations of a scene with these outputs and nothing else."""
-    axes, unit = scene.body.axes, Fraction(2) ** scene.time_unit
-    names = [*scene.columns]
-    start: list[Exact] = [unit * w for w in axes.components(scene.omega)]
-    k = principal.coefficients(scene.body, scene.time_unit)
+    form = equations(scene)
+    names, start, k = [*form.variables], [*form.start], dict(form.coefficients)
     if scene.gamma is not None:
-        start += axes.components(scene.gamma)
         if outputs:
-            k |= kinematics.turn_coefficients(axes)
+            k |= kinematics.turn_coefficients(form.axes)
         if "attitude" in outputs:
             names += ATTITUDE
             start += kinematics.starting_attitude(scene.gamma, scene.psi)
         if "angles" in outputs:
             names += ANGLE_VARIABLES
             start += [scene.psi, kinematics.starting_phi(scene.gamma)]
-    return System(len(scene.columns), tuple(names), tuple(outputs), k, tuple(start))
+    return System(form, tuple(names), tuple(outputs), k, tuple(start))
 
 
 class Leg(NamedTuple):
@@ -79,7 +79,7 @@ class Leg(NamedTuple):
 
 
 class Run:
-    """One run of a scene in one number type; rows of variables come out, in principal axes."""
+    """One run of a scene in one number type; rows of its form's variables come out."""
 
     def __init__(
         self,
@@ -96,6 +96,7 @@ class Run:
         self.build_seconds = self.seconds = 0.0
         self.events: tuple[EventTimes, ...] = ()
         self.legs: list[Leg] = []
+        self.projection: Projection | None = None
         self._watch: Any = None
 
     def afresh(self) -> Run:
@@ -103,7 +104,7 @@ class Run:
         return Run(self.scene, self.number, self.tolerance, self.max_steps, self.inputs)
 
     def start(self) -> list[Any]:
-        """The start in principal axes and the run's own unit, rounded to its type."""
+        """The start of the variables, in the run's own unit, rounded to its type."""
         exact = self._rounded(system(self.scene, ())).start
         return [number_value(x, self.number) for x in exact]
 
@@ -146,6 +147,8 @@ class Run:
             rows.append([number_value(x, self.number) for x in whole.start])
         if len(rows) == len(inside):
             return Outcome.REACHED_END, rows
+        if self._singular_at_start():
+            return Outcome.SINGULAR, rows
         origin = Fraction(0)
         if "angles" in self.scene.outputs and self.scene.starts_at_pole:
             whole, origin = self._off_the_pole(whole, inside[len(rows)])
@@ -155,13 +158,31 @@ class Run:
             self._refuse_what_never_moves()
             limit = self.max_steps if self.max_steps is not None else taylor.max_steps(self.number)
             chunk = taylor.chunk_steps(self.number)
-            outcome = _march(integrator, inside, rows, limit, chunk, progress)
+            holder = self._holder(whole.form)
+            outcome = _march(integrator, inside, rows, limit, chunk, progress, holder)
+            if holder is not None:
+                self.projection = holder.found()
             self.steps += integrator.steps
             self.reached = integrator.time * unit
         if self._stopped:
             self.reached = self.number.rounded(self._watch.stop) * unit
             rows = [row for row, t in zip(rows, times, strict=False) if abs(t) <= abs(self.reached)]
         return outcome, rows
+
+    def _singular_at_start(self) -> bool:
+        """Whether the start is too near to the singular set of the form."""
+        from polhode.taylor import nearest
+
+        form = equations(self.scene)
+        away = form.distance(form.start, form.coefficients, _EXACTLY)
+        return away is not None and bool(away <= nearest(self.number))
+
+    def _holder(self, form: Form) -> Any:
+        if form.unit is None:
+            return None
+        from polhode.unit_norm import UnitNorm
+
+        return UnitNorm(form.unit, self.number)
 
     @property
     def _stopped(self) -> bool:
@@ -198,6 +219,9 @@ class Run:
             self.tolerance,
             origin,
             watch,
+            lambda state, k: what.form.distance(
+                state[: len(what.form.variables)], k, taylor.EXPRESSIONS
+            ),
         )
         self.build_seconds += time.perf_counter() - began
         self.legs.append(Leg(what, origin, built.marks))
@@ -208,7 +232,7 @@ class Run:
         if self.inputs is None:
             return what
         return System(
-            what.columns,
+            what.form,
             what.names,
             what.outputs,
             {name: self.inputs.rounded(x) for name, x in what.coefficients.items()},
@@ -235,16 +259,17 @@ class Run:
         if all(x == 0 for x in gamma[:2]):
             outputs = tuple(name for name in whole.outputs if name != "angles")
             start = whole.start[:-2]
-            return System(whole.columns, whole.names[:-2], outputs, whole.coefficients, start), (
+            return System(whole.form, whole.names[:-2], outputs, whole.coefficients, start), (
                 Fraction(0)
             )
-        kept = row if "attitude" in whole.outputs else row[: whole.columns]
+        variables = len(whole.form.variables)
+        kept = row if "attitude" in whole.outputs else row[:variables]
         psi, phi = kinematics.angles_off_the_pole(
-            row[whole.columns :], gamma, self.scene.psi, self.number.bits
+            row[variables:], gamma, self.scene.psi, self.number.bits
         )
         start = (*(exactly(x) for x in kept), psi, phi)
         names, k = whole.names, whole.coefficients
-        return System(whole.columns, names, whole.outputs, k, start), moment
+        return System(whole.form, names, whole.outputs, k, start), moment
 
 
 def _march(
@@ -254,11 +279,14 @@ def _march(
     limit: int,
     chunk: int,
     progress: Progress | None,
+    holder: Any,
 ) -> Outcome:
     """Advance chunk by chunk, appending a row for each time reached; the outcome."""
     from polhode import taylor
 
     end = times[-1]
+    if holder is not None:
+        chunk = min(chunk, holder.every)
     try:
         while len(rows) < len(times):
             steps = min(chunk, limit - integrator.steps)
@@ -269,6 +297,8 @@ def _march(
             if not taylor.finite(ended):
                 return Outcome.NON_FINITE
             rows.extend(found)
+            if taylor.at_singular_set(ended):
+                return Outcome.SINGULAR
             if integrator.stopped:
                 return Outcome.STOPPED_AT_EVENT
             if taylor.at_end(ended):
@@ -279,6 +309,8 @@ def _march(
             ahead = abs(end - integrator.time) / passed * steps
             if integrator.steps + ahead > 10 * limit:  # hopeless: no need to try the limit out
                 return Outcome.STEP_LIMIT
+            if holder is not None:
+                holder.correct(integrator)
             if progress is not None:
                 progress(float(integrator.time / end), integrator.steps)
     except KeyboardInterrupt:

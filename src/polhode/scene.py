@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from polhode import exact
 from polhode.body import Body, Vector, dot, exact_vector
@@ -18,7 +18,11 @@ from polhode.errors import BadInput, nearest
 from polhode.exact import ZERO, Exact, sign
 from polhode.precision import exact_number, shown
 
-FORMS = ("principal",)
+#: The forms of the equations (polhode.forms), in the order of the source.
+FORMS = (
+    *("general", "inertia-axes", "principal", "momentum", "gyration-axes"),
+    *("lagrangian", "hamiltonian", "routhian", "omega-only", "momentum-only", "quaternion"),
+)
 OUTPUTS = ("angles", "attitude")
 STATE = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
 ANGLES = ("psi", "theta", "phi")
@@ -106,6 +110,8 @@ class Scene:
     reference: str = "auto"
     expect: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     source: str = ""  # the text it was read from, for the provenance
+    #: What others have derived from this scene and do not want to derive twice, by name.
+    derived: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "omega", exact_vector(self.omega))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from polhode import answers
-from polhode.forms import principal
+from polhode.forms import equations, source
 from polhode.precision import shown
 from polhode.references.kinds import kind_of_body
 from polhode.scene import Scene
@@ -17,7 +17,6 @@ def described(scene: Scene) -> dict[str, Any]:
     truth = reference(scene)
     body = scene.body
     values = scene.integrals
-    coefficients = principal.coefficients(body)
     facts: dict[str, Any] = {
         "scene": scene.name,
         "title": scene.title,
@@ -40,8 +39,10 @@ def described(scene: Scene) -> dict[str, Any]:
             facts["curve"] = _curve(truth.curve)
     facts |= {
         "form": scene.form,
+        "source": source(scene.form),
+        "variables": list(equations(scene).variables),
         "columns": answers.columns_of(scene),
-        "coefficients": sorted(coefficients),
+        "coefficients": sorted(equations(scene).coefficients),
         "times": len(scene.times),
         "end": shown(scene.end),
         "time_unit": f"2**{scene.time_unit}",

@@ -103,8 +103,9 @@ class Taylor:
     ``field``: rates from a list of variables and the coefficients; the start holds at time
     ``origin``.  Time is kept as an exact offset plus heyoka's own time, which is put back to 0 at
     each chunk's end: output times are rounded relative to the chunk's start, never to zero.
-    ``watch`` (polhode.events) gives heyoka events and may end the run.  ``marks``: where each chunk
-    began, for :meth:`again`.
+    ``watch`` (polhode.events) gives heyoka events and may end the run.  ``distance``, of the
+    variables and the coefficients, ends the run where it falls to :func:`nearest`.
+    ``marks``: where each chunk began, for :meth:`again`.
     """
 
     def __init__(
@@ -117,6 +118,7 @@ class Taylor:
         tolerance: Number | None = None,
         origin: Fraction = Fraction(0),
         watch: Any = None,
+        distance: Callable[[Sequence[Any], Mapping[str, Any]], Any] | None = None,
     ) -> None:
         self.number = number
         self.watch = watch
@@ -134,6 +136,13 @@ class Taylor:
         with disk_cache(number):
             if watch is not None:
                 options["nt_events"] = watch.attach(self, variables, rates)
+            away = None if distance is None else distance(variables, k)
+            if away is not None:
+                # scaled down, so that it takes no part in choosing the steps
+                near, damping = (scalar(x, number) for x in (nearest(number), _damping(number)))
+                kind = {name: x for name, x in type_options(number).items() if name == "fp_type"}
+                met = hy.expression(damping) * (away - hy.expression(near))
+                options["t_events"] = [hy.t_event(met, **kind)]
             self.heyoka = hy.taylor_adaptive(
                 list(zip(variables, rates, strict=True)),
                 array(state, number),
@@ -255,6 +264,23 @@ def finite(outcome: Any) -> bool:
 def at_end(outcome: Any) -> bool:
     """Whether heyoka's outcome is that the last time was reached."""
     return bool(outcome == hy.taylor_outcome.time_limit)
+
+
+def at_singular_set(outcome: Any) -> bool:
+    """Whether heyoka's outcome is that the distance to the singular set became too small."""
+    return int(outcome) == -1  # the first and only terminal event
+
+
+def nearest(number: NumberType) -> Fraction:
+    """The smallest distance to a form's singular set, about sqrt(eps): a run ends there.
+
+    A distance is a square (sin² theta), so the set is met within about eps**(1/4).
+    """
+    return Fraction(2) ** -((number.bits - 1) // 2)
+
+
+def _damping(number: NumberType) -> Fraction:
+    return Fraction(2) ** -(number.bits // 2)
 
 
 _TYPES: dict[str, Callable[[NumberType], dict[str, Any]]] = {

@@ -9,6 +9,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+from polhode.forms import equations
 from polhode.integrals import Drift, drift
 from polhode.precision import NumberType, decimal_in_full, decimal_string, exactly
 from polhode.scene import Scene
@@ -22,6 +23,7 @@ class Outcome(Enum):
     NON_FINITE = "non-finite"
     STEP_UNDERFLOW = "step underflow"
     STEP_LIMIT = "step limit"
+    SINGULAR = "singular set"
     INTERRUPTED = "interrupted"
     NOT_RUN = "not run"
 
@@ -57,6 +59,10 @@ _CAUSES = {
         "the end needs more steps than the limit allows",
         "raise the limit (--max-steps), loosen --tol, or ask for a shorter run",
     ),
+    "singular set": (
+        "the form of the equations met its singular set",
+        "use a form without one there, such as principal (--form)",
+    ),
     "interrupted": ("the run was interrupted", "run again, or ask for a shorter run"),
     "not run": ("the sweep was interrupted before this member was done", "run it again"),
 }
@@ -84,13 +90,35 @@ class EventTimes:
 
 
 @dataclass(frozen=True)
+class Projection:
+    """What putting a run back on its first integrals took.
+
+    ``onto``: the integrals' names.  ``every``: steps between two corrections.  ``largest`` and
+    ``sum``: of the corrections' lengths, w measured in the run's own unit, in which the fastest
+    rate at the start is of order 1.
+    """
+
+    onto: tuple[str, ...]
+    every: int
+    count: int
+    largest: float
+    sum: float
+
+    def __str__(self) -> str:
+        return (
+            f"onto {', '.join(self.onto)} {self.count} times: largest correction "
+            f"{self.largest:.1e}, sum {self.sum:.1e}"
+        )
+
+
+@dataclass(frozen=True)
 class Trajectory:
     """States of a scene at its output times, in body axes, as numbers of one type.
 
     ``times``: exact values of the times at which the states hold (already rounded to the type).
     ``states``: shape (len(times), 3 or 6), p q r [gamma1 gamma2 gamma3]: an ndarray for double and
     extended, rows of mpf above.  ``steps``: Taylor steps taken.  ``events``: one for each event of
-    the scene.
+    the scene.  ``projection``: None where the state was not put back on the first integrals.
     """
 
     scene: Scene
@@ -105,6 +133,7 @@ class Trajectory:
     attitude: Any = None
     angles: Any = None
     events: tuple[EventTimes, ...] = ()
+    projection: Projection | None = None
     provenance: Mapping[str, Any] = field(default_factory=dict)
     dense: Callable[[Any], Any] | None = field(default=None, repr=False, compare=False)
 
@@ -123,6 +152,20 @@ class Trajectory:
         if not self.times:
             return Drift(None, None, None)
         return drift(self.scene, self.states, self.number.bits)
+
+    @property
+    def cause(self) -> str:
+        """Why the run ended."""
+        if self.outcome is Outcome.SINGULAR:
+            return f"the form {self.scene.form} met its singular set"
+        return self.outcome.cause
+
+    @property
+    def advice(self) -> str:
+        """What to do about it; empty where the run did what was asked."""
+        if self.outcome is Outcome.SINGULAR:
+            return f"use --form {equations(self.scene).instead}"
+        return self.outcome.advice
 
     @property
     def at_full_tolerance(self) -> bool:

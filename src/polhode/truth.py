@@ -129,7 +129,8 @@ class TwoPrecisions:
 
         # The coarse run has some digits to spare, the fine one 12 more; where a motion multiplies
         # errors, what was lost is added and both are made again.
-        scene, spare = replace(self.scene.at(times), events=()), 4
+        plain = replace(self.scene, events=(), form="principal")
+        scene, spare = plain.at(times), 4
         for _ in range(4):
             coarse_type = precision.mp_for(digits + spare, scene.log10_angle)
             fine_type = precision.NumberType("mp", coarse_type.bits + 40)

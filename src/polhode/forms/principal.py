@@ -2,7 +2,7 @@
 
     A p' = (B - C) q r + Mg (z0 gamma2 - y0 gamma3),    gamma1' = r gamma2 - q gamma3,
 
-and cyclically: I w' + w × I w = Mg gamma × r0, gamma' = gamma × w.  State: p q r gamma1 gamma2
+and cyclically: I w' + w × I w = Mg gamma × r0, gamma' = gamma × w.  Variables: p q r gamma1 gamma2
 gamma3 in principal axes; a torque-free body without gamma has p q r alone.
 """
 
@@ -14,7 +14,33 @@ from typing import Any
 
 from polhode.body import Body
 from polhode.exact import Exact, sign
-from polhode.forms import Functions, combination
+from polhode.forms import Form, Functions, combination
+from polhode.forms.matrices import omega_and_gamma
+from polhode.scene import Scene
+
+SOURCE = "3.29–3.30"
+
+
+class Principal(Form):
+    """The equations of one scene in its body's principal axes."""
+
+    def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+        """The rates of p q r [gamma1 gamma2 gamma3]."""
+        return field(values, k, fn)
+
+    def state(
+        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
+    ) -> tuple[list[Any], list[Any]]:
+        """omega and gamma: the variables themselves."""
+        return list(values[:3]), list(values[3:6])
+
+
+def for_scene(scene: Scene) -> Principal:
+    """The equations of a scene."""
+    axes = scene.body.axes
+    k = coefficients(scene.body, scene.time_unit)
+    return Principal(scene, axes, scene.columns, k, omega_and_gamma(scene, axes))
+
 
 #: Every coefficient that a body can have.
 NAMES = (

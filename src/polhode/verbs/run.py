@@ -94,11 +94,11 @@ def main(options: Namespace) -> int:
     if done:
         _warn_of_lost_digits(scene, options.digits, answer)
         return DONE
-    advice = f"; {found.outcome.advice}" if found.outcome.advice else ""
+    advice = f"; {found.advice}" if found.advice else ""
     wrote = "" if path is None else f"; {path} was not written"
     note(
         f"polhode: {scene.name}: reached t = {float(found.reached):g} of {float(scene.end):g}: "
-        f"{found.outcome.cause}{advice}{wrote}"
+        f"{found.cause}{advice}{wrote}"
     )
     return INTERRUPTED if found.outcome is Outcome.INTERRUPTED else NOT_REACHED
 
