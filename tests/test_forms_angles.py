@@ -387,3 +387,40 @@ def test_nothing_that_vanishes_is_compiled():
     assert "r.pq" not in form.coefficients
     assert " 0.0" not in text
     assert "(0 *" not in text
+
+
+# As a scene asks for it.
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_a_turned_body_gives_the_states_of_the_principal_form(name):
+    found = trials.both_runs(name)
+    assert abs(found[0] - found[1]).max() < 256 * 2**-52
+    assert (found[0] != found[1]).any()
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_a_run_that_meets_the_pole_says_so(name):
+    scene = replace(passing(F(1, 10**8)), times=(F(1, 8), F(1)), form=name)
+    run = polhode.integrate(scene)
+    assert run.outcome is polhode.Outcome.SINGULAR
+    assert run.advice == "use --form principal"
+    assert len(run.states) == 1
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_angles_and_attitude_come_out_as_in_the_principal_form(name):
+    scene = replace(asymmetric(), times=(F(1), F(5)), outputs=("angles", "attitude"))
+    one, other = (polhode.integrate(replace(scene, form=form)) for form in ("principal", name))
+    for found in ("angles", "attitude"):
+        rows = zip(getattr(one, found), getattr(other, found), strict=True)
+        assert max(abs(a - b) for x, y in rows for a, b in zip(x, y, strict=True)) < 256 * 2**-52
+
+
+@pytest.mark.parametrize("name", ["lagrangian", "hamiltonian"])
+def test_the_forms_own_psi_is_that_of_the_scene(name):
+    """In principal axes the integrated precession is the psi that the output integrates."""
+    scene = replace(asymmetric(), times=(F(5),), outputs=("angles",))
+    psi = polhode.integrate(scene).angles[0][0]
+    rows = trials.marched(FORMS[name].for_scene(scene), [5])[0]
+    assert abs(rows[0][0] - psi) < 256 * 2**-52
