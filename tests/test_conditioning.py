@@ -37,7 +37,7 @@ def asymmetric(spin: str, times: list[object]) -> Scene:
 def states(scene: Scene, k: dict, start: list, times: list[Fraction], number) -> np.ndarray:
     """States in scene axes and units from coefficients and a start, in a wide type."""
     plain = system(scene, ())
-    what = System(plain.columns, plain.names, (), k, tuple(start))
+    what = System(plain.form, plain.names, (), k, tuple(start))
     unit = Fraction(2) ** scene.time_unit
     rows, _ = Run(scene, number).integrator(what).chunk([t / unit for t in times], 10**6)
     with mpmath.workprec(number.bits + 20):
