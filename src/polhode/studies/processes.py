@@ -126,7 +126,7 @@ def run_all(
             }
             limit = sum(task.method.limit for _, task, _ in chosen)
             answers, fault = ask(module, job, limit, cache)
-            _enter([curve for curve, _, _ in chosen], answers)
+            _enter([(curve, len(task.scene.times)) for curve, task, _ in chosen], answers)
             for curve, _, tolerances in chosen:
                 for tol in tolerances:
                     if tol not in curve.points and not curve.missing:
@@ -202,9 +202,9 @@ def _problem(task: Task, tolerances: tuple[float, ...]) -> dict[str, Any]:
     }
 
 
-def _enter(curves: Sequence[Curve], answers: Iterable[Mapping[str, Any]]) -> None:
-    """Enter a process's answers into the curves of its problems."""
-    preparing = 0.0
+def _enter(asked: Sequence[tuple[Curve, int]], answers: Iterable[Mapping[str, Any]]) -> None:
+    """Enter a process's answers into the curves of its problems, each with its number of times."""
+    curves, preparing = [curve for curve, _ in asked], 0.0
     for answer in answers:
         if "missing" in answer:
             for curve in curves:
@@ -217,11 +217,11 @@ def _enter(curves: Sequence[Curve], answers: Iterable[Mapping[str, Any]]) -> Non
         elif "compile" in answer:
             curves[answer["problem"]].compiling.append(preparing + answer["compile"])
         else:
-            points = curves[answer["problem"]].points
-            _enter_point(points.setdefault(answer["tol"], Point()), answer)
+            curve, times = asked[answer["problem"]]
+            _enter_point(curve.points.setdefault(answer["tol"], Point()), answer, times)
 
 
-def _enter_point(point: Point, answer: Mapping[str, Any]) -> None:
+def _enter_point(point: Point, answer: Mapping[str, Any], times: int) -> None:
     if "failed" in answer:
         point.fault = answer["failed"]
         return
@@ -234,6 +234,9 @@ def _enter_point(point: Point, answer: Mapping[str, Any]) -> None:
         rows = [[_exact(x) for x in row] for row in answer["rows"]]
     except (ValueError, OverflowError):
         point.fault = "states that are not finite"
+        return
+    if len(rows) != times:
+        point.fault = f"{len(rows)} states at {times} times"
         return
     if stale(rows):
         point.stale, point.fault = True, "success reported, states left unchanged"

@@ -6,10 +6,10 @@ import math
 import statistics
 import tempfile
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from polhode.conditioning import conditioning
 from polhode.correct_digits import digits_of, errors, rate_scale
 from polhode.precision import DOUBLE, bits_for, named
 from polhode.scene import Scene
@@ -216,10 +216,6 @@ def _digits(rows: Any, truth: Any, scene: Scene, cap: float) -> float:
 
 def _limits(scene: Scene) -> tuple[float | None, float | None]:
     """kappa at the end, and the fewest digits possible in double over the run."""
-    try:
-        conditioning = import_module("polhode.conditioning").conditioning
-    except ImportError:
-        return None, None
     found = conditioning(scene)
     possible = [x for x in found.digits_possible(DOUBLE) if x is not None]
     return found.kappa[-1], min(possible, default=None)
