@@ -25,6 +25,7 @@ if TYPE_CHECKING:  # a run needs none of these
     from polhode.foreign import Verdict
     from polhode.integrals import Drift
     from polhode.judging import Judgement
+    from polhode.studies.cross_checks import CrossCheck
     from polhode.studies.published import Figure
     from polhode.studies.regression import Report
     from polhode.truth import Reference
@@ -262,6 +263,17 @@ def of_check(report: Report) -> dict[str, Any]:
             for line in report.lines
         ],
         "published": [of_figure(figure) for figure in report.figures],
+    }
+
+
+def of_cross_check(found: CrossCheck) -> dict[str, Any]:
+    """A scene in one form beside its principal form."""
+    return {
+        "scene": found.scene,
+        "form": found.form,
+        "digits": None if found.digits is None else round(found.digits, 2),
+        "passed": found.passed,
+        "note": found.note,
     }
 
 

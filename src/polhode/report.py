@@ -15,7 +15,7 @@ from polhode.pages.blocks import Block, Heading, Text, markdown
 from polhode.provenance import cpu, versions
 
 #: The studies by name, in the order of the report: modules of studies/, pages/ and figures/.
-STUDIES = {"accuracy": "accuracy"}
+STUDIES = {"accuracy": "accuracy", "forms": "forms"}
 
 
 def write_report(

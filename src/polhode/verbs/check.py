@@ -15,27 +15,45 @@ HELP = "regression against references and published figures"
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help="names, patterns or paths")
+    parser.add_argument(
+        "--forms", action="store_true", help="cross-checks between the forms, alone or after SCENEs"
+    )
     parser.add_argument("--number", action="append", help="this number type instead of the case's")
 
 
 def main(options: Namespace) -> int:
-    """The library's regression."""
+    """The library's regression, and without SCENE the cross-checks between the forms."""
+    from polhode.studies.cross_checks import cross_checks
     from polhode.studies.regression import check as checks
 
-    reports = []
+    reports, crossed = [], []
     with Progress("check") as progress:
-        for report in checks(options.scenes, options.number or (), progress.say):
-            reports.append(report)
-            if not options.json:
-                progress.clear()
-                _print_check(report)
-    passed = all(report.passed for report in reports)
+        if options.scenes or not options.forms:
+            for report in checks(options.scenes, options.number or (), progress.say):
+                reports.append(report)
+                if not options.json:
+                    progress.clear()
+                    _print_check(report)
+        if options.forms or not (options.scenes or options.number):
+            for found in cross_checks(progress.say):
+                crossed.append(found)
+                if not options.json:
+                    progress.clear()
+                    _print_cross_check(found)
+    verdicts = [report.passed for report in reports] + [found.passed for found in crossed]
+    passed = all(verdicts)
     if options.json:
-        print_json({"passed": passed, "cases": [answers.of_check(r) for r in reports]})
+        answer = {"passed": passed, "cases": [answers.of_check(r) for r in reports]}
+        print_json(answer | {"forms": [answers.of_cross_check(c) for c in crossed]})
     else:
-        bad = sum(not r.passed for r in reports)
-        print(f"{len(reports) - bad} passed, {bad} failed")
+        print(f"{sum(verdicts)} passed, {len(verdicts) - sum(verdicts)} failed")
     return DONE if passed else FAILED
+
+
+def _print_cross_check(found: Any) -> None:
+    mark = "ok  " if found.passed else "FAIL"
+    digits = "" if found.digits is None else f"{found.digits:.1f} digits, "
+    print(f"{mark} {found.scene} in the form {found.form}: {digits}{found.note}")
 
 
 def _print_check(report: Any) -> None:
