@@ -21,7 +21,7 @@ from polhode.exact import Exact
 from polhode.expression import ExpressionError
 from polhode.integrals import Drift, drift
 from polhode.precision import DOUBLE, NumberType, mp, to_mpf
-from polhode.scene import ANGLES, ATTITUDE, STATE, Scene
+from polhode.scene import ANGLES, ATTITUDE, SPACE, STATE, Scene
 from polhode.truth import Reference, TwoPrecisions
 
 MAX_BYTES = 1 << 30
@@ -135,7 +135,7 @@ def read_table(path: Path, number: NumberType | None) -> Table:
     if not rows:
         raise BadInput(str(path), "file", None, "a header line that names the columns")
     header = rows[0][1]
-    known = ("t", *STATE, *ANGLES, *ATTITUDE)
+    known = ("t", *STATE, *ANGLES, *ATTITUDE, *SPACE)
     for name in known:
         if header.count(name) > 1:
             raise BadInput(str(path), "header", name, "each column once")
@@ -193,6 +193,7 @@ def judge(table: Table, truth: Reference | TwoPrecisions, number: NumberType | N
     wanted = math.ceil(cap) + SPARE_DIGITS
     bits = math.ceil(wanted * math.log2(10)) + 32
     notes = [f"column {name} is not known and was not judged" for name in table.ignored]
+    notes += [f"column {name} was not judged: p q r are" for name in SPACE if name in table.columns]
     if not scene.columns[3:]:
         for name in (*STATE[3:], *ANGLES, *ATTITUDE):
             if name in table.columns:

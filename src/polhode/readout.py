@@ -35,8 +35,8 @@ class Readout:
         return [[mpmath.ldexp(x, exponent) for x in row[:3]] + row[3:] for row in turned]
 
     def attitude(self, rows: list[Any]) -> Any:
-        """q0 q1 q2 q3, if asked for."""
-        if "attitude" not in self.scene.outputs:
+        """q0 q1 q2 q3, if asked for or needed."""
+        if "attitude" not in self.scene.modelled:
             return None
         return self._kept([row[self.columns : self.columns + 4] for row in rows])
 
@@ -48,7 +48,7 @@ class Readout:
         fn = self._functions
         import mpmath
 
-        first = self.columns + (len(ATTITUDE) if "attitude" in self.scene.outputs else 0)
+        first = self.columns + (len(ATTITUDE) if "attitude" in self.scene.modelled else 0)
         with mpmath.workprec(self.number.bits):
             return [
                 # a motion that stays at a pole has no psi and phi among its variables
