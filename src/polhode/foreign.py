@@ -204,7 +204,7 @@ def judge(table: Table, truth: Reference | TwoPrecisions, number: NumberType | N
             notes.append(f"column {name} is not in the file")
     digits: tuple[float, ...] = ()
     if judged:
-        truth_rows = _rows(truth.at, table, wanted)
+        truth_rows = reference_rows(truth.at, table, wanted)
         states = [
             [table.columns[name][k] if name in judged else None for name in scene.columns]
             for k in range(len(table.times))
@@ -221,7 +221,7 @@ def judge(table: Table, truth: Reference | TwoPrecisions, number: NumberType | N
     )
 
 
-def _rows(ask: Any, table: Table, digits: int) -> list[Any]:
+def reference_rows(ask: Any, table: Table, digits: int) -> list[Any]:
     """Reference rows in the file's order: times of each sign are asked for away from 0."""
     rows: dict[Fraction, Any] = {}
     for times in _by_sign(table.times):
@@ -256,7 +256,7 @@ def _parts(
         if not there:
             continue
         try:
-            rows = _rows(ask, table, wanted)
+            rows = reference_rows(ask, table, wanted)
         except ValueError as fault:  # BadInput is one
             notes.append(f"{what} were not judged: {fault}")
             continue
