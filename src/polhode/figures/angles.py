@@ -11,7 +11,7 @@ from polhode.figures.canvas import BODY, TIME, remark
 from polhode.samples import Samples
 from polhode.scene import ANGLES
 
-LABELS = {"psi": r"$\psi$ (rad)", "theta": r"$\theta$ (rad)", "phi": r"$\phi$ (rad)"}
+LABELS = {"psi": "ψ (rad)", "theta": "θ (rad)", "phi": "φ (rad)"}
 
 
 def draw(plt: Any, found: Samples) -> Any:

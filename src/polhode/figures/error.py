@@ -8,7 +8,7 @@ from polhode.figures import logarithmic
 from polhode.figures.canvas import BODY, SPACE
 from polhode.samples import Samples
 
-LABELS = {"omega": r"error of $\omega$ / $\max|\omega|$", "gamma": r"error of $\gamma$"}
+LABELS = {"omega": "error of ω / max |ω|", "gamma": "error of γ"}
 
 
 def draw(plt: Any, found: Samples) -> Any:

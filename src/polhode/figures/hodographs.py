@@ -42,8 +42,8 @@ def _views(plt: Any, omega: Any, space: Any) -> Any:
     figure, panels = plt.subplots(2, 2, figsize=(6.4, 6.2), layout="constrained")
     size = _largest(omega)
     for column, title, points, names, colour in (
-        (0, "in the body", omega, ("$p$", "$q$", "$r$"), BODY),
-        (1, "in space", space, (r"$\omega_X$", r"$\omega_Y$", r"$\omega_Z$"), SPACE),
+        (0, "in the body", omega, ("p", "q", "r"), BODY),
+        (1, "in space", space, ("ω·X", "ω·Y", "ω·Z"), SPACE),
     ):
         for axes, view, (i, j) in zip(
             panels[:, column], ("elevation", "plan"), ((0, 2), (0, 1)), strict=True
@@ -69,18 +69,18 @@ def _poinsot(plt: Any, found: Samples, omega: Any, space: Any) -> Any:
     )
     if max(a, b, c) > FLATTEST * min(a, b, c):
         _flat(left, principal[:, 0], principal[:, 2], _largest(omega), BODY, "polhode")
-        left.set(xlabel=r"$\omega_1$" + UNIT, ylabel=r"$\omega_3$" + UNIT)
+        left.set(xlabel="ω₁" + UNIT, ylabel="ω₃" + UNIT)
     else:
         globe = facing_most(principal, (a, b, c))
         globe.surface(left)
-        globe.arms(left, (r"$\omega_1$", r"$\omega_2$", r"$\omega_3$"))
+        globe.arms(left, ("ω₁", "ω₂", "ω₃"))
         globe.curve(left, principal, BODY, HIDDEN[BODY], "polhode", lw=1.0)
         globe.mark(left, principal[0], BODY)
     left.set_title("polhode on the ellipsoid of energy", size=9)
     across, along = invariable_plane(found, space, omega[0] @ inertia)
     _flat(right, space @ across, space @ along, _largest(omega), SPACE, "herpolhode")
     right.plot(0, 0, "+", color="#333333", ms=5, mew=0.7)
-    right.set(xlabel=r"$\omega_\xi$" + UNIT, ylabel=r"$\omega_\eta$" + UNIT)
+    right.set(xlabel="ω·ξ" + UNIT, ylabel="ω·η" + UNIT)
     right.set_title("herpolhode in the invariable plane", size=9)
     return figure
 

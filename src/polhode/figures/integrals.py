@@ -9,10 +9,10 @@ from polhode.figures.canvas import BODY, REST, SPACE
 from polhode.samples import Samples
 
 LABELS = {
-    "h": r"$|\Delta h|\,/\,(T_0 + Mg|r_0|)$",
-    "f": r"$|\Delta f|\,/\,|G_0|$",
-    "gamma": r"$|\gamma^2 - 1|$",
-    "fourth": r"$|\Delta K^2|$, relative",
+    "h": "|Δh| / (T₀ + Mg|r₀|)",
+    "f": "|Δf| / |G₀|",
+    "gamma": "||γ|² − 1|",
+    "fourth": "|ΔK²|, relative",
 }
 
 

@@ -11,6 +11,7 @@ from polhode.figures.canvas import TIME
 from polhode.samples import Samples
 
 GREY = "#777777"
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def draw(plt: Any, found: Samples, labels: dict[str, str], colours: dict[str, str]) -> Any:
@@ -49,7 +50,7 @@ def draw(plt: Any, found: Samples, labels: dict[str, str], colours: dict[str, st
     axes.set_xlim(min(t), max(t))
     axes.set_ylim(*_decades(found, names))
     axes.yaxis.set_major_locator(plt.MaxNLocator(5, integer=True))
-    axes.yaxis.set_major_formatter(lambda power, _: f"$10^{{{power:.0f}}}$")
+    axes.yaxis.set_major_formatter(lambda power, _: "10" + f"{power:.0f}".translate(RAISED))
     panels[-1, 0].set_xlabel(TIME)
     figure.align_ylabels()
     return figure

@@ -15,12 +15,12 @@ from polhode.precision import to_double
 from polhode.samples import Samples
 from polhode.scene import ATTITUDE, STATE
 
-IN_BODY, IN_SPACE = ("$x$", "$y$", "$z$"), ("$X$", "$Y$", "$Z$")
+IN_BODY, IN_SPACE = ("x", "y", "z"), ("X", "Y", "Z")
 
 
 def draw(plt: Any, found: Samples) -> Any:
     """The vertical's trace in the body; with an attitude, the apex's path in space beside it."""
-    spheres = [(r"$\gamma$ in the body", found.vectors(STATE[3:]), IN_BODY, BODY)]
+    spheres = [("γ in the body", found.vectors(STATE[3:]), IN_BODY, BODY)]
     if found.has(ATTITUDE):
         name, direction = apex(found)
         path = np.array(turned(found.vectors(ATTITUDE).T, direction)).T
