@@ -15,10 +15,14 @@ from polhode.attribution import is_lost
 from polhode.errors import BadInput
 from polhode.exact import Exact
 from polhode.files import check_writable, write_whole
+from polhode.hodographs import Hodographs
 from polhode.precision import NumberType, decimal_in_full, decimal_string, exactly, shown
 from polhode.provenance import provenance
-from polhode.scene import ANGLES, ATTITUDE, Scene
+from polhode.scene import ANGLES, ATTITUDE, SPACE, Scene
 from polhode.trajectory import EventTimes, Trajectory, strings
+
+#: What a trajectory's CSV holds and its sidecar does not repeat.
+_TABLE = ("times", "states", "angles", "attitude", "hodographs")
 
 if TYPE_CHECKING:  # a run needs none of these
     from polhode.chaos import Lyapunov
@@ -49,8 +53,10 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
     }
     if run.angles is not None:
         answer["angles"] = strings(run.angles, run.number)
-    if run.attitude is not None:
+    if "attitude" in run.scene.outputs:
         answer["attitude"] = strings(run.attitude, run.number)
+    if run.hodographs is not None:
+        answer["hodographs"] = of_hodographs(run.hodographs, run.number)
     if run.scene.events:
         answer["events"] = [of_event(event, run.number) for event in run.events]
     if run.projection is not None:
@@ -67,6 +73,11 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
         "provenance": dict(run.provenance),
     }
     return answer
+
+
+def of_hodographs(curves: Hodographs, number: NumberType) -> dict[str, Any]:
+    """omega in the body and in space as decimal strings."""
+    return {name: strings(rows, number) for name, rows in curves._asdict().items()}
 
 
 def of_event(event: EventTimes, number: NumberType) -> dict[str, Any]:
@@ -110,6 +121,8 @@ def of_reference(truth: Reference, times: Sequence[Exact], digits: int) -> dict[
         answer["angles"] = strings(truth.angles(held, digits + 1), number)
     if "attitude" in scene.outputs:
         answer["attitude"] = strings(truth.attitude(held, digits + 1), number)
+    if "hodographs" in scene.outputs:
+        answer["hodographs"] = of_hodographs(truth.hodographs(held, digits + 1), number)
     answer |= {"outcome": "reached end", "steps": 0, "provenance": provenance(scene.text)}
     return answer
 
@@ -152,7 +165,7 @@ def write_trajectory(path: Path, answer: dict[str, Any]) -> None:
     """A trajectory as CSV, number type, bits, scene and provenance in a JSON file beside it."""
     header, rows = rows_of(answer)
     text = "".join(",".join(row) + "\n" for row in (header, *rows))
-    kept = {k: v for k, v in answer.items() if k not in ("times", "states", "angles", "attitude")}
+    kept = {k: v for k, v in answer.items() if k not in _TABLE}
     write_whole({path: text, sidecar(path): as_json(kept)})
 
 
@@ -184,8 +197,9 @@ def frequencies(truth: Any, digits: int = 17) -> dict[str, str | None]:
 
 def columns_of(scene: Scene) -> list[str]:
     """All columns that a run of the scene gives."""
-    extra = [*ANGLES] * ("angles" in scene.outputs) + [*ATTITUDE] * ("attitude" in scene.outputs)
-    return [*scene.columns, *extra]
+    extra = {"angles": ANGLES, "attitude": ATTITUDE, "hodographs": SPACE}
+    asked = (columns for name, columns in extra.items() if name in scene.outputs)
+    return [*scene.columns, *(column for columns in asked for column in columns)]
 
 
 def rows_of(answer: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
@@ -196,6 +210,9 @@ def rows_of(answer: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
         if name in answer:
             header += columns
             parts.append(answer[name])
+    if "hodographs" in answer:  # in the body it is p q r
+        header += SPACE
+        parts.append(answer["hodographs"]["space"])
     return header, [
         [t, *("" if x is None else x for row in rows for x in row)]
         for t, *rows in zip(answer["times"], *parts, strict=True)

@@ -21,7 +21,7 @@ from polhode.exact import Exact
 from polhode.expression import ExpressionError
 from polhode.integrals import Drift, drift
 from polhode.precision import DOUBLE, NumberType, mp, to_mpf
-from polhode.scene import ANGLES, ATTITUDE, STATE, Scene
+from polhode.scene import ANGLES, ATTITUDE, SPACE, STATE, Scene
 from polhode.truth import Reference, TwoPrecisions
 
 MAX_BYTES = 1 << 30
@@ -135,7 +135,7 @@ def read_table(path: Path, number: NumberType | None) -> Table:
     if not rows:
         raise BadInput(str(path), "file", None, "a header line that names the columns")
     header = rows[0][1]
-    known = ("t", *STATE, *ANGLES, *ATTITUDE)
+    known = ("t", *STATE, *ANGLES, *ATTITUDE, *SPACE)
     for name in known:
         if header.count(name) > 1:
             raise BadInput(str(path), "header", name, "each column once")
@@ -193,6 +193,7 @@ def judge(table: Table, truth: Reference | TwoPrecisions, number: NumberType | N
     wanted = math.ceil(cap) + SPARE_DIGITS
     bits = math.ceil(wanted * math.log2(10)) + 32
     notes = [f"column {name} is not known and was not judged" for name in table.ignored]
+    notes += [f"column {name} was not judged: p q r are" for name in SPACE if name in table.columns]
     if not scene.columns[3:]:
         for name in (*STATE[3:], *ANGLES, *ATTITUDE):
             if name in table.columns:
@@ -203,7 +204,7 @@ def judge(table: Table, truth: Reference | TwoPrecisions, number: NumberType | N
             notes.append(f"column {name} is not in the file")
     digits: tuple[float, ...] = ()
     if judged:
-        truth_rows = _rows(truth.at, table, wanted)
+        truth_rows = reference_rows(truth.at, table, wanted)
         states = [
             [table.columns[name][k] if name in judged else None for name in scene.columns]
             for k in range(len(table.times))
@@ -220,7 +221,7 @@ def judge(table: Table, truth: Reference | TwoPrecisions, number: NumberType | N
     )
 
 
-def _rows(ask: Any, table: Table, digits: int) -> list[Any]:
+def reference_rows(ask: Any, table: Table, digits: int) -> list[Any]:
     """Reference rows in the file's order: times of each sign are asked for away from 0."""
     rows: dict[Fraction, Any] = {}
     for times in _by_sign(table.times):
@@ -255,7 +256,7 @@ def _parts(
         if not there:
             continue
         try:
-            rows = _rows(ask, table, wanted)
+            rows = reference_rows(ask, table, wanted)
         except ValueError as fault:  # BadInput is one
             notes.append(f"{what} were not judged: {fault}")
             continue

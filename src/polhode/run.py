@@ -142,7 +142,7 @@ class Run:
         unit = Fraction(2) ** self.scene.time_unit
         inside = times if unit == 1 else [t / unit for t in times]
         rows: list[Any] = []
-        whole = self._rounded(system(self.scene, self.scene.outputs))
+        whole = self._rounded(system(self.scene, self.scene.modelled))
         if inside[0] == 0:
             rows.append([number_value(x, self.number) for x in whole.start])
         if len(rows) == len(inside):

@@ -23,10 +23,11 @@ FORMS = (
     *("general", "inertia-axes", "principal", "momentum", "gyration-axes"),
     *("lagrangian", "hamiltonian", "routhian", "omega-only", "momentum-only", "quaternion"),
 )
-OUTPUTS = ("angles", "attitude")
+OUTPUTS = ("angles", "attitude", "hodographs")
 STATE = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
 ANGLES = ("psi", "theta", "phi")
 ATTITUDE = ("q0", "q1", "q2", "q3")
+SPACE = ("omega_x", "omega_y", "omega_z")  # omega along the axes of space, z up
 ANGLE_VARIABLES = ("psi", "phi")  # of the angles, those that are integrated along
 
 #: Events known by name: theta' = 0, the third axis horizontal, w along the middle principal axis
@@ -221,6 +222,12 @@ class Scene:
             return 0
         mantissa, exponent = exact.rounded(fourth, 8)
         return -((exponent + mantissa.bit_length() - 1) // 4)
+
+    @property
+    def modelled(self) -> tuple[str, ...]:
+        """The outputs that are integrated beside the state: hodographs need the attitude."""
+        needed = {"attitude" if name == "hodographs" else name for name in self.outputs}
+        return tuple(name for name in OUTPUTS if name in needed)
 
     @property
     def starts_at_pole(self) -> bool:

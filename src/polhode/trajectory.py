@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Any
 
 from polhode.forms import equations
+from polhode.hodographs import Hodographs, hodographs
 from polhode.integrals import Drift, drift
 from polhode.precision import NumberType, decimal_in_full, decimal_string, exactly
 from polhode.scene import Scene
@@ -117,8 +118,9 @@ class Trajectory:
 
     ``times``: exact values of the times at which the states hold (already rounded to the type).
     ``states``: shape (len(times), 3 or 6), p q r [gamma1 gamma2 gamma3]: an ndarray for double and
-    extended, rows of mpf above.  ``steps``: Taylor steps taken.  ``events``: one for each event of
-    the scene.  ``projection``: None where the state was not put back on the first integrals.
+    extended, rows of mpf above.  ``attitude``: there where hodographs were asked for, too.
+    ``steps``: Taylor steps taken.  ``events``: one for each event of the scene.  ``projection``:
+    None where the state was not put back on the first integrals.
     """
 
     scene: Scene
@@ -152,6 +154,13 @@ class Trajectory:
         if not self.times:
             return Drift(None, None, None)
         return drift(self.scene, self.states, self.number.bits)
+
+    @cached_property
+    def hodographs(self) -> Hodographs | None:
+        """omega in the body and in space, if asked for."""
+        if "hodographs" not in self.scene.outputs:
+            return None
+        return hodographs(self.states, self.attitude, self.number)
 
     @property
     def cause(self) -> str:
