@@ -61,12 +61,12 @@ def bare(scene: polhode.Scene, number: precision.NumberType) -> Callable[[], flo
         rates = [rate + term for rate, term in zip(rates, heavy, strict=True)]
     rates += [r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2]
     start = [taylor.scalar(v, number) for v in scene.start]
-    grid = taylor._array([taylor.scalar(t, number) for t in scene.times], number)
+    grid = taylor.array([taylor.scalar(t, number) for t in scene.times], number)
     options = taylor._TYPES[number.name](number)
 
     def job() -> float:
         system = list(zip(names, rates, strict=True))
-        built = hy.taylor_adaptive(system, taylor._array(list(start), number), **options)
+        built = hy.taylor_adaptive(system, taylor.array(list(start), number), **options)
         began = time.perf_counter()
         built.propagate_grid(grid)
         return time.perf_counter() - began

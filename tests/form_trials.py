@@ -12,9 +12,10 @@ from mpmath import mpf
 
 from polhode.body import OWN_AXES, Body
 from polhode.forms import Functions
-from polhode.precision import mp, to_mpf
+from polhode.precision import DOUBLE, mp, to_mpf
 from polhode.scene import Scene
 
+F = Fraction
 DIGITS = 50
 WORKING = 140  # a central difference over 1e-40 leaves errors of 1e-80 and 1e-100
 STEP = mpf(10) ** -40
@@ -50,6 +51,13 @@ def rotations(draw):
 
 def turned(rotation, vector):
     return tuple(sum(a * x for a, x in zip(row, vector, strict=True)) for row in rotation)
+
+
+def turned_inertia(rotation, moments):
+    return tuple(
+        tuple(sum(a * m * b for a, m, b in zip(u, moments, v, strict=True)) for v in rotation)
+        for u in rotation
+    )
 
 
 @st.composite
@@ -173,11 +181,8 @@ def dot(a, b):
     return mpmath.fdot(a, b)
 
 
-def integrated(form, times, number, steps=10**6):
-    """The state at the times by heyoka's Taylor method, in scene axes, and the integrator.
-
-    ``times``: exact, in the scene's unit of time.
-    """
+def marched(form, times, number=DOUBLE):
+    """The form's variables at the times (the scene's unit) by heyoka, the run and its outcome."""
     from polhode import taylor
 
     run = taylor.Taylor(
@@ -187,8 +192,30 @@ def integrated(form, times, number, steps=10**6):
         form.start,
         number,
     )
-    unit = Fraction(2) ** form.scene.time_unit
-    rows, outcome = run.chunk([Fraction(t) / unit for t in times], steps)
+    unit = F(2) ** form.scene.time_unit
+    rows, outcome = run.chunk([F(t) / unit for t in times], 10**6)
+    return rows, run, outcome
+
+
+def integrated(form, times, number):
+    """The same with w and gamma in scene axes for the variables."""
+    rows, run, outcome = marched(form, times, number)
     with mpmath.workprec(number.bits + 20):
         k = {name: to_mpf(x, number.bits) for name, x in form.coefficients.items()}
         return [state(form, [mpf(x) for x in row], k) for row in rows], run, outcome
+
+
+def both_runs(name, **changes):
+    """States in double of a turned asymmetric body, in the principal form and in another."""
+    import polhode
+
+    R = [[F(2, 3), F(-1, 3), F(2, 3)], [F(2, 3), F(2, 3), F(-1, 3)], [F(-1, 3), F(2, 3), F(2, 3)]]
+    I, pairs = (F(2), F(3, 2), F(1)), range(3)
+    inertia = tuple(
+        tuple(sum(R[i][m] * I[m] * R[j][m] for m in pairs) for j in pairs) for i in pairs
+    )
+    body = Body(inertia, turned(R, (F(3, 10), F(1, 5), F(1, 2))), 1)
+    start = turned(R, (F(3, 10), F(1, 5), 3)), turned(R, (F(3, 5), F(0), F(4, 5)))
+    times = tuple(F(i, 2) for i in range(1, 21))
+    runs = [Scene(body, *start, times=times, form=form, **changes) for form in ("principal", name)]
+    return [polhode.integrate(scene).states for scene in runs]

@@ -5,7 +5,7 @@ from fractions import Fraction
 import mpmath
 from mpmath import mpf
 
-from polhode import exact
+from closed_form_checks import fractions, number, rotation
 from polhode.references.lagrange import LagrangeTop
 
 F = Fraction
@@ -170,10 +170,6 @@ MOTIONS = {
 CONSTANT = [name for name in MOTIONS if MOTIONS[name][4].startswith("rest")]
 
 
-def fractions(row):
-    return tuple(map(F, row))
-
-
 def motion(name):
     return tuple(fractions(row) for row in MOTIONS[name][:4])
 
@@ -182,37 +178,12 @@ def top_of(name, psi=PSI):
     return LagrangeTop(*motion(name), psi)
 
 
-def number(x):
-    return mpf(exact.rounded(x, mpmath.mp.prec))
-
-
-def distance(one, other, scale=1):
-    """Largest difference of two tables: w over ``scale``, the rest as it is."""
-    with mpmath.workdps(150):
-        return max(
-            abs(x - y) / (scale if i < 3 else 1)
-            for a, b in zip(one, other, strict=True)
-            for i, (x, y) in enumerate(zip(a, b, strict=True))
-        )
-
-
 def speed(name):
     """A lower bound of the largest |w| on the way."""
     _, torque, omega, _ = motion(name)
     with mpmath.workdps(150):
         pendulum = mpmath.sqrt(max(abs(number(x)) for x in torque))
         return max([abs(number(x)) for x in omega]) or pendulum / 100
-
-
-def rotation(q):
-    a, x, y, z = q
-    return mpmath.matrix(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - a * z), 2 * (x * z + a * y)],
-            [2 * (x * y + a * z), 1 - 2 * (x * x + z * z), 2 * (y * z - a * x)],
-            [2 * (x * z - a * y), 2 * (y * z + a * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
 
 
 def rational_axes():

@@ -17,6 +17,15 @@ from hypothesis import strategies as st
 from mpmath import mpf
 
 import truth
+from closed_form_checks import (
+    distance,
+    error_of_1000_digits,
+    fractions,
+    number,
+    residuals,
+    rotation,
+    unwound,
+)
 from polhode import exact
 from polhode.references import euler_angles, euler_attitude, euler_motion
 from polhode.references.euler import EulerTop
@@ -26,10 +35,6 @@ PSI = F(7, 10)
 GAMMA = (F(12, 25), F(3, 5), F(16, 25))
 DATA = Path(__file__).parent / "data" / "closed-form-50-digits.json"
 CASES = [c for c in json.loads(DATA.read_text())["cases"] if c["group"] == "euler"]
-
-
-def fractions(row):
-    return tuple(map(F, row))
 
 
 #: name: moments, omega, regime.  The separatrices: p^2 A(B-A) = r^2 C(C-B) makes G^2 = 2hB.
@@ -105,31 +110,6 @@ def top_of(name, gamma=GAMMA, psi=PSI):
     return EulerTop(fractions(moments), fractions(omega), gamma, psi)
 
 
-def rotation(q):
-    a, x, y, z = q
-    return mpmath.matrix(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - a * z), 2 * (x * z + a * y)],
-            [2 * (x * y + a * z), 1 - 2 * (x * x + z * z), 2 * (y * z - a * x)],
-            [2 * (x * z - a * y), 2 * (y * z + a * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-
-
-def number(x):
-    return mpf(exact.rounded(x, mpmath.mp.prec))
-
-
-def distance(one, other, scale=1):
-    """Largest difference of two tables: w over ``scale``, the rest as it is."""
-    with mpmath.workdps(150):
-        return max(
-            abs(x - y) / (scale if i < 3 else 1)
-            for a, b in zip(one, other, strict=True)
-            for i, (x, y) in enumerate(zip(a, b, strict=True))
-        )
-
-
 def speed(omega):
     with mpmath.workdps(150):
         return max(abs(number(F(x))) for x in omega) or mpf(1)
@@ -153,43 +133,16 @@ def test_two_precisions_agree(name):
 
 @pytest.mark.parametrize("name", ["around C", "around A", "separatrix", "sphere"])
 def test_1000_digits(name):
-    top, times = top_of(name), [F(10**12)]
-    with mpmath.workdps(1050):
-        (x,), (y,) = top.at(times, 1000), top.at(times, 1020)
-        error = max(abs(a - b) for a, b in zip(x, y, strict=True))
+    error = error_of_1000_digits(top_of(name), [F(10**12)])
     assert mpf(10) ** -1010 < error < mpf(10) ** -1000
 
 
 @pytest.mark.parametrize("name", MOTIONS)
 def test_equations_are_satisfied(name):
-    """Derivatives by the five-point rule, step 1e-40: truncation 1e-160, rounding 1e-160."""
-    top, A = top_of(name), fractions(MOTIONS[name][0])
-    step, now = F(1, 10**40), F(13, 10)
-    times = [now + k * step for k in (-2, -1, 0, 1, 2)]
-    rows = [a + b for a, b in zip(top.at(times, 200), top.attitude(times, 200), strict=True)]
-    with mpmath.workdps(220):
-        A = [number(a) for a in A]
-        one, two, (p, q, r, g1, g2, g3, a, x, y, z), four, five = rows
-        slopes = [
-            (s - 8 * t + 8 * u - v) / (12 * number(step))
-            for s, t, u, v in zip(one, two, four, five, strict=True)
-        ]
-        rules = [
-            (A[1] - A[2]) * q * r / A[0],
-            (A[2] - A[0]) * r * p / A[1],
-            (A[0] - A[1]) * p * q / A[2],
-            g2 * r - g3 * q,
-            g3 * p - g1 * r,
-            g1 * q - g2 * p,
-            -(x * p + y * q + z * r) / 2,
-            (a * p + y * r - z * q) / 2,
-            (a * q + z * p - x * r) / 2,
-            (a * r + x * q - y * p) / 2,
-        ]
-        scale = speed(MOTIONS[name][1])
-        error = max(abs(s - t) for s, t in zip(slopes, rules, strict=True)) / scale
-        assert error < mpf(10) ** -150
-        assert name == "rest" or name.startswith("spin") or error > mpf(10) ** -180
+    errors, _ = residuals(top_of(name), fractions(MOTIONS[name][0]))
+    error = max(errors) / speed(MOTIONS[name][1])
+    assert error < mpf(10) ** -150
+    assert name == "rest" or name.startswith("spin") or error > mpf(10) ** -180
 
 
 @pytest.mark.parametrize("name", MOTIONS)
@@ -364,7 +317,7 @@ def test_full_inertia_matrix(name):
     closed = [a + b for a, b in zip(top.at(times, 40), top.attitude(times, 40), strict=True)]
     assert mpf(10) ** -52 < distance(taylor, closed) < mpf(10) ** -40
     psi, _, phi = top.angles([F(9)], 15)[0]
-    more_psi, more_phi = unwound(top, F(9))
+    more_psi, more_phi = unwound(top, F(0), F(9), 540)
     assert abs(psi - mpf("0.7") - more_psi) < 1e-12
     assert abs(phi - mpmath.atan2(12, 15) - more_phi) < 1e-12
 
@@ -398,17 +351,6 @@ def test_quaternion_never_changes_sign(name):
     assert rows[count // 2][0] >= 0
 
 
-def unwound(top, end, digits=15):
-    """psi and phi at the end, by closely sampled principal differences."""
-    count = 60 * math.ceil(abs(end))
-    rows = top.attitude([end * F(k, count) for k in range(count + 1)], digits)
-    args = []
-    for i, j in ((0, 3), (1, 2)):
-        points = [mpmath.mpc(row[i], row[j]) for row in rows]
-        args.append(sum(mpmath.arg(b / a) for a, b in itertools.pairwise(points)))
-    return args[0] + args[1], args[0] - args[1]
-
-
 @pytest.mark.parametrize("name", MOTIONS)
 @pytest.mark.parametrize("end", [F(17), F(-17)])
 def test_psi_and_phi_count_their_turns(name, end):
@@ -417,7 +359,7 @@ def test_psi_and_phi_count_their_turns(name, end):
     if name == "needle":
         end = F(0)  # too fast for the samples below
         psi, _, phi = top.angles([end], 15)[0]
-    more_psi, more_phi = unwound(top, end) if end else (0, 0)
+    more_psi, more_phi = unwound(top, F(0), end, 60 * math.ceil(abs(end))) if end else (0, 0)
     assert abs(psi - mpf("0.7") - more_psi) < 1e-12
     assert abs(phi - mpmath.atan2(12, 15) - more_phi) < 1e-12
 
@@ -447,7 +389,7 @@ def test_psi_about_the_momentum_is_closed(name, sign, monkeypatch):
     top = along_momentum(name, sign)
     psi, _, phi = top.angles([F(12)], 15)[0]
     start = top.angles([F(0)], 15)[0]
-    more_psi, more_phi = unwound(top, F(12))
+    more_psi, more_phi = unwound(top, F(0), F(12), 720)
     assert abs(psi - start[0] - more_psi) < 1e-12
     assert abs(phi - start[2] - more_phi) < 1e-12
     (one,), (other,) = top.angles([F(10**12)], 30), top.angles([F(10**12)], 50)
@@ -480,7 +422,7 @@ def straddling():
 def test_psi_about_another_axis_is_counted_up_to_a_limit():
     top = straddling()
     psi, _, phi = top.angles([F(15)], 15)[0]
-    more_psi, more_phi = unwound(top, F(15))
+    more_psi, more_phi = unwound(top, F(0), F(15), 900)
     assert abs(psi - more_psi) < 1e-12
     assert abs(phi - mpmath.pi / 2 - more_phi) < 1e-12
     with pytest.raises(ValueError, match=r"turns must be counted.*\|t\| up to 2\.\d+e\+6"):

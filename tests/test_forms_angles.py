@@ -39,11 +39,8 @@ def asymmetric(**changes):
     return Scene(body, **(start | changes))
 
 
-def lagrangian_of(scene):
-    """L as a function of angles and rates, in the principal axes and the scene's own units."""
-    own = lagrangian.for_scene(scene)
-    _, k = numbers(own)
-    I, torque = [k[x] for x in "ABC"], [k.get(x, mpf(0)) for x in "xyz"]
+def attitude(angles):
+    """R = Rz(psi) Rx(theta) Rz(phi)."""
 
     def turn(i, j, angle):
         m = mpmath.eye(3)
@@ -52,9 +49,15 @@ def lagrangian_of(scene):
         m[i, j] = -m[j, i]
         return m
 
-    def attitude(angles):
-        psi, theta, phi = angles
-        return turn(0, 1, psi) * turn(1, 2, theta) * turn(0, 1, phi)
+    psi, theta, phi = angles
+    return turn(0, 1, psi) * turn(1, 2, theta) * turn(0, 1, phi)
+
+
+def lagrangian_of(scene):
+    """L as a function of angles and rates, in the principal axes and the scene's own units."""
+    own = lagrangian.for_scene(scene)
+    _, k = numbers(own)
+    I, torque = [k[x] for x in "ABC"], [k.get(x, mpf(0)) for x in "xyz"]
 
     def value(angles, rates):
         R = attitude(angles)
@@ -162,7 +165,7 @@ def test_rouths_equations_hold_for_the_routhian(kind, data):
 def test_the_routhian_reverses_together_with_f(kind, data):
     """3.14, remark 1: t, f -> -t, -f is a symmetry of the equations."""
     with mpmath.workdps(WORKING):
-        form = routhian.for_scene(data.draw(scenes(kind)))
+        form = routhian.for_scene(data.draw(scenes(kind, turn=False)))
         values, k = numbers(form)
         back = [*values[:2], *(-x for x in values[2:])]
         odd = {name: -k[name] for name in ("f", "g") if name in k}
@@ -203,6 +206,22 @@ def test_a_sphere_has_nothing_of_the_moments_left():
     form = routhian.for_scene(replace(asymmetric(), body=body))
     assert form.reduced is routhian.spherical
     assert not {"n", "e", "B-A", "p.qr", "x", "y"} & set(form.coefficients)
+
+
+@given(scenes())
+@few
+def test_the_angles_at_the_start_are_those_of_the_principal_axes_in_the_scenes_attitude(scene):
+    with mpmath.workdps(WORKING):
+        try:
+            form = lagrangian.for_scene(scene)
+        except BadInput:
+            return
+        bits = mp(WORKING).bits
+        g1, g2, g3 = (to_mpf(x, bits) for x in scene.gamma)
+        psi = to_mpf(scene.psi, bits)
+        whole = attitude([psi, mpmath.acos(g3), mpmath.atan2(g1, g2)])
+        axes = mpmath.matrix([[to_mpf(x, bits) for x in row] for row in form.axes.rows])
+        assert close(attitude(numbers(form)[0][:3]), whole * axes.T)
 
 
 # The misprints: the source's printed lines fail where the form's own lines hold.
@@ -387,3 +406,40 @@ def test_nothing_that_vanishes_is_compiled():
     assert "r.pq" not in form.coefficients
     assert " 0.0" not in text
     assert "(0 *" not in text
+
+
+# As a scene asks for it.
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_a_turned_body_gives_the_states_of_the_principal_form(name):
+    found = trials.both_runs(name)
+    assert abs(found[0] - found[1]).max() < 256 * 2**-52
+    assert (found[0] != found[1]).any()
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_a_run_that_meets_the_pole_says_so(name):
+    scene = replace(passing(F(1, 10**8)), times=(F(1, 8), F(1)), form=name)
+    run = polhode.integrate(scene)
+    assert run.outcome is polhode.Outcome.SINGULAR
+    assert run.advice == "use --form principal"
+    assert len(run.states) == 1
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_angles_and_attitude_come_out_as_in_the_principal_form(name):
+    scene = replace(asymmetric(), times=(F(1), F(5)), outputs=("angles", "attitude"))
+    one, other = (polhode.integrate(replace(scene, form=form)) for form in ("principal", name))
+    for found in ("angles", "attitude"):
+        rows = zip(getattr(one, found), getattr(other, found), strict=True)
+        assert max(abs(a - b) for x, y in rows for a, b in zip(x, y, strict=True)) < 256 * 2**-52
+
+
+@pytest.mark.parametrize("name", ["lagrangian", "hamiltonian"])
+def test_the_forms_own_psi_is_that_of_the_scene(name):
+    """In principal axes the integrated precession is the psi that the output integrates."""
+    scene = replace(asymmetric(), times=(F(5),), outputs=("angles",))
+    psi = polhode.integrate(scene).angles[0][0]
+    rows = trials.marched(FORMS[name].for_scene(scene), [5])[0]
+    assert abs(rows[0][0] - psi) < 256 * 2**-52

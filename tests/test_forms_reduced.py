@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from mpmath import mpf
 
 import form_trials as trials
+import polhode
 import truth
 from form_trials import MP, WORKING, close, cross, dot, numbers, scenes
 from polhode import taylor
@@ -183,33 +184,19 @@ def exact_motion(scene, times, digits):
     )
 
 
-def swings(form, times):
-    """D at the times, from a run in double."""
-    run = taylor.Taylor(
-        form.variables,
-        lambda values, k: form.field(values, k, taylor.EXPRESSIONS),
-        form.coefficients,
-        form.start,
-        DOUBLE,
-    )
-    unit = F(2) ** form.scene.time_unit
-    rows, outcome = run.chunk([t / unit for t in times], 10**6)
-    assert taylor.at_end(outcome)
-    return [row[3] for row in rows]
-
-
-@pytest.mark.parametrize("name", FORMS)
+@pytest.mark.parametrize(
+    "name", ["omega-only", pytest.param("momentum-only", marks=pytest.mark.slow)]
+)
 def test_forty_digits_give_the_principal_motion_to_38_through_branch_points(name):
-    """A regular motion to t = 10: D changes sign some thirty times, and nothing is lost."""
+    """A regular motion to t = 10: D changes sign 25 times, and nothing is lost."""
     form = FORMS[name].for_scene(REGULAR)
-    D = swings(form, [F(i, 100) for i in range(1, 1001)])
+    D = [row[3] for row in trials.marched(form, [F(i, 100) for i in range(1, 1001)])[0]]
     crossings = sum(a * b < 0 for a, b in pairwise(D))
-    assert crossings >= 5
-    rows, _, outcome = trials.integrated(form, [5, 10], mp(41))
+    assert crossings == 25
+    rows, _, outcome = trials.integrated(form, [10], mp(41))
     assert taylor.at_end(outcome)
-    print(name, crossings)
     with mpmath.workdps(60):
-        for row, exact in zip(rows, exact_motion(REGULAR, [5, 10], 45), strict=True):
+        for row, exact in zip(rows, exact_motion(REGULAR, [10], 45), strict=True):
             error = max(abs(a - b) for a, b in zip(row, exact, strict=True))
             assert mpf(10) ** -44 < error < mpf(10) ** -38 * max(map(abs, exact))
 
@@ -246,9 +233,12 @@ def test_distance_lies_between_0_and_1(name, scene):
 
 
 @pytest.mark.parametrize("name", FORMS)
-def test_double_loses_digits_where_the_momentum_starts_near_the_centre(name):
-    """Iw at an angle of 1e-2, 1e-4, 1e-6 to r0; distance is the square of it, up to a factor."""
-    errors, near = [], []
+def test_double_loses_the_digits_of_the_miss_where_the_momentum_starts_along_the_centre(name):
+    """Iw at an angle of about 1e-2, 1e-4, 1e-6 to r0: the error grows as eps over the angle.
+
+    Measured 0.2 to 0.4 times that; distance is the square of the angle, up to a factor.
+    """
+    near = []
     for miss in (F(1, 10**2), F(1, 10**4), F(1, 10**6)):
         scene = replace(REGULAR, omega=(F(3, 20), F(2, 15) + miss, F(1, 2)))
         form = FORMS[name].for_scene(scene)
@@ -258,7 +248,27 @@ def test_double_loses_digits_where_the_momentum_starts_near_the_centre(name):
         near.append(form.distance(values, k, MP) / truth.number(miss) ** 2)
         with mpmath.workdps(40):
             exact = exact_motion(scene, [1], 30)[0]
-            errors.append(max(abs(a - b) for a, b in zip(rows[0], exact, strict=True)) / 2**-52)
-    print(name, [float(x) for x in errors], [float(x) for x in near])
-    assert max(near) < 2 * min(near)
-    assert errors[2] > 10 * errors[0]
+            error = max(abs(a - b) for a, b in zip(rows[0], exact, strict=True))
+            assert mpf("0.01") < error * truth.number(miss) / mpf(2) ** -52 < 10, miss
+    assert max(near) < mpf("1.01") * min(near)
+
+
+# As a scene asks for it.
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_a_run_that_meets_the_singular_set_says_so(name):
+    """A Lagrange top with p = q = 0 at the start is there at once, and the tilted one near it."""
+    body = Body.of_moments((1, 1, F(1, 2)), (0, 0, 1), 1)
+    scene = Scene(body, (F(1, 10**6), 0, 3), (F(3, 5), 0, F(4, 5)), times=(F(1), F(2)), form=name)
+    run = polhode.integrate(scene)
+    assert run.outcome is polhode.Outcome.SINGULAR
+    assert run.advice == "use --form principal"
+    assert len(run.states) == 0
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_a_turned_body_gives_the_states_of_the_principal_form(name):
+    found = trials.both_runs(name)
+    assert abs(found[0] - found[1]).max() < 256 * 2**-52
+    assert (found[0] != found[1]).any()

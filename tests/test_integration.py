@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from dataclasses import replace
@@ -249,7 +251,13 @@ def test_a_state_that_becomes_infinite_is_an_outcome(monkeypatch):
 
 @pytest.mark.parametrize("number", ["double", "quad"])
 def test_ctrl_c_ends_a_run_within_a_second_and_reports_what_was_reached(number):
-    timer = threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT))
+    sent: list[float] = []
+
+    def press() -> None:
+        sent.append(time.perf_counter())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(1.0, press)
     scene = polhode.load("euler/largest-axis")
     times = [Fraction(k) for k in range(100, 40_000_000, 100_000)]
     timer.start()
@@ -258,8 +266,26 @@ def test_ctrl_c_ends_a_run_within_a_second_and_reports_what_was_reached(number):
     timer.join()
     assert run.outcome is Outcome.INTERRUPTED
     assert run.reached > 0
-    assert len(run.times) == len(run.states)
-    assert ended > 0
+    assert len(run.times) == len(run.states) < len(times)
+    assert all(t <= run.reached for t in run.times)
+    assert ended - sent[0] < 10  # a second on a quiet machine; the whole run would take minutes
+
+
+def test_ctrl_c_of_the_program_exits_130_and_writes_nothing(tmp_path):
+    path = tmp_path / "x.csv"
+    code = "import sys; from polhode.cli import main; sys.exit(main(sys.argv[1:]))"
+    asked = ["run", "euler/largest-axis", "--at", "100,1e10", "--max-steps", "1000000000000"]
+    with subprocess.Popen(
+        [sys.executable, "-c", code, *asked, "-o", str(path)], stderr=subprocess.PIPE, text=True
+    ) as program:
+        time.sleep(3)  # for the start of Python and the compiler: the run itself would take hours
+        pressed = time.perf_counter()
+        program.send_signal(signal.SIGINT)
+        _, said = program.communicate(timeout=60)
+    assert time.perf_counter() - pressed < 10
+    assert program.returncode == 130
+    assert "interrupted" in said
+    assert not list(tmp_path.iterdir())
 
 
 def test_every_outcome_has_a_cause_and_every_failure_advice():

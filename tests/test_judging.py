@@ -46,7 +46,7 @@ def test_digits_never_exceed_what_the_type_has():
     judged = polhode.compare(exact_run("euler/largest-axis"))
     assert judged.worst <= DOUBLE.most_digits
     assert judged.worst > DOUBLE.most_digits - 0.7
-    assert judged.limit == "the number type"
+    assert judged.limit == "rounding"
 
 
 def test_pointwise_digits_are_relative_to_the_rate_at_the_same_time():
@@ -121,15 +121,16 @@ def test_rounding_the_inputs_alone_is_told_from_the_steps():
     """On a fast top the steps cost digits; on the separatrix the rounded inputs do."""
     fast = polhode.compare(polhode.integrate("euler/fast-spin"))
     assert fast.input_rounding > fast.worst + 1
-    assert fast.limit == "rounding in the steps"
+    assert fast.limit == "method (rounding in the steps)"
+    assert fast.attribution.method < fast.worst + 0.5
     apart = polhode.compare(polhode.integrate("euler/separatrix"))
     assert abs(apart.input_rounding - apart.worst) < 0.7
 
 
 def test_a_loose_tolerance_is_named_as_the_limit():
     judged = polhode.compare(polhode.integrate("euler/largest-axis", at=[10], tol=1e-7))
-    assert judged.limit == "the tolerance"
-    assert "limited by the tolerance" in str(judged)
+    assert judged.limit == "method (tolerance 1.0e-07)"
+    assert "limited by method (tolerance" in str(judged)
 
 
 def test_a_run_is_judged_against_the_exact_scene_not_its_rounded_inputs():

@@ -14,6 +14,7 @@ import pytest
 from mpmath import mpc, mpf
 
 import truth
+from closed_form_checks import fractions, number
 from polhode import exact
 from polhode.body import OWN_AXES, Axes, cross, dot
 from polhode.references import kovalevskaya_generic, riemann_theta
@@ -24,10 +25,6 @@ BODY = (F(2), F(2), F(1))
 TORQUE = (F(1), F(0), F(0))
 DATA = Path(__file__).parent / "data" / "closed-form-50-digits.json"
 CASES = [c for c in json.loads(DATA.read_text())["cases"] if c["group"] == "kovalevskaya"]
-
-
-def fractions(row):
-    return tuple(map(F, row))
 
 
 #: regime: omega, gamma of the body (2, 2, 1), r0 = (1, 0, 0), Mg = 1.  The six types.
@@ -102,10 +99,6 @@ PSI = F(7, 10)
 
 def top_of(omega, gamma):
     return KovalevskayaTop(BODY, TORQUE, fractions(omega), fractions(gamma), PSI)
-
-
-def number(x):
-    return mpf(exact.rounded(x, mpmath.mp.prec))
 
 
 def distance(one, other):

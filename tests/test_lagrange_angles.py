@@ -8,19 +8,8 @@ import pytest
 from mpmath import mpf
 
 import truth
-from lagrange_motions import (
-    MOTIONS,
-    PSI,
-    distance,
-    in_scene,
-    motion,
-    number,
-    rational_axes,
-    rotation,
-    small,
-    tilted,
-    top_of,
-)
+from closed_form_checks import distance, number, rotation, unwound
+from lagrange_motions import MOTIONS, PSI, in_scene, motion, rational_axes, small, tilted, top_of
 from polhode import exact
 from polhode.references import euler_angles
 from polhode.references.lagrange import LagrangeTop
@@ -34,16 +23,6 @@ REGULAR = [n for n in MOTIONS if not MOTIONS[n][4].startswith((*THROUGH, "rest",
 CLOSED = [n for n in REGULAR if n not in ("first axis", "second axis", "sphere")]
 #: Near-poles are passed in less than a sample.
 SMOOTH = [n for n in REGULAR if "pole" not in n and n not in ("fast", "almost hanging 1e-60")]
-
-
-def unwound(top, start, end, count=450):
-    """The growth of psi and phi, by closely sampled principal differences."""
-    rows = top.attitude([start + (end - start) * F(k, count) for k in range(count + 1)], 15)
-    args = []
-    for i, j in ((0, 3), (1, 2)):
-        points = [mpmath.mpc(row[i], row[j]) for row in rows]
-        args.append(sum(mpmath.arg(b / a) for a, b in itertools.pairwise(points)))
-    return args[0] + args[1], args[0] - args[1]
 
 
 @pytest.mark.parametrize("name", MOTIONS)
@@ -89,7 +68,7 @@ def test_quaternion_never_changes_sign(name):
 def test_psi_and_phi_count_their_turns(name, end):
     top = top_of(name)
     (psi, _, phi), (psi0, _, phi0) = top.angles([end, F(0)], 15)
-    more_psi, more_phi = unwound(top, F(0), end)
+    more_psi, more_phi = unwound(top, F(0), end, 450)
     assert abs(psi - psi0 - more_psi) < 1e-11
     assert abs(phi - phi0 - more_phi) < 1e-11
 
@@ -132,7 +111,7 @@ def test_another_axis_is_counted_up_to_a_limit():
     top = top_of("second axis")
     psi, _, phi = top.angles([F(15)], 15)[0]
     psi0, _, phi0 = top.angles([F(0)], 15)[0]
-    more_psi, more_phi = unwound(top, F(0), F(15))
+    more_psi, more_phi = unwound(top, F(0), F(15), 450)
     assert abs(psi - psi0 - more_psi) < 1e-12
     assert abs(phi - phi0 - more_phi) < 1e-12
     assert top.angles([F(300)], 15) == top.angles([F(3 * k) for k in range(101)], 15)[-1:]
@@ -147,7 +126,7 @@ def test_counting_through_near_poles_of_the_scene():
     gamma = (2 * x / n, 2 * y / n, (2 - n) / n)
     top = LagrangeTop((F(2),) * 3, (F(-4, 3), F(0), F(-1)), (small(3), small(3), F(-1, 2)), gamma)
     (psi, _, phi), (psi0, _, phi0) = top.angles([F(9), F(1)], 15)
-    more_psi, more_phi = unwound(top, F(1), F(9))
+    more_psi, more_phi = unwound(top, F(1), F(9), 450)
     assert abs(psi - psi0 - more_psi) < 1e-12
     assert abs(phi - phi0 - more_phi) < 1e-12
 
@@ -186,7 +165,7 @@ def test_from_a_pole(third):
     assert abs(before[2] - mpmath.atan2(third * 1, -third * 2)) < 1e-15
     assert abs(after[0] + third * after[2]) < 1e-15  # psi +- phi is continuous
     assert abs(before[0] + third * before[2]) < 1e-15
-    more_psi, more_phi = unwound(top, tiny, F(1))
+    more_psi, more_phi = unwound(top, tiny, F(1), 450)
     assert abs(later[0] - after[0] - more_psi) < 1e-12
     assert abs(later[2] - after[2] - more_phi) < 1e-12
 

@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from polhode.body import Body
+    from polhode.chaos import Lyapunov, lyapunov
+    from polhode.conditioning import Conditioning, conditioning_of
+    from polhode.ensemble import Ensemble, integrate_many
     from polhode.errors import BadInput
     from polhode.integration import integrate
     from polhode.judging import Judgement, compare
@@ -17,14 +20,20 @@ if TYPE_CHECKING:
 _HOMES = {
     "Body": "body",
     "BadInput": "errors",
+    "Conditioning": "conditioning",
+    "Ensemble": "ensemble",
     "Judgement": "judging",
+    "Lyapunov": "chaos",
     "Outcome": "trajectory",
     "Scene": "scene",
     "Trajectory": "trajectory",
     "__version__": "provenance",
     "compare": "judging",
+    "conditioning_of": "conditioning",
     "integrate": "integration",
+    "integrate_many": "ensemble",
     "load": "library",
+    "lyapunov": "chaos",
     "reference": "truth",
 }
 

@@ -4,21 +4,28 @@ from __future__ import annotations
 
 import decimal
 import json
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from polhode import precision
+from polhode.attribution import is_lost
 from polhode.errors import BadInput
 from polhode.exact import Exact
 from polhode.files import check_writable, write_whole
+from polhode.hodographs import Hodographs
 from polhode.precision import NumberType, decimal_in_full, decimal_string, exactly, shown
 from polhode.provenance import provenance
-from polhode.scene import ANGLES, ATTITUDE, Scene
+from polhode.scene import ANGLES, ATTITUDE, SPACE, Scene
 from polhode.trajectory import EventTimes, Trajectory, strings
 
+#: What a trajectory's CSV holds and its sidecar does not repeat.
+_TABLE = ("times", "states", "angles", "attitude", "hodographs")
+
 if TYPE_CHECKING:  # a run needs none of these
+    from polhode.chaos import Lyapunov
     from polhode.foreign import Verdict
     from polhode.integrals import Drift
     from polhode.judging import Judgement
@@ -46,8 +53,10 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
     }
     if run.angles is not None:
         answer["angles"] = strings(run.angles, run.number)
-    if run.attitude is not None:
+    if "attitude" in run.scene.outputs:
         answer["attitude"] = strings(run.attitude, run.number)
+    if run.hodographs is not None:
+        answer["hodographs"] = of_hodographs(run.hodographs, run.number)
     if run.scene.events:
         answer["events"] = [of_event(event, run.number) for event in run.events]
     if run.projection is not None:
@@ -64,6 +73,11 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
         "provenance": dict(run.provenance),
     }
     return answer
+
+
+def of_hodographs(curves: Hodographs, number: NumberType) -> dict[str, Any]:
+    """omega in the body and in space as decimal strings."""
+    return {name: strings(rows, number) for name, rows in curves._asdict().items()}
 
 
 def of_event(event: EventTimes, number: NumberType) -> dict[str, Any]:
@@ -107,6 +121,8 @@ def of_reference(truth: Reference, times: Sequence[Exact], digits: int) -> dict[
         answer["angles"] = strings(truth.angles(held, digits + 1), number)
     if "attitude" in scene.outputs:
         answer["attitude"] = strings(truth.attitude(held, digits + 1), number)
+    if "hodographs" in scene.outputs:
+        answer["hodographs"] = of_hodographs(truth.hodographs(held, digits + 1), number)
     answer |= {"outcome": "reached end", "steps": 0, "provenance": provenance(scene.text)}
     return answer
 
@@ -121,8 +137,10 @@ def of_judgement(judged: Judgement) -> dict[str, Any]:
         "times": [decimal_in_full(t) for t in judged.times],
         "correct_digits": [round(d, 2) for d in judged.digits],
         "pointwise_digits": [round(d, 2) for d in judged.pointwise],
+        "digits_possible": [None if p is None else round(p, 2) for p in judged.digits_possible],
         "worst": round(judged.worst, 2),
         "worst_time": decimal_in_full(judged.worst_time),
+        "limit": judged.limit,
         "drift": of_drift(judged.drift),
     }
     if not truth.is_closed_form:
@@ -147,7 +165,7 @@ def write_trajectory(path: Path, answer: dict[str, Any]) -> None:
     """A trajectory as CSV, number type, bits, scene and provenance in a JSON file beside it."""
     header, rows = rows_of(answer)
     text = "".join(",".join(row) + "\n" for row in (header, *rows))
-    kept = {k: v for k, v in answer.items() if k not in ("times", "states", "angles", "attitude")}
+    kept = {k: v for k, v in answer.items() if k not in _TABLE}
     write_whole({path: text, sidecar(path): as_json(kept)})
 
 
@@ -179,8 +197,9 @@ def frequencies(truth: Any, digits: int = 17) -> dict[str, str | None]:
 
 def columns_of(scene: Scene) -> list[str]:
     """All columns that a run of the scene gives."""
-    extra = [*ANGLES] * ("angles" in scene.outputs) + [*ATTITUDE] * ("attitude" in scene.outputs)
-    return [*scene.columns, *extra]
+    extra = {"angles": ANGLES, "attitude": ATTITUDE, "hodographs": SPACE}
+    asked = (columns for name, columns in extra.items() if name in scene.outputs)
+    return [*scene.columns, *(column for columns in asked for column in columns)]
 
 
 def rows_of(answer: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
@@ -191,6 +210,9 @@ def rows_of(answer: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
         if name in answer:
             header += columns
             parts.append(answer[name])
+    if "hodographs" in answer:  # in the body it is p q r
+        header += SPACE
+        parts.append(answer["hodographs"]["space"])
     return header, [
         [t, *("" if x is None else x for row in rows for x in row)]
         for t, *rows in zip(answer["times"], *parts, strict=True)
@@ -207,9 +229,17 @@ def of_verdict(verdict: Verdict) -> dict[str, Any]:
         "regime": truth.regime,
         "judged": list(verdict.judged),
         "times": [in_full(t) for t in table.times],
-        "correct_digits": [round(d, 2) for d in verdict.digits],
-        "worst": None if verdict.worst is None else round(verdict.worst, 2),
+        "correct_digits": [
+            None if is_lost(d, p) else round(d, 2)
+            for d, p in zip(verdict.digits, verdict.digits_possible, strict=True)
+        ],
+        "digits_possible": [None if p is None else round(p, 2) for p in verdict.digits_possible],
+        "worst": None if verdict.worst is None or verdict.lost else round(verdict.worst, 2),
         "worst_time": None if verdict.worst_time is None else in_full(verdict.worst_time),
+        "limit": verdict.limit,
+        "motion": of_motion(verdict.motion),
+        "yardstick": verdict.yardstick.name,
+        "no_digits_left_after": verdict.lost_after if verdict.lost else None,
         "parts": {name: round(d, 2) for name, d in verdict.parts.items()},
         "drift": None if verdict.drift is None else of_drift(verdict.drift),
         "not_judged": list(verdict.notes),
@@ -217,6 +247,17 @@ def of_verdict(verdict: Verdict) -> dict[str, Any]:
     if not truth.is_closed_form:
         answer["reference_digits"] = round(truth.agreement, 1)
     return answer
+
+
+def of_motion(found: Lyapunov) -> dict[str, Any]:
+    """The verdict regular or chaotic as a JSON object."""
+    return {
+        "verdict": found.verdict,
+        "exponent": float(f"{found.exponent:.4g}"),
+        "uncertainty": None if found.uncertainty == math.inf else float(f"{found.uncertainty:.2g}"),
+        "until": found.end,
+        "reason": found.reason,
+    }
 
 
 def of_check(report: Report) -> dict[str, Any]:
@@ -234,6 +275,7 @@ def of_check(report: Report) -> dict[str, Any]:
                 "outcome": line.outcome,
                 "passed": line.passed,
                 "verdict": line.verdict,
+                "limit": line.limit or None,
             }
             for line in report.lines
         ],

@@ -154,6 +154,12 @@ class Body:
             return ZERO, ZERO, ZERO
         return scaled(self.weight, self.centre)
 
+    @cached_property
+    def pendulum_rate_fourth(self) -> Exact:
+        """(Mg|r0| / largest moment)²: the slowest small oscillation's rate to the fourth power."""
+        largest = max(self.moments)
+        return dot(self.torque, self.torque) / (largest * largest)
+
     @property
     def torque_free(self) -> bool:
         """Whether gravity has no moment about the fixed point."""

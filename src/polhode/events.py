@@ -38,10 +38,6 @@ _PROBES = 8  # steps over which an expression that starts at zero must leave it
 _ROUNDS = 6  # of Newton's method; two are the rule
 _T = hy.make_vars("t")
 
-# heyoka says on stdout, the place for results, when it gives up on a multiple zero; such zeros are
-# found through the derivative, and what is lost all the same shows in ``EventTimes.complete``.
-hy.set_logger_level_error()
-
 
 class _Mark(NamedTuple):
     """A zero or a grazing contact: time since the start and state, in the run's own units."""
@@ -246,7 +242,7 @@ class Watch:
                 EventTimes(
                     name=event.name,
                     times=tuple(self.number.rounded(m.time) * unit for m in marks),
-                    states=read.states([self.integrator.numbers(m.row) for m in marks]),
+                    states=read.states([taylor.numbers(m.row, self.number) for m in marks]),
                     grazing=tuple(m.slope == 0 for m in marks),
                     complete=complete,
                 )

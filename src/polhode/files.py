@@ -10,8 +10,8 @@ from pathlib import Path
 from polhode.errors import BadInput
 
 
-def write_whole(texts: Mapping[Path, str]) -> None:
-    """Write text files that belong together; raises BadInput.
+def write_whole(texts: Mapping[Path, str | bytes]) -> None:
+    """Write files, text or bytes, that belong together; raises BadInput.
 
     Each goes to a temporary file beside its place first; they are renamed once all are complete.
     """
@@ -20,8 +20,8 @@ def write_whole(texts: Mapping[Path, str]) -> None:
     try:
         for path, text in texts.items():
             handle, staged[path] = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as out:
-                out.write(text)
+            with os.fdopen(handle, "wb") as out:
+                out.write(text.encode() if isinstance(text, str) else text)
                 out.flush()
                 os.fsync(out.fileno())
             os.chmod(staged[path], 0o666 & ~_umask())

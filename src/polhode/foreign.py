@@ -7,16 +7,21 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from pathlib import Path
 from typing import Any, TextIO
 
 from polhode import expression
+from polhode.attribution import is_lost, limit
+from polhode.chaos import Lyapunov, lyapunov
+from polhode.conditioning import Conditioning, conditioning
 from polhode.correct_digits import digits_of, errors, rate_scale
 from polhode.errors import BadInput
+from polhode.exact import Exact
 from polhode.expression import ExpressionError
 from polhode.integrals import Drift, drift
-from polhode.precision import NumberType, to_mpf
-from polhode.scene import ANGLES, ATTITUDE, STATE, Scene
+from polhode.precision import DOUBLE, NumberType, mp, to_mpf
+from polhode.scene import ANGLES, ATTITUDE, SPACE, STATE, Scene
 from polhode.truth import Reference, TwoPrecisions
 
 MAX_BYTES = 1 << 30
@@ -37,7 +42,12 @@ class Table:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Correct digits of a table over time, and what could not be judged and why."""
+    """Correct digits of a table over time, and what could not be judged and why.
+
+    ``yardstick``: the number type whose rounding the digits possible are about: the one named, else
+    double, or one of as many digits as are printed where those are more than a double's 17.
+    ``held``: the most correct digits that can be told.
+    """
 
     table: Table
     reference: Reference | TwoPrecisions
@@ -46,6 +56,55 @@ class Verdict:
     parts: dict[str, float]
     drift: Drift | None
     notes: tuple[str, ...]
+    yardstick: NumberType
+    held: float
+
+    @cached_property
+    def conditionings(self) -> tuple[Conditioning, ...]:
+        """Kappa at the table's times: from t = 0 ahead, and from t = 0 back."""
+        scene, found = self.reference.scene, []
+        for times in _by_sign(self.table.times):
+            found.append(conditioning(scene, times, number=self.yardstick))
+        return tuple(found)
+
+    @cached_property
+    def digits_possible(self) -> tuple[float | None, ...]:
+        """The digits that kappa leaves in the yardstick's type, wherever digits were found."""
+        if not self.digits:
+            return ()
+        known: dict[Exact, float | None] = {}
+        for part in self.conditionings:
+            known |= dict(zip(part.times, part.digits_possible(), strict=True))
+        return tuple(known[t] for t in self.table.times)
+
+    @property
+    def lost_after(self) -> float | None:
+        """The time after which kappa leaves the yardstick's type no digits; None where it does."""
+        after = [part.lost_after for part in self.conditionings if part.lost_after is not None]
+        return min(after, key=abs, default=None)
+
+    @property
+    def lost(self) -> str:
+        """That no digits are left, and after which time; empty where some are left throughout."""
+        gone = any(map(is_lost, self.digits, self.digits_possible))
+        return next((part.lost for part in self.conditionings if gone and part.lost), "")
+
+    @cached_property
+    def motion(self) -> Lyapunov:
+        """Whether the scene's motion is regular or chaotic, as far as a moment's work tells."""
+        return lyapunov(self.reference.scene, max_steps=100_000)
+
+    @cached_property
+    def limit(self) -> str | None:
+        """What limits the digits: rounding, conditioning, method or reference; None unjudged."""
+        if self.worst is None:
+            return None
+        if self.worst >= self.table.printed - 1:
+            return "rounding (of the printed digits)"
+        possible = self.digits_possible[self.digits.index(self.worst)]
+        steps = "steps of the program" + "; kappa not computed" * (possible is None)
+        held = min(self.held, self.yardstick.most_digits)
+        return limit(self.worst, held, possible, self.reference.agreement, steps)
 
     @property
     def worst(self) -> float | None:
@@ -76,7 +135,7 @@ def read_table(path: Path, number: NumberType | None) -> Table:
     if not rows:
         raise BadInput(str(path), "file", None, "a header line that names the columns")
     header = rows[0][1]
-    known = ("t", *STATE, *ANGLES, *ATTITUDE)
+    known = ("t", *STATE, *ANGLES, *ATTITUDE, *SPACE)
     for name in known:
         if header.count(name) > 1:
             raise BadInput(str(path), "header", name, "each column once")
@@ -134,6 +193,7 @@ def judge(table: Table, truth: Reference | TwoPrecisions, number: NumberType | N
     wanted = math.ceil(cap) + SPARE_DIGITS
     bits = math.ceil(wanted * math.log2(10)) + 32
     notes = [f"column {name} is not known and was not judged" for name in table.ignored]
+    notes += [f"column {name} was not judged: p q r are" for name in SPACE if name in table.columns]
     if not scene.columns[3:]:
         for name in (*STATE[3:], *ANGLES, *ATTITUDE):
             if name in table.columns:
@@ -143,9 +203,8 @@ def judge(table: Table, truth: Reference | TwoPrecisions, number: NumberType | N
         if name not in judged:
             notes.append(f"column {name} is not in the file")
     digits: tuple[float, ...] = ()
-    order = sorted(range(len(table.times)), key=lambda k: table.times[k])
     if judged:
-        truth_rows = _rows(truth.at, table, order, wanted)
+        truth_rows = reference_rows(truth.at, table, wanted)
         states = [
             [table.columns[name][k] if name in judged else None for name in scene.columns]
             for k in range(len(table.times))
@@ -154,27 +213,32 @@ def judge(table: Table, truth: Reference | TwoPrecisions, number: NumberType | N
         digits = tuple(digits_of(e, cap) for e in errors(states, truth_rows, scale, bits))
         if any(None in table.columns[name] for name in judged):
             notes.append("empty cells were not judged")
-    parts = _parts(table, truth, order, wanted, bits, cap, notes)
+    parts = _parts(table, truth, wanted, bits, cap, notes)
     found = _drift(table, scene, bits, notes)
-    return Verdict(table, truth, digits, (*judged, *parts), parts, found, tuple(notes))
+    yardstick = number or (DOUBLE if table.printed <= DOUBLE.printed_digits else mp(table.printed))
+    return Verdict(
+        *(table, truth, digits, (*judged, *parts), parts, found, tuple(notes)), yardstick, cap
+    )
 
 
-def _rows(ask: Any, table: Table, order: list[int], digits: int) -> list[Any]:
+def reference_rows(ask: Any, table: Table, digits: int) -> list[Any]:
     """Reference rows in the file's order: times of each sign are asked for away from 0."""
-    ahead = [k for k in order if table.times[k] >= 0]
-    behind = [k for k in reversed(order) if table.times[k] < 0]
     rows: dict[Fraction, Any] = {}
-    for part in (ahead, behind):
-        times = list(dict.fromkeys(table.times[k] for k in part))
-        if times:
-            rows |= dict(zip(times, ask(times, digits), strict=True))
+    for times in _by_sign(table.times):
+        rows |= dict(zip(times, ask(times, digits), strict=True))
     return [rows[t] for t in table.times]
+
+
+def _by_sign(times: tuple[Fraction, ...]) -> list[list[Fraction]]:
+    """The different times from 0 ahead, and those from 0 back, each in order; none empty."""
+    ahead = sorted({t for t in times if t >= 0})
+    behind = sorted({t for t in times if t < 0}, reverse=True)
+    return [part for part in (ahead, behind) if part]
 
 
 def _parts(
     table: Table,
     truth: Reference | TwoPrecisions,
-    order: list[int],
     wanted: int,
     bits: int,
     cap: float,
@@ -192,7 +256,7 @@ def _parts(
         if not there:
             continue
         try:
-            rows = _rows(ask, table, order, wanted)
+            rows = reference_rows(ask, table, wanted)
         except ValueError as fault:  # BadInput is one
             notes.append(f"{what} were not judged: {fault}")
             continue

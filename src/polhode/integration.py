@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from polhode import library, precision
+from polhode.dense import Dense
 from polhode.errors import BadInput, nearest
 from polhode.precision import NumberType, exact_number
 from polhode.provenance import provenance
@@ -36,6 +37,7 @@ def integrate(
     coefficients to this narrower type first, to see what that rounding alone does.  ``progress``:
     called now and then with the fraction of the time done and the steps taken.
 
+    The trajectory can be called at any time that it reached, see :class:`polhode.dense.Dense`.
     Ctrl-C ends the run within a second; the trajectory then holds what was reached.  Raises
     BadInput for what cannot be integrated.
     """
@@ -44,8 +46,8 @@ def integrate(
     if at is not None:
         scene = scene.at(tuple(exact_number(t) for t in at))
     chosen = choose_number(scene, number, digits)
-    tolerance = _tolerance(scene, chosen, tol)
-    times = _rounded_times(scene, chosen)
+    tolerance = rounded_tolerance(scene, chosen, tol)
+    times = rounded_times(scene, chosen)
     run = Run(scene, chosen, tolerance, max_steps, inputs)
     outcome, rows = run.to(times, progress)
     read = Readout(scene, chosen)
@@ -67,6 +69,7 @@ def integrate(
             **provenance(scene.text),
             "seconds": {"build": run.build_seconds, "run": run.seconds - run.build_seconds},
         },
+        dense=Dense(run),
     )
 
 
@@ -93,7 +96,7 @@ def choose_number(scene: Scene, number: str | NumberType | None, digits: int | N
     return precision.named(number)
 
 
-def _rounded_times(scene: Scene, number: NumberType) -> list[Fraction]:
+def rounded_times(scene: Scene, number: NumberType) -> list[Fraction]:
     """The output times as numbers of the run's type."""
     if not scene.times:
         raise BadInput(scene.name, "run.end", None, "given, or times asked for with --at")
@@ -109,7 +112,8 @@ def _rounded_times(scene: Scene, number: NumberType) -> list[Fraction]:
     return times
 
 
-def _tolerance(scene: Scene, number: NumberType, tol: Any) -> Fraction | None:
+def rounded_tolerance(scene: Scene, number: NumberType, tol: Any) -> Fraction | None:
+    """The tolerance of a step, checked; None for the type's eps."""
     if tol is None:
         return None
     try:

@@ -82,6 +82,16 @@ def for_digits(digits: int, log10_angle: float) -> NumberType:
     return mp_for(digits, log10_angle)
 
 
+def wider(number: NumberType) -> NumberType:
+    """The next wider type, which sees what rounding in this one does."""
+    nexts = {
+        "double": EXTENDED if extended_here() else QUAD,
+        "extended": QUAD,
+        "quad": NumberType("mp", QUAD.bits + 40),
+    }
+    return nexts.get(number.name) or NumberType("mp", number.bits + 40)
+
+
 @cache
 def extended_here() -> bool:
     """Whether this machine's long double is the 80-bit one."""

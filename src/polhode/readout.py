@@ -41,8 +41,8 @@ class Readout:
         return [[mpmath.ldexp(x, exponent) for x in row[:3]] + row[3:] for row in turned]
 
     def attitude(self, rows: list[Any]) -> Any:
-        """q0 q1 q2 q3, if asked for."""
-        if "attitude" not in self.scene.outputs:
+        """q0 q1 q2 q3, if asked for or needed."""
+        if "attitude" not in self.scene.modelled:
             return None
         first = len(self.form.variables)
         return self._kept([row[first : first + 4] for row in rows])
@@ -56,7 +56,7 @@ class Readout:
         import mpmath
 
         first = len(self.form.variables) + (
-            len(ATTITUDE) if "attitude" in self.scene.outputs else 0
+            len(ATTITUDE) if "attitude" in self.scene.modelled else 0
         )
         with mpmath.workprec(self.number.bits):
             return [

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 from polhode import exact, kinematics, precision
 from polhode.errors import BadInput
@@ -70,6 +70,14 @@ def system(scene: Scene, outputs: Sequence[str]) -> System:
     return System(form, tuple(names), tuple(outputs), k, tuple(start))
 
 
+class Leg(NamedTuple):
+    """One integrator's part of a run: its system, when that began, and its chunks' beginnings."""
+
+    system: System
+    origin: Fraction
+    marks: list[Any]
+
+
 class Run:
     """One run of a scene in one number type; rows of its form's variables come out."""
 
@@ -87,8 +95,27 @@ class Run:
         self.reached = Fraction(0)
         self.build_seconds = self.seconds = 0.0
         self.events: tuple[EventTimes, ...] = ()
+        self.legs: list[Leg] = []
         self.projection: Projection | None = None
         self._watch: Any = None
+
+    def afresh(self) -> Run:
+        """The same run before its start."""
+        return Run(self.scene, self.number, self.tolerance, self.max_steps, self.inputs)
+
+    def start(self) -> list[Any]:
+        """The start of the variables, in the run's own unit, rounded to its type."""
+        exact = self._rounded(system(self.scene, ())).start
+        return [number_value(x, self.number) for x in exact]
+
+    def again(self, leg: Leg) -> Any:
+        """An integrator that takes a leg's steps again, without looking for events."""
+        if self.scene.events:
+            from polhode.events import Watch
+
+            self._watch = Watch(self.scene, self.number, self.tolerance)
+            self._watch.muted = True
+        return self.integrator(leg.system, leg.origin, self._watch)
 
     def to(self, times: list[Fraction], progress: Progress | None) -> tuple[Outcome, list[Any]]:
         """Rows at the times, as far as they were reached, and the outcome."""
@@ -116,7 +143,7 @@ class Run:
         inside = times if unit == 1 else [t / unit for t in times]
         rows: list[Any] = []
         began = time.perf_counter()
-        whole = self._rounded(system(self.scene, self.scene.outputs))
+        whole = self._rounded(system(self.scene, self.scene.modelled))
         if inside[0] == 0:
             rows.append([number_value(x, self.number) for x in whole.start])
         self.build_seconds += time.perf_counter() - began
@@ -199,6 +226,7 @@ class Run:
             ),
         )
         self.build_seconds += time.perf_counter() - began
+        self.legs.append(Leg(what, origin, built.marks))
         return built
 
     def _rounded(self, what: System) -> System:

@@ -23,10 +23,11 @@ FORMS = (
     *("general", "inertia-axes", "principal", "momentum", "gyration-axes"),
     *("lagrangian", "hamiltonian", "routhian", "omega-only", "momentum-only", "quaternion"),
 )
-OUTPUTS = ("angles", "attitude")
+OUTPUTS = ("angles", "attitude", "hodographs")
 STATE = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
 ANGLES = ("psi", "theta", "phi")
 ATTITUDE = ("q0", "q1", "q2", "q3")
+SPACE = ("omega_x", "omega_y", "omega_z")  # omega along the axes of space, z up
 ANGLE_VARIABLES = ("psi", "phi")  # of the angles, those that are integrated along
 
 #: Events known by name: theta' = 0, the third axis horizontal, w along the middle principal axis
@@ -206,8 +207,7 @@ class Scene:
     @cached_property
     def pendulum_rate_squared(self) -> Exact:
         """Mg|r0| / largest moment: the square of the slowest small oscillation's scale."""
-        torque = self.body.torque
-        return exact.sqrt(dot(torque, torque)) / max(self.body.moments)
+        return exact.sqrt(self.body.pendulum_rate_fourth)
 
     @cached_property
     def time_unit(self) -> int:
@@ -217,11 +217,17 @@ class Scene:
         unit of time, so that scaling a scene by powers of two changes no bit of a run.
         """
         square = dot(self.omega, self.omega)
-        fourth = max(square * square, self.pendulum_rate_squared * self.pendulum_rate_squared)
+        fourth = max(square * square, self.body.pendulum_rate_fourth)
         if sign(fourth) == 0:
             return 0
         mantissa, exponent = exact.rounded(fourth, 8)
         return -((exponent + mantissa.bit_length() - 1) // 4)
+
+    @property
+    def modelled(self) -> tuple[str, ...]:
+        """The outputs that are integrated beside the state: hodographs need the attitude."""
+        needed = {"attitude" if name == "hodographs" else name for name in self.outputs}
+        return tuple(name for name in OUTPUTS if name in needed)
 
     @property
     def starts_at_pole(self) -> bool:

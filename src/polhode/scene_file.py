@@ -69,15 +69,38 @@ def read(path: Path, name: str | None = None) -> Scene:
 
 def parse(text: str, name: str = "scene") -> Scene:
     """The scene in a TOML text; raises BadInput."""
+    return _Reading(name, tables(text, name)).scene(text)
+
+
+def body_and_start(
+    data: dict[str, Any], name: str, body: Body | None = None
+) -> tuple[Body, Vector, Vector | None, Exact]:
+    """Body, omega, gamma and psi in the tables of a scene file; raises BadInput.
+
+    ``body``: the body that the tables are known to hold, to spare reading it again.
+    """
+    reading = _Reading(name, data)
+    if body is None:
+        body = reading.body(reading.table("body"))
+    return body, *reading.start(reading.table("start"), body)
+
+
+def exact_value(value: Any, key: str, name: str) -> Exact:
+    """The exact number that a value in a scene file's tables stands for; raises BadInput."""
+    return _Reading(name, {}).number(key, value)
+
+
+def tables(text: str, name: str = "scene") -> dict[str, Any]:
+    """The tables of a TOML text, decimals kept digit for digit; raises BadInput."""
     if any(len(line) > MAX_LINE for line in text.splitlines()):
         raise BadInput(name, "file", None, f"lines of at most {MAX_LINE} characters")
     try:
-        data = tomllib.loads(text, parse_float=_Literal)
+        data: dict[str, Any] = tomllib.loads(text, parse_float=_Literal)
     except (ValueError, RecursionError) as error:
         reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)
         reason = reason.partition(";")[0]  # Python's advice on too many digits is not for here
         raise BadInput(name, "file", None, f"TOML ({reason})") from None
-    return _Reading(name, data).scene(text)
+    return data
 
 
 class _Reading:
@@ -329,6 +352,8 @@ class _Reading:
                 return Fraction(value)
             if isinstance(value, str):
                 return expression.number(value)
+            if isinstance(value, (Fraction, exact.Irrational)):  # a varied number
+                return value
         except ExpressionError as fault:
             raise self.bad(key, value, f"a number ({fault})") from None
         raise self.bad(key, value, "a number")

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 import heyoka as hy
 import numpy as np
@@ -23,9 +23,41 @@ from polhode.precision import NumberType, exactly, to_double, to_extended
 #: The scalar functions of heyoka's expressions.
 EXPRESSIONS = Functions(hy.expression(0.0), hy.sin, hy.cos, hy.sqrt)
 
+# heyoka logs on stdout, the place for results.  What it has to say is known from elsewhere: a cache
+# that cannot be used costs compiling again and shows in :func:`cache`; a multiple zero that it
+# gives up on is found through the derivative, or shows in ``EventTimes.complete``.
+hy.set_logger_level_critical()
+
 _CHUNK_SECONDS = 0.2
 _MAX_STEPS = {"double": 10**8, "extended": 10**7, "quad": 10**6, "mp": 10**6}
 _SMALLEST_DOUBLE = 2.0**-1022
+
+
+class Piece(NamedTuple):
+    """heyoka's continuous output from a time on, counted from where the chunk began."""
+
+    begun: Any
+    output: Any
+
+    def at(self, time: Any, number: NumberType) -> Any:
+        """The state at one time."""
+        row = self.output(time)
+        return row.copy() if flat(number) else numbers(row.tolist(), number)
+
+    @property
+    def bytes(self) -> int:
+        """About the memory that it takes."""
+        x = self.output.tcs.flat[0]
+        return int(self.output.tcs.size) * (48 + x.prec // 8 if isinstance(x, hy.real) else 16)
+
+
+class Mark(NamedTuple):
+    """Where a chunk began: exact time, state as heyoka's numbers; where to, in how many steps."""
+
+    offset: Fraction
+    state: tuple[Any, ...]
+    end: Fraction
+    steps: int
 
 
 class OutOfRange(ValueError):
@@ -73,6 +105,7 @@ class Taylor:
     each chunk's end: output times are rounded relative to the chunk's start, never to zero.
     ``watch`` (polhode.events) gives heyoka events and may end the run.  ``distance``, of the
     variables and the coefficients, ends the run where it falls to :func:`nearest`.
+    ``marks``: where each chunk began, for :meth:`again`.
     """
 
     def __init__(
@@ -91,6 +124,8 @@ class Taylor:
         self.watch = watch
         self.offset = origin
         self.steps = 0
+        self.marks: list[Mark] = []
+        self._pieces: list[Piece] | None = None
         variables = hy.make_vars(*names)
         k = {name: hy.expression(scalar(x, number)) for name, x in coefficients.items()}
         rates = field(variables, k)
@@ -98,7 +133,7 @@ class Taylor:
         options: dict[str, Any] = {}
         if tolerance is not None:
             options["tol"] = scalar(tolerance, number)
-        with _disk_cache(number):
+        with disk_cache(number):
             if watch is not None:
                 options["nt_events"] = watch.attach(self, variables, rates)
             away = None if distance is None else distance(variables, k)
@@ -110,7 +145,7 @@ class Taylor:
                 options["t_events"] = [hy.t_event(met, **kind)]
             self.heyoka = hy.taylor_adaptive(
                 list(zip(variables, rates, strict=True)),
-                _array(state, number),
+                array(state, number),
                 **type_options(number),
                 **options,
             )
@@ -133,24 +168,38 @@ class Taylor:
         heyoka's outcome.
         """
         self._rebase()
-        zero = scalar(0, self.number)
+        self.marks.append(Mark(self.offset, tuple(self.heyoka.state.tolist()), times[-1], steps))
         ahead = [t - self.offset for t in times] if self.offset else times
-        grid = [zero, *(scalar(t, self.number) for t in ahead)]
+        rows, ended = self._onwards([scalar(t, self.number) for t in ahead], steps)
+        return self._rows(rows), ended
+
+    def again(self, mark: Mark) -> list[Piece]:
+        """The polynomials of a chunk, taken again with the same steps to the bit."""
+        self.offset = mark.offset
+        self.heyoka.time = scalar(0, self.number)
+        for i, x in enumerate(mark.state):
+            self.heyoka.state[i] = x
+        if self.watch is not None:
+            self.watch.rebased(self)
+        pieces: list[Piece] = []
+        self._pieces = pieces
+        self._onwards([scalar(mark.end - mark.offset, self.number)], mark.steps)
+        return pieces
+
+    def _onwards(self, times: list[Any], steps: int) -> tuple[Any, Any]:
+        """Up to ``steps`` steps towards the last time: states at the times passed, and outcome."""
         options: dict[str, Any] = {"max_steps": steps}
         if self.watch is not None and self.watch.after_step is not None:
             options["callback"] = self.watch.after_step
-        result = self.heyoka.propagate_grid(_array(grid, self.number), **options)
+        if self._pieces is not None:
+            begun = self.heyoka.time
+            result = self.heyoka.propagate_until(times[-1], c_output=True, **options)
+            self._pieces.append(Piece(begun, result[4]))
+            return (), result[0]
+        grid = [self.heyoka.time, *times]
+        result = self.heyoka.propagate_grid(array(grid, self.number), **options)
         self.steps += int(result[3])
-        return self._rows(result[-1][1:]), result[0]
-
-    def numbers(self, row: Any) -> Any:
-        """A row of heyoka's numbers as a trajectory holds them: an array, or mpf above extended."""
-        if self.number.name in ("double", "extended"):
-            return row
-        import mpmath
-
-        with mpmath.workprec(self.number.bits):
-            return [mpmath.mpf(str(x)) for x in row]
+        return result[-1][1:], result[0]
 
     @property
     def stopped(self) -> bool:
@@ -164,13 +213,13 @@ class Taylor:
             self.watch.rebased(self)
 
     def _rows(self, states: Any) -> Any:
-        if self.number.name in ("double", "extended"):
+        if flat(self.number):
             return states
-        return [self.numbers(row) for row in states.tolist()]
+        return [numbers(row, self.number) for row in states.tolist()]
 
     def exactly(self, value: Any) -> Fraction:
         """The exact value of a number of heyoka's."""
-        if self.number.name in ("double", "extended"):
+        if flat(self.number):
             return exactly(value)
         import mpmath
 
@@ -178,14 +227,33 @@ class Taylor:
             return exactly(mpmath.mpf(str(value)))
 
 
+def flat(number: NumberType) -> bool:
+    """Whether numpy holds numbers of the type as they are."""
+    return number.name in ("double", "extended")
+
+
+def numbers(row: Any, number: NumberType) -> Any:
+    """A row of heyoka's numbers as a trajectory holds them: an array, or mpf above extended."""
+    if flat(number):
+        return row
+    import mpmath
+
+    with mpmath.workprec(number.bits):
+        return [mpmath.mpf(str(x)) for x in row]
+
+
 def cache() -> dict[str, Any]:
-    """heyoka's disk cache of compiled code: whether it is on, where, and its size."""
+    """heyoka's disk cache of compiled code: whether it is on, where, its size, or what is wrong."""
     state = hy.llvm_state
-    return {
-        "enabled": bool(state.get_diskcache_enabled()),
-        "path": str(state.get_diskcache_path()),
-        "bytes": int(state.get_diskcache_size()),
-    }
+    enabled = bool(state.get_diskcache_enabled())
+    try:
+        return {
+            "enabled": enabled,
+            "path": str(state.get_diskcache_path()),
+            "bytes": int(state.get_diskcache_size()),
+        }
+    except (RuntimeError, ValueError) as fault:  # damaged, full, read-only, no folder, no home
+        return {"enabled": enabled, "path": None, "bytes": None, "fault": str(fault)}
 
 
 def finite(outcome: Any) -> bool:
@@ -228,14 +296,15 @@ def type_options(number: NumberType) -> dict[str, Any]:
     return _TYPES[number.name](number)
 
 
-def _array(values: list[Any], number: NumberType) -> Any:
-    if number.name in ("double", "extended"):
+def array(values: list[Any], number: NumberType) -> Any:
+    """Numbers of heyoka's type as the array that it takes."""
+    if flat(number):
         return np.array(values, dtype=np.float64 if number.name == "double" else np.longdouble)
     return np.array(values)
 
 
 @contextmanager
-def _disk_cache(number: NumberType) -> Any:
+def disk_cache(number: NumberType) -> Any:
     """heyoka's disk cache, switched off where it never hits and only grows."""
     if number.name != "mp" or not hy.llvm_state.get_diskcache_enabled():
         yield

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Any
 
 from polhode.forms import equations
+from polhode.hodographs import Hodographs, hodographs
 from polhode.integrals import Drift, drift
 from polhode.precision import NumberType, decimal_in_full, decimal_string, exactly
 from polhode.scene import Scene
@@ -25,6 +26,7 @@ class Outcome(Enum):
     STEP_LIMIT = "step limit"
     SINGULAR = "singular set"
     INTERRUPTED = "interrupted"
+    NOT_RUN = "not run"
 
     @property
     def cause(self) -> str:
@@ -63,6 +65,7 @@ _CAUSES = {
         "use a form without one there, such as principal (--form)",
     ),
     "interrupted": ("the run was interrupted", "run again, or ask for a shorter run"),
+    "not run": ("the sweep was interrupted before this member was done", "run it again"),
 }
 
 
@@ -115,8 +118,9 @@ class Trajectory:
 
     ``times``: exact values of the times at which the states hold (already rounded to the type).
     ``states``: shape (len(times), 3 or 6), p q r [gamma1 gamma2 gamma3]: an ndarray for double and
-    extended, rows of mpf above.  ``steps``: Taylor steps taken.  ``events``: one for each event of
-    the scene.  ``projection``: None where the state was not put back on the first integrals.
+    extended, rows of mpf above.  ``attitude``: there where hodographs were asked for, too.
+    ``steps``: Taylor steps taken.  ``events``: one for each event of the scene.  ``projection``:
+    None where the state was not put back on the first integrals.
     """
 
     scene: Scene
@@ -133,6 +137,16 @@ class Trajectory:
     events: tuple[EventTimes, ...] = ()
     projection: Projection | None = None
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    dense: Callable[[Any], Any] | None = field(default=None, repr=False, compare=False)
+
+    def __call__(self, t: Any) -> Any:
+        """The state at time t, or the states at several times, see :class:`polhode.dense.Dense`.
+
+        Raises BadInput (a ValueError) for a time that the run did not reach.
+        """
+        if self.dense is None:
+            raise ValueError("states at the output times only: nothing was integrated here")
+        return self.dense(t)
 
     @cached_property
     def drift(self) -> Drift:
@@ -140,6 +154,13 @@ class Trajectory:
         if not self.times:
             return Drift(None, None, None)
         return drift(self.scene, self.states, self.number.bits)
+
+    @cached_property
+    def hodographs(self) -> Hodographs | None:
+        """omega in the body and in space, if asked for."""
+        if "hodographs" not in self.scene.outputs:
+            return None
+        return hodographs(self.states, self.attitude, self.number)
 
     @property
     def cause(self) -> str:

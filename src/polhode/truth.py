@@ -15,6 +15,7 @@ from polhode import exact, library, precision
 from polhode.correct_digits import errors, rate_scale, worst_digits
 from polhode.errors import BadInput
 from polhode.exact import Exact
+from polhode.hodographs import Hodographs, hodographs
 from polhode.precision import exact_number
 from polhode.references.closed_form import Motion, closed_form
 from polhode.references.kinds import kind_of_body
@@ -53,6 +54,11 @@ class Reference:
         """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
         rows: list[list[Any]] = self._asked(self._motion.angles, times, digits)
         return rows
+
+    def hodographs(self, times: Sequence[Any], digits: int = 50) -> Hodographs:
+        """Rows of omega in the body and in space, right to so many digits of the largest |w|."""
+        rows, attitude = self.at(times, digits), self.attitude(times, digits + 1)
+        return hodographs(rows, attitude, precision.mp(digits + 1))
 
     def error(self, times: Sequence[Any], digits: int = 50) -> Any:
         """An estimate of the error of :meth:`at`, of w over its largest modulus, or of gamma.

@@ -42,6 +42,18 @@ def for_scene(scene: Scene) -> Principal:
     return Principal(scene, axes, scene.columns, k, omega_and_gamma(scene, axes))
 
 
+#: Every coefficient that a body can have.
+NAMES = (
+    *("p.qr", "q.rp", "r.pq"),
+    *("p.gamma2", "p.gamma3", "q.gamma3", "q.gamma1", "r.gamma1", "r.gamma2"),
+)
+#: Those of the weight: which moment and which component of Mg r0 stand in each.
+_ARMS = (
+    *(("p.gamma2", 0, 2), ("p.gamma3", 0, 1), ("q.gamma3", 1, 0)),
+    *(("q.gamma1", 1, 2), ("r.gamma1", 2, 1), ("r.gamma2", 2, 0)),
+)
+
+
 def coefficients(body: Body, time_unit: int = 0) -> dict[str, Exact]:
     """The exact coefficients that do not vanish, time measured in units of 2**time_unit."""
     a, b, c = body.moments
@@ -59,6 +71,26 @@ def coefficients(body: Body, time_unit: int = 0) -> dict[str, Exact]:
         "r.gamma2": -unit * x / c,
     }
     return {name: value for name, value in every.items() if sign(value) != 0}
+
+
+def sensitivities(body: Body, time_unit: int = 0) -> list[dict[str, Exact]]:
+    """Of each coefficient the derivatives by the logarithms of A, B, C and of Mg x0, y0, z0.
+
+    Six dictionaries like that of :func:`coefficients`; what vanishes is left out.
+    """
+    moments = body.moments
+    found: list[dict[str, Exact]] = [{} for _ in range(6)]
+    every = coefficients(body, time_unit)
+    for i, name in enumerate(("p.qr", "q.rp", "r.pq")):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        found[i][name] = (moments[k] - moments[j]) / moments[i]
+        found[j][name] = moments[j] / moments[i]
+        found[k][name] = -moments[k] / moments[i]
+    for name, i, j in _ARMS:
+        if name in every:
+            found[i][name] = -every[name]
+            found[3 + j][name] = every[name]
+    return [{name: x for name, x in by.items() if sign(x) != 0} for by in found]
 
 
 def field(state: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:

@@ -29,6 +29,13 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "largest departure of the integrals from the exact scene's values, in double. A dash: "
         "not run, for it would take too long in that type."
     )
+    yield Text(
+        "*Possible*: the digits that kappa·eps leaves in double, kappa the most that the state "
+        "changes per unit of relative change of all inputs at once: a bound that a run can be a "
+        "digit or two better than. *Limit*, in double: *rounding*, the type's last digits; "
+        "*conditioning*, the motion multiplies rounding, and the run has all but a digit of those "
+        "possible; *method*, the problem would allow more; *reference*, it is good for no more."
+    )
     yield Figure("accuracy", "Correct digits of every case in every number type")
     for kind, title in _TITLES.items():
         cases = [case for case in found["cases"] if case["reference"] == kind]
@@ -64,7 +71,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
 def _table(cases: list[dict[str, Any]]) -> Table:
     header = (
         *("case", "regime", "t", "double", "extended", "quad", "mp (50)", "inputs alone"),
-        *("limit", "drift h", "drift f", "steps", "outcome"),
+        *("possible", "limit", "drift h", "drift f", "steps", "outcome"),
     )
     rows = []
     for case in cases:
@@ -79,6 +86,7 @@ def _table(cases: list[dict[str, Any]]) -> Table:
                 format(float(case["end"]), "g"),
                 *(_digits(runs.get(name)) for name in ("double", "extended", "quad", "mp")),
                 _number(double.get("input_rounding"), ".1f"),
+                _number(double.get("digits_possible"), ".1f"),
                 double.get("limit") or "–",
                 _number(drift.get("h"), ".0e"),
                 _number(drift.get("f"), ".0e"),
@@ -86,13 +94,19 @@ def _table(cases: list[dict[str, Any]]) -> Table:
                 ", ".join(outcomes),
             )
         )
-    return Table(header, tuple(rows), "llrrrrrrlrrrl")
+    return Table(header, tuple(rows), "llrrrrrrrlrrrl")
 
 
 def _weakest(cases: list[dict[str, Any]]) -> Iterator[Block]:
     """The three runs in double with the fewest digits, and what limits them."""
     ranked = sorted(
-        (run["correct_digits"], case["case"], run["limit"], run["input_rounding"])
+        (
+            run["correct_digits"],
+            case["case"],
+            run["limit"],
+            run["input_rounding"],
+            run.get("lost") or "",
+        )
         for case in cases
         for run in case["runs"]
         if run["number"] == "double" and "correct_digits" in run
@@ -102,9 +116,9 @@ def _weakest(cases: list[dict[str, Any]]) -> Iterator[Block]:
     yield Heading("The weakest figures")
     yield Items(
         tuple(
-            f"`{name}`: {digits:.1f} digits in double, limited by {limit} "
+            f"`{name}`: {lost or f'{digits:.1f} digits'} in double, limited by {limit} "
             f"(rounded inputs alone leave {inputs:.1f})"
-            for digits, name, limit, inputs in ranked[:3]
+            for digits, name, limit, inputs, lost in ranked[:3]
         )
     )
 
@@ -112,7 +126,9 @@ def _weakest(cases: list[dict[str, Any]]) -> Iterator[Block]:
 def _digits(run: dict[str, Any] | None) -> str:
     if run is None:
         return "–"
-    return _number(run.get("correct_digits"), ".1f") if "correct_digits" in run else run["outcome"]
+    if "correct_digits" not in run:
+        return str(run["outcome"])
+    return run.get("lost") or _number(run["correct_digits"], ".1f")
 
 
 def _number(value: Any, form: str) -> str:

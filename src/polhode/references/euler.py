@@ -28,7 +28,7 @@ from polhode.references.euler_motion import (
     turned_back,
 )
 from polhode.references.euler_regimes import exact_numbers, is_permanent, regime
-from polhode.references.rounding import log2, number, shortened, vector
+from polhode.references.rounding import log2, number, rounded_up, shortened, vector
 from polhode.references.start import start_quaternion, start_sign
 from polhode.references.theta import MP
 
@@ -195,4 +195,4 @@ class EulerTop:
         if last > -math.inf and momentum > -math.inf:
             phase = max(0.0, momentum - min(spread) + last)
         wanted = digits * math.log2(10) + phase + (max(spread) - min(spread)) + _GUARD
-        return 64 * math.ceil(wanted / 64)
+        return rounded_up(wanted)

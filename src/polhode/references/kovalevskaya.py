@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import mpmath
@@ -21,15 +22,14 @@ from mpmath import mpf
 from polhode.exact import Exact
 from polhode.references import kovalevskaya_regimes as regimes
 from polhode.references.euler_angles import angles
-from polhode.references.euler_motion import Quaternion
 from polhode.references.kovalevskaya_answers import CERTIFIED, Answers, Solution
 from polhode.references.kovalevskaya_attitude import MOST_PANELS, Attitude
-from polhode.references.kovalevskaya_axes import fits, placed, rounded_up, top_axes
+from polhode.references.kovalevskaya_axes import fits, placed, top_axes
 from polhode.references.kovalevskaya_curve import Curve, cubic_roots
 from polhode.references.kovalevskaya_generic import Generic
 from polhode.references.kovalevskaya_special import special
-from polhode.references.rounding import number, shortened
-from polhode.references.start import first_quaternion
+from polhode.references.rounding import number, rounded_up, shortened
+from polhode.references.start import start_quaternion, start_sign
 from polhode.references.theta import MP
 
 __all__ = ["KovalevskayaTop", "fits"]
@@ -68,7 +68,6 @@ class KovalevskayaTop:
         self._answers = Answers(self._start, self.regime)
         self._matrices: dict[int, tuple[list[list[Any]], mpf]] = {}
         self._attitudes: dict[int, tuple[Solution, Attitude]] = {}
-        self._sign = 0  # of the attitude against the Euler angles at t = 0; 0 until known
         self._span: tuple[Exact, Exact] = (_ZERO, _ZERO)  # of the times of attitudes so far
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
@@ -207,18 +206,15 @@ class KovalevskayaTop:
             return row[:3], row[3:]
 
         with mpmath.workprec(bits):
-            start = self._signed(first_quaternion(self._gamma, self._psi, bits))
+            start = start_quaternion(self._gamma, self._psi, self._sign, bits)
             rate = mpmath.ldexp(self._start.fastest(bits), exponent)
             found = Attitude(state, start, rate, 2 * math.ceil(_NODES * bits))
         self._attitudes[bits] = solution, found
         return found
 
-    def _signed(self, found: Quaternion) -> Quaternion:
-        if not self._sign:
-            tiny = mpmath.ldexp(1, -mpmath.mp.prec // 2)  # rounding of an exact zero
-            self._sign = next((1 if x > 0 else -1) for x in found if abs(x) > tiny)
-        a, b, c, d = (self._sign * x for x in found)
-        return a, b, c, d
+    @cached_property
+    def _sign(self) -> int:
+        return start_sign(self._gamma, self._psi)
 
     def _rows(self, times: Sequence[Exact], base: int) -> tuple[list[list[mpf]], mpf]:
         """Rows right to ``base`` bits, and the estimate of their error."""

@@ -16,12 +16,12 @@ from mpmath import mpf
 
 from polhode.exact import Exact
 from polhode.references import kovalevskaya_regimes as regimes
-from polhode.references.kovalevskaya_axes import Start, rounded_up
+from polhode.references.kovalevskaya_axes import Start
 from polhode.references.kovalevskaya_degenerate import Averaged, averaged
 from polhode.references.kovalevskaya_generic import generic
 from polhode.references.kovalevskaya_quadrature import TooManyNodes
 from polhode.references.kovalevskaya_special import special
-from polhode.references.rounding import log2, number
+from polhode.references.rounding import log2, number, rounded_up
 
 CERTIFIED = 40  # bits by which the start must be reproduced beyond the digits asked for
 _SPARE = 8  # bits of the answers beyond the digits asked for

@@ -205,8 +205,3 @@ def top_axes(
 def placed(matrix: Sequence[Sequence[Any]], vector: Sequence[Any]) -> list[Any]:
     """From the top's axes to the scene's."""
     return [sum(row[j] * x for row, x in zip(matrix, vector, strict=True)) for j in range(3)]
-
-
-def rounded_up(bits: float) -> int:
-    """To a multiple of 64, so that nearby requests share their constants."""
-    return 64 * math.ceil(bits / 64)

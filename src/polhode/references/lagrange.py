@@ -33,7 +33,7 @@ from polhode.references.lagrange_motion import (
 )
 from polhode.references.lagrange_regimes import constants, regime
 from polhode.references.lagrange_roots import gaps
-from polhode.references.rounding import log2, number, shortened
+from polhode.references.rounding import log2, number, rounded_up, shortened
 from polhode.references.start import start_quaternion, start_sign
 from polhode.references.theta import MP
 
@@ -204,17 +204,13 @@ class LagrangeTop:
 
         Rounded up to a multiple of 64, so that nearby requests share their constants.
         """
-        bits = _rounded_up(digits * math.log2(10) + _GUARD)
+        bits = rounded_up(digits * math.log2(10) + _GUARD)
         last = max((log2(t) for t in times), default=-math.inf)
         fastest = self._motion(bits).fastest
         if last > -math.inf and fastest:
             turned = last + float(mpmath.log(fastest, 2))
-            bits = _rounded_up(digits * math.log2(10) + _GUARD + max(0.0, turned))
+            bits = rounded_up(digits * math.log2(10) + _GUARD + max(0.0, turned))
         return bits
-
-
-def _rounded_up(bits: float) -> int:
-    return 64 * math.ceil(bits / 64)
 
 
 def _period(motion: Motion) -> Any | None:

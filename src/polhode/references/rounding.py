@@ -31,6 +31,16 @@ def log2(x: Exact) -> float:
     return math.log2(abs(mantissa)) + exponent if mantissa else -math.inf
 
 
+def digits_of(bits: int) -> int:
+    """Decimal digits that hold so many bits."""
+    return math.ceil(bits * math.log10(2))
+
+
+def rounded_up(bits: float) -> int:
+    """To a multiple of 64, so that nearby requests share their constants."""
+    return 64 * math.ceil(bits / 64)
+
+
 def shortened(row: Sequence[Any], digits: int, *, absolute: bool = False) -> list[Any]:
     """Rounded to the digits and a little more; ``absolute``: counted from the units' place.
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from polhode import library, precision
+from polhode.conditioning import Conditioning, conditioning
 from polhode.integration import integrate
 from polhode.judging import compare
 from polhode.provenance import digest
@@ -40,7 +41,8 @@ def _case(scene: Scene) -> dict[str, Any]:
     truth = reference(scene)
     kept = Remembered(truth)
     fitting = [name for name in precision.NAMES if 10**scene.log10_angle <= LONGEST[name]]
-    runs = [_run(scene, kept, name) for name in reversed(fitting)][::-1]  # most digits first
+    known = conditioning(scene, number=precision.named(fitting[-1])) if fitting else None
+    runs = [_run(scene, kept, name, known) for name in reversed(fitting)][::-1]  # most digits first
     return {
         "case": scene.name,
         "title": scene.title,
@@ -64,7 +66,7 @@ def _case(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _run(scene: Scene, truth: Remembered, name: str) -> dict[str, Any]:
+def _run(scene: Scene, truth: Remembered, name: str, known: Conditioning | None) -> dict[str, Any]:
     run = integrate(scene, name, digits=precision.DEFAULT_MP_DIGITS if name == "mp" else None)
     found: dict[str, Any] = {
         "number": name,
@@ -73,12 +75,15 @@ def _run(scene: Scene, truth: Remembered, name: str) -> dict[str, Any]:
         "steps": run.steps,
     }
     if run.outcome.done:
-        judged = compare(run, truth)
+        judged = compare(run, truth, known)
+        possible = judged.digits_possible[judged.digits.index(judged.worst)]
         found |= {
             "correct_digits": round(judged.worst, 2),
             "worst_time": float(judged.worst_time),
             "input_rounding": round(judged.input_rounding, 2) if name == "double" else None,
-            "limit": judged.limit if name == "double" else None,
+            "digits_possible": None if possible is None else round(possible, 2),
+            "limit": judged.limit,
+            "lost": judged.lost or None,
             "drift": {
                 key: None if value is None else float(f"{value:.2e}")
                 for key, value in judged.drift._asdict().items()

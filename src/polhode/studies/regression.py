@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from polhode import library, precision
+from polhode.conditioning import Conditioning, conditioning
 from polhode.errors import BadInput, nearest
 from polhode.integration import integrate
 from polhode.judging import Judgement, compare
@@ -37,6 +38,11 @@ class Line:
         if self.judgement is None:
             return False
         return self.band is None or self.band[0] <= self.digits <= self.band[1]
+
+    @property
+    def limit(self) -> str:
+        """What limits the digits; empty where there are none."""
+        return "" if self.judgement is None else self.judgement.limit
 
     @property
     def verdict(self) -> str:
@@ -88,15 +94,16 @@ def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
     truth = reference(scene)
     kept, wanted = Remembered(truth), [*(numbers or scene.expect)]
     widest = sorted(wanted, key=precision.NAMES.index, reverse=True)
-    made = {number: _line(scene, kept, number) for number in widest}
+    known = conditioning(scene, number=precision.named(widest[0])) if widest else None
+    made = {number: _line(scene, kept, number, known) for number in widest}
     lines = [made[number] for number in wanted]
     return Report(scene, truth.regime, truth.kind, tuple(lines), tuple(figures(scene, truth)))
 
 
-def _line(scene: Scene, truth: Remembered, number: str) -> Line:
+def _line(scene: Scene, truth: Remembered, number: str, known: Conditioning | None) -> Line:
     band = scene.expect.get(number)
     run = integrate(scene, number, digits=precision.DEFAULT_MP_DIGITS if number == "mp" else None)
     if not run.outcome.done:
         return Line(scene.name, number, 0.0, band, None, run.outcome.value)
-    judged = compare(run, truth)
+    judged = compare(run, truth, known)
     return Line(scene.name, number, judged.worst, band, judged, run.outcome.value)

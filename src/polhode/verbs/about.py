@@ -42,5 +42,7 @@ def main(options: Namespace) -> int:
     cache = facts["cache"]
     print(f"{'cases':<10}{facts['cases']}")
     state = f"{cache['bytes']} bytes in {cache['path']}" if cache["enabled"] else "off"
+    if "fault" in cache:
+        state = f"none, every run compiles again ({' '.join(cache['fault'].split())})"
     print(f"{'cache':<10}{state}")
     return DONE

@@ -61,7 +61,8 @@ def _print_check(report: Any) -> None:
     print(f"{mark} {report.scene.name} ({report.regime}, {report.reference})")
     for line in report.lines:
         band = "" if line.band is None else f" in [{line.band[0]:g}, {line.band[1]:g}]"
-        print(f"     {line.number:<9}{line.digits:6.2f} digits{band}: {line.verdict}")
+        why = line.limit and f", limited by {line.limit}"
+        print(f"     {line.number:<9}{line.digits:6.2f} digits{band}: {line.verdict}{why}")
     for figure in report.figures:
         p = figure.published
         print(f"     {p.quantity} at t = {shown(p.t)}: {figure.verdict}  ({p.cite})")

@@ -22,6 +22,7 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Judge a trajectory that some other program computed."""
     from polhode import foreign
+    from polhode.attribution import shown_digits, shown_possible
     from polhode.integration import choose_number
     from polhode.judging import few
     from polhode.truth import reference as truth_of
@@ -40,12 +41,22 @@ def main(options: Namespace) -> int:
     print(f"{table.name} against {truth.kind} of {scene.name} ({truth.regime})")
     if verdict.digits:
         shown_rows = few(len(verdict.digits), 11)
-        rows = [[answer["times"][k], f"{answer['correct_digits'][k]:.2f}"] for k in shown_rows]
-        print_table(["t", "correct digits"], rows)
+        possible = verdict.digits_possible
+        rows = [
+            [
+                answer["times"][k],
+                shown_digits(verdict.digits[k], possible[k]),
+                shown_possible(possible[k]),
+            ]
+            for k in shown_rows
+        ]
+        print_table(["t", "correct digits", f"possible in {verdict.yardstick.name}"], rows)
         if len(rows) < len(verdict.digits):
             print(f"({len(rows)} of {len(verdict.digits)} times; all of them with --json)")
         assert verdict.worst_time is not None
-        print(f"worst {verdict.worst:.2f} correct digits at t = {float(verdict.worst_time):g}")
+        worst = f"worst {verdict.worst:.2f} correct digits at t = {float(verdict.worst_time):g}"
+        print(f"{verdict.lost or worst}; limited by {verdict.limit}")
+    print(f"motion {verdict.motion}")
     for name, digits in verdict.parts.items():
         print(f"{name}: {digits:.2f} correct digits")
     if answer["drift"] is not None:

@@ -37,7 +37,7 @@ def options(parser: ArgumentParser) -> None:
         "--tol", metavar="X", help="tolerance of a step, the type's eps unless given"
     )
     parser.add_argument("--form", metavar="F", help="form of the equations")
-    parser.add_argument("--outputs", metavar="O,O", help="angles, attitude: instead of the scene's")
+    parser.add_argument("--outputs", metavar="O,O", help="angles, attitude, hodographs")
     parser.add_argument("--max-steps", type=positive, metavar="N", help="limit on the steps")
     parser.add_argument(
         "--no-project", action="store_true", help="no projection (there is none yet)"

@@ -1,0 +1,104 @@
+"""Jobs carried out by threads of this process, or by any executor of ``concurrent.futures``."""
+
+from __future__ import annotations
+
+import os
+import threading
+import warnings
+from collections.abc import Callable, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    CancelledError,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+
+def cores() -> int:
+    """How many processors this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:
+        return os.cpu_count() or 1
+
+
+def here(
+    solve: Callable[[Any, Callable[[], bool]], T],
+    jobs: Sequence[Any],
+    ready: Callable[[int, T], None],
+    workers: int | None = None,
+) -> bool:
+    """Solve the jobs in threads (``solve`` must release the lock that Python's threads share).
+
+    ``ready``: called, in the calling thread, with the index of each job and its result.  False
+    if Ctrl-C came: ``solve`` is then told to stop by its second argument, and what it still gave
+    back has been handed on.
+    """
+    stop = threading.Event()
+    with ThreadPoolExecutor(workers or cores()) as pool:
+        futures = {pool.submit(solve, job, stop.is_set): k for k, job in enumerate(jobs)}
+        try:
+            _collect(futures, ready)
+        except KeyboardInterrupt:
+            stop.set()
+            for future in futures:
+                future.cancel()
+    if not stop.is_set():
+        return True
+    _collect({f: k for f, k in futures.items() if not f.cancelled()}, ready)
+    return False
+
+
+def elsewhere(
+    solve: Callable[[Any], T],
+    jobs: Sequence[Any],
+    ready: Callable[[int, T], None],
+    executor: Executor,
+) -> tuple[bool, list[int]]:
+    """Solve the jobs in an executor: whether Ctrl-C did not come, and the jobs that it lost.
+
+    A job is lost with the worker that died over it, or with the whole pool; a warning says so.
+    """
+    futures: dict[Future[T], int] = {}
+    lost: dict[int, BaseException] = {}
+    try:
+        for k, job in enumerate(jobs):
+            try:
+                futures[executor.submit(solve, job)] = k
+            except RuntimeError as fault:  # broken or shut down already: BrokenExecutor is one
+                lost[k] = fault
+        _collect(futures, ready, lost)
+    except KeyboardInterrupt:
+        for future in futures:
+            future.cancel()
+        return False, []
+    if lost:
+        first = next(iter(lost.values()))
+        text = f"{len(lost)} of {len(jobs)} jobs were lost ({first!r}) and are run in this process"
+        warnings.warn(text, RuntimeWarning, stacklevel=4)
+    return True, sorted(lost)
+
+
+def _collect(
+    futures: dict[Future[T], int],
+    ready: Callable[[int, T], None],
+    lost: dict[int, BaseException] | None = None,
+) -> None:
+    """Hand on each result as it comes; a future without one raises, or is noted as lost."""
+    while futures:
+        done, _ = wait(futures, return_when=FIRST_COMPLETED)
+        for future in done:
+            k = futures[future]
+            fault = CancelledError() if future.cancelled() else future.exception()
+            if fault is None:
+                ready(k, future.result())
+            elif lost is None:
+                raise fault
+            else:
+                lost[k] = fault
+            del futures[future]

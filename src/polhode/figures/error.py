@@ -1,0 +1,16 @@
+"""Figure of a trajectory's error over time, against the reference of its scene."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from polhode.figures import logarithmic
+from polhode.figures.canvas import BODY, SPACE
+from polhode.samples import Samples
+
+LABELS = {"omega": "error of ω / max |ω|", "gamma": "error of γ"}
+
+
+def draw(plt: Any, found: Samples) -> Any:
+    """The errors of omega, relative to its largest modulus, and of gamma."""
+    return logarithmic.draw(plt, found, LABELS, {"omega": BODY, "gamma": SPACE})

@@ -1,0 +1,119 @@
+"""Figure of the hodographs of omega: in the body on the left, in space on the right.
+
+A free body's are the polhode, on the ellipsoid of constant energy, and the herpolhode, in the
+invariable plane.  Of any other motion plan and elevation are drawn: seen along the third axis, and
+along the second.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from polhode.figures.canvas import BODY, HIDDEN, SPACE
+from polhode.figures.globe import facing_most
+from polhode.hodographs import turned
+from polhode.precision import to_double
+from polhode.samples import Samples
+from polhode.scene import ATTITUDE, STATE
+from polhode.scene import SPACE as SPACE_COLUMNS
+
+FLATTEST = 12  # semi-axes more unequal than this make no ellipsoid to look at
+UNIT = " (rad / unit of time)"
+
+
+def draw(plt: Any, found: Samples) -> Any:
+    """Polhode and herpolhode of a free body, else plan and elevation of both hodographs."""
+    omega = found.vectors(STATE[:3])
+    if found.has(SPACE_COLUMNS):
+        space = found.vectors(SPACE_COLUMNS)
+    else:
+        space = np.array(turned(found.vectors(ATTITUDE).T, omega.T)).T
+    kept = np.isfinite(omega).all(axis=1) & np.isfinite(space).all(axis=1)
+    omega, space = omega[kept], space[kept]
+    scene = found.scene
+    if scene is None or not scene.body.torque_free or not omega.any():
+        return _views(plt, omega, space)
+    return _poinsot(plt, found, omega, space)
+
+
+def _views(plt: Any, omega: Any, space: Any) -> Any:
+    figure, panels = plt.subplots(2, 2, figsize=(6.4, 6.2), layout="constrained")
+    size = _largest(omega)
+    for column, title, points, names, colour in (
+        (0, "in the body", omega, ("p", "q", "r"), BODY),
+        (1, "in space", space, ("ω·X", "ω·Y", "ω·Z"), SPACE),
+    ):
+        for axes, view, (i, j) in zip(
+            panels[:, column], ("elevation", "plan"), ((0, 2), (0, 1)), strict=True
+        ):
+            name = f"{title.split()[-1]}-{view}"
+            _flat(axes, points[:, i], points[:, j], size, colour, name)
+            axes.set(xlabel=names[i] + UNIT, ylabel=names[j] + UNIT)
+        panels[0, column].set_title(title, size=9)
+    return figure
+
+
+def _poinsot(plt: Any, found: Samples, omega: Any, space: Any) -> Any:
+    scene = found.scene
+    assert scene is not None
+    body = scene.body
+    rows = np.array([[to_double(x) for x in row] for row in body.axes.rows])
+    principal = omega @ rows.T
+    energy = to_double(scene.integrals.energy)
+    a, b, c = ((2 * energy / to_double(m)) ** 0.5 for m in body.moments)
+    inertia = np.array([[to_double(x) for x in row] for row in body.inertia])
+    figure, (left, right) = plt.subplots(
+        1, 2, figsize=(7.0, 3.5), layout="constrained", width_ratios=(1, 1)
+    )
+    if max(a, b, c) > FLATTEST * min(a, b, c):
+        _flat(left, principal[:, 0], principal[:, 2], _largest(omega), BODY, "polhode")
+        left.set(xlabel="ω₁" + UNIT, ylabel="ω₃" + UNIT)
+    else:
+        globe = facing_most(principal, (a, b, c))
+        globe.surface(left)
+        globe.arms(left, ("ω₁", "ω₂", "ω₃"))
+        globe.curve(left, principal, BODY, HIDDEN[BODY], "polhode", lw=1.0)
+        globe.mark(left, principal[0], BODY)
+    left.set_title("polhode on the ellipsoid of energy", size=9)
+    across, along = invariable_plane(found, space, omega[0] @ inertia)
+    _flat(right, space @ across, space @ along, _largest(omega), SPACE, "herpolhode")
+    right.plot(0, 0, "+", color="#333333", ms=5, mew=0.7)
+    right.set(xlabel="ω·ξ" + UNIT, ylabel="ω·η" + UNIT)
+    right.set_title("herpolhode in the invariable plane", size=9)
+    return figure
+
+
+def invariable_plane(found: Samples, space: Any, momentum: Any) -> tuple[Any, Any]:
+    """Two unit vectors across G in space: right-handed with G, the first one horizontal.
+
+    ``momentum``: G in the body at the start.
+    """
+    if found.has(ATTITUDE):
+        upward = np.array(turned(found.vectors(ATTITUDE)[0], momentum))
+    else:
+        upward = np.cross(space[1] - space[0], space[2] - space[1])
+    upward = upward / np.linalg.norm(upward)
+    across = np.cross([0, 0, 1], upward)
+    size = np.linalg.norm(across)
+    across = across / size if size > 1e-9 else np.array([1.0, 0, 0])
+    return across, np.cross(upward, across)
+
+
+def _flat(axes: Any, x: Any, y: Any, size: float, colour: str, name: str) -> None:
+    """A plane curve with a dot at its start, in a square; ``size``: the largest |w|."""
+    axes.plot(x, y, color=colour, gid=name)
+    axes.plot(x[:1], y[:1], "o", color=colour, ms=2.6)
+    span = max(np.ptp(x), np.ptp(y))
+    if span <= 1e-9 * size:  # a point, not its rounding
+        span = size
+    half = 0.54 * float(span) or 1.0
+    for values, limits in ((x, axes.set_xlim), (y, axes.set_ylim)):
+        middle = float(np.max(values) + np.min(values)) / 2
+        limits(middle - half, middle + half)
+    axes.set_aspect("equal")
+
+
+def _largest(omega: Any) -> float:
+    return float(np.max(np.linalg.norm(omega, axis=1)))

@@ -1,0 +1,22 @@
+"""Figure of the integrals' departures from their exact values over time (3.30)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from polhode.figures import logarithmic
+from polhode.figures.canvas import BODY, REST, SPACE
+from polhode.samples import Samples
+
+LABELS = {
+    "h": "|Δh| / (T₀ + Mg|r₀|)",
+    "f": "|Δf| / |G₀|",
+    "gamma": "||γ|² − 1|",
+    "fourth": "|ΔK²|, relative",
+}
+
+
+def draw(plt: Any, found: Samples) -> Any:
+    """One panel an integral."""
+    colours = {"h": BODY, "f": SPACE, "gamma": REST}
+    return logarithmic.draw(plt, found, LABELS, colours)

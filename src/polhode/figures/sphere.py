@@ -1,0 +1,50 @@
+"""Figure of unit vectors: gamma in the body, and the path in space of the apex."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from polhode.body import dot
+from polhode.exact import sqrt
+from polhode.figures.canvas import BODY, HIDDEN, SPACE
+from polhode.figures.globe import facing_most
+from polhode.hodographs import turned
+from polhode.precision import to_double
+from polhode.samples import Samples
+from polhode.scene import ATTITUDE, STATE
+
+IN_BODY, IN_SPACE = ("x", "y", "z"), ("X", "Y", "Z")
+
+
+def draw(plt: Any, found: Samples) -> Any:
+    """The vertical's trace in the body; with an attitude, the apex's path in space beside it."""
+    spheres = [("γ in the body", found.vectors(STATE[3:]), IN_BODY, BODY)]
+    if found.has(ATTITUDE):
+        name, direction = apex(found)
+        path = np.array(turned(found.vectors(ATTITUDE).T, direction)).T
+        spheres.append((f"{name} in space", path, IN_SPACE, SPACE))
+    size = (3.4 * len(spheres), 3.6)
+    figure, panels = plt.subplots(
+        1, len(spheres), figsize=size, squeeze=False, layout="constrained"
+    )
+    for axes, (title, points, labels, colour) in zip(panels[0], spheres, strict=True):
+        points = points[np.isfinite(points).all(axis=1)]
+        points = points / np.linalg.norm(points, axis=1)[:, None]
+        globe = facing_most(points)
+        globe.surface(axes)
+        globe.arms(axes, labels)
+        globe.curve(axes, points, colour, HIDDEN[colour], "gamma" if colour == BODY else "apex")
+        globe.mark(axes, points[0], colour)
+        axes.set_title(title, size=9)
+    return figure
+
+
+def apex(found: Samples) -> tuple[str, list[float]]:
+    """What is followed in space: the centre of mass where it is heavy, else the third axis."""
+    body = found.scene.body if found.scene is not None else None
+    if body is None or body.torque_free:
+        return "third axis", [0.0, 0.0, 1.0]
+    length = sqrt(dot(body.centre, body.centre))
+    return "centre of mass", [to_double(x / length) for x in body.centre]

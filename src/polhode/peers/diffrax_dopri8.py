@@ -1,0 +1,58 @@
+"""diffrax's Dopri8 in double on the CPU, the whole solve compiled by JAX.  Kidger 2021."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from polhode.peers.field import returning
+from polhode.peers.protocol import Problem, Solution, Solve, serve
+
+
+def load() -> str:
+    """Import diffrax and JAX, told to use doubles."""
+    import diffrax
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+    return f"diffrax {diffrax.__version__}, jax {jax.__version__}"
+
+
+def build(problem: Problem) -> Solve:
+    """Compile the solve for any tolerance."""
+    import diffrax
+    import jax
+    import jax.numpy as jnp
+
+    rates = returning(problem.coefficients)
+    solver = getattr(diffrax, problem.method)()
+    term = diffrax.ODETerm(lambda t, y, args: jnp.stack(rates(*(y[i] for i in range(6)))))
+    start, times = jnp.array(problem.start), jnp.array(problem.times)
+
+    def solution(start: Any, times: Any, tol: Any) -> Any:
+        found = diffrax.diffeqsolve(
+            term,
+            solver,
+            t0=times[0],
+            t1=times[-1],
+            dt0=None,
+            y0=start,
+            saveat=diffrax.SaveAt(ts=times),
+            stepsize_controller=diffrax.PIDController(rtol=tol, atol=tol),
+            max_steps=None,
+            throw=False,
+        )
+        return found.ys, found.stats["num_steps"], found.result == diffrax.RESULTS.successful
+
+    compiled = jax.jit(solution).lower(start, times, 1e-6).compile()
+
+    def solve(tol: float) -> Solution:
+        rows, steps, success = jax.block_until_ready(compiled(start, times, tol))
+        if not success:
+            raise ArithmeticError("diffrax did not reach the end")
+        return Solution(rows.tolist(), int(steps))
+
+    return solve
+
+
+if __name__ == "__main__":
+    serve(load, build)

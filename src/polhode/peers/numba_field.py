@@ -1,0 +1,52 @@
+"""The right-hand side compiled by numba, as each peer wants to call it; numba's disk cache is used.
+
+``rates`` is a name of the module and the coefficients are plain numbers: a closure over anything
+compiled would never be found again in the cache.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numba
+import numpy as np
+
+from polhode.peers.field import filling
+
+Coefficients = tuple[float, ...]
+
+rates = numba.njit(filling)
+
+
+def function(c: Coefficients) -> Any:
+    """A compiled f(t, y) that returns an array."""
+
+    def field(t: float, y: Any) -> Any:
+        dy = np.empty(6)
+        rates(y, dy, c)
+        return dy
+
+    return numba.njit("float64[:](float64, float64[:])", cache=True)(field)
+
+
+def time_state_rates(c: Coefficients, signature: Any) -> Any:
+    """A C callback (t, y, dy, args)."""
+
+    def field(t: float, y: Any, dy: Any, args: Any) -> None:
+        rates(y, dy, c)
+
+    return _callback(field, signature)
+
+
+def rates_time_state(c: Coefficients, signature: Any) -> Any:
+    """A C callback (dy, t, y, args)."""
+
+    def field(dy: Any, t: float, y: Any, args: Any) -> None:
+        rates(y, dy, c)
+
+    return _callback(field, signature)
+
+
+def _callback(field: Callable[..., None], signature: Any) -> Any:
+    return numba.cfunc(signature, cache=True)(field)

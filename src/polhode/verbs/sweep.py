@@ -1,0 +1,98 @@
+"""``polhode sweep``: many tops at once."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from polhode import library
+from polhode.errors import BadInput
+from polhode.verbs.terminal import (
+    DONE,
+    INTERRUPTED,
+    NOT_REACHED,
+    Progress,
+    note,
+    positive,
+    print_json,
+    print_table,
+    read_times,
+    whole,
+)
+
+HELP = "many tops at once: numbers of a scene varied; bare steps, not projected"
+
+
+def options(parser: ArgumentParser) -> None:
+    """The verb's own options."""
+    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+    parser.add_argument(
+        "--vary",
+        metavar="KEY=FROM:TO:N",
+        action="append",
+        required=True,
+        help="a number of the scene file, such as start.omega[1] or body.weight, and N values for "
+        "it evenly spaced, or KEY=a,b,c; several: every combination",
+    )
+    parser.add_argument("--digits", type=whole, help="digits wanted; they choose the number type")
+    parser.add_argument("--number", help="double (default), extended, quad or mp")
+    parser.add_argument("--at", metavar="T,T...", help="output times instead of the scene's")
+    parser.add_argument(
+        "--tol", metavar="X", help="tolerance of a step, the type's eps unless given"
+    )
+    parser.add_argument("--max-steps", type=positive, metavar="N", help="limit on a member's steps")
+    parser.add_argument("--workers", type=positive, metavar="N", help="threads (all cores)")
+    parser.add_argument("-o", dest="file", metavar="FILE", help="write FILE.npz or FILE.csv")
+
+
+def main(options: Namespace) -> int:
+    """Integrate many variants of a scene."""
+    from polhode import ensemble_answers, vary
+    from polhode.ensemble import integrate_many
+
+    scene = library.load(options.scene)
+    if options.at is not None:
+        scene = scene.at(read_times(scene, options.at))
+    varied: dict[str, Any] = {}
+    for text in options.vary:
+        key, values = vary.option(text, scene.name)
+        if key in varied:
+            raise BadInput(scene.name, "--vary", text, f"{key} once")
+        varied[key] = values
+    path = None if options.file is None else Path(options.file)
+    if path is not None:
+        ensemble_answers.check_path(path)
+    with Progress("sweep") as progress:
+        found = integrate_many(
+            scene,
+            varied,
+            number=options.number,
+            digits=options.digits,
+            tol=options.tol,
+            max_steps=options.max_steps,
+            workers=options.workers,
+            progress=lambda fraction, done: progress.say(f"{100 * fraction:.1f} %, {done} members"),
+        )
+    if path is not None:
+        ensemble_answers.write(path, found)
+    if options.json:
+        print_json(ensemble_answers.of_ensemble(found))
+    elif path is None:
+        print_table(*ensemble_answers.table(found))
+    if not options.json:
+        counted = Counter(outcome.value for outcome in found.outcomes)
+        left_out = f"; {', '.join(scene.outputs)} left out" if scene.outputs else ""
+        note(
+            f"{scene.name}: {len(found)} members, {found.number.name} ({found.number.bits} bits), "
+            f"not projected{left_out}; " + ", ".join(f"{n} {name}" for name, n in counted.items())
+        )
+    for outcome in dict.fromkeys(found.outcomes):
+        if not outcome.done:
+            advice = f"; {outcome.advice}" if outcome.advice else ""
+            first = found.outcomes.index(outcome)
+            note(f"polhode: {found.members[first].name}: {outcome.cause}{advice}")
+    if found.interrupted:
+        return INTERRUPTED
+    return DONE if found.done else NOT_REACHED

@@ -1,0 +1,147 @@
+"""heyoka's cache of compiled code, read-only, full, damaged or absent, never stops a run."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import resource
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCENE = (
+    "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
+    'omega = [0.3, 0.4, 1.1]\ngamma = ["2/7", "3/7", "6/7"]\n[run]\nend = 5\nsamples = 3\n'
+)
+UNPRIVILEGED = ["setpriv", "--bounding-set", "-dac_override", "--inh-caps", "-dac_override"]
+
+
+def polhode(arguments, cwd, cache, before=(), limit=None, **environment):
+    """Run a verb in a process of its own, with this cache directory."""
+
+    def small_files() -> None:
+        if limit is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+    kept = {k: v for k, v in os.environ.items() if k != "HEYOKA_CACHE_DIR"}
+    if cache is not None:
+        environment["HEYOKA_CACHE_DIR"] = str(cache)
+    return subprocess.run(
+        [*before, sys.executable, "-m", "polhode", *arguments],
+        cwd=cwd,
+        env=kept | environment,
+        capture_output=True,
+        text=True,
+        preexec_fn=small_files,
+    )
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    """A folder with a scene, a good cache, and what a run of the scene prints."""
+    folder = tmp_path_factory.mktemp("cache")
+    (folder / "scene.toml").write_text(SCENE)
+    done = polhode(["run", "scene.toml", "--json"], folder, folder / "good")
+    assert done.returncode == 0, done.stderr
+    assert (folder / "good" / "cache.db").stat().st_size > 10_000
+    return folder, json.loads(done.stdout)["states"]
+
+
+def fill(path: Path, good: Path, how: str) -> None:
+    """Make a cache directory that is bad in some way."""
+    if how == "a file":
+        path.write_text("x")
+        return
+    path.mkdir()
+    database = path / "cache.db"
+    shutil.copy(good / "cache.db", database)
+    data = database.read_bytes()
+    if how == "garbage":
+        database.write_bytes(random.Random(1).randbytes(100_000))
+    elif how == "truncated":
+        database.write_bytes(data[:5000])
+    elif how == "flipped":
+        database.write_bytes(data[:9000] + bytes(255 - x for x in data[9000:]))
+    elif how == "empty":
+        database.write_bytes(b"")
+    elif how == "a folder":
+        database.unlink()
+        database.mkdir()
+    elif how in ("read-only", "read-only, empty"):
+        if how != "read-only":
+            database.unlink()
+        path.chmod(0o555)
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        *("a file", "garbage", "truncated", "flipped", "empty", "a folder"),
+        *("read-only", "read-only, empty", "full", "nowhere", "no home"),
+    ],
+)
+def test_a_bad_cache_changes_nothing(home, tmp_path, how):
+    folder, states = home
+    cache: Path | None = tmp_path / "cache"
+    more = {}
+    if how == "full":
+        more["limit"] = 20_480
+    elif how == "nowhere":
+        cache = Path("/proc/polhode/cache")
+    elif how == "no home":
+        cache, more = None, {"HOME": "", "XDG_CACHE_HOME": ""}
+    else:
+        fill(cache, folder / "good", how)
+    if how.startswith("read-only") and os.geteuid() == 0:
+        if shutil.which("setpriv") is None:
+            pytest.skip("root writes everywhere, and setpriv is missing")
+        more["before"] = UNPRIVILEGED
+    done = polhode(["run", "scene.toml", "--json"], folder, cache, **more)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["states"] == states  # nothing else on stdout, the same digits
+    assert done.stderr == ""
+    about = polhode(["about", "--json"], folder, cache, **more)
+    assert about.returncode == 0, about.stderr
+    told = json.loads(about.stdout)["cache"]
+    assert told["enabled"] is True
+    assert (told["bytes"] is None) == ("fault" in told)
+    if how in ("a file", "garbage", "truncated", "a folder", "nowhere", "read-only, empty"):
+        assert "fault" in told
+
+
+def test_about_says_what_is_wrong_with_the_cache(home):
+    folder, _ = home
+    assert "bytes in" in polhode(["about"], folder, folder / "good").stdout.splitlines()[-1]
+    last = polhode(["about"], folder, "/proc/polhode").stdout.splitlines()[-1]
+    assert last.startswith("cache     none, every run compiles again (")
+
+
+def test_a_sweep_with_a_bad_cache(home, tmp_path):
+    folder, _ = home
+    fill(tmp_path / "cache", folder / "good", "garbage")
+    arguments = ["sweep", "scene.toml", "--vary", "body.weight=0:1:9", "--json"]
+    done = polhode(arguments, folder, tmp_path / "cache")
+    assert done.returncode == 0, done.stderr
+    assert len(json.loads(done.stdout)["members"]) == 9
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize(("number", "grows"), [("extended", True), ("quad", True), ("mp", False)])
+def test_the_cache_serves_every_type_but_mp(home, tmp_path, number, grows):
+    folder, _ = home
+    arguments = ["run", "scene.toml", "--number", number, "--json"]
+    assert polhode(arguments, folder, tmp_path).returncode == 0
+    sizes = [told(tmp_path, folder)]
+    assert polhode(arguments, folder, tmp_path).returncode == 0
+    sizes.append(told(tmp_path, folder))
+    assert (sizes[0] > 0) == grows
+    assert sizes[0] == sizes[1]  # a hit, or nothing kept
+
+
+def told(cache, folder) -> int:
+    """The cache's size in bytes, by `polhode about`."""
+    return json.loads(polhode(["about", "--json"], folder, cache).stdout)["cache"]["bytes"]
