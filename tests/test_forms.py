@@ -288,3 +288,16 @@ def test_every_cross_check_passes(capsys):
         "omega-only",
         "momentum-only",
     }
+
+
+@pytest.mark.parametrize("name", ["quaternion", "hamiltonian", "momentum"])
+def test_a_run_is_callable_between_its_times_in_any_form(name, monkeypatch):
+    """The states of the output times again, and those between them, across corrections of |q|."""
+    from polhode import unit_norm
+
+    monkeypatch.setitem(unit_norm._EVERY, "double", 7)
+    scene = replace(asymmetric(), form=name)
+    run = polhode.integrate(scene, at=[5, 10])
+    between = polhode.integrate(scene, "quad", at=[F(10, 3), 10]).states[0]
+    assert np.max(np.abs(run(10) - run.states[1])) < 8e-16
+    assert max(abs(a - b) for a, b in zip(run(F(10, 3)), between, strict=True)) < 2e-14
