@@ -161,7 +161,8 @@ def digits() -> None:
                 run = polhode.integrate(scene, digits=wanted)
                 chosen = f"{run.number.name} ({run.number.bits})"
                 judged = polhode.compare(run, polhode.reference(scene))
-                cells.append(f"{judged.worst:.1f}")
+                short = " (short)" if judged.worst < wanted else ""
+                cells.append(f"{judged.worst:.1f}{short}")
             rows.append([wanted, angle, chosen, *cells])
     table(["wanted", "radians", "type (bits)", *cases], rows)
 
@@ -293,7 +294,8 @@ def sweeps() -> None:
     )
     print(
         f"Two threads on this machine of {crew.cores()} cores, by the wall clock, steps alone, "
-        f"t = 1000: {one / two:.2f} times one.\n"
+        f"t = 1000: {one / two:.2f} times one (load average {os.getloadavg()[0]:.0f}; it means "
+        "little above 1).\n"
     )
 
 
