@@ -142,9 +142,11 @@ class Run:
         unit = Fraction(2) ** self.scene.time_unit
         inside = times if unit == 1 else [t / unit for t in times]
         rows: list[Any] = []
+        began = time.perf_counter()
         whole = self._rounded(system(self.scene, self.scene.modelled))
         if inside[0] == 0:
             rows.append([number_value(x, self.number) for x in whole.start])
+        self.build_seconds += time.perf_counter() - began
         if len(rows) == len(inside):
             return Outcome.REACHED_END, rows
         if self._singular_at_start():
