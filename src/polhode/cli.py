@@ -16,7 +16,9 @@ from typing import NoReturn
 from polhode.errors import BadInput
 from polhode.verbs.terminal import BAD_INPUT, DONE, INTERRUPTED
 
-VERBS = ("list", "show", "run", "reference", "check", "compare", "sweep", "report", "about")
+VERBS = (
+    *("list", "show", "run", "reference", "check", "compare", "sweep", "study", "report", "about"),
+)
 
 
 class _Parser(argparse.ArgumentParser):
