@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -58,34 +58,43 @@ def write_report(
 def write_study(
     name: str, folder: Path, quick: bool = False, tick: Tick | None = None
 ) -> list[Path]:
-    """Run one study and write it, and the page of all studies that the folder holds; the paths."""
+    """Run one study and write its results, page and figures; the paths."""
     if name not in STUDIES:
         raise BadInput("study", "NAME", name, nearest(name, [*STUDIES]))
     _check(folder, [name])
     _run(name, folder, quick, f"polhode study {name}" + " --quick" * quick, tick)
-    return write_pages(folder, tick)
+    kept, texts, _ = _made(folder, [name], tick)
+    write_whole(texts)
+    return [*kept, *texts]
 
 
 def write_pages(folder: Path, tick: Tick | None = None) -> list[Path]:
     """Figures and pages of all results in the folder, made from them alone; paths of all files."""
+    kept, texts, sections = _made(folder, STUDIES, tick)
+    texts[folder / PAGE] = html.page("polhode: digits, and what limits them", sections)
+    write_whole(texts)
+    return [*kept, *texts]
+
+
+def _made(
+    folder: Path, names: Iterable[str], tick: Tick | None
+) -> tuple[list[Path], dict[Path, str], list[html.Section]]:
+    """Of the studies that have results in the folder: their files, texts made of them, sections."""
+    kept: list[Path] = []
     texts: dict[Path, str] = {}
-    kept, sections = [], []
-    for name, module in STUDIES.items():
+    sections: list[html.Section] = []
+    for name in names:
         found = results(folder, name)
         if found is None:
             continue
         if tick is not None:
             tick(f"{name}: figures and pages")
-        drawn = figures(found)
-        made = import_module(f"polhode.pages.{module}")
-        blocks = tuple(framed(found, made.blocks(found)))
+        drawn, parts = figures(found), tuple(blocks(found))
         kept.append(folder / f"{name}.json")
         texts |= {folder / f"{figure}.svg": svg for figure, svg in drawn.items()}
-        texts[folder / f"{name}.md"] = markdown(made.TITLE, blocks)
-        sections.append(html.Section(name, made.TITLE, blocks, drawn))
-    texts[folder / PAGE] = html.page("polhode: digits, and what limits them", sections)
-    write_whole(texts)
-    return [*kept, *texts]
+        texts[folder / f"{name}.md"] = markdown(title(name), parts)
+        sections.append(html.Section(name, title(name), parts, drawn))
+    return kept, texts, sections
 
 
 def results(folder: Path, name: str) -> dict[str, Any] | None:
@@ -107,14 +116,19 @@ def figures(found: dict[str, Any]) -> dict[str, str]:
     return drawn
 
 
+def title(name: str) -> str:
+    """The title of a study's page."""
+    found: str = import_module(f"polhode.pages.{STUDIES[name]}").TITLE
+    return found
+
+
 def page(found: dict[str, Any]) -> str:
     """A study's page as Markdown, from its JSON object."""
-    made = import_module(f"polhode.pages.{STUDIES[found['study']]}")
-    return markdown(made.TITLE, framed(found, made.blocks(found)))
+    return markdown(title(found["study"]), blocks(found))
 
 
-def framed(found: dict[str, Any], blocks: Iterator[Block]) -> Iterator[Block]:
-    """A study's blocks between its question and its provenance."""
+def blocks(found: dict[str, Any]) -> Iterator[Block]:
+    """A study's page in blocks, from its JSON object: between question and provenance, its own."""
     origin, mode = found["provenance"], " --quick" * found["quick"]
     again = f"polhode study {found['study']}{mode}"
     yield Text(found["question"])
@@ -123,7 +137,7 @@ def framed(found: dict[str, Any], blocks: Iterator[Block]) -> Iterator[Block]:
         f"Made by `{origin['command']}`{took}; to run it again: `{again} -o DIR`. "
         "No number here was edited by hand."
     )
-    yield from blocks
+    yield from import_module(f"polhode.pages.{STUDIES[found['study']]}").blocks(found)
     yield Heading("Provenance")
     packages = ", ".join(f"{name} {version}" for name, version in origin["versions"].items())
     key = f"; code, cases and versions `{origin['key']}`" if "key" in origin else ""
@@ -153,7 +167,7 @@ def _is_current(folder: Path, name: str, quick: bool) -> bool:
     return found is not None and found.get("provenance", {}).get("key") == key(name, quick)
 
 
-def _check(folder: Path, names: Any) -> None:
+def _check(folder: Path, names: Iterable[str]) -> None:
     """Refuse what would fail at the end, before the work."""
     if not folder.is_dir():
         raise BadInput(str(folder), "-o", None, "an existing folder")
@@ -166,11 +180,11 @@ def _check(folder: Path, names: Any) -> None:
 
 def _run(name: str, folder: Path, quick: bool, command: str, tick: Tick | None) -> None:
     """Run one study and write its JSON."""
-    began = time.perf_counter()
+    began, made_of = time.perf_counter(), key(name, quick)
     found = import_module(f"polhode.studies.{STUDIES[name]}").rows(quick, tick)
     found["provenance"] = {
         "command": command,
-        "key": key(name, quick),
+        "key": made_of,
         "seconds": round(time.perf_counter() - began, 1),
         "versions": _versions(name),
         "cpu": cpu(),

@@ -55,7 +55,7 @@ def inline(text: str, pages: Iterable[str] = ()) -> str:
 _MARK = re.compile(
     r"`(?P<code>[^`]+)`"
     r"|\[(?P<words>[^\]]+)\]\((?P<target>[^()\s]+)\)"
-    r"|(?<![\w*])\*(?P<stress>[^\s*](?:[^*]*[^\s*])?)\*(?![\w*])"
+    r"|(?<![\w*])\*(?P<stress>[^\s*`](?:[^*`]*[^\s*`])?)\*(?![\w*])"
 )
 
 
@@ -87,10 +87,10 @@ def _contents(sections: tuple[Section, ...]) -> Iterator[str]:
     yield "<ol>"
     for section in sections:
         yield f'<li><a href="#{section.name}">{escape(section.title)}</a>'
-        yield "<ul>"
+        yield "<details><summary>sections</summary><ul>"
         for slug, text in _headings(section):
             yield f'<li><a href="#{slug}">{inline(text)}</a></li>'
-        yield "</ul></li>"
+        yield "</ul></details></li>"
     yield "</ol>"
     yield "</nav>"
 
@@ -156,7 +156,7 @@ def _svg(text: str, name: str, alt: str) -> str:
 
 
 _STYLE = """
-:root { font: 16px/1.5 system-ui, "Segoe UI", Roboto, "Helvetica Neue", sans-serif; color: #1b1b1b; }
+:root { font: 16px/1.5 system-ui, "Segoe UI", Roboto, sans-serif; color: #1b1b1b; }
 body { max-width: 72rem; margin: 0 auto; padding: 1rem; background: #fff; }
 h1 { font-size: 1.6rem; line-height: 1.2; }
 h2 { font-size: 1.3rem; line-height: 1.25; margin-top: 3rem; border-top: 2px solid #0072b2;
@@ -164,24 +164,31 @@ h2 { font-size: 1.3rem; line-height: 1.25; margin-top: 3rem; border-top: 2px sol
 h3 { font-size: 1.05rem; margin: 2rem 0 .5rem; }
 p, li { max-width: 46rem; overflow-wrap: anywhere; }
 a { color: #005a9c; }
-code { font: .9em ui-monospace, "DejaVu Sans Mono", monospace; background: #f2f2f2; padding: 0 .2em; }
+code { font: .9em ui-monospace, "DejaVu Sans Mono", monospace; background: #f2f2f2;
+       padding: 0 .2em; }
 nav ol { padding-left: 1.4rem; }
+nav details { font-size: .85rem; color: #555; }
 nav ul { padding-left: 1rem; font-size: .85rem; list-style: none; columns: 18rem; }
 .wide { overflow-x: auto; max-width: 100%; }
 table { border-collapse: collapse; font-size: .8rem; font-variant-numeric: tabular-nums;
         margin: .5rem 0; }
 th, td { padding: .2rem .6rem; border-bottom: 1px solid #ddd; text-align: left;
          vertical-align: top; white-space: nowrap; }
-td { max-width: 30rem; overflow-wrap: anywhere; }
+td:not(.r):not(:first-child) { white-space: normal; min-width: 6rem; max-width: 24rem; }
 th { border-bottom: 2px solid #999; }
 th.r, td.r { text-align: right; }
 tbody tr:nth-child(even) { background: #f8f8f8; }
 figure { margin: 1rem 0; }
 figure svg { display: block; width: 100%; height: auto; min-width: 44rem; }
 figcaption { font-size: .85rem; color: #444; margin-top: .3rem; }
+@media (max-width: 40rem) {
+  th:first-child, td:first-child { position: sticky; left: 0; background: #fff;
+                                   white-space: normal; max-width: 8.5rem; }
+}
 @media print {
   body { max-width: none; padding: 0; }
   .wide { overflow: visible; }
+  nav { display: none; }
   figure svg { min-width: 0; }
   table { font-size: .55rem; }
   th, td { white-space: normal; padding: .1rem .25rem; overflow-wrap: anywhere; }

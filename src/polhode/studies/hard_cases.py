@@ -80,7 +80,6 @@ QUICK = (
     "hard/near-pole",
     "hard/heavy-tiny-units",
     "hard/sleeping-below-critical-spin",
-    "euler/needle",
 )
 
 

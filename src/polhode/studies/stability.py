@@ -24,6 +24,7 @@ QUESTION = (
 TARGET = 1.5  # digits that a run may stay behind those possible
 SYMMETRIC = ("double", "extended", "quad")  # types of the symmetry checks
 LONGEST_SYMMETRIC = {"double": 1e4, "extended": 1e4, "quad": 200.0}
+SPARE_DIGITS = 40  # of the state from which kappa of the way back is computed
 
 Tick = Callable[[str], None]
 
@@ -37,8 +38,9 @@ def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
         say(f"{NAME}: {name}, {k + 1} of {len(chosen)}")
         scene = library.load(name)
         known = _conditioning(scene)
-        cases.append(_case(scene, known))
-        back += _back(scene, known)
+        kept = Remembered(reference(scene))
+        cases.append(_case(scene, kept, known))
+        back += _back(scene, kept, known)
         units += _units(scene)
     say(f"{NAME}: rest")
     rest = _rest(chosen if quick else library.names())
@@ -65,11 +67,9 @@ def _conditioning(scene: Scene) -> Conditioning:
     return conditioning(scene, number=precision.QUAD)
 
 
-def _case(scene: Scene, known: Conditioning) -> dict[str, Any]:
-    truth = reference(scene)
-    kept = Remembered(truth)
+def _case(scene: Scene, truth: Remembered, known: Conditioning) -> dict[str, Any]:
     fitting = [name for name in precision.NAMES if 10**scene.log10_angle <= LONGEST[name]]
-    runs = [_run(scene, kept, known, name) for name in reversed(fitting)][::-1]
+    runs = [_run(scene, truth, known, name) for name in reversed(fitting)][::-1]
     kappas = [x for x in known.log10_kappa if x is not None]
     return {
         "case": scene.name,
@@ -95,8 +95,7 @@ def _run(scene: Scene, truth: Remembered, known: Conditioning, name: str) -> dic
     if not run.outcome.done:
         return found
     judged = compare(run, truth, known)
-    allowed = [x for x in known.digits_possible(run.number) if x is not None]
-    possible = min(allowed) if len(allowed) == len(known.times) else None
+    possible = judged.digits_possible[judged.digits.index(judged.worst)]
     behind = None if possible is None else possible - judged.worst
     late = behind is not None and behind > TARGET
     found |= {
@@ -133,19 +132,26 @@ def _units(scene: Scene) -> list[dict[str, Any]]:
     ]
 
 
-def _back(scene: Scene, known: Conditioning) -> list[dict[str, Any]]:
-    """Errors of a run to the end and back to 0, beside what kappa allows."""
+def _back(scene: Scene, truth: Remembered, known: Conditioning) -> list[dict[str, Any]]:
+    """Errors of a run to the end and back to 0, beside what kappa of either way allows."""
+    numbers = _symmetric(scene)
+    if not numbers:
+        return []
+    there = known.log10_kappa[-1]
+    ends = truth.at([scene.end], SPARE_DIGITS)[-1]
+    back = conditioning(symmetries.way_back(scene, ends), number=precision.QUAD).log10_kappa[-1]
+    kappa = None if there is None or back is None else max(there, back)
     found = []
-    for name in _symmetric(scene):
-        number = precision.named(name)
-        kappa = known.log10_kappa[-1]
-        eps = symmetries.there_and_back(scene, number)
+    for name in numbers:
+        eps = symmetries.there_and_back(scene, precision.named(name))
         found.append(
             {
                 "case": scene.name,
                 "number": name,
-                "log10_kappa": None if kappa is None else round(kappa, 2),
+                "log10_kappa": None if there is None else round(there, 2),
+                "log10_kappa_back": None if back is None else round(back, 2),
                 "error_eps": float(f"{eps:.2e}"),
+                "times_kappa": None if kappa is None else float(f"{eps / 10**kappa:.2g}"),
                 "within": None if kappa is None else eps <= 10**kappa,
             }
         )

@@ -8,13 +8,13 @@ from fractions import Fraction
 from typing import Any
 
 from polhode import exact
-from polhode.body import Body, scaled
+from polhode.body import Body, dot, scaled
 from polhode.correct_digits import errors, rate_scale
 from polhode.exact import sign
 from polhode.forms import Functions, principal
 from polhode.integration import integrate
 from polhode.precision import NumberType, bits_for, exactly, to_mpf
-from polhode.readout import Readout
+from polhode.readout import Readout, number_value
 from polhode.run import Run, system
 from polhode.scene import Scene
 
@@ -87,9 +87,26 @@ def there_and_back(scene: Scene, number: NumberType) -> float:
     read = Readout(plain, number)
     back = read.states([row])[0]
     bits = 2 * number.bits + 64
-    start = [to_mpf(exactly(x), bits) for x in read.states([_numbers(rounded, number)])[0]]
+    start = [
+        to_mpf(exactly(x), bits)
+        for x in read.states([[number_value(x, number) for x in rounded]])[0]
+    ]
     scale = rate_scale([start], scene, bits)
     return float(errors([back], [start], scale, bits)[0] / to_mpf(number.eps, bits))
+
+
+def way_back(scene: Scene, end: Sequence[Any]) -> Scene:
+    """The motion from a state at the scene's end back to 0; ``end``: p q r [gamma], as mpf.
+
+    gamma is brought to length 1.
+    """
+    state = [exactly(x) for x in end]
+    gamma = None
+    if scene.gamma is not None:
+        x, y, z = state[3:]
+        gamma = scaled(1 / exact.sqrt(dot((x, y, z), (x, y, z))), (x, y, z))
+    p, q, r = state[:3]
+    return replace(scene, omega=(p, q, r), gamma=gamma, times=(-scene.end,), outputs=(), events=())
 
 
 def _led(integrator: Any, t: Fraction) -> Any:
@@ -98,9 +115,3 @@ def _led(integrator: Any, t: Fraction) -> Any:
     while len(rows) == 0:
         rows, _ = integrator.chunk([t], 10**5)
     return rows[0]
-
-
-def _numbers(values: Sequence[Fraction], number: NumberType) -> Any:
-    from polhode.readout import number_value
-
-    return [number_value(x, number) for x in values]
