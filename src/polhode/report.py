@@ -27,7 +27,9 @@ from polhode.provenance import cpu, digest, versions
 #: The studies by name, in the order of the report, and the name of their modules.
 STUDIES = {
     "accuracy": "accuracy",
+    "speed": "speed",
     "stability": "stability",
+    "long-run": "long_run",
     "events": "events",
     "published": "published",
 }

@@ -44,9 +44,6 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
             yield Heading(title)
             yield _table(cases)
     yield from _weakest(found["cases"])
-    yield Heading("Cases")
-    yield Text("By the first 16 digits of their SHA-256:")
-    yield Text(", ".join(f"{case['case']} `{case['sha256']}`" for case in found["cases"]))
 
 
 def _table(cases: list[dict[str, Any]]) -> Table:

@@ -52,6 +52,9 @@ def inline(text: str, pages: Iterable[str] = ()) -> str:
     return "".join(_pieces(text, frozenset(pages)))
 
 
+_CASE = re.compile(r"\w+/[\w-]+")
+_LONG = 48  # characters of a cell that may be broken into lines
+
 _MARK = re.compile(
     r"`(?P<code>[^`]+)`"
     r"|\[(?P<words>[^\]]+)\]\((?P<target>[^()\s]+)\)"
@@ -134,12 +137,23 @@ def _table(table: Table, names: set[str]) -> Iterator[str]:
 
 
 def _row(tag: str, cells: Iterable[str], sides: str, names: set[str]) -> str:
-    right = {"l": "", "r": ' class="r"'}
     made = (
-        f"<{tag}{right[side]}>{inline(cell, names)}</{tag}>"
+        f"<{tag}{_kind(cell, side)}>{_cell(cell, names)}</{tag}>"
         for cell, side in zip(cells, sides, strict=True)
     )
     return f"<tr>{''.join(made)}</tr>"
+
+
+def _cell(cell: str, names: set[str]) -> str:
+    """A cell's text; the name of a case may be broken after its slash."""
+    return cell.replace("/", "/<wbr>") if _CASE.fullmatch(cell) else inline(cell, names)
+
+
+def _kind(cell: str, side: str) -> str:
+    """The class of a cell: to the right, or long enough to be broken into lines."""
+    if side == "r":
+        return ' class="r"'
+    return ' class="long"' if len(cell) > _LONG else ""
 
 
 def _svg(text: str, name: str, alt: str) -> str:
@@ -157,7 +171,7 @@ def _svg(text: str, name: str, alt: str) -> str:
 
 _STYLE = """
 :root { font: 16px/1.5 system-ui, "Segoe UI", Roboto, sans-serif; color: #1b1b1b; }
-body { max-width: 72rem; margin: 0 auto; padding: 1rem; background: #fff; }
+body { max-width: 80rem; margin: 0 auto; padding: 1rem; background: #fff; }
 h1 { font-size: 1.6rem; line-height: 1.2; }
 h2 { font-size: 1.3rem; line-height: 1.25; margin-top: 3rem; border-top: 2px solid #0072b2;
      padding-top: .6rem; }
@@ -170,11 +184,11 @@ nav ol { padding-left: 1.4rem; }
 nav details { font-size: .85rem; color: #555; }
 nav ul { padding-left: 1rem; font-size: .85rem; list-style: none; columns: 18rem; }
 .wide { overflow-x: auto; max-width: 100%; }
-table { border-collapse: collapse; font-size: .8rem; font-variant-numeric: tabular-nums;
+table { border-collapse: collapse; font-size: .75rem; font-variant-numeric: tabular-nums;
         margin: .5rem 0; }
-th, td { padding: .2rem .6rem; border-bottom: 1px solid #ddd; text-align: left;
+th, td { padding: .2rem .45rem; border-bottom: 1px solid #ddd; text-align: left;
          vertical-align: top; white-space: nowrap; }
-td:not(.r):not(:first-child) { white-space: normal; min-width: 6rem; max-width: 24rem; }
+td.long { white-space: normal; min-width: 18rem; max-width: 30rem; }
 th { border-bottom: 2px solid #999; }
 th.r, td.r { text-align: right; }
 tbody tr:nth-child(even) { background: #f8f8f8; }
@@ -183,7 +197,8 @@ figure svg { display: block; width: 100%; height: auto; min-width: 44rem; }
 figcaption { font-size: .85rem; color: #444; margin-top: .3rem; }
 @media (max-width: 40rem) {
   th:first-child, td:first-child { position: sticky; left: 0; background: #fff;
-                                   white-space: normal; max-width: 8.5rem; }
+                                   white-space: normal; overflow-wrap: anywhere;
+                                   min-width: 7rem; max-width: 8.5rem; }
 }
 @media print {
   body { max-width: none; padding: 0; }
