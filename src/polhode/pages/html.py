@@ -157,12 +157,17 @@ def _kind(cell: str, side: str) -> str:
 
 
 def _svg(text: str, name: str, alt: str) -> str:
-    """An SVG drawing as part of the page: its size left to the page, its identifiers its own."""
+    """An SVG drawing as part of the page: its size left to the page, its identifiers its own.
+
+    It is shown at most a fifth larger than it was drawn.
+    """
     text = text[text.index("<svg") :].rstrip()
     text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)
     head, rest = text.split(">", 1)
+    width = re.search(r'\swidth="([\d.]+)pt"', head)
+    most = f' style="max-width: {1.6 * float(width[1]):.0f}px"' if width else ""
     head = re.sub(r'\s(?:width|height|role|aria-label)="[^"]*"', "", head)
-    head += f' role="img" aria-label="{escape(alt)}"'
+    head += f'{most} role="img" aria-label="{escape(alt)}"'
     own = f"{name}-"
     body = re.sub(r'\bid="([^"]+)"', rf'id="{own}\1"', f"{head}>{rest}")
     body = re.sub(r'href="#([^"]+)"', rf'href="#{own}\1"', body)
@@ -196,17 +201,20 @@ figure { margin: 1rem 0; }
 figure svg { display: block; width: 100%; height: auto; min-width: 44rem; }
 figcaption { font-size: .85rem; color: #444; margin-top: .3rem; }
 @media (max-width: 40rem) {
+  td:not(.r) { white-space: normal; min-width: 6.5rem; }
   th:first-child, td:first-child { position: sticky; left: 0; background: #fff;
                                    white-space: normal; overflow-wrap: anywhere;
                                    min-width: 7rem; max-width: 8.5rem; }
 }
+@page { size: landscape; margin: 1cm; }
 @media print {
   body { max-width: none; padding: 0; }
   .wide { overflow: visible; }
   nav { display: none; }
-  figure svg { min-width: 0; }
+  figure svg { min-width: 0; max-height: 17cm; }
   table { font-size: .55rem; }
-  th, td { white-space: normal; padding: .1rem .25rem; overflow-wrap: anywhere; }
+  th, td:not(.r) { white-space: normal; padding: .1rem .25rem; }
+  td.long { min-width: 0; overflow-wrap: anywhere; }
   h2 { break-before: page; }
   tr, figure { break-inside: avoid; }
   thead { display: table-header-group; }
