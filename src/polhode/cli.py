@@ -16,7 +16,10 @@ from typing import NoReturn
 from polhode.errors import BadInput
 from polhode.verbs.terminal import BAD_INPUT, DONE, INTERRUPTED
 
-VERBS = ("list", "show", "run", "reference", "check", "compare", "sweep", "plot", "report", "about")
+VERBS = (
+    *("list", "show", "run", "reference", "check", "compare", "sweep", "plot", "study", "report"),
+    "about",
+)
 
 
 class _Parser(argparse.ArgumentParser):

@@ -34,8 +34,8 @@ def pyplot() -> Any:
 def as_svg(figure: Any, title: str | None = None) -> str:
     """A figure as SVG text; the figure is closed."""
     out = StringIO()
-    metadata = {"Date": None} | ({} if title is None else {"Title": title})
-    figure.savefig(out, format="svg", metadata=metadata)
+    titled = {} if title is None else {"Title": title}  # matplotlib refuses a title of None
+    figure.savefig(out, format="svg", metadata={"Date": None, **titled})
     pyplot().close(figure)
     return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
 

@@ -27,7 +27,8 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "against the exact scene, so rounding of its inputs is part of its error; the column "
         "*inputs alone* shows the digits that rounding leaves by itself in double. Drift is the "
         "largest departure of the integrals from the exact scene's values, in double. A dash: "
-        "not run, for it would take too long in that type."
+        "not run, for it would take too long in that type. Figures that somebody printed stand "
+        "beside ours in [published](published.md), the hard cases in [stability](stability.md)."
     )
     yield Text(
         "*Possible*: the digits that kappa·eps leaves in double, kappa the most that the state "
@@ -43,29 +44,6 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
             yield Heading(title)
             yield _table(cases)
     yield from _weakest(found["cases"])
-    printed = [case for case in found["cases"] if case["published"]]
-    if printed:
-        yield Heading("Published figures beside ours")
-        yield Table(
-            ("case", "t", "quantity", "printed", "ours", "difference", "verdict", "source"),
-            tuple(
-                (
-                    case["case"],
-                    f"{f['t']:g}",
-                    f"`{f['quantity']}`",
-                    f["printed"],
-                    f["ours"],
-                    f["difference"],
-                    f["verdict"],
-                    f["cite"],
-                )
-                for case in printed
-                for f in case["published"]
-            ),
-        )
-    yield Heading("Cases")
-    yield Text("By the first 16 digits of their SHA-256:")
-    yield Text(", ".join(f"{case['case']} `{case['sha256']}`" for case in found["cases"]))
 
 
 def _table(cases: list[dict[str, Any]]) -> Table:

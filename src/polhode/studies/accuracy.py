@@ -11,7 +11,6 @@ from polhode.integration import integrate
 from polhode.judging import compare
 from polhode.provenance import digest
 from polhode.scene import Scene
-from polhode.studies.published import figures
 from polhode.truth import Remembered, reference
 
 NAME = "accuracy"
@@ -51,18 +50,6 @@ def _case(scene: Scene) -> dict[str, Any]:
         "end": precision.decimal_string(precision.exactly(precision.QUAD.rounded(scene.end)), 6),
         "sha256": digest(scene.text),
         "runs": runs,
-        "published": [
-            {
-                "t": float(figure.published.t),
-                "quantity": figure.published.quantity,
-                "printed": figure.published.value,
-                "ours": figure.ours,
-                "difference": precision.decimal_string(figure.difference, 2),
-                "verdict": figure.verdict,
-                "cite": figure.published.cite,
-            }
-            for figure in figures(scene, truth)
-        ],
     }
 
 

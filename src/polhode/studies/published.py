@@ -1,4 +1,4 @@
-"""Figures that somebody printed, beside ours.
+"""Study ``published``: figures that somebody printed, beside ours.
 
 Ours comes from the scene's reference (the closed form where there is one), never from a table.
 A printed figure stands when it is ours rounded to its last digit, or cut off there; where only
@@ -8,18 +8,64 @@ that digit and by more than half a unit of the next one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from polhode import exact, quantities
+from polhode import exact, library, quantities
 from polhode.expression import decimal
 from polhode.precision import bits_for, decimal_string, exactly
 from polhode.scene import ANGLES, ATTITUDE, STATE, Published, Scene
-from polhode.truth import Reference, TwoPrecisions
+from polhode.truth import Reference, TwoPrecisions, reference
 
+NAME = "published"
+QUESTION = (
+    "Which figures that somebody printed are right, and by how much are the others off? Ours come "
+    "from closed forms, or from two integrations at different precision where there is none."
+)
+QUICK_CASES = ("published/nasa-brick", "published/curtis", "published/detest-b5")
 SPARE_DIGITS = 8
+
+
+def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict[str, Any]:
+    """The study's results as a JSON object."""
+    cases = []
+    for name in QUICK_CASES if quick else library.names():
+        scene = library.load(name)
+        if not scene.published:
+            continue
+        if tick is not None:
+            tick(f"{NAME}: {name}")
+        truth = reference(scene)
+        found = [_row(figure) for figure in figures(scene, truth)]
+        cases.append(
+            {
+                "case": name,
+                "title": scene.title,
+                "reference": truth.kind,
+                "cite": [*scene.cite],
+                "figures": found,
+            }
+        )
+    return {"study": NAME, "question": QUESTION, "quick": quick, "cases": cases}
+
+
+def _row(figure: Figure) -> dict[str, Any]:
+    printed = figure.published
+    return {
+        "t": float(printed.t),
+        "quantity": printed.quantity,
+        "cite": printed.cite,
+        "printed": printed.value,
+        "ours": figure.ours,
+        "difference": decimal_string(figure.difference, 2),
+        "last_units": float(f"{float(figure.difference / _last_unit(printed.value)):.2g}"),
+        "digits_shown": significant_digits(printed.value),
+        "digits_right": round(figure.digits_right, 1),
+        "stands": figure.passed and printed.right is None,
+        "verdict": figure.verdict,
+    }
 
 
 @dataclass(frozen=True)
@@ -30,6 +76,15 @@ class Figure:
     ours: str
     difference: Fraction
     passed: bool
+
+    @property
+    def digits_right(self) -> float:
+        """-log10 of the relative difference, at most one digit more than are printed."""
+        most = significant_digits(self.published.value) + 1.0
+        ours = exactly(decimal(self.ours))
+        if self.difference == 0 or ours == 0:
+            return most if self.difference == 0 else 0.0
+        return max(0.0, min(most, -exact.log10(self.difference / abs(ours))))
 
     @property
     def verdict(self) -> str:

@@ -104,7 +104,8 @@ def motion_row(motion: Motion, scene: Scene, curves: Mapping[Method, Curve]) -> 
     if kappa is not None and possible is not None:
         floor = possible - math.log10(3)
         found |= {"kappa": float(f"{kappa:.2e}"), "digits_possible": round(possible, 2)}
-        found["verdict"] = verdict(found["methods"], floor)
+        if any(method.name == PLAIN for method in curves):
+            found["verdict"] = verdict(found["methods"], floor)
     return found
 
 

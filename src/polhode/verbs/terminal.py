@@ -19,6 +19,8 @@ DONE, FAILED, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 1, 2, 3, 130
 def whole(text: str) -> int:
     """An option that is a whole number."""
     try:
+        if len(text) > 18:  # int() itself would take thousands of digits
+            raise ValueError
         return int(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"a whole number, not {text[:40]!r}") from None

@@ -1,0 +1,31 @@
+"""``polhode study``: run one study and write it."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+from polhode.verbs.terminal import DONE, Progress, print_json
+
+HELP = "run one study and write it"
+
+
+def options(parser: ArgumentParser) -> None:
+    """The verb's own options."""
+    parser.add_argument("name", metavar="NAME", help="accuracy, stability, events, ...")
+    parser.add_argument("--quick", action="store_true", help="fewer and shorter cases")
+    parser.add_argument("-o", dest="folder", metavar="DIR", default="reports", help="where to")
+
+
+def main(options: Namespace) -> int:
+    """Run one study and write it."""
+    from polhode import report
+
+    folder = Path(options.folder)
+    with Progress("study") as progress:
+        written = report.write_study(options.name, folder, options.quick, progress.say)
+    if options.json:
+        print_json(report.results(folder, options.name))
+    else:
+        print("\n".join(str(path) for path in written))
+    return DONE
