@@ -274,7 +274,8 @@ def at_singular_set(outcome: Any) -> bool:
 def nearest(number: NumberType) -> Fraction:
     """The smallest distance to a form's singular set, about sqrt(eps): a run ends there.
 
-    A distance is a square (sin² theta), so the set is met within about eps**(1/4).
+    A distance is a square (sin² theta), so the set is met within about eps**(1/4).  A passage at
+    d was measured to cost log10(1/d) digits: a run that goes on keeps three quarters of its own.
     """
     return Fraction(2) ** -((number.bits - 1) // 2)
 
