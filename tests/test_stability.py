@@ -78,6 +78,7 @@ def test_other_powers_change_bits(monkeypatch):
         ("euler/permanent-middle", (True, False)),
         ("euler/turned-permanent", (True, False)),
         ("lagrange/steady-slow", (False, False)),
+        ("kovalevskaya/bobylev-steklov", (False, False)),
         ("lagrange/sleeping-unstable", (True, True)),
     ],
 )
@@ -106,7 +107,7 @@ def test_a_regular_motion_comes_back(number):
 def test_the_way_back_starts_where_the_motion_ended():
     scene = polhode.load("lagrange/nutation")
     end = polhode.reference(scene).at([scene.end], 40)[0]
-    back = symmetries.way_back(scene, end)
+    back = symmetries.way_back(scene, scene.end, end)
     last = polhode.reference(back).at(back.times, 30)[-1]
     with mpmath.workdps(40):
         for x, start in zip(last, scene.start, strict=True):

@@ -157,10 +157,12 @@ def _back(rows: list[dict[str, Any]]) -> Iterator[Block]:
     yield Heading("Forward and back")
     yield Text(
         "A run to the end and back to 0 without a stop: the error of the state at 0 against the "
-        "rounded start, in eps, beside kappa at the end and kappa of the way back from there. "
+        "rounded start, in eps, beside kappa at the end and the largest kappa of the way back "
+        "from any quarter of it. "
         f"{len(judged) - len(beyond)} of {len(judged)} come back within the larger kappa·eps, "
         f"all within {times:.2g} times that. "
-        "Where the way there multiplies little and the way back much, what was lost returns."
+        "What rounding does at one moment of the way is multiplied from there on, and kappa of "
+        "four moments is not that of all."
     )
     by_case: dict[str, dict[str, dict[str, Any]]] = {}
     for row in rows:

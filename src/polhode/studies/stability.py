@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 from polhode import library, precision
@@ -24,7 +25,8 @@ QUESTION = (
 TARGET = 1.5  # digits that a run may stay behind those possible
 SYMMETRIC = ("double", "extended", "quad")  # types of the symmetry checks
 LONGEST_SYMMETRIC = {"double": 1e4, "extended": 1e4, "quad": 200.0}
-SPARE_DIGITS = 40  # of the state from which kappa of the way back is computed
+SPARE_DIGITS = 40  # of the states from which kappa of the way back is computed
+QUARTERS = 4  # of the way, each of whose ends is one of those states
 
 Tick = Callable[[str], None]
 
@@ -138,8 +140,13 @@ def _back(scene: Scene, truth: Remembered, known: Conditioning) -> list[dict[str
     if not numbers:
         return []
     there = known.log10_kappa[-1]
-    ends = truth.at([scene.end], SPARE_DIGITS)[-1]
-    back = conditioning(symmetries.way_back(scene, ends), number=precision.QUAD).log10_kappa[-1]
+    times = [scene.end * Fraction(k, QUARTERS) for k in range(1, QUARTERS + 1)]
+    ways = [
+        symmetries.way_back(scene, t, state)
+        for t, state in zip(times, truth.at(times, SPARE_DIGITS), strict=True)
+    ]
+    backs = [conditioning(way, number=precision.QUAD).log10_kappa[-1] for way in ways]
+    back = max((x for x in backs if x is not None), default=None)
     kappa = None if there is None or back is None else max(there, back)
     found = []
     for name in numbers:

@@ -52,11 +52,15 @@ def changed_by_units(scene: Scene, number: NumberType) -> int:
 
 
 def at_rest(scene: Scene) -> tuple[bool, bool]:
-    """Whether w, and the state with gamma, are constant by the exact equations."""
+    """Whether w, and the state with gamma, are constant by the exact equations.
+
+    w alone only where no torque acts on it: then it does not depend on gamma.
+    """
     plain = system(replace(scene, outputs=()), ())
     rates = principal.field(plain.start, plain.coefficients, _EXACTLY)
     still = [sign(rate) == 0 for rate in rates]
-    return all(still[:3]), all(still)
+    whole = all(still)
+    return whole or (scene.body.torque_free and all(still[:3])), whole
 
 
 def departure(states: Sequence[Sequence[Any]], scene: Scene, number: NumberType) -> float:
@@ -95,18 +99,18 @@ def there_and_back(scene: Scene, number: NumberType) -> float:
     return float(errors([back], [start], scale, bits)[0] / to_mpf(number.eps, bits))
 
 
-def way_back(scene: Scene, end: Sequence[Any]) -> Scene:
-    """The motion from a state at the scene's end back to 0; ``end``: p q r [gamma], as mpf.
+def way_back(scene: Scene, t: Any, state: Sequence[Any]) -> Scene:
+    """The motion from the scene's state at time t back to 0; ``state``: p q r [gamma], as mpf.
 
     gamma is brought to length 1.
     """
-    state = [exactly(x) for x in end]
+    state = [exactly(x) for x in state]
     gamma = None
     if scene.gamma is not None:
         x, y, z = state[3:]
         gamma = scaled(1 / exact.sqrt(dot((x, y, z), (x, y, z))), (x, y, z))
     p, q, r = state[:3]
-    return replace(scene, omega=(p, q, r), gamma=gamma, times=(-scene.end,), outputs=(), events=())
+    return replace(scene, omega=(p, q, r), gamma=gamma, times=(-t,), outputs=(), events=())
 
 
 def _led(integrator: Any, t: Fraction) -> Any:
