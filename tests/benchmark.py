@@ -62,7 +62,7 @@ def bare(scene: polhode.Scene, number: precision.NumberType) -> Callable[[], flo
     rates += [r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2]
     start = [taylor.scalar(v, number) for v in scene.start]
     grid = taylor.array([taylor.scalar(t, number) for t in scene.times], number)
-    options = taylor._TYPES[number.name](number)
+    options = taylor.type_options(number)
 
     def job() -> float:
         system = list(zip(names, rates, strict=True))

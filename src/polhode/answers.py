@@ -62,6 +62,8 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
     if run.projection is not None:
         answer["projection"] = {
             "onto": list(run.projection.onto),
+            "every": run.projection.every,
+            "count": run.projection.count,
             "largest": f"{run.projection.largest:.3e}",
             "sum": f"{run.projection.sum:.3e}",
         }

@@ -62,11 +62,18 @@ class _Raw(NamedTuple):
 class Watch:
     """The events of one scene while a run in one number type is under way.
 
-    ``stop``: the time, in the run's unit, of the event that ended the run.  Raises BadInput for an
-    expression that has no value at t = 0 or is identically zero.
+    ``stop``: the time, in the run's unit, of the event that ended the run.  ``steering``: the
+    events do choose the steps, since the state stands still.  Raises BadInput for an expression
+    that has no value at t = 0 or is identically zero.
     """
 
-    def __init__(self, scene: Scene, number: NumberType, tolerance: Fraction | None) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        number: NumberType,
+        tolerance: Fraction | None,
+        steering: bool = False,
+    ) -> None:
         self.scene, self.number = scene, number
         self.stop: Fraction | None = None
         self.after_step = _AfterStep(self) if any(e.stop for e in scene.events) else None
@@ -74,7 +81,9 @@ class Watch:
         self.forward = sign(scene.end) >= 0
         self.start = [sign_at_start(scene, k) for k in range(len(scene.events))]
         eps = max(number.eps, tolerance or ZERO)
-        self.limits = [_Limits(size_of(scene, event), number, eps) for event in scene.events]
+        self.limits = [
+            _Limits(size_of(scene, event), number, eps, steering) for event in scene.events
+        ]
         self.raw: list[list[_Raw]] = [[] for _ in scene.events]
         # What heyoka and the evaluations below need of the integrator attached last.
         self.integrator: Any = None
@@ -229,6 +238,38 @@ class Watch:
             ):
                 self.stop = time
 
+    # -- corrections of the state -------------------------------------------------------------
+
+    def disturbed(self, integrator: Any, moved: Any) -> bool:
+        """Whether moving the state's first components would disturb an event.
+
+        That is: carry its expression a quarter of the way to zero or further; next to a grazing
+        contact the rate of its expression, too.
+        """
+        state, ta = integrator.state, integrator.heyoka
+        after = state.copy()
+        after[: len(moved)] = moved
+        for k, both in enumerate(self.evaluate):
+            options = {"pars": ta.pars, "time": ta.time} if self.with_time[k] else {}
+            value, slope = both(state, **options)
+            new_value, new_slope = both(after, **options)
+            if abs(new_value - value) > abs(value) / 4:
+                return True
+            grazing = abs(value) <= 2 * self.limits[k].contact
+            if grazing and abs(new_slope - slope) > abs(slope) / 4:
+                return True
+        return False
+
+    def marks(self) -> Any:
+        """What was found so far, to be given to ``take_back``."""
+        return [len(raw) for raw in self.raw], self.stop
+
+    def take_back(self, marks: Any) -> None:
+        """Forget what was found since."""
+        counts, self.stop = marks
+        for raw, count in zip(self.raw, counts, strict=True):
+            del raw[count:]
+
     # -- what was found -----------------------------------------------------------------------
 
     def found(self) -> tuple[EventTimes, ...]:
@@ -300,7 +341,7 @@ class Watch:
         self.heyoka = probe = copy.deepcopy(self.integrator.heyoka)
         self.row = probe.d_output
         for _ in range(_PROBES):
-            probe.step(write_tc=True)
+            probe.step(taylor.scalar(1, self.number), write_tc=True)
             suspects -= {
                 k
                 for k in suspects
@@ -343,7 +384,7 @@ class _Limits:
     sqrt(eps) min(S, S') at an extremum; a slope below S'/256 is looked at twice.
     """
 
-    def __init__(self, found: Size, number: NumberType, eps: Fraction) -> None:
+    def __init__(self, found: Size, number: NumberType, eps: Fraction, steering: bool) -> None:
         value, rate = exactly(found.value) or Fraction(1), exactly(found.rate) or Fraction(1)
         half = Fraction(2) ** -(((1 / eps).numerator.bit_length() - 1) // 2)
 
@@ -356,7 +397,8 @@ class _Limits:
         self.steep = typed(rate / 256)
         self.flat = typed(half * rate + noise)
         self.contact = typed(half * min(value, rate) + noise)
-        self.damping = typed(half * Fraction(2) ** -_exponent(max(value, rate)))
+        small = Fraction(1) if steering else half
+        self.damping = typed(small * Fraction(2) ** -_exponent(max(value, rate)))
         self.converged = typed(Fraction(2) ** -(number.bits // 2 + 6))
         self.nearby = typed(Fraction(2) ** -(number.bits // 3))
         self.widest = typed(Fraction(1, 16))

@@ -17,6 +17,9 @@ from polhode.run import Progress, Run
 from polhode.scene import Scene
 from polhode.trajectory import Trajectory
 
+#: Steps between two corrections onto the first integrals: a tenth of the steps' own time or less.
+_EVERY = {"double": 128, "extended": 32, "quad": 1, "mp": 1}
+
 
 def integrate(
     scene: Scene | str | Path,
@@ -27,6 +30,7 @@ def integrate(
     tol: Any = None,
     max_steps: int | None = None,
     inputs: NumberType | None = None,
+    project: bool | int | None = None,
     progress: Progress | None = None,
 ) -> Trajectory:
     """Integrate the Euler–Poisson equations (3.29) of a scene with heyoka's Taylor method.
@@ -34,8 +38,11 @@ def integrate(
     ``number``: double (default), extended, quad or mp (50 digits), or a NumberType.  ``digits``:
     the digits wanted, which choose the number type.  ``at``: output times instead of the scene's.
     ``tol``: the tolerance of a step, the type's eps unless given.  ``inputs``: round start and
-    coefficients to this narrower type first, to see what that rounding alone does.  ``progress``:
-    called now and then with the fraction of the time done and the steps taken.
+    coefficients to this narrower type first, to see what that rounding alone does.  ``project``:
+    put the state back on the exact scene's first integrals every so many steps, True as often as
+    costs about a tenth of the run's time, False never; left out, as True in double and extended at
+    full tolerance, else never (a form other than the principal one never).  ``progress``: called
+    now and then with the fraction of the time done and the steps taken.
 
     The trajectory can be called at any time that it reached, see :class:`polhode.dense.Dense`.
     Ctrl-C ends the run within a second; the trajectory then holds what was reached.  Raises
@@ -48,7 +55,8 @@ def integrate(
     chosen = choose_number(scene, number, digits)
     tolerance = rounded_tolerance(scene, chosen, tol)
     times = rounded_times(scene, chosen)
-    run = Run(scene, chosen, tolerance, max_steps, inputs)
+    every = None if inputs is not None else _cadence(scene, chosen, tolerance, project)
+    run = Run(scene, chosen, tolerance, max_steps, inputs, every)
     outcome, rows = run.to(times, progress)
     read = Readout(scene, chosen)
     return Trajectory(
@@ -71,6 +79,20 @@ def integrate(
         },
         dense=Dense(run),
     )
+
+
+def _cadence(
+    scene: Scene, number: NumberType, tolerance: Fraction | None, project: bool | int | None
+) -> int | None:
+    """Steps between two corrections of the run, None for none."""
+    if project is not None and project is not False and project < 1:
+        raise BadInput(scene.name, "project", project, "True, False or steps, 1 or more")
+    if project is None:
+        full = tolerance is None or tolerance <= number.eps
+        project = full and number.name in ("double", "extended")
+    if scene.form != "principal" or project is False:
+        return None
+    return _EVERY[number.name] if project is True else int(project)
 
 
 def choose_number(scene: Scene, number: str | NumberType | None, digits: int | None) -> NumberType:
@@ -101,8 +123,9 @@ def rounded_times(scene: Scene, number: NumberType) -> list[Fraction]:
     if not scene.times:
         raise BadInput(scene.name, "run.end", None, "given, or times asked for with --at")
     times = [number.rounded(t) for t in scene.times]
+    parts = [t.as_integer_ratio() for t in times]
     for k in range(1, len(times)):
-        if times[k] == times[k - 1]:
+        if parts[k] == parts[k - 1]:
             raise BadInput(
                 scene.name,
                 f"run.at[{k + 1}]",

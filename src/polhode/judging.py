@@ -140,7 +140,8 @@ class Judgement:
             f"  {self.lost or f'worst {self.worst:.1f} at t = {_short(self.worst_time)}'};"
             f" limited by {self.limit}",
         ]
-        lines.append("  drift " + drift_line(self.drift))
+        projected = f"projected {run.projection}" if run.projected else ""
+        lines.append("  " + (projected or "drift " + drift_line(self.drift)))
         return "\n".join(lines)
 
 
@@ -175,7 +176,7 @@ def _digits(
 
 def drift_line(drift: Drift) -> str:
     """Drift in one line."""
-    names = ("h", "f", "|gamma|^2")
+    names = ("h", "f", "|gamma|^2", "fourth integral")
     shown = zip(names, drift, strict=True)
     return ", ".join(f"{name} {value:.1e}" for name, value in shown if value is not None)
 

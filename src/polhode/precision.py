@@ -46,6 +46,12 @@ class NumberType:
 
     def rounded(self, x: Number) -> Fraction:
         """The number of this type nearest to x."""
+        if isinstance(x, Fraction):
+            top, bottom = x.as_integer_ratio()
+            if bottom & (bottom - 1) == 0 and top.bit_length() <= self.bits:
+                return x
+            if self.bits == 53 and -960 < top.bit_length() - bottom.bit_length() < 960:
+                return Fraction(top / bottom)  # Python rounds the quotient correctly
         return exact.binary(*exact.rounded(x, self.bits))
 
 

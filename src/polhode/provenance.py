@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import platform
 import sys
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 __version__ = "0.1.0"
@@ -43,6 +43,7 @@ def cpu() -> str:
     return platform.processor() or platform.machine()
 
 
+@lru_cache(maxsize=64)
 def digest(text: str) -> str:
     """A short fingerprint of a text: the first 16 hexadecimal digits of its SHA-256."""
     return hashlib.sha256(text.encode()).hexdigest()[:16]

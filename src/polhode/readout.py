@@ -34,7 +34,8 @@ class Readout:
         if self._flat:
             import numpy as np
 
-            turned[:, :3] = np.ldexp(turned[:, :3], exponent)
+            if exponent:
+                turned[:, :3] = np.ldexp(turned[:, :3], exponent)
             return turned
         import mpmath
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, NamedTuple
 
-from polhode import exact, kinematics, precision
+from polhode import equilibrium, exact, kinematics, precision
 from polhode.errors import BadInput
 from polhode.exact import Exact
 from polhode.forms import Form, Functions, equations
@@ -38,10 +39,13 @@ class System:
     outputs: tuple[str, ...]
     coefficients: Mapping[str, Exact]
     start: tuple[Exact, ...]
+    still: bool = False  # a relative equilibrium: no rate but zero
 
     def field(self, state: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
         """Rates of the state and of what the outputs ask for."""
         n = len(self.form.variables)
+        if self.still:
+            return [fn.zero] * n
         rates = self.form.field(state[:n], k, fn)
         if not self.outputs:
             return rates
@@ -76,6 +80,7 @@ class Leg(NamedTuple):
     system: System
     origin: Fraction
     marks: list[Any]
+    projected: bool
 
 
 class Run:
@@ -88,6 +93,7 @@ class Run:
         tolerance: Fraction | None = None,
         max_steps: int | None = None,
         inputs: NumberType | None = None,
+        project: int | None = None,
     ) -> None:
         self.scene, self.number, self.tolerance = scene, number, tolerance
         self.max_steps, self.inputs = max_steps, inputs
@@ -97,11 +103,14 @@ class Run:
         self.events: tuple[EventTimes, ...] = ()
         self.legs: list[Leg] = []
         self.projection: Projection | None = None
+        self._every = project
         self._watch: Any = None
 
     def afresh(self) -> Run:
         """The same run before its start."""
-        return Run(self.scene, self.number, self.tolerance, self.max_steps, self.inputs)
+        return Run(
+            self.scene, self.number, self.tolerance, self.max_steps, self.inputs, self._every
+        )
 
     def start(self) -> list[Any]:
         """The start of the variables, in the run's own unit, rounded to its type."""
@@ -113,9 +122,10 @@ class Run:
         if self.scene.events:
             from polhode.events import Watch
 
-            self._watch = Watch(self.scene, self.number, self.tolerance)
+            self._watch = Watch(self.scene, self.number, self.tolerance, self._still)
             self._watch.muted = True
-        return self.integrator(leg.system, leg.origin, self._watch)
+        projector = self._projector(leg.system.form) if leg.projected else None
+        return self.integrator(leg.system, leg.origin, self._watch, projector)
 
     def to(self, times: list[Fraction], progress: Progress | None) -> tuple[Outcome, list[Any]]:
         """Rows at the times, as far as they were reached, and the outcome."""
@@ -126,7 +136,7 @@ class Run:
             if self.scene.events:
                 from polhode.events import Watch
 
-                self._watch = Watch(self.scene, self.number, self.tolerance)
+                self._watch = Watch(self.scene, self.number, self.tolerance, self._still)
             outcome, rows = self._to(times, progress)
         except taylor.OutOfRange as fault:
             expected = f"a type of wider range ({fault})"
@@ -137,10 +147,10 @@ class Run:
         return outcome, rows
 
     def _to(self, times: list[Fraction], progress: Progress | None) -> tuple[Outcome, list[Any]]:
-        from polhode import taylor
-
         unit = Fraction(2) ** self.scene.time_unit
         inside = times if unit == 1 else [t / unit for t in times]
+        if self._still:
+            return self._stand_still(times, inside, progress)
         rows: list[Any] = []
         began = time.perf_counter()
         whole = self._rounded(system(self.scene, self.scene.modelled))
@@ -154,22 +164,69 @@ class Run:
         origin = Fraction(0)
         if "angles" in self.scene.outputs and self.scene.starts_at_pole:
             whole, origin = self._off_the_pole(whole, inside[len(rows)])
+        outcome = self._advanced(whole, origin, inside, rows, progress)
+        if self._stopped:
+            rows = [row for row, t in zip(rows, times, strict=False) if abs(t) <= abs(self.reached)]
+        return outcome, rows
+
+    def _advanced(
+        self,
+        whole: System,
+        origin: Fraction,
+        inside: list[Fraction],
+        rows: list[Any],
+        progress: Progress | None,
+    ) -> Outcome:
+        """Integrate a system that stands at time ``origin``, appending rows; the outcome."""
+        from polhode import taylor
+
+        unit = Fraction(2) ** self.scene.time_unit
         outcome = Outcome.STOPPED_AT_EVENT
         if not self._stopped:
-            integrator = self.integrator(whole, origin, self._watch)
+            projector = self._projector(whole.form)
+            integrator = self.integrator(whole, origin, self._watch, projector)
             self._refuse_what_never_moves()
             limit = self.max_steps if self.max_steps is not None else taylor.max_steps(self.number)
             chunk = taylor.chunk_steps(self.number)
-            holder = self._holder(whole.form)
-            outcome = _march(integrator, inside, rows, limit, chunk, progress, holder)
-            if holder is not None:
-                self.projection = holder.found()
+            outcome = _march(integrator, inside, rows, limit, chunk, progress)
+            if projector is not None:
+                self.projection = projector.found()
+                self.build_seconds += projector.seconds
             self.steps += integrator.steps
             self.reached = integrator.time * unit
+            if self._watch is None:  # else it is needed to tell the events
+                began = time.perf_counter()
+                del integrator  # freeing compiled code takes time as well as making it
+                self.build_seconds += time.perf_counter() - began
         if self._stopped:
             self.reached = self.number.rounded(self._watch.stop) * unit
-            rows = [row for row, t in zip(rows, times, strict=False) if abs(t) <= abs(self.reached)]
-        return outcome, rows
+        return outcome
+
+    @cached_property
+    def _still(self) -> bool:
+        """Whether the state need not be integrated: it is that of a relative equilibrium."""
+        principal_form = self.scene.form == "principal" and self.inputs is None
+        return principal_form and equilibrium.stands_still(self.scene)
+
+    def _stand_still(
+        self, times: list[Fraction], inside: list[Fraction], progress: Progress | None
+    ) -> tuple[Outcome, list[Any]]:
+        """Rows of a state that never changes; only its events, those of t, need an integrator."""
+        rows = [
+            [number_value(x, self.number) for x in equilibrium.variables(self.scene, t)]
+            for t in times
+        ]
+        outcome, self.reached = Outcome.REACHED_END, times[-1]
+        if self._watch is None or self.reached == 0:
+            return outcome, rows
+        passed = rows[: inside[0] == 0]
+        whole = replace(system(self.scene, ()), still=True)
+        outcome = self._advanced(whole, Fraction(0), inside, passed, progress)
+        return outcome, [
+            row
+            for row, t in zip(rows[: len(passed)], times, strict=False)
+            if abs(t) <= abs(self.reached)
+        ]
 
     def _singular_at_start(self) -> bool:
         """Whether the start is too near to the singular set of the form."""
@@ -179,12 +236,17 @@ class Run:
         away = form.distance(form.start, form.coefficients, _EXACTLY)
         return away is not None and bool(away <= nearest(self.number))
 
-    def _holder(self, form: Form) -> Any:
-        if form.unit is None:
-            return None
-        from polhode.unit_norm import UnitNorm
+    def _projector(self, form: Form) -> Any:
+        """What corrects the state now and then; None where nothing does."""
+        if form.unit is not None:
+            from polhode.unit_norm import UnitNorm
 
-        return UnitNorm(form.unit, self.number)
+            return UnitNorm(form.unit, self.number)
+        if self._every is None or self._still:
+            return None
+        from polhode.projection import Projector
+
+        return Projector(self.scene, self.number, self._every)
 
     @property
     def _stopped(self) -> bool:
@@ -207,7 +269,13 @@ class Run:
                 expected = "an expression that is not zero all along the motion"
                 raise BadInput(self.scene.name, key, text, expected)
 
-    def integrator(self, what: System, origin: Fraction = Fraction(0), watch: Any = None) -> Any:
+    def integrator(
+        self,
+        what: System,
+        origin: Fraction = Fraction(0),
+        watch: Any = None,
+        projector: Any = None,
+    ) -> Any:
         """A heyoka integrator of a system that stands at time ``origin``."""
         from polhode import taylor
 
@@ -224,9 +292,10 @@ class Run:
             lambda state, k: what.form.distance(
                 state[: len(what.form.variables)], k, taylor.EXPRESSIONS
             ),
+            projector,
         )
         self.build_seconds += time.perf_counter() - began
-        self.legs.append(Leg(what, origin, built.marks))
+        self.legs.append(Leg(what, origin, built.marks, projector is not None))
         return built
 
     def _rounded(self, what: System) -> System:
@@ -281,14 +350,11 @@ def _march(
     limit: int,
     chunk: int,
     progress: Progress | None,
-    holder: Any,
 ) -> Outcome:
     """Advance chunk by chunk, appending a row for each time reached; the outcome."""
     from polhode import taylor
 
     end = times[-1]
-    if holder is not None:
-        chunk = min(chunk, holder.every)
     try:
         while len(rows) < len(times):
             steps = min(chunk, limit - integrator.steps)
@@ -311,8 +377,6 @@ def _march(
             ahead = abs(end - integrator.time) / passed * steps
             if integrator.steps + ahead > 10 * limit:  # hopeless: no need to try the limit out
                 return Outcome.STEP_LIMIT
-            if holder is not None:
-                holder.correct(integrator)
             if progress is not None:
                 progress(float(integrator.time / end), integrator.steps)
     except KeyboardInterrupt:

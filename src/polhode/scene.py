@@ -155,7 +155,7 @@ class Scene:
         """The same scene, asked for at other times."""
         return replace(self, times=times)
 
-    @property
+    @cached_property
     def text(self) -> str:
         """The text that identifies the scene: its file's, or its exact numbers."""
         body = self.body

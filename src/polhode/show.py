@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode import answers
+from polhode import answers, equilibrium
 from polhode.forms import equations, source
 from polhode.precision import shown
 from polhode.references.kinds import kind_of_body
@@ -37,6 +37,8 @@ def described(scene: Scene) -> dict[str, Any]:
         facts["frequencies"] = answers.frequencies(truth)
         if truth.curve is not None:
             facts["curve"] = _curve(truth.curve)
+    if (still := equilibrium.name(scene)) is not None:
+        facts["motion"] = f"{still}: the state is constant"
     facts |= {
         "form": scene.form,
         "source": source(scene.form),

@@ -52,12 +52,18 @@ class Piece(NamedTuple):
 
 
 class Mark(NamedTuple):
-    """Where a chunk began: exact time, state as heyoka's numbers; where to, in how many steps."""
+    """Where a chunk began: exact time, state as heyoka's numbers; where to, in how many steps.
+
+    Then the steps taken before, those at which a correction is due, and the projector's memory.
+    """
 
     offset: Fraction
     state: tuple[Any, ...]
     end: Fraction
     steps: int
+    taken: int
+    due: int
+    memory: tuple[Any, ...]
 
 
 class OutOfRange(ValueError):
@@ -79,6 +85,18 @@ def scalar(x: Number, number: NumberType) -> Any:
     mantissa, exponent = exact.rounded(x, bits)
     real = hy.real(mantissa, bits) * hy.real(2, bits) ** exponent
     return hy.real128(real) if number.name == "quad" else real
+
+
+def scalars(values: Sequence[Fraction], number: NumberType) -> list[Any]:
+    """The numbers of heyoka's type nearest to rational ones."""
+    if number.name == "double":
+        try:
+            found = [top / bottom for top, bottom in map(Fraction.as_integer_ratio, values)]
+        except OverflowError:
+            found = [0.0]
+        if all(abs(x) >= _SMALLEST_DOUBLE for x in found):  # else a zero, or out of range
+            return found
+    return [scalar(x, number) for x in values]
 
 
 def max_steps(number: NumberType) -> int:
@@ -105,6 +123,7 @@ class Taylor:
     each chunk's end: output times are rounded relative to the chunk's start, never to zero.
     ``watch`` (polhode.events) gives heyoka events and may end the run.  ``distance``, of the
     variables and the coefficients, ends the run where it falls to :func:`nearest`.
+    ``projector`` (polhode.projection, polhode.unit_norm) corrects the state every so many steps.
     ``marks``: where each chunk began, for :meth:`again`.
     """
 
@@ -119,11 +138,14 @@ class Taylor:
         origin: Fraction = Fraction(0),
         watch: Any = None,
         distance: Callable[[Sequence[Any], Mapping[str, Any]], Any] | None = None,
+        projector: Any = None,
     ) -> None:
         self.number = number
-        self.watch = watch
+        self.watch, self.projector = watch, projector
         self.offset = origin
         self.steps = 0
+        self._due = 0 if projector is None else projector.every
+        self._reach = math.inf
         self.marks: list[Mark] = []
         self._pieces: list[Piece] | None = None
         variables = hy.make_vars(*names)
@@ -149,6 +171,7 @@ class Taylor:
                 **type_options(number),
                 **options,
             )
+        self.state = self.heyoka.state  # a view of its memory
 
     @property
     def decomposition(self) -> Any:
@@ -159,7 +182,8 @@ class Taylor:
     def time(self) -> Fraction:
         """The exact time reached."""
         high, low = self.heyoka.dtime
-        return self.offset + self.exactly(high) + self.exactly(low)
+        inside = self.exactly(high) + self.exactly(low) if low else self.exactly(high)
+        return self.offset + inside if self.offset else inside
 
     def chunk(self, times: Sequence[Fraction], steps: int) -> tuple[Any, Any]:
         """Take up to ``steps`` steps towards the last time; states at the times that were passed.
@@ -168,38 +192,105 @@ class Taylor:
         heyoka's outcome.
         """
         self._rebase()
-        self.marks.append(Mark(self.offset, tuple(self.heyoka.state.tolist()), times[-1], steps))
+        memory = () if self.projector is None else self.projector.memory()
+        kept = tuple(self.state.tolist())
+        self.marks.append(Mark(self.offset, kept, times[-1], steps, self.steps, self._due, memory))
         ahead = [t - self.offset for t in times] if self.offset else times
-        rows, ended = self._onwards([scalar(t, self.number) for t in ahead], steps)
-        return self._rows(rows), ended
+        return self._through(scalars(ahead, self.number), steps)
 
     def again(self, mark: Mark) -> list[Piece]:
         """The polynomials of a chunk, taken again with the same steps to the bit."""
-        self.offset = mark.offset
+        self.offset, self.steps, self._due = mark.offset, mark.taken, mark.due
         self.heyoka.time = scalar(0, self.number)
         for i, x in enumerate(mark.state):
-            self.heyoka.state[i] = x
+            self.state[i] = x
+        if self.projector is not None:
+            self.projector.recall(mark.memory)
         if self.watch is not None:
             self.watch.rebased(self)
         pieces: list[Piece] = []
         self._pieces = pieces
-        self._onwards([scalar(mark.end - mark.offset, self.number)], mark.steps)
+        self._through([scalar(mark.end - mark.offset, self.number)], mark.steps)
         return pieces
 
+    def _through(self, grid: list[Any], steps: int) -> tuple[Any, Any]:
+        """A chunk's steps, with its corrections; rows of the run's numbers, and the outcome."""
+        if self.projector is None:
+            rows, ended = self._onwards(grid, steps)
+            return self._rows([rows]), ended
+        found, done, last = [], 0, self.steps + steps
+        while True:
+            rows, ended = self._advance(grid, done, min(self._due, last) - self.steps)
+            if len(rows):
+                found.append(rows)
+                done += len(rows)
+            # the last step may be the last one allowed, too: heyoka then reports the latter
+            if ended != hy.taylor_outcome.step_limit or done == len(grid):
+                break
+            if self.steps == self._due:
+                self._due += self.projector.every if self.projector.correct(self) else 1
+            if self.steps == last:
+                break
+        return self._rows(found), ended
+
+    def _advance(self, grid: list[Any], done: int, steps: int) -> tuple[Any, Any]:
+        """Up to ``steps`` steps; output times that are out of reach are not looked at.
+
+        Reach is four times the longest advance so far.  Should an output time be passed all the
+        same, the advance is taken back and made again with an eye on all of them.
+        """
+        ta, count = self.heyoka, len(grid)
+        if done == count - 1:
+            return self._onwards(grid[-1:], steps)
+        begun, kept, before = ta.dtime, self.state.copy(), self.steps
+        marks = None if self.watch is None else self.watch.marks()
+        reach = abs(float(begun[0])) + self._reach
+        beyond = done
+        while beyond < count and abs(grid[beyond]) <= reach:
+            beyond += 1
+        if beyond == done:
+            rows, ended = self._onwards(grid[-1:], steps)
+        elif beyond < count - 1:
+            rows, ended = self._onwards([*grid[done:beyond], grid[-1]], steps)
+        else:
+            rows, ended = self._onwards(grid[done:], steps)
+        passed = abs(ta.time)
+        if beyond < count - 1 and passed > abs(grid[beyond]):
+            self.state[:], ta.dtime, self.steps = kept, begun, before
+            if self.watch is not None:
+                self.watch.take_back(marks)
+            rows, ended = self._onwards(grid[done:], steps)
+        advance = 4 * float(passed - abs(begun[0]))
+        if advance > self._reach or self._reach == math.inf:
+            self._reach = advance
+        return rows, ended
+
     def _onwards(self, times: list[Any], steps: int) -> tuple[Any, Any]:
-        """Up to ``steps`` steps towards the last time: states at the times passed, and outcome."""
+        """Up to ``steps`` steps towards the last time; rows at the times passed and outcome."""
+        ta = self.heyoka
+        if times[0] == ta.time:  # a step ended there: heyoka has not given that row
+            here = self.state.copy()[None]
+            if len(times) == 1:
+                return here, hy.taylor_outcome.time_limit
+            rows, ended = self._onwards(times[1:], steps)
+            return np.concatenate([here, rows]), ended
         options: dict[str, Any] = {"max_steps": steps}
         if self.watch is not None and self.watch.after_step is not None:
             options["callback"] = self.watch.after_step
-        if self._pieces is not None:
-            begun = self.heyoka.time
-            result = self.heyoka.propagate_until(times[-1], c_output=True, **options)
-            self._pieces.append(Piece(begun, result[4]))
-            return (), result[0]
-        grid = [self.heyoka.time, *times]
-        result = self.heyoka.propagate_grid(array(grid, self.number), **options)
+        if len(times) == 1:
+            # As a grid begins: the step that leaves no low part of the time.  So output times
+            # change no bit of the motion.
+            ta.propagate_until(ta.time)
+            begun, dense = ta.time, self._pieces is not None
+            result = ta.propagate_until(times[0], c_output=dense, **options)
+            if self._pieces is not None and result[4] is not None:
+                self._pieces.append(Piece(begun, result[4]))
+            rows = self.state.copy()[None] if at_end(result[0]) else self.state[None][:0]
+        else:
+            result = ta.propagate_grid(array([ta.time, *times], self.number), **options)
+            rows = result[-1][1:]
         self.steps += int(result[3])
-        return result[-1][1:], result[0]
+        return rows, result[0]
 
     @property
     def stopped(self) -> bool:
@@ -207,15 +298,16 @@ class Taylor:
         return self.watch is not None and self.watch.stop is not None
 
     def _rebase(self) -> None:
-        self.offset = self.time
-        self.heyoka.time = scalar(0, self.number)
+        if self.heyoka.time:
+            self.offset = self.time
+            self.heyoka.time = scalar(0, self.number)
         if self.watch is not None:
             self.watch.rebased(self)
 
-    def _rows(self, states: Any) -> Any:
+    def _rows(self, parts: list[Any]) -> list[Any]:
         if flat(self.number):
-            return states
-        return [numbers(row, self.number) for row in states.tolist()]
+            return [row for part in parts for row in part]
+        return [numbers(row, self.number) for part in parts for row in part.tolist()]
 
     def exactly(self, value: Any) -> Fraction:
         """The exact value of a number of heyoka's."""

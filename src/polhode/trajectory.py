@@ -150,7 +150,10 @@ class Trajectory:
 
     @cached_property
     def drift(self) -> Drift:
-        """Largest drift of h, f, |gamma|² from the exact scene's values."""
+        """Largest drift of the first integrals from the exact scene's values.
+
+        No evidence of accuracy where they were projected: then see ``projection``.
+        """
         if not self.times:
             return Drift(None, None, None)
         return drift(self.scene, self.states, self.number.bits)
@@ -175,6 +178,12 @@ class Trajectory:
         if self.outcome is Outcome.SINGULAR:
             return f"use --form {equations(self.scene).instead}"
         return self.outcome.advice
+
+    @property
+    def projected(self) -> bool:
+        """Whether the state was ever put back on the integrals: their drift then says nothing."""
+        found = self.projection
+        return found is not None and found.count > 0 and "h" in found.onto
 
     @property
     def at_full_tolerance(self) -> bool:

@@ -23,11 +23,19 @@ class UnitNorm:
     def __init__(self, which: slice, number: NumberType) -> None:
         self.which, self.number, self.every = which, number, _EVERY[number.name]
         self.count = 0
+        self.seconds = 0.0  # nothing is compiled
         self.largest = self.sum = 0.0
 
     def found(self) -> Projection:
         """What was corrected so far."""
         return Projection(("|q|",), self.every, self.count, self.largest, self.sum)
+
+    def memory(self) -> tuple[Any, ...]:
+        """What the next correction takes from those before: nothing."""
+        return ()
+
+    def recall(self, _: tuple[Any, ...]) -> None:
+        """Stand where another one of the same run stood."""
 
     def correct(self, integrator: Any) -> bool:
         """Correct the state of a polhode.taylor.Taylor."""

@@ -40,7 +40,13 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("--outputs", metavar="O,O", help="angles, attitude, hodographs")
     parser.add_argument("--max-steps", type=positive, metavar="N", help="limit on the steps")
     parser.add_argument(
-        "--no-project", action="store_true", help="no projection (there is none yet)"
+        "--no-project", action="store_true", help="leave the state as rounding makes it"
+    )
+    parser.add_argument(
+        "--project-every",
+        type=positive,
+        metavar="N",
+        help="put the state back on the first integrals every N steps",
     )
     parser.add_argument("-o", dest="file", metavar="FILE", help="write a CSV, and JSON beside it")
 
@@ -71,6 +77,7 @@ def main(options: Namespace) -> int:
             digits=options.digits,
             tol=options.tol,
             max_steps=options.max_steps,
+            project=False if options.no_project else options.project_every,
             progress=progress.show,
         )
     answer = answers.of_run(found, truth.regime)
@@ -84,10 +91,11 @@ def main(options: Namespace) -> int:
     elif path is None:
         print_rows(answer)
     if not options.json:
+        drift = ", ".join(f"{k} {v}" for k, v in answer["drift"].items() if v is not None)
         note(
             f"{scene.name}: {answer['number']} ({answer['bits']} bits), {answer['regime']}; "
-            f"{answer['outcome']}, {answer['steps']} steps; drift "
-            + ", ".join(f"{k} {v}" for k, v in answer["drift"].items() if v is not None)
+            f"{answer['outcome']}, {answer['steps']} steps; "
+            + (f"projected {found.projection}" if found.projected else f"drift {drift}")
         )
         for event in found.events:
             note(_told(event))
