@@ -24,6 +24,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
+from functools import lru_cache, partial
 from typing import Any
 
 import heyoka as hy
@@ -32,7 +33,7 @@ import numpy as np
 from polhode import exact, taylor
 from polhode.exact import ZERO, Number, sign
 from polhode.forms import Functions, principal
-from polhode.integrals import exact_values, first_integrals
+from polhode.integrals import FirstIntegrals, exact_values, first_integrals
 from polhode.precision import EXTENDED, QUAD, NumberType, extended_here
 from polhode.scene import Scene
 from polhode.trajectory import Projection
@@ -107,34 +108,57 @@ class Projector:
         began = time.perf_counter()
         wide = _wider(self.number)
         self._load, self._rounded, self._widened = _conversions(self.number, wide)
-        options = taylor.type_options(wide)
-        variables = hy.make_vars(*self.scene.columns)
-
-        def constant(x: Number) -> Any:
-            return hy.expression(taylor.scalar(x, wide))
-
-        k = {name: constant(x) for name, x in self.integrals.coefficients.items()}
-        values = self.integrals.values(variables, k, taylor.EXPRESSIONS.zero)
-        targets = [constant(x) for x in exact_values(self.scene, self.integrals)]
-        residuals = [target - value for target, value in zip(targets, values, strict=True)]
-        held, none = kept_at_zero(self.scene), constant(ZERO)
-        jacobian = [
-            [none if i in held else hy.diff(value, x) for i, x in enumerate(variables)]
-            for value in values
-        ]
-        damping = constant(1 + Fraction(2) ** (-2 * (wide.bits - self.number.bits - 2)))
-        floor = constant(Fraction(2) ** (-4 * wide.bits))
-        step = least_norm(jacobian, residuals, damping, floor, none)
-        size = hy.sqrt(sum((d * d for d in step[1:]), step[0] * step[0]))
-        moved = [x + d for x, d in zip(variables, step, strict=True)]
-        with taylor.disk_cache(wide):
-            self._step = hy.cfunc([*moved, size], vars=variables, **options)
+        known, held = self.integrals, frozenset(kept_at_zero(self.scene))
+        names = tuple(sorted(known.coefficients))
+        constants = [known.coefficients[name] for name in names]
+        constants += exact_values(self.scene, known)
+        step = _newton_step(self.scene.columns, known.onto, known.order, names, held, self.number)
+        pars = taylor.array([taylor.scalar(x, wide) for x in constants], wide)
+        self._step = partial(step, pars=pars)
         zero = taylor.scalar(ZERO, wide)
         self._before = taylor.array([zero] * self.columns, wide)
         self._after = taylor.array([zero] * (self.columns + 1), wide)
         self._none = dict.fromkeys(_constant_columns(self.scene), zero)
         self._rests = dict(self._none)
         self.seconds += time.perf_counter() - began
+
+
+@lru_cache(maxsize=64)
+def _newton_step(
+    columns: tuple[str, ...],
+    onto: tuple[str, ...],
+    order: tuple[int, int, int],
+    names: tuple[str, ...],
+    held: frozenset[int],
+    number: NumberType,
+) -> Any:
+    """The state after a correction and the size of that, compiled.
+
+    Parameters: the integrals' coefficients of these names, then the exact scene's values.  So one
+    function serves all scenes that have the same integrals.
+    """
+    wide = _wider(number)
+    variables = hy.make_vars(*columns)
+    pars = [hy.par[i] for i in range(len(names) + len(onto))]
+    k = dict(zip(names, pars, strict=False))
+    values = FirstIntegrals(onto, order, {}).values(variables, k, taylor.EXPRESSIONS.zero)
+    residuals = [target - value for target, value in zip(pars[len(names) :], values, strict=True)]
+
+    def constant(x: Number) -> Any:
+        return hy.expression(taylor.scalar(x, wide))
+
+    none = constant(ZERO)
+    jacobian = [
+        [none if i in held else hy.diff(value, x) for i, x in enumerate(variables)]
+        for value in values
+    ]
+    damping = constant(1 + Fraction(2) ** (-2 * (wide.bits - number.bits - 2)))
+    floor = constant(Fraction(2) ** (-4 * wide.bits))
+    step = least_norm(jacobian, residuals, damping, floor, none)
+    size = hy.sqrt(sum((d * d for d in step[1:]), step[0] * step[0]))
+    moved = [x + d for x, d in zip(variables, step, strict=True)]
+    with taylor.disk_cache(wide):
+        return hy.cfunc([*moved, size], vars=variables, **taylor.type_options(wide))
 
 
 def least_norm(

@@ -194,10 +194,8 @@ class Run:
                 self.build_seconds += projector.seconds
             self.steps += integrator.steps
             self.reached = integrator.time * unit
-            if self._watch is None:  # else it is needed to tell the events
-                began = time.perf_counter()
-                del integrator  # freeing compiled code takes time as well as making it
-                self.build_seconds += time.perf_counter() - began
+            if self._watch is None and outcome.done:  # events are told by their integrator
+                integrator.release()
         if self._stopped:
             self.reached = self.number.rounded(self._watch.stop) * unit
         return outcome
@@ -293,6 +291,7 @@ class Run:
                 state[: len(what.form.variables)], k, taylor.EXPRESSIONS
             ),
             projector,
+            (what.outputs, what.still) if self.scene.form == "principal" else None,
         )
         self.build_seconds += time.perf_counter() - began
         self.legs.append(Leg(what, origin, built.marks, projector is not None))

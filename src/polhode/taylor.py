@@ -7,7 +7,7 @@ exactly, rounded once to the run's type, and handed over typed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -18,6 +18,7 @@ import numpy as np
 from polhode import exact
 from polhode.exact import Number, sign
 from polhode.forms import Functions
+from polhode.idle import Idle
 from polhode.precision import NumberType, exactly, to_double, to_extended
 
 #: The scalar functions of heyoka's expressions.
@@ -31,6 +32,7 @@ hy.set_logger_level_critical()
 _CHUNK_SECONDS = 0.2
 _MAX_STEPS = {"double": 10**8, "extended": 10**7, "quad": 10**6, "mp": 10**6}
 _SMALLEST_DOUBLE = 2.0**-1022
+_IDLE = Idle()
 
 
 class Piece(NamedTuple):
@@ -87,11 +89,13 @@ def scalar(x: Number, number: NumberType) -> Any:
     return hy.real128(real) if number.name == "quad" else real
 
 
-def scalars(values: Sequence[Fraction], number: NumberType) -> list[Any]:
-    """The numbers of heyoka's type nearest to rational ones."""
+def scalars(values: Sequence[Number], number: NumberType) -> list[Any]:
+    """The numbers of heyoka's type nearest to each; raises OutOfRange."""
     if number.name == "double":
         try:
-            found = [top / bottom for top, bottom in map(Fraction.as_integer_ratio, values)]
+            found = [
+                x.numerator / x.denominator if isinstance(x, Fraction) else 0.0 for x in values
+            ]
         except OverflowError:
             found = [0.0]
         if all(abs(x) >= _SMALLEST_DOUBLE for x in found):  # else a zero, or out of range
@@ -124,7 +128,9 @@ class Taylor:
     ``watch`` (polhode.events) gives heyoka events and may end the run.  ``distance``, of the
     variables and the coefficients, ends the run where it falls to :func:`nearest`.
     ``projector`` (polhode.projection, polhode.unit_norm) corrects the state every so many steps.
-    ``marks``: where each chunk began, for :meth:`again`.
+    ``marks``: where each chunk began, for :meth:`again`.  ``equations``: what tells this field and
+    this distance from others of the same names and coefficients; an integrator of the same
+    equations that is idle is then taken up again.
     """
 
     def __init__(
@@ -139,6 +145,7 @@ class Taylor:
         watch: Any = None,
         distance: Callable[[Sequence[Any], Mapping[str, Any]], Any] | None = None,
         projector: Any = None,
+        equations: Hashable = None,
     ) -> None:
         self.number = number
         self.watch, self.projector = watch, projector
@@ -148,30 +155,59 @@ class Taylor:
         self._reach = math.inf
         self.marks: list[Mark] = []
         self._pieces: list[Piece] | None = None
-        variables = hy.make_vars(*names)
-        k = {name: hy.expression(scalar(x, number)) for name, x in coefficients.items()}
+        state = scalars(start, number)
+        values = scalars([*coefficients.values()], number)
+        self._key: Hashable = None
+        if equations is not None and watch is None and flat(number):
+            tol = None if tolerance is None else scalar(tolerance, number)
+            self._key = (equations, *names, *coefficients, *values, number.name, tol)
+        idle = None if self._key is None else _IDLE.take(self._key)
+        if idle is None:
+            k = {name: hy.expression(x) for name, x in zip(coefficients, values, strict=True)}
+            idle = self._built(names, field, k, state, tolerance, distance)
+        else:
+            idle.state[:] = state
+            idle.time = scalar(0, number)
+        self.heyoka = idle
+        self.state = self.heyoka.state  # a view of its memory
+
+    def _built(
+        self,
+        names: Sequence[str],
+        field: Callable[[Sequence[Any], Mapping[str, Any]], list[Any]],
+        k: Mapping[str, Any],
+        state: list[Any],
+        tolerance: Number | None,
+        distance: Callable[[Sequence[Any], Mapping[str, Any]], Any] | None,
+    ) -> Any:
+        number, variables = self.number, hy.make_vars(*names)
         rates = field(variables, k)
-        state = [scalar(x, number) for x in start]
         options: dict[str, Any] = {}
         if tolerance is not None:
             options["tol"] = scalar(tolerance, number)
         with disk_cache(number):
-            if watch is not None:
-                options["nt_events"] = watch.attach(self, variables, rates)
+            if self.watch is not None:
+                options["nt_events"] = self.watch.attach(self, variables, rates)
             away = None if distance is None else distance(variables, k)
             if away is not None:
+                self._key = None  # a terminal event leaves traces in an integrator
                 # scaled down, so that it takes no part in choosing the steps
                 near, damping = (scalar(x, number) for x in (nearest(number), _damping(number)))
                 kind = {name: x for name, x in type_options(number).items() if name == "fp_type"}
                 met = hy.expression(damping) * (away - hy.expression(near))
                 options["t_events"] = [hy.t_event(met, **kind)]
-            self.heyoka = hy.taylor_adaptive(
+            return hy.taylor_adaptive(
                 list(zip(variables, rates, strict=True)),
                 array(state, number),
                 **type_options(number),
                 **options,
             )
-        self.state = self.heyoka.state  # a view of its memory
+
+    def release(self) -> None:
+        """Leave the compiled code to the next run of the same equations; the last call of all."""
+        if self._key is not None:
+            _IDLE.put(self._key, self.heyoka)
+        del self.heyoka, self.state
 
     @property
     def decomposition(self) -> Any:
