@@ -26,7 +26,6 @@ from polhode.integration import integrate
 from polhode.precision import DOUBLE, bits_for
 from polhode.scene import Scene, even_times
 from polhode.studies import growth
-from polhode.studies.own_process import projecting
 from polhode.studies.processes import Curve, Method, Task, plain_scene, run_all
 from polhode.truth import TwoPrecisions, reference
 
@@ -116,7 +115,7 @@ def ensembles(
 ) -> Iterator[dict[str, Any]]:
     """A row a top: medians over its starts at every half decade, and exponents."""
     times = half_decades(*decades)
-    methods = (PLAIN, PROJECTED) if projection_is_there() else (PLAIN,)
+    methods = (PLAIN, PROJECTED)
     asked = [Start(top, k, times, methods) for top in TOPS for k in range(starts)]
     members: list[Member] = []
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
@@ -134,14 +133,6 @@ def half_decades(first: int, last: int) -> tuple[Fraction, ...]:
     return tuple(Fraction(round(10 ** (k / 2))) for k in range(2 * first, 2 * last + 1))
 
 
-def projection_is_there() -> bool:
-    """Whether runs can be projected onto their integrals."""
-    try:
-        return bool(projecting(True))
-    except NotImplementedError:
-        return False
-
-
 def follow(start: Start) -> Member:
     """Integrate one start by every method and judge it at every time."""
     scene = start.scene
@@ -150,10 +141,11 @@ def follow(start: Start) -> Member:
     scale = rate_scale(truth, scene, bits)
     made, departures, taken = {}, [], None
     for method in start.methods:
-        run = integrate(scene, "double", **projecting(method == PROJECTED))
+        run = integrate(scene, "double", project=method == PROJECTED)
         made[method] = [float(e) for e in errors(run.states, truth, scale, bits)]
         if method == PROJECTED:
-            put = getattr(run, "projection")  # noqa: B009
+            put = run.projection
+            assert put is not None
             taken = put.onto, put.largest, put.sum
         else:
             departures = [

@@ -50,27 +50,14 @@ def build(job: Job) -> Solve:
 
     def solve(tol: float) -> Solution:
         tolerance = None if tol <= eps else tol
-        run = integrate(job.scene, job.number, tol=tolerance, **projecting(job.project))
+        run = integrate(job.scene, job.number, tol=tolerance, project=job.project)
         if not run.outcome.done:
             raise ArithmeticError(run.outcome.cause)
         return Solution(run.states, run.steps, run.provenance["seconds"]["build"])
 
     few = 200 if job.number in ("double", "extended") else 2  # past the first projection
-    integrate(job.scene, job.number, max_steps=few, **projecting(job.project))
+    integrate(job.scene, job.number, max_steps=few, project=job.project)
     return solve
-
-
-def projecting(wanted: bool) -> dict[str, Any]:
-    """The keyword that switches projection on or off."""
-    from inspect import signature
-
-    from polhode.integration import integrate
-
-    if "project" in signature(integrate).parameters:
-        return {"project": wanted}
-    if wanted:
-        raise NotImplementedError("integrate(project=True)")
-    return {}
 
 
 def written(x: Any) -> str:
