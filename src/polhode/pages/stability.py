@@ -20,7 +20,9 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "second those that kappa·eps leaves possible there; kappa, whose decimal logarithm stands "
         "beside the case, is the most that the state changes per unit of relative change of all "
         "inputs at once. mp is asked for 50 digits. A dash: not run, for it would take too long "
-        "in that type, or kappa not computed. Drift and steps are those in double."
+        "in that type, or kappa not computed. Drift and steps are those in double; drift says "
+        "nothing of the error where a run is put back on its integrals: the largest correction and "
+        "the sum of all stand beside it, w in units in which it is of order 1."
     )
     yield Figure("stability", "Digits correct against digits possible of every hard case")
     yield from _behind(found)
@@ -93,13 +95,22 @@ def _behind(found: dict[str, Any]) -> Iterator[Block]:
 def _cases(cases: list[dict[str, Any]]) -> Table:
     header = (
         *("case", "regime", "t", "log10 kappa", "double", "extended", "quad", "mp (50)"),
-        *("drift h", "drift f", "drift gamma", "steps", "outcome"),
+        *(
+            "drift h",
+            "drift f",
+            "drift gamma",
+            "largest correction",
+            "their sum",
+            "steps",
+            "outcome",
+        ),
     )
     rows = []
     for case in cases:
         runs = {run["number"]: run for run in case["runs"]}
         double = runs.get("double", {})
         drift = double.get("drift", {})
+        corrected = double.get("projection") or {}
         rows.append(
             (
                 case["case"],
@@ -108,11 +119,12 @@ def _cases(cases: list[dict[str, Any]]) -> Table:
                 _number(case["log10_kappa"], ".1f"),
                 *(_pair(runs.get(name)) for name in _NUMBERS),
                 *(_number(drift.get(key), ".0e") for key in ("h", "f", "gamma")),
+                *(_number(corrected.get(key), ".0e") for key in ("largest", "sum")),
                 _number(double.get("steps"), "d"),
                 ", ".join(sorted({run["outcome"] for run in case["runs"]})),
             )
         )
-    return Table(header, tuple(rows), "llrrrrrrrrrrl")
+    return Table(header, tuple(rows), "llrrrrrrrrrrrrl")
 
 
 def _units(rows: list[dict[str, Any]]) -> Iterator[Block]:
@@ -156,8 +168,8 @@ def _back(rows: list[dict[str, Any]]) -> Iterator[Block]:
     times = max((row["times_kappa"] for row in judged), default=0)
     yield Heading("Forward and back")
     yield Text(
-        "A run to the end and back to 0 without a stop: the error of the state at 0 against the "
-        "rounded start, in eps, beside kappa at the end and the largest kappa of the way back "
+        "A run to the end and back to 0 without a stop, and without projection: the error of the "
+        "state at 0 against the rounded start, in eps, beside kappa at the end and the largest kappa of the way back "
         "from any quarter of it. "
         f"{len(judged) - len(beyond)} of {len(judged)} come back within the larger kappa·eps, "
         f"all within {times:.2g} times that. "

@@ -11,6 +11,7 @@ from polhode.integration import integrate
 from polhode.judging import compare
 from polhode.provenance import digest
 from polhode.scene import Scene
+from polhode.trajectory import Trajectory
 from polhode.truth import Remembered, reference
 
 NAME = "accuracy"
@@ -75,6 +76,19 @@ def _run(scene: Scene, truth: Remembered, name: str, known: Conditioning | None)
                 key: None if value is None else float(f"{value:.2e}")
                 for key, value in judged.drift._asdict().items()
             },
+            "projection": projection(run),
             "reference_digits": None if truth.is_closed_form else round(truth.agreement, 1),
         }
     return found
+
+
+def projection(run: Trajectory) -> dict[str, Any] | None:
+    """The corrections of a run that was put back on its integrals; None where it was not."""
+    if run.projection is None:
+        return None
+    return {
+        "onto": [*run.projection.onto],
+        "count": run.projection.count,
+        "largest": float(f"{run.projection.largest:.2e}"),
+        "sum": float(f"{run.projection.sum:.2e}"),
+    }

@@ -13,7 +13,7 @@ from polhode.judging import compare
 from polhode.provenance import digest
 from polhode.scene import Scene
 from polhode.studies import hard_cases, limits, symmetries
-from polhode.studies.accuracy import LONGEST
+from polhode.studies.accuracy import LONGEST, projection
 from polhode.truth import Remembered, reference
 
 NAME = "stability"
@@ -112,6 +112,7 @@ def _run(scene: Scene, truth: Remembered, known: Conditioning, name: str) -> dic
             key: None if value is None else float(f"{value:.2e}")
             for key, value in judged.drift._asdict().items()
         },
+        "projection": projection(run),
         "reference_digits": None if truth.is_closed_form else round(truth.agreement, 1),
     }
     return found
