@@ -13,7 +13,7 @@ from polhode.pages import html
 from polhode.pages.blocks import Figure, Heading, Items, Table, Text, markdown
 
 COMMITTED = Path(__file__).parents[1] / "reports"
-VOID = {"meta", "br", "hr", "img", "link", "input"}
+VOID = {"meta", "br", "wbr", "hr", "img", "link", "input"}
 
 SVG = """<?xml version="1.0" encoding="utf-8"?>
 <!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd">

@@ -80,6 +80,11 @@ IDS = ("case", "number", "zero", "quantity", "t", "cite", "shift", "limit", "end
 UNCOMPARED = {"provenance", "kinds", "cost", "samples", "lines"}
 
 
+def _name(row: dict[str, Any]) -> tuple[str, ...]:
+    """What tells a row from its neighbours."""
+    return tuple(str(row[key]) for key in IDS if row.get(key) is not None)
+
+
 def differences(today: Any, before: Any, where: str = "") -> list[str]:
     """Where two results of one study differ by a digit or in words; rows are matched by name."""
     found: list[str] = []
@@ -88,12 +93,11 @@ def differences(today: Any, before: Any, where: str = "") -> list[str]:
         if key in UNCOMPARED:
             continue
         if isinstance(value, list) and value and isinstance(value[0], dict):
-            rows = {tuple(row.get(i) for i in IDS): row for row in old}
+            rows = {_name(row): row for row in old}
             for row in value:
-                name = tuple(row.get(i) for i in IDS)
-                label = f"{here}[{', '.join(str(x) for x in name if x is not None)}]"
-                if name in rows:
-                    found += differences(row, rows[name], label)
+                label = f"{here}[{', '.join(_name(row))}]"
+                if _name(row) in rows:
+                    found += differences(row, rows[_name(row)], label)
                 else:
                     found.append(f"{label} is new")
         elif isinstance(value, dict):

@@ -169,8 +169,8 @@ def _back(rows: list[dict[str, Any]]) -> Iterator[Block]:
     yield Heading("Forward and back")
     yield Text(
         "A run to the end and back to 0 without a stop, and without projection: the error of the "
-        "state at 0 against the rounded start, in eps, beside kappa at the end and the largest kappa of the way back "
-        "from any quarter of it. "
+        "state at 0 against the rounded start, in eps, beside kappa at the end and the "
+        "largest kappa of the way back from any quarter of it. "
         f"{len(judged) - len(beyond)} of {len(judged)} come back within the larger kappa·eps, "
         f"all within {times:.2g} times that. "
         "What rounding does at one moment of the way is multiplied from there on, and kappa of "
