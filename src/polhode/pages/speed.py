@@ -19,8 +19,9 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "first with empty caches of compiled code, then with those the first round left. Seconds "
         "are the least of all timed runs after one that warms up; a run of more than a quarter of "
         "a second is made once. Import and compilation stand in columns of their own; for polhode "
-        "compilation is the making of its integrator, which every run does again, and the second "
-        "and later bodies of a process may find code that an earlier one left."
+        "compilation is the making of its integrator, which later runs of the same equations take "
+        "up again; the second and later bodies of a process may find code that an earlier one "
+        "left."
     )
     yield Text("Left of and below is better. The dotted line is three times kappa·eps of a double.")
     yield Figure("speed", "Error against seconds of every method on every motion")
