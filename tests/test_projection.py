@@ -257,7 +257,7 @@ def test_without_waiting_a_zero_is_lost_or_doubled(monkeypatch):
 def test_the_ways_to_ask():
     scene = polhode.load(TOPS[0])
     assert polhode.integrate(scene).projection.every == 160
-    assert polhode.integrate(scene, "extended").projection.every == 64
+    assert polhode.integrate(scene, "extended").projection.every == 32
     assert polhode.integrate(scene, project=9).projection.every == 9
     for options in ({"project": False}, {"tol": "1e-9"}, {"number": "quad", "at": [1]}):
         run = polhode.integrate(scene, **options)
