@@ -53,7 +53,7 @@ def test_every_combination_as_json(scene, capsys):
         np.array(member["states"], dtype=float), single.states, rtol=0, atol=128 * 2.0**-52
     )
     assert set(member) == {"values", "outcome", "reached", "steps", "drift", "states"}
-    assert set(member["drift"]) == {"h", "f", "gamma"}
+    assert set(member["drift"]) == {"h", "f", "gamma", "fourth"}
 
 
 def test_a_table_on_stdout_and_a_note_on_stderr(scene, capsys):

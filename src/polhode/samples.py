@@ -81,11 +81,12 @@ def run(
     number: str | NumberType | None = None,
     digits: int | None = None,
     progress: Progress | None = None,
+    project: bool | None = None,
 ) -> Trajectory:
     """A scene integrated at these times with these outputs; of its events only a stop."""
     events = tuple(event for event in scene.events if event.stop)
     asked = replace(scene, times=times, outputs=outputs, events=events)
-    return integrate(asked, number, digits=digits, progress=progress)
+    return integrate(asked, number, digits=digits, progress=progress, project=project)
 
 
 def of_run(found: Trajectory) -> Samples:

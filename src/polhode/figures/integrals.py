@@ -12,7 +12,7 @@ LABELS = {
     "h": "|Δh| / (T₀ + Mg|r₀|)",
     "f": "|Δf| / |G₀|",
     "gamma": "||γ|² − 1|",
-    "fourth": "|ΔK²|, relative",
+    "fourth": "fourth integral, relative",
 }
 
 

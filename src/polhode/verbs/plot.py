@@ -102,7 +102,10 @@ def _of_scene(options: Namespace) -> Samples | int:
             options.number,
             options.digits,
             progress.show,
+            project=False if options.what == "integrals" else None,
         )
+    if options.what == "integrals":
+        note(f"{scene.name}: without projection, after which the integrals would say nothing")
     if not found.outcome.done:
         return _not_reached(found)
     if abs(times[-1]) < abs(scene.end) and end is None:
