@@ -113,7 +113,8 @@ class Projector:
         constants = [known.coefficients[name] for name in names]
         constants += exact_values(self.scene, known)
         step = _newton_step(self.scene.columns, known.onto, known.order, names, held, self.number)
-        pars = taylor.array([taylor.scalar(x, wide) for x in constants], wide)
+        used = constants[: step.nparams]
+        pars = taylor.array([taylor.scalar(x, wide) for x in used], wide)
         self._step = partial(step, pars=pars)
         zero = taylor.scalar(ZERO, wide)
         self._before = taylor.array([zero] * self.columns, wide)
@@ -135,7 +136,8 @@ def _newton_step(
     """The state after a correction and the size of that, compiled.
 
     Parameters: the integrals' coefficients of these names, then the exact scene's values.  So one
-    function serves all scenes that have the same integrals.
+    function serves all scenes that have the same integrals.  An integral that depends on nothing
+    but what is held at zero drops out, and its value with it: the last may not be asked for.
     """
     wide = _wider(number)
     variables = hy.make_vars(*columns)
