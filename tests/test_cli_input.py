@@ -203,6 +203,17 @@ def test_the_usual_shapes_of_csv_are_read(capsys: pytest.CaptureFixture[str], co
     assert float(verdict["drift"]["h"]) < 10 ** -verdict["worst"]
 
 
+def test_drift_of_a_projected_file_is_no_evidence(capsys: pytest.CaptureFixture[str]) -> None:
+    for options, notes in (((), 1), (("--no-project",), 0)):
+        arguments = ["run", "kovalevskaya/generic", "--at", "500", "-o", "x.csv", *options]
+        assert cli.main(arguments) == 0
+        capsys.readouterr()
+        assert cli.main(["compare", "x.csv", "kovalevskaya/generic", "--number", "double"]) == 0
+        out = capsys.readouterr().out
+        assert out.count("they were projected") == notes
+        assert ("drift h" in out) == (not notes)
+
+
 def test_a_subset_of_the_columns_in_any_order_is_judged(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -287,11 +288,26 @@ def _drift(table: Table, scene: Scene, bits: int, notes: list[str]) -> Drift | N
     if any(column is None or None in column for column in columns):
         notes.append("drift of the integrals was not judged: a column of the state is missing")
         return None
+    if _was_projected(Path(table.name)):
+        notes.append("drift of the integrals was not judged: they were projected")
+        return None
     rows = [
         [to_mpf(x, bits) for x in row if x is not None]
         for row in zip(*(c for c in columns if c is not None), strict=True)
     ]
     return drift(scene, rows, bits)
+
+
+def _was_projected(path: Path) -> bool:
+    """Whether the JSON that polhode wrote beside a file says that its integrals were projected."""
+    try:
+        found = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    projection = found.get("projection") if isinstance(found, dict) else None
+    if not isinstance(projection, dict):
+        return False
+    return bool(projection.get("count")) and "h" in projection.get("onto", ())
 
 
 def _significant(cell: str) -> int:
