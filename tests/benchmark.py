@@ -19,7 +19,7 @@ import heyoka as hy
 import numpy as np
 
 import polhode
-from polhode import precision, scene_file, taylor
+from polhode import heyoka_types, precision, scene_file
 from polhode.references.closed_form import closed_form
 
 SCENE = (
@@ -42,7 +42,7 @@ def bare(scene: polhode.Scene, number: precision.NumberType) -> Callable[[], flo
     a, b, c = scene.body.moments
     x, y, z = scene.body.torque
     k = [
-        hy.expression(taylor.scalar(v, number))
+        hy.expression(heyoka_types.scalar(v, number))
         for v in (
             (b - c) / a,
             (c - a) / b,
@@ -60,13 +60,13 @@ def bare(scene: polhode.Scene, number: precision.NumberType) -> Callable[[], flo
         heavy = (k[3] * g2 + k[4] * g3, k[5] * g3 + k[6] * g1, k[7] * g1 + k[8] * g2)
         rates = [rate + term for rate, term in zip(rates, heavy, strict=True)]
     rates += [r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2]
-    start = [taylor.scalar(v, number) for v in scene.start]
-    grid = taylor.array([taylor.scalar(t, number) for t in scene.times], number)
-    options = taylor.type_options(number)
+    start = [heyoka_types.scalar(v, number) for v in scene.start]
+    grid = heyoka_types.array([heyoka_types.scalar(t, number) for t in scene.times], number)
+    options = heyoka_types.type_options(number)
 
     def job() -> float:
         system = list(zip(names, rates, strict=True))
-        built = hy.taylor_adaptive(system, taylor.array(list(start), number), **options)
+        built = hy.taylor_adaptive(system, heyoka_types.array(list(start), number), **options)
         began = time.perf_counter()
         built.propagate_grid(grid)
         return time.perf_counter() - began

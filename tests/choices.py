@@ -22,7 +22,7 @@ import heyoka as hy
 import numpy as np
 
 import polhode
-from polhode import batches, crew, ensemble, library, precision, scene_file, taylor
+from polhode import batches, crew, ensemble, heyoka_types, library, precision, scene_file, taylor
 from polhode.correct_digits import errors as state_errors
 from polhode.correct_digits import rate_scale
 from polhode.forms import principal
@@ -78,10 +78,12 @@ def built(scene: polhode.Scene, number: Any, **options: Any) -> Any:
     """heyoka's integrator of a scene with options of its own, and the seconds of its build."""
     what = system(scene, ())
     variables = hy.make_vars(*what.names)
-    k = {name: hy.expression(taylor.scalar(x, number)) for name, x in what.coefficients.items()}
-    rates = what.field(variables, k, taylor.EXPRESSIONS)
-    start = taylor.array([taylor.scalar(x, number) for x in what.start], number)
-    chosen = taylor.type_options(number) | options
+    k = {
+        name: hy.expression(heyoka_types.scalar(x, number)) for name, x in what.coefficients.items()
+    }
+    rates = what.field(variables, k, heyoka_types.EXPRESSIONS)
+    start = heyoka_types.array([heyoka_types.scalar(x, number) for x in what.start], number)
+    chosen = heyoka_types.type_options(number) | options
     equations = list(zip(variables, rates, strict=True))
     with no_disk_cache():
         return least(lambda: hy.taylor_adaptive(equations, start, **chosen), 1)
@@ -134,7 +136,7 @@ def compact() -> None:
                 rows.append([name, "unrolled", "does not end", "", ""])
                 continue
             build, ta = built(heavy(1), number, compact_mode=mode)
-            far = taylor.scalar(10**6, number)
+            far = heyoka_types.scalar(10**6, number)
             n = steps[name]
             seconds, _ = least(lambda ta=ta, n=n, far=far: ta.propagate_until(far, max_steps=n), 7)
             default = {"quad": True, "mp": True}.get(name, False)
@@ -244,7 +246,9 @@ def lanes() -> None:
     values = [float(what.coefficients[name]) for name in names]
     variables = hy.make_vars(*what.names)
     k = {name: hy.par[i] for i, name in enumerate(names)}
-    equations = list(zip(variables, what.field(variables, k, taylor.EXPRESSIONS), strict=True))
+    equations = list(
+        zip(variables, what.field(variables, k, heyoka_types.EXPRESSIONS), strict=True)
+    )
     start = np.array([float(x) for x in what.start])
     rows = []
     build, ta = built(scene, precision.DOUBLE)
@@ -293,7 +297,7 @@ def sweeps() -> None:
         ]
         variables = hy.make_vars(*scene.columns)
         k = {name: hy.par[i] for i, name in enumerate(plan.names)}
-        rates = principal.field(variables, k, taylor.EXPRESSIONS)
+        rates = principal.field(variables, k, heyoka_types.EXPRESSIONS)
         ta = hy.taylor_adaptive(
             list(zip(variables, rates, strict=True)), lanes_[0][1], pars=lanes_[0][0]
         )

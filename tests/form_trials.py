@@ -183,11 +183,11 @@ def dot(a, b):
 
 def marched(form, times, number=DOUBLE):
     """The form's variables at the times (the scene's unit) by heyoka, the run and its outcome."""
-    from polhode import taylor
+    from polhode import heyoka_types, taylor
 
     run = taylor.Taylor(
         form.variables,
-        lambda values, k: form.field(values, k, taylor.EXPRESSIONS),
+        lambda values, k: form.field(values, k, heyoka_types.EXPRESSIONS),
         form.coefficients,
         form.start,
         number,

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode import precision, taylor
+from polhode import heyoka_types, precision, taylor
 from polhode.forms import principal
 from polhode.precision import DOUBLE, EXTENDED, QUAD, NumberType, exactly
 from polhode.run import Run, System, system
@@ -124,7 +124,7 @@ def test_a_torque_free_scene_without_gamma_has_three_equations():
 def test_numbers_enter_and_leave_without_loss(number):
     """scalar() is the nearest number of the type, and what heyoka holds reads back bit for bit."""
     for x in (Fraction(1, 3), Fraction(-22, 7), Fraction(10) ** 20 / 3, Fraction(1, 10**25)):
-        value = taylor.scalar(x, number)
+        value = heyoka_types.scalar(x, number)
         with mpmath.workprec(number.bits):
             back = exactly(value) if number.bits <= 64 else exactly(mpmath.mpf(str(value)))
         assert back == number.rounded(x)

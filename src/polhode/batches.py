@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
-from polhode import taylor
+from polhode import heyoka_types, taylor
 from polhode.forms import principal
 from polhode.precision import NumberType, exactly
 
@@ -100,18 +100,19 @@ def _compiled(
 ) -> Any:
     variables = hy.make_vars(*("p", "q", "r", "gamma1", "gamma2", "gamma3")[:columns])
     k = {name: hy.par[i] for i, name in enumerate(names)}
-    rates = principal.field(variables, k, taylor.EXPRESSIONS)
+    rates = principal.field(variables, k, heyoka_types.EXPRESSIONS)
     equations = list(zip(variables, rates, strict=True))
-    options = taylor.type_options(number)
+    options = heyoka_types.type_options(number)
     if tolerance is not None:
-        options["tol"] = taylor.scalar(tolerance, number)
-    with taylor.disk_cache(number):
+        options["tol"] = heyoka_types.scalar(tolerance, number)
+    with heyoka_types.disk_cache(number):
         if number.name == "double":
             lanes = width(number)
             shapes = np.zeros((columns, lanes)), np.zeros((len(names), lanes))
             return hy.taylor_adaptive_batch(equations, shapes[0], pars=shapes[1], **options)
         start, pars = (
-            taylor.array([taylor.scalar(0, number)] * n, number) for n in (columns, len(names))
+            heyoka_types.array([heyoka_types.scalar(0, number)] * n, number)
+            for n in (columns, len(names))
         )
         return hy.taylor_adaptive(equations, start, pars=pars, **options)
 
@@ -151,7 +152,7 @@ class _March:
             self._keep(integrator.state[None], 1)
 
     def _put(self, target: Any, i: int, values: Sequence[Fraction]) -> None:
-        typed = [taylor.scalar(x, self.job.number) for x in values]
+        typed = [heyoka_types.scalar(x, self.job.number) for x in values]
         target[i] = typed if self.batch else typed[0]
 
     def parts(self) -> Iterator[tuple[Fraction, list[Fraction]]]:
@@ -177,8 +178,8 @@ class _March:
         job, ta = self.job, self.integrator
         targets = times if times and times[-1] == to else [*times, to]
         ahead = [t - self.reached for t in targets]
-        zero = taylor.scalar(0, job.number)
-        columns = [[taylor.scalar(t / u, job.number) for t in ahead] for u in self.units]
+        zero = heyoka_types.scalar(0, job.number)
+        columns = [[heyoka_types.scalar(t / u, job.number) for t in ahead] for u in self.units]
         limit = job.max_steps - max(self.steps)
         if limit <= 0:
             return "STEP_LIMIT"
@@ -190,7 +191,7 @@ class _March:
         else:
             ta.time = zero
             found = ta.propagate_grid(
-                taylor.array([zero, *columns[0]], job.number), max_steps=limit
+                heyoka_types.array([zero, *columns[0]], job.number), max_steps=limit
             )
             states, results = found[-1], [found]
         self.steps = [s + int(r[3]) for s, r in zip(self.steps, results, strict=True)]
@@ -213,7 +214,7 @@ class _March:
         elif self.job.number.name == "extended":
             self.rows += [row.copy() for row in states[:count]]
         else:
-            wide = (taylor.numbers(row.tolist(), self.job.number) for row in states[:count])
+            wide = (heyoka_types.numbers(row.tolist(), self.job.number) for row in states[:count])
             self.rows += [[exactly(x) for x in row] for row in wide]
 
     def solved(self, outcome: str) -> list[Solved | None]:

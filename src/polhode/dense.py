@@ -65,14 +65,14 @@ class Dense:
         """The variables of the run's form, in its own unit."""
         if not self._chunks:
             return self._run.start()
-        from polhode import taylor
+        from polhode import heyoka_types
 
         index = bisect_right(self._begun, abs(t)) - 1
         pieces = self._pieces(index)
         leg, mark = self._chunks[index]
         ahead = t - mark.offset
         near = self.number.rounded(ahead)
-        at = taylor.scalar(near, self.number)
+        at = heyoka_types.scalar(near, self.number)
         piece = pieces[max(0, bisect_right(pieces, abs(at), key=lambda p: abs(p.begun)) - 1)]
         row = piece.at(at, self.number)
         if ahead != near:

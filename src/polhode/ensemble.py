@@ -224,7 +224,7 @@ def _lanes(
     members: Sequence[Scene], end: Fraction, number: NumberType
 ) -> tuple[tuple[str, ...], tuple[Any, ...]]:
     """The names of all coefficients that any member has, and each member in numbers of a type."""
-    from polhode import batches, taylor
+    from polhode import batches, heyoka_types
 
     bodies: dict[tuple[int, int], dict[str, Exact]] = {}
     for member in members:
@@ -236,7 +236,7 @@ def _lanes(
 
     def typed(x: Exact) -> Fraction:
         if id(x) not in known:
-            taylor.scalar(x, number)
+            heyoka_types.scalar(x, number)
             known[id(x)] = x, number.rounded(x)
         return known[id(x)][1]
 
@@ -245,12 +245,12 @@ def _lanes(
         unit, axes = Fraction(2) ** member.time_unit, member.body.axes
         k = bodies[id(member.body), member.time_unit]
         try:
-            taylor.scalar(end / unit, number)
+            heyoka_types.scalar(end / unit, number)
             start = [typed(unit * w) for w in axes.components(member.omega)]
             if member.gamma is not None:
                 start += [typed(g) for g in axes.components(member.gamma)]
             coefficients = [typed(k[name]) if name in k else Fraction(0) for name in names]
-        except taylor.OutOfRange as fault:
+        except heyoka_types.OutOfRange as fault:
             expected = f"a type of wider range ({fault})"
             raise BadInput(member.name, "number", number.name, expected) from None
         lanes.append(batches.Lane(tuple(coefficients), tuple(start), member.time_unit))

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 
 import heyoka as hy
 
-from polhode import exact, expression, kinematics, taylor
+from polhode import exact, expression, heyoka_types, kinematics
 from polhode.exact import ZERO, sign
 from polhode.expression import Algebra
 from polhode.forms import equations
@@ -99,7 +99,7 @@ class Watch:
         """heyoka's events of an integrator about to be built, in its variables and its time."""
         events: list[Any] = []
         self.evaluate, self.with_time, self.integrator = [], [], integrator
-        options = taylor.type_options(self.number)
+        options = heyoka_types.type_options(self.number)
         kind = {name: x for name, x in options.items() if name == "fp_type"}
         clock = hy.time + hy.par[1] + hy.par[0]
         for k in range(len(self.scene.events)):
@@ -124,9 +124,9 @@ class Watch:
         scene, number = self.scene, self.number
 
         def constant(x: Any) -> Any:
-            return hy.expression(taylor.scalar(x, number))
+            return hy.expression(heyoka_types.scalar(x, number))
 
-        form, fn = equations(scene), taylor.EXPRESSIONS
+        form, fn = equations(scene), heyoka_types.EXPRESSIONS
         values = variables[: len(form.variables)]
         k = {name: constant(x) for name, x in form.coefficients.items()}
         vectors = form.state(values, k, fn)
@@ -166,7 +166,7 @@ class Watch:
         if any(self.with_time):
             high = self.number.rounded(integrator.offset)
             for i, part in enumerate((high, self.number.rounded(integrator.offset - high))):
-                integrator.heyoka.pars[i] = taylor.scalar(part, self.number)
+                integrator.heyoka.pars[i] = heyoka_types.scalar(part, self.number)
 
     # -- callbacks ----------------------------------------------------------------------------
 
@@ -283,7 +283,7 @@ class Watch:
                 EventTimes(
                     name=event.name,
                     times=tuple(self.number.rounded(m.time) * unit for m in marks),
-                    states=read.states([taylor.numbers(m.row, self.number) for m in marks]),
+                    states=read.states([heyoka_types.numbers(m.row, self.number) for m in marks]),
                     grazing=tuple(m.slope == 0 for m in marks),
                     complete=complete,
                 )
@@ -341,7 +341,7 @@ class Watch:
         self.heyoka = probe = copy.deepcopy(self.integrator.heyoka)
         self.row = probe.d_output
         for _ in range(_PROBES):
-            probe.step(taylor.scalar(1, self.number), write_tc=True)
+            probe.step(heyoka_types.scalar(1, self.number), write_tc=True)
             suspects -= {
                 k
                 for k in suspects
@@ -389,7 +389,7 @@ class _Limits:
         half = Fraction(2) ** -(((1 / eps).numerator.bit_length() - 1) // 2)
 
         def typed(x: Fraction) -> Any:
-            return taylor.scalar(x, number)
+            return heyoka_types.scalar(x, number)
 
         noise = 256 * number.eps * value
         self.zero = typed(ZERO)

@@ -30,7 +30,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from polhode import exact, taylor
+from polhode import exact, heyoka_types
 from polhode.exact import ZERO, Number, sign
 from polhode.forms import Functions, principal
 from polhode.integrals import FirstIntegrals, exact_values, first_integrals
@@ -114,11 +114,11 @@ class Projector:
         constants += exact_values(self.scene, known)
         step = _newton_step(self.scene.columns, known.onto, known.order, names, held, self.number)
         used = constants[: step.nparams]
-        pars = taylor.array([taylor.scalar(x, wide) for x in used], wide)
+        pars = heyoka_types.array([heyoka_types.scalar(x, wide) for x in used], wide)
         self._step = partial(step, pars=pars)
-        zero = taylor.scalar(ZERO, wide)
-        self._before = taylor.array([zero] * self.columns, wide)
-        self._after = taylor.array([zero] * (self.columns + 1), wide)
+        zero = heyoka_types.scalar(ZERO, wide)
+        self._before = heyoka_types.array([zero] * self.columns, wide)
+        self._after = heyoka_types.array([zero] * (self.columns + 1), wide)
         self._none = dict.fromkeys(_constant_columns(self.scene), zero)
         self._rests = dict(self._none)
         self.seconds += time.perf_counter() - began
@@ -143,11 +143,11 @@ def _newton_step(
     variables = hy.make_vars(*columns)
     pars = [hy.par[i] for i in range(len(names) + len(onto))]
     k = dict(zip(names, pars, strict=False))
-    values = FirstIntegrals(onto, order, {}).values(variables, k, taylor.EXPRESSIONS.zero)
+    values = FirstIntegrals(onto, order, {}).values(variables, k, heyoka_types.EXPRESSIONS.zero)
     residuals = [target - value for target, value in zip(pars[len(names) :], values, strict=True)]
 
     def constant(x: Number) -> Any:
-        return hy.expression(taylor.scalar(x, wide))
+        return hy.expression(heyoka_types.scalar(x, wide))
 
     none = constant(ZERO)
     jacobian = [
@@ -159,8 +159,8 @@ def _newton_step(
     step = least_norm(jacobian, residuals, damping, floor, none)
     size = hy.sqrt(sum((d * d for d in step[1:]), step[0] * step[0]))
     moved = [x + d for x, d in zip(variables, step, strict=True)]
-    with taylor.disk_cache(wide):
-        return hy.cfunc([*moved, size], vars=variables, **taylor.type_options(wide))
+    with heyoka_types.disk_cache(wide):
+        return hy.cfunc([*moved, size], vars=variables, **heyoka_types.type_options(wide))
 
 
 def least_norm(
@@ -261,4 +261,4 @@ def _conversions(number: NumberType, wide: NumberType) -> _Conversions:
         for i, x in enumerate(row):
             into[i] = widened(x)
 
-    return load, lambda row: taylor.array([narrowed(x) for x in row], number), widened
+    return load, lambda row: heyoka_types.array([narrowed(x) for x in row], number), widened

@@ -129,7 +129,7 @@ class Run:
 
     def to(self, times: list[Fraction], progress: Progress | None) -> tuple[Outcome, list[Any]]:
         """Rows at the times, as far as they were reached, and the outcome."""
-        from polhode import taylor
+        from polhode import heyoka_types
 
         began = time.perf_counter()
         try:
@@ -138,7 +138,7 @@ class Run:
 
                 self._watch = Watch(self.scene, self.number, self.tolerance, self._still)
             outcome, rows = self._to(times, progress)
-        except taylor.OutOfRange as fault:
+        except heyoka_types.OutOfRange as fault:
             expected = f"a type of wider range ({fault})"
             raise BadInput(self.scene.name, "number", self.number.name, expected) from None
         if self._watch is not None:
@@ -193,7 +193,9 @@ class Run:
                 self.projection = projector.found()
                 self.build_seconds += projector.seconds
             self.steps += integrator.steps
-            self.reached = integrator.time * unit
+            # the end itself, not its rounding relative to where the last chunk began
+            done = outcome is Outcome.REACHED_END
+            self.reached = (inside[-1] if done else integrator.time) * unit
             if self._watch is None and outcome.done:  # events are told by their integrator
                 integrator.release()
         if self._stopped:
@@ -275,12 +277,12 @@ class Run:
         projector: Any = None,
     ) -> Any:
         """A heyoka integrator of a system that stands at time ``origin``."""
-        from polhode import taylor
+        from polhode import heyoka_types, taylor
 
         began = time.perf_counter()
         built = taylor.Taylor(
             what.names,
-            lambda state, k: what.field(state, k, taylor.EXPRESSIONS),
+            lambda state, k: what.field(state, k, heyoka_types.EXPRESSIONS),
             what.coefficients,
             what.start,
             self.number,
@@ -288,10 +290,11 @@ class Run:
             origin,
             watch,
             lambda state, k: what.form.distance(
-                state[: len(what.form.variables)], k, taylor.EXPRESSIONS
+                state[: len(what.form.variables)], k, heyoka_types.EXPRESSIONS
             ),
             projector,
             (what.outputs, what.still) if self.scene.form == "principal" else None,
+            len(ANGLE_VARIABLES) if "angles" in what.outputs else 0,
         )
         self.build_seconds += time.perf_counter() - began
         self.legs.append(Leg(what, origin, built.marks, projector is not None))

@@ -1,37 +1,35 @@
-"""heyoka's Taylor integrator in four number types: exact coefficients in, exact states out.
-
-heyoka folds constants of its own making in double, so every constant that enters here is computed
-exactly, rounded once to the run's type, and handed over typed.
-"""
+"""heyoka's Taylor integrator in four number types: exact coefficients in, exact states out."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from contextlib import contextmanager
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 import heyoka as hy
 import numpy as np
 
-from polhode import exact
-from polhode.exact import Number, sign
-from polhode.forms import Functions
+from polhode.exact import Number
+from polhode.heyoka_types import (
+    array,
+    as_fraction,
+    disk_cache,
+    flat,
+    numbers,
+    scalar,
+    scalars,
+    type_options,
+)
 from polhode.idle import Idle
-from polhode.precision import NumberType, exactly, to_double, to_extended
-
-#: The scalar functions of heyoka's expressions.
-EXPRESSIONS = Functions(hy.expression(0.0), hy.sin, hy.cos, hy.sqrt)
-
-# heyoka logs on stdout, the place for results.  What it has to say is known from elsewhere: a cache
-# that cannot be used costs compiling again and shows in :func:`cache`; a multiple zero that it
-# gives up on is found through the derivative, or shows in ``EventTimes.complete``.
-hy.set_logger_level_critical()
+from polhode.precision import NumberType
 
 _CHUNK_SECONDS = 0.2
 _MAX_STEPS = {"double": 10**8, "extended": 10**7, "quad": 10**6, "mp": 10**6}
-_SMALLEST_DOUBLE = 2.0**-1022
+#: Steps after which cyclic variables are set back to zero, and what they are divided by: in that
+#: many steps they grow to about one, so that they neither loosen the steps nor shorten them.
+_SET_BACK = {"double": 160, "extended": 32, "quad": 8, "mp": 4}
+_DIVISOR = {"double": 256, "extended": 64, "quad": 16, "mp": 8}
 _IDLE = Idle()
 
 
@@ -68,41 +66,6 @@ class Mark(NamedTuple):
     memory: tuple[Any, ...]
 
 
-class OutOfRange(ValueError):
-    """A number that the run's type cannot hold to its full precision."""
-
-
-def scalar(x: Number, number: NumberType) -> Any:
-    """The number of heyoka's type for ``number`` nearest to x; raises OutOfRange."""
-    if number.name == "double":
-        value = to_double(x)
-        if not (_SMALLEST_DOUBLE <= abs(value) < math.inf or (value == 0 and sign(x) == 0)):
-            raise OutOfRange(f"10**{exact.log10(x):.0f} is outside the range of double")
-        return value
-    if number.name == "extended":
-        if x != 0 and abs(exact.log10(x)) > 4900:
-            raise OutOfRange(f"10**{exact.log10(x):.0f} is outside the range of extended")
-        return to_extended(x)
-    bits = number.bits
-    mantissa, exponent = exact.rounded(x, bits)
-    real = hy.real(mantissa, bits) * hy.real(2, bits) ** exponent
-    return hy.real128(real) if number.name == "quad" else real
-
-
-def scalars(values: Sequence[Number], number: NumberType) -> list[Any]:
-    """The numbers of heyoka's type nearest to each; raises OutOfRange."""
-    if number.name == "double":
-        try:
-            found = [
-                x.numerator / x.denominator if isinstance(x, Fraction) else 0.0 for x in values
-            ]
-        except OverflowError:
-            found = [0.0]
-        if all(abs(x) >= _SMALLEST_DOUBLE for x in found):  # else a zero, or out of range
-            return found
-    return [scalar(x, number) for x in values]
-
-
 def max_steps(number: NumberType) -> int:
     """The step limit unless the user sets another."""
     return _MAX_STEPS[number.name]
@@ -128,6 +91,10 @@ class Taylor:
     ``watch`` (polhode.events) gives heyoka events and may end the run.  ``distance``, of the
     variables and the coefficients, ends the run where it falls to :func:`nearest`.
     ``projector`` (polhode.projection, polhode.unit_norm) corrects the state every so many steps.
+    ``cyclic``: so many of the last variables, on which no rate depends, grow without bounds
+    (angles).  They are kept as time is, an offset of more than twice the bits plus heyoka's own
+    part, which is small: heyoka's steps are as accurate as its largest variable asks, and neglect
+    the others.
     ``marks``: where each chunk began, for :meth:`again`.  ``equations``: what tells this field and
     this distance from others of the same names and coefficients; an integrator of the same
     equations that is idle is then taken up again.
@@ -146,6 +113,7 @@ class Taylor:
         distance: Callable[[Sequence[Any], Mapping[str, Any]], Any] | None = None,
         projector: Any = None,
         equations: Hashable = None,
+        cyclic: int = 0,
     ) -> None:
         self.number = number
         self.watch, self.projector = watch, projector
@@ -153,6 +121,10 @@ class Taylor:
         self.steps = 0
         self._due = 0 if projector is None else projector.every
         self._reach = math.inf
+        self._fine = 2 * number.bits + 64  # bits behind the point of the offsets, which are ints
+        whole = [number.rounded(x) for x in start[len(start) - cyclic :]]
+        self._grown = [(x.numerator << self._fine) // x.denominator for x in whole]
+        start = [*start[: len(start) - cyclic], *[Fraction(0)] * cyclic]
         self.marks: list[Mark] = []
         self._pieces: list[Piece] | None = None
         state = scalars(start, number)
@@ -182,6 +154,10 @@ class Taylor:
     ) -> Any:
         number, variables = self.number, hy.make_vars(*names)
         rates = field(variables, k)
+        if self._grown:
+            unit = hy.expression(scalar(Fraction(1, _DIVISOR[number.name]), number))
+            first = len(rates) - len(self._grown)
+            rates[first:] = [rate * unit for rate in rates[first:]]
         options: dict[str, Any] = {}
         if tolerance is not None:
             options["tol"] = scalar(tolerance, number)
@@ -251,19 +227,25 @@ class Taylor:
 
     def _through(self, grid: list[Any], steps: int) -> tuple[Any, Any]:
         """A chunk's steps, with its corrections; rows of the run's numbers, and the outcome."""
-        if self.projector is None:
+        if self.projector is None and not self._grown:
             rows, ended = self._onwards(grid, steps)
             return self._rows([rows]), ended
         found, done, last = [], 0, self.steps + steps
+        every = _SET_BACK[self.number.name]
         while True:
-            rows, ended = self._advance(grid, done, min(self._due, last) - self.steps)
+            pause = last if self.projector is None else min(self._due, last)
+            if self._grown:
+                pause = min(pause, (self.steps // every + 1) * every)
+            rows, ended = self._advance(grid, done, pause - self.steps)
             if len(rows):
-                found.append(rows)
+                found.append(self._with_whole(rows))
                 done += len(rows)
             # the last step may be the last one allowed, too: heyoka then reports the latter
             if ended != hy.taylor_outcome.step_limit or done == len(grid):
                 break
-            if self.steps == self._due:
+            if self._grown and self.steps % every == 0:
+                self._set_back()
+            if self.projector is not None and self.steps == self._due:
                 self._due += self.projector.every if self.projector.correct(self) else 1
             if self.steps == last:
                 break
@@ -333,6 +315,26 @@ class Taylor:
         """Whether an event has ended the run."""
         return self.watch is not None and self.watch.stop is not None
 
+    def _set_back(self) -> None:
+        """Move what the cyclic variables have grown by to their offsets."""
+        first = len(self.state) - len(self._grown)
+        self._grown = [self._whole(i, x) for i, x in enumerate(self.state[first:])]
+        for i in range(first, len(self.state)):
+            self.state[i] = scalar(0, self.number)
+
+    def _with_whole(self, rows: Any) -> Any:
+        """Rows of heyoka's numbers with the whole of the cyclic variables."""
+        for row in rows if self._grown else ():
+            for i, x in enumerate(row[len(row) - len(self._grown) :], -len(self._grown)):
+                row[i] = scalar(Fraction(self._whole(i, x), 1 << self._fine), self.number)
+        return rows
+
+    def _whole(self, i: int, part: Any) -> int:
+        """A cyclic variable, of which heyoka has this part, as the offsets are kept."""
+        x = self.exactly(part)
+        more = (x.numerator * _DIVISOR[self.number.name] << self._fine) // x.denominator
+        return self._grown[i] + more
+
     def _rebase(self) -> None:
         if self.heyoka.time:
             self.offset = self.time
@@ -347,41 +349,7 @@ class Taylor:
 
     def exactly(self, value: Any) -> Fraction:
         """The exact value of a number of heyoka's."""
-        if flat(self.number):
-            return exactly(value)
-        import mpmath
-
-        with mpmath.workprec(self.number.bits):
-            return exactly(mpmath.mpf(str(value)))
-
-
-def flat(number: NumberType) -> bool:
-    """Whether numpy holds numbers of the type as they are."""
-    return number.name in ("double", "extended")
-
-
-def numbers(row: Any, number: NumberType) -> Any:
-    """A row of heyoka's numbers as a trajectory holds them: an array, or mpf above extended."""
-    if flat(number):
-        return row
-    import mpmath
-
-    with mpmath.workprec(number.bits):
-        return [mpmath.mpf(str(x)) for x in row]
-
-
-def cache() -> dict[str, Any]:
-    """heyoka's disk cache of compiled code: whether it is on, where, its size, or what is wrong."""
-    state = hy.llvm_state
-    enabled = bool(state.get_diskcache_enabled())
-    try:
-        return {
-            "enabled": enabled,
-            "path": str(state.get_diskcache_path()),
-            "bytes": int(state.get_diskcache_size()),
-        }
-    except (RuntimeError, ValueError) as fault:  # damaged, full, read-only, no folder, no home
-        return {"enabled": enabled, "path": None, "bytes": None, "fault": str(fault)}
+        return as_fraction(value, self.number)
 
 
 def finite(outcome: Any) -> bool:
@@ -410,36 +378,3 @@ def nearest(number: NumberType) -> Fraction:
 
 def _damping(number: NumberType) -> Fraction:
     return Fraction(2) ** -(number.bits // 2)
-
-
-_TYPES: dict[str, Callable[[NumberType], dict[str, Any]]] = {
-    "double": lambda _: {},
-    "extended": lambda _: {"fp_type": np.longdouble},
-    "quad": lambda _: {"fp_type": hy.real128, "compact_mode": True},
-    "mp": lambda number: {"fp_type": hy.real, "prec": number.bits, "compact_mode": True},
-}
-
-
-def type_options(number: NumberType) -> dict[str, Any]:
-    """heyoka's options that choose a number type, for integrators and compiled functions."""
-    return _TYPES[number.name](number)
-
-
-def array(values: list[Any], number: NumberType) -> Any:
-    """Numbers of heyoka's type as the array that it takes."""
-    if flat(number):
-        return np.array(values, dtype=np.float64 if number.name == "double" else np.longdouble)
-    return np.array(values)
-
-
-@contextmanager
-def disk_cache(number: NumberType) -> Any:
-    """heyoka's disk cache, switched off where it never hits and only grows."""
-    if number.name != "mp" or not hy.llvm_state.get_diskcache_enabled():
-        yield
-        return
-    hy.llvm_state.set_diskcache_enabled(False)
-    try:
-        yield
-    finally:
-        hy.llvm_state.set_diskcache_enabled(True)

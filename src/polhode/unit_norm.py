@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from polhode.heyoka_types import scalar
 from polhode.precision import NumberType, exactly, to_mpf
-from polhode.taylor import scalar
 from polhode.trajectory import Projection
 
 _EVERY = {"double": 1000, "extended": 100, "quad": 10, "mp": 1}  # under a tenth of the steps' time

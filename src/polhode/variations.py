@@ -19,9 +19,9 @@ import numpy as np
 
 from polhode.exact import Number
 from polhode.forms import principal
+from polhode.heyoka_types import EXPRESSIONS
 from polhode.precision import to_double
 from polhode.scene import STATE
-from polhode.taylor import EXPRESSIONS
 
 
 class Variations:

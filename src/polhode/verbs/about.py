@@ -18,7 +18,7 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Versions, number types, processor, caches."""
-    from polhode import taylor
+    from polhode import heyoka_types
 
     facts: dict[str, Any] = {
         "versions": versions(),
@@ -28,7 +28,7 @@ def main(options: Namespace) -> int:
             for n in (precision.named(name) for name in precision.NAMES)
         },
         "cases": len(library.names()),
-        "cache": taylor.cache(),
+        "cache": heyoka_types.cache(),
     }
     if options.json:
         print_json(facts)
