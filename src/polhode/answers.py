@@ -29,6 +29,7 @@ if TYPE_CHECKING:  # a run needs none of these
     from polhode.foreign import Verdict
     from polhode.integrals import Drift
     from polhode.judging import Judgement
+    from polhode.omega_alone import OmegaAlone
     from polhode.studies.cross_checks import CrossCheck
     from polhode.studies.published import Figure
     from polhode.studies.regression import Report
@@ -244,11 +245,23 @@ def of_verdict(verdict: Verdict) -> dict[str, Any]:
         "no_digits_left_after": verdict.lost_after if verdict.lost else None,
         "parts": {name: round(d, 2) for name, d in verdict.parts.items()},
         "drift": None if verdict.drift is None else of_drift(verdict.drift),
+        "omega_alone": of_omega_alone(verdict.omega_alone),
         "not_judged": list(verdict.notes),
     }
     if not truth.is_closed_form:
         answer["reference_digits"] = round(truth.agreement, 1)
     return answer
+
+
+def of_omega_alone(found: OmegaAlone | None) -> dict[str, Any] | None:
+    """What omega alone says of gamma as a JSON object."""
+    if found is None:
+        return None
+    return {
+        "gamma_digits": round(found.digits, 2),
+        "derivative_digits": round(found.derivative, 2),
+        "drift": of_drift(found.drift),
+    }
 
 
 def of_motion(found: Lyapunov) -> dict[str, Any]:

@@ -21,6 +21,7 @@ from polhode.errors import BadInput
 from polhode.exact import Exact
 from polhode.expression import ExpressionError
 from polhode.integrals import Drift, drift
+from polhode.omega_alone import OmegaAlone, omega_alone
 from polhode.precision import DOUBLE, NumberType, mp, to_mpf
 from polhode.scene import ANGLES, ATTITUDE, SPACE, STATE, Scene
 from polhode.truth import Reference, TwoPrecisions
@@ -47,7 +48,8 @@ class Verdict:
 
     ``yardstick``: the number type whose rounding the digits possible are about: the one named, else
     double, or one of as many digits as are printed where those are more than a double's 17.
-    ``held``: the most correct digits that can be told.
+    ``held``: the most correct digits that can be told.  ``omega_alone``: what omega says of gamma,
+    where the file holds omega and not gamma.
     """
 
     table: Table
@@ -59,6 +61,7 @@ class Verdict:
     notes: tuple[str, ...]
     yardstick: NumberType
     held: float
+    omega_alone: OmegaAlone | None = None
 
     @cached_property
     def conditionings(self) -> tuple[Conditioning, ...]:
@@ -204,6 +207,7 @@ def judge(table: Table, truth: Reference | TwoPrecisions, number: NumberType | N
         if name not in judged:
             notes.append(f"column {name} is not in the file")
     digits: tuple[float, ...] = ()
+    alone = None
     if judged:
         truth_rows = reference_rows(truth.at, table, wanted)
         states = [
@@ -214,11 +218,18 @@ def judge(table: Table, truth: Reference | TwoPrecisions, number: NumberType | N
         digits = tuple(digits_of(e, cap) for e in errors(states, truth_rows, scale, bits))
         if any(None in table.columns[name] for name in judged):
             notes.append("empty cells were not judged")
+        if tuple(judged) == STATE[:3]:
+            omega = [[to_mpf(x, bits) for x in row[:3] if x is not None] for row in states]
+            if all(len(row) == 3 for row in omega):
+                alone = omega_alone(scene, table.times, omega, truth_rows, bits)
     parts = _parts(table, truth, wanted, bits, cap, notes)
     found = _drift(table, scene, bits, notes)
     yardstick = number or (DOUBLE if table.printed <= DOUBLE.printed_digits else mp(table.printed))
     return Verdict(
-        *(table, truth, digits, (*judged, *parts), parts, found, tuple(notes)), yardstick, cap
+        *(table, truth, digits, (*judged, *parts), parts, found, tuple(notes)),
+        yardstick,
+        cap,
+        alone,
     )
 
 

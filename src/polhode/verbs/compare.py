@@ -59,6 +59,8 @@ def main(options: Namespace) -> int:
     print(f"motion {verdict.motion}")
     for name, digits in verdict.parts.items():
         print(f"{name}: {digits:.2f} correct digits")
+    if verdict.omega_alone is not None:
+        print(verdict.omega_alone)
     if answer["drift"] is not None:
         print("drift " + ", ".join(f"{k} {v}" for k, v in answer["drift"].items() if v))
     for note in verdict.notes:
