@@ -79,7 +79,10 @@ def _behind(found: dict[str, Any]) -> Iterator[Block]:
         yield Text(
             "*Inputs alone*: the digits that the exact motion of the rounded inputs keeps. What is "
             "lost beyond that, the steps lose: their roundings add up, for the phase at worst like "
-            "the 3/2 power of their number, a growth that kappa does not contain."
+            "the 3/2 power of their number; and next to an unstable motion one of them, of the "
+            "size of the whole state, is multiplied like an error of a component that the start "
+            "gives as zero or tiny, exactly. Kappa, of relative changes of the inputs, contains "
+            "neither."
         )
     if unknown:
         yield Text("Not judged so, without a kappa or without an end:")

@@ -150,6 +150,7 @@ def _engine(
         m["method"]: {p["tol"]: p["seconds_min"] for p in m["points"] if "digits" in p}
         for m in found
     }
+    steps = {m["method"]: {p["tol"]: p.get("steps") for p in m["points"]} for m in found}
     row: dict[str, Any] = {}
     best = max((mark.digits for mark in marks.get(ENGINE, ())), default=None)
     for name in (PLAIN, PROJECTED):
@@ -161,10 +162,15 @@ def _engine(
             "overhead_least": round(min(ratios.values()), 3),
             "overhead_most": round(max(ratios.values()), 3),
             "overhead_tightest": round(ratios[min(shared)], 3),
+            "steps_tightest": _ratio(*(steps[x][min(shared)] for x in (name, ENGINE))),
             "seconds_more": _short(min(by_tol[name][t] - by_tol[ENGINE][t] for t in shared)),
             "digits_gained": round(max(mark.digits for mark in marks[name]) - best, 2),
         }
     return row
+
+
+def _ratio(a: int | None, b: int | None) -> float | None:
+    return round(a / b, 3) if a and b else None
 
 
 def _against_row(name: str, found: Against) -> dict[str, Any]:
