@@ -116,8 +116,7 @@ def _engine(motions: list[dict[str, Any]]) -> Iterator[Block]:
             "all tolerances, at eps, and the least difference, which is what a run costs however "
             "short it is; its steps at eps, over heyoka's: polhode measures time in a unit in "
             "which w is of the size of gamma, and steps are as accurate as the largest variable "
-            "asks; "
-            "digits gained over heyoka's best."
+            "asks; digits gained over heyoka's best."
         )
         header = ("motion", "method", "least", "most", "at eps", "s more", "steps", "digits gained")
         yield Table(header, tuple(rows), "llrrrrrr")
