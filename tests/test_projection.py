@@ -260,14 +260,14 @@ def test_without_waiting_a_zero_is_lost_or_doubled(monkeypatch):
 
 def test_the_ways_to_ask():
     scene = polhode.load(TOPS[0])
-    assert polhode.integrate(scene).projection.every == 160
+    assert polhode.integrate(scene).projection.every == 320
     assert polhode.integrate(scene, "extended").projection.every == 32
     assert polhode.integrate(scene, project=9).projection.every == 9
     for options in ({"project": False}, {"tol": "1e-9"}, {"number": "quad", "at": [1]}):
         run = polhode.integrate(scene, **options)
         assert run.projection is None
         assert not run.projected
-    assert polhode.integrate(scene, tol="1e-9", project=True).projection.every == 160
+    assert polhode.integrate(scene, tol="1e-9", project=True).projection.every == 320
     for wrong in (0, -3):
         with pytest.raises(polhode.BadInput, match="project"):
             polhode.integrate(scene, project=wrong)

@@ -18,7 +18,7 @@ from polhode.scene import Scene
 from polhode.trajectory import Trajectory
 
 #: Steps between two corrections onto the first integrals: a tenth of the steps' own time or less.
-_EVERY = {"double": 160, "extended": 32, "quad": 1, "mp": 1}
+_EVERY = {"double": 320, "extended": 32, "quad": 1, "mp": 1}
 
 
 def integrate(
