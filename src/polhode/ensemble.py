@@ -323,12 +323,17 @@ def _states(plan: _Plan, found: Sequence[Any]) -> Any:
         import mpmath
 
         states = np.full(shape, mpmath.nan, dtype=object)
+    alike: dict[tuple[int, int], list[int]] = {}  # members that one readout reads
     for k, result in enumerate(found):
         if result is not None and len(result.rows):
-            rows = list(result.rows)
-            if states.dtype == object:
-                rows = [[number_value(x, plan.number) for x in row] for row in rows]
-            read = Readout(plan.members[k], plan.number).states(rows)
-            for i, row in enumerate(read):
-                states[k, i] = row
+            member = plan.members[k]
+            alike.setdefault((id(member.body), member.time_unit), []).append(k)
+    for those in alike.values():
+        rows = [row for k in those for row in found[k].rows]
+        if states.dtype == object:
+            rows = [[number_value(x, plan.number) for x in row] for row in rows]
+        read = iter(Readout(plan.members[those[0]], plan.number).states(rows))
+        for k in those:
+            for i in range(len(found[k].rows)):
+                states[k, i] = next(read)
     return states
