@@ -32,9 +32,9 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "least of several runs, building apart. A form in angles ends where sin theta falls below "
         "about eps^(1/4), the forms in omega or G alone where Iw is so near to the direction of "
         "r0: a passage at a distance d costs about log10(1/d) digits, so what is returned has lost "
-        "at most about a quarter of the type's digits to the singular set. Angles among the variables "
-        "grow without bounds, and heyoka's steps are as accurate as the largest variable asks: the "
-        "further a form in angles runs, the fewer and the looser its steps."
+        "at most about a quarter of the type's digits to the singular set. Angles among the "
+        "variables grow without bounds, and heyoka's steps are as accurate as the largest variable "
+        "asks: the further a form in angles runs, the fewer and the looser its steps."
     )
     yield Figure("forms", "Correct digits and time of every form for every motion")
     yield Heading("Which form to take")
