@@ -16,6 +16,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.body import Body, cross, dot, minus
+from polhode.differences import derivative_weights
 from polhode.exact import Exact
 from polhode.precision import NumberType, exactly, extended_here, to_extended, to_mpf
 
@@ -138,7 +139,7 @@ def rolling(run: Trajectory) -> Rolling:
         space = [_mpf(row, bits) for row in curves.space]
         for k in range(HALF_WINDOW, len(times) - HALF_WINDOW):
             window = slice(k - HALF_WINDOW, k + HALF_WINDOW + 1)
-            weights = _derivative_weights(times[window])
+            weights = derivative_weights(times[window])
             slope = [mpmath.fdot(weights, column) for column in zip(*space[window], strict=True)]
             state = _mpf(run.states[k], bits)
             rate = omega_rate(run.scene.body, state[:3], state[3:], bits)
@@ -152,22 +153,6 @@ def rolling(run: Trajectory) -> Rolling:
                 space_arc += span * (speeds[1] + before[1])
             before = speeds
         return Rolling(_relative(worst, fastest), _relative(abs(space_arc - body_arc), body_arc))
-
-
-def _derivative_weights(nodes: Sequence[Any]) -> list[Any]:
-    """Weights of the derivative at the middle node of the polynomial through all of them."""
-    import mpmath
-
-    middle = len(nodes) // 2
-    scale = [
-        1 / mpmath.fprod(x - y for j, y in enumerate(nodes) if j != i) for i, x in enumerate(nodes)
-    ]
-    weights = [
-        mpmath.mpf(0) if i == middle else scale[i] / scale[middle] / (nodes[middle] - x)
-        for i, x in enumerate(nodes)
-    ]
-    weights[middle] = -mpmath.fsum(weights)
-    return weights
 
 
 def _mpf(row: Sequence[Any], bits: int) -> list[Any]:

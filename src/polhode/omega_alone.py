@@ -14,6 +14,7 @@ from typing import Any
 
 from polhode.body import is_zero
 from polhode.correct_digits import digits_of
+from polhode.differences import derivative_weights
 from polhode.forms.without_gamma import gamma_from_omega
 from polhode.integrals import Drift, drift
 from polhode.precision import to_mpf
@@ -66,15 +67,17 @@ def omega_alone(
         def number(x: Any) -> Any:
             return to_mpf(x, bits)
 
+        def slope(samples: Sequence[int]) -> list[Any]:
+            weights = derivative_weights([number(times[i]) for i in samples])
+            columns = zip(*(omega[i] for i in samples), strict=True)
+            return [mpmath.fdot(weights, column) for column in columns]
+
         h = number(scene.integrals.energy)
         for k in range(half, len(order) - half):
             window, here = order[k - half : k + half + 1], order[k]
             near, rough = (
                 gamma_from_omega(scene.body, omega[here], rate, h, number)
-                for rate in (
-                    _derivative([times[i] for i in part], [omega[i] for i in part], bits)
-                    for part in (window, window[1:-1])
-                )
+                for rate in (slope(window), slope(window[1:-1]))
             )
             states.append([*omega[here], *near])
             off = max(off, *(abs(x - y) for x, y in zip(near, rough, strict=True)))
@@ -82,19 +85,3 @@ def omega_alone(
             worst = max(worst, *(abs(x - y) for x, y in zip(near, true, strict=True)))
     cap = bits * 0.3
     return OmegaAlone(digits_of(worst, cap), digits_of(off, cap), drift(scene, states, bits))
-
-
-def _derivative(times: Sequence[Fraction], rows: Sequence[Sequence[Any]], bits: int) -> list[Any]:
-    """The derivative of the polynomial through rows, at the middle one of the times."""
-    n, m = len(times), len(times) // 2
-    weights = [Fraction(0)] * n
-    for j in range(n):
-        if j != m:
-            value = 1 / (times[j] - times[m])
-            for i in range(n):
-                if i not in (j, m):
-                    value *= (times[m] - times[i]) / (times[j] - times[i])
-            weights[j] = value
-    weights[m] = -sum(weights, Fraction(0))
-    factors = [to_mpf(x, bits) for x in weights]
-    return [sum(w * row[c] for w, row in zip(factors, rows, strict=True)) for c in range(3)]
