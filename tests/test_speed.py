@@ -262,7 +262,7 @@ def synthetic() -> dict:
                 "seconds_median": s,
                 "cpu": s,
             }
-            | {"runs": 6, "steps": None}
+            | {"runs": 6, "steps": round(1e6 * s) if name != contenders.PROJECTED else None}
             for d, s in points
         ]
         plain = {"status": "ok", "reason": "", "version": "1", "import": 0.1}
@@ -317,6 +317,8 @@ def test_the_verdict_says_where_polhode_is_behind():
     assert found["target"]["behind"] == [{"motion": "Euler top", **rows["CyRK DOP853"]}]
     engine = verdict["engine"]
     assert engine[contenders.PLAIN]["overhead_most"] == 2
+    assert engine[contenders.PLAIN]["steps_tightest"] == 1.5
+    assert engine[contenders.PROJECTED]["steps_tightest"] is None
     assert engine[contenders.PROJECTED]["digits_gained"] == round(EPS_DIGITS - 12, 2)
 
 
