@@ -5,36 +5,37 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from polhode.body import Body
-    from polhode.chaos import Lyapunov, lyapunov
-    from polhode.conditioning import Conditioning, conditioning_of
-    from polhode.ensemble import Ensemble, integrate_many
-    from polhode.errors import BadInput
-    from polhode.integration import integrate
-    from polhode.judging import Judgement, compare
-    from polhode.library import load
-    from polhode.scene import Scene
-    from polhode.trajectory import Outcome, Trajectory
-    from polhode.truth import reference
+    from polhode.common.errors import BadInput
+    from polhode.judging.conditioning import Conditioning, conditioning_of
+    from polhode.judging.judgement import Judgement, compare
+    from polhode.judging.lyapunov import Lyapunov, lyapunov
+    from polhode.judging.reference import reference
+    from polhode.runs.integrate import integrate
+    from polhode.runs.sweep import Ensemble, integrate_many
+    from polhode.runs.trajectory import Trajectory
+    from polhode.scenes.body import Body
+    from polhode.scenes.library import load
+    from polhode.scenes.scene import Scene
+    from polhode.taylor.outcomes import Outcome
 
 _HOMES = {
-    "Body": "body",
-    "BadInput": "errors",
-    "Conditioning": "conditioning",
-    "Ensemble": "ensemble",
-    "Judgement": "judging",
-    "Lyapunov": "chaos",
-    "Outcome": "trajectory",
-    "Scene": "scene",
-    "Trajectory": "trajectory",
-    "__version__": "provenance",
-    "compare": "judging",
-    "conditioning_of": "conditioning",
-    "integrate": "integration",
-    "integrate_many": "ensemble",
-    "load": "library",
-    "lyapunov": "chaos",
-    "reference": "truth",
+    "BadInput": "common.errors",
+    "Body": "scenes.body",
+    "Conditioning": "judging.conditioning",
+    "Ensemble": "runs.sweep",
+    "Judgement": "judging.judgement",
+    "Lyapunov": "judging.lyapunov",
+    "Outcome": "taylor.outcomes",
+    "Scene": "scenes.scene",
+    "Trajectory": "runs.trajectory",
+    "__version__": "common.provenance",
+    "compare": "judging.judgement",
+    "conditioning_of": "judging.conditioning",
+    "integrate": "runs.integrate",
+    "integrate_many": "runs.sweep",
+    "load": "scenes.library",
+    "lyapunov": "judging.lyapunov",
+    "reference": "judging.reference",
 }
 
 __all__ = [*_HOMES]

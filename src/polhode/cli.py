@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
-from polhode.errors import BadInput
+from polhode.common.errors import BadInput
 from polhode.verbs.terminal import BAD_INPUT, DONE, INTERRUPTED
 
 VERBS = (

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from polhode.figures.canvas import BODY, TIME, remark
-from polhode.samples import Samples
-from polhode.scene import ANGLES
+from polhode.figures.samples import Samples
+from polhode.scenes.words import ANGLES
 
 LABELS = {"psi": "ψ (rad)", "theta": "θ (rad)", "phi": "φ (rad)"}
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from io import BytesIO, StringIO
 from typing import Any
 
-from polhode.errors import BadInput
+from polhode.common.errors import BadInput
 
 COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
 MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}

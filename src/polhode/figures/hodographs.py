@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from polhode.equations.hodographs import turned
 from polhode.figures.canvas import BODY, HIDDEN, SPACE
 from polhode.figures.globe import facing_most
-from polhode.hodographs import turned
-from polhode.precision import to_double
-from polhode.samples import Samples
-from polhode.scene import ATTITUDE, STATE
-from polhode.scene import SPACE as SPACE_COLUMNS
+from polhode.figures.samples import Samples
+from polhode.numbers.convert import to_double
+from polhode.scenes.words import ATTITUDE, STATE
+from polhode.scenes.words import SPACE as SPACE_COLUMNS
 
 FLATTEST = 12  # semi-axes more unequal than this make no ellipsoid to look at
 UNIT = " (rad / unit of time)"

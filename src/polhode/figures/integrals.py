@@ -6,7 +6,7 @@ from typing import Any
 
 from polhode.figures import logarithmic
 from polhode.figures.canvas import BODY, REST, SPACE
-from polhode.samples import Samples
+from polhode.figures.samples import Samples
 
 LABELS = {
     "h": "|Δh| / (T₀ + Mg|r₀|)",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from polhode.figures.canvas import TIME
-from polhode.samples import Samples
+from polhode.figures.samples import Samples
 
 GREY = "#777777"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

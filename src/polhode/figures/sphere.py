@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from polhode.body import dot
-from polhode.exact import sqrt
+from polhode.equations.hodographs import turned
 from polhode.figures.canvas import BODY, HIDDEN, SPACE
 from polhode.figures.globe import facing_most
-from polhode.hodographs import turned
-from polhode.precision import to_double
-from polhode.samples import Samples
-from polhode.scene import ATTITUDE, STATE
+from polhode.figures.samples import Samples
+from polhode.numbers.convert import to_double
+from polhode.numbers.exact import sqrt
+from polhode.scenes.body import dot
+from polhode.scenes.words import ATTITUDE, STATE
 
 IN_BODY, IN_SPACE = ("x", "y", "z"), ("X", "Y", "Z")
 

@@ -34,8 +34,8 @@ class Job:
 
 def load() -> str:
     """Import what a run needs."""
-    from polhode import integration, taylor  # noqa: F401
-    from polhode.provenance import versions
+    from polhode.common.provenance import versions
+    from polhode.taylor import integrator  # noqa: F401
 
     found = versions()
     return f"polhode {found['polhode']}, heyoka {found['heyoka']}"
@@ -43,8 +43,8 @@ def load() -> str:
 
 def build(job: Job) -> Solve:
     """Compile the integrator at the type's own tolerance, and the projection."""
-    from polhode.integration import integrate
-    from polhode.precision import named
+    from polhode.numbers.number_types import named
+    from polhode.runs.integrate import integrate
 
     eps = float(named(job.number).eps)
 
@@ -62,7 +62,7 @@ def build(job: Job) -> Solve:
 
 def written(x: Any) -> str:
     """A number as text that is exactly it."""
-    from polhode.precision import exactly
+    from polhode.numbers.convert import exactly
 
     return float(x).hex() if isinstance(x, float) else str(exactly(x))
 

@@ -18,12 +18,12 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from polhode import library
-from polhode.exact import Exact
-from polhode.forms import principal
+from polhode.equations.forms import principal
+from polhode.numbers.convert import to_double
+from polhode.numbers.exact import Exact
 from polhode.peers.field import TERMS
-from polhode.precision import to_double
-from polhode.scene import Scene
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
 
 Tick = Callable[[str], None]
 

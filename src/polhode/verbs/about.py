@@ -5,8 +5,9 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from typing import Any
 
-from polhode import library, precision
-from polhode.provenance import cpu, versions
+from polhode.common.provenance import cpu, versions
+from polhode.numbers import number_types
+from polhode.scenes import library
 from polhode.verbs.terminal import DONE, print_json
 
 HELP = "versions, number types, processor, caches"
@@ -18,17 +19,17 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Versions, number types, processor, caches."""
-    from polhode import heyoka_types
+    from polhode.taylor import heyoka_numbers
 
     facts: dict[str, Any] = {
         "versions": versions(),
         "cpu": cpu(),
         "number_types": {
             n.name: {"bits": n.bits, "digits": round(n.most_digits, 1)}
-            for n in (precision.named(name) for name in precision.NAMES)
+            for n in (number_types.named(name) for name in number_types.NAMES)
         },
         "cases": len(library.names()),
-        "cache": heyoka_types.cache(),
+        "cache": heyoka_numbers.cache(),
     }
     if options.json:
         print_json(facts)

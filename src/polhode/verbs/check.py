@@ -5,8 +5,8 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from typing import Any
 
-from polhode import answers
-from polhode.precision import shown
+from polhode.checks import results
+from polhode.numbers.decimals import shown
 from polhode.verbs.terminal import DONE, FAILED, Progress, print_json
 
 HELP = "regression against references and published figures"
@@ -23,8 +23,8 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """The library's regression, and without SCENE the cross-checks between the forms."""
-    from polhode.studies.cross_checks import cross_checks
-    from polhode.studies.regression import check as checks
+    from polhode.checks.forms import cross_checks
+    from polhode.checks.regression import check as checks
 
     reports, crossed = [], []
     with Progress("check") as progress:
@@ -43,8 +43,8 @@ def main(options: Namespace) -> int:
     verdicts = [report.passed for report in reports] + [found.passed for found in crossed]
     passed = all(verdicts)
     if options.json:
-        answer = {"passed": passed, "cases": [answers.of_check(r) for r in reports]}
-        print_json(answer | {"forms": [answers.of_cross_check(c) for c in crossed]})
+        answer = {"passed": passed, "cases": [results.of_check(r) for r in reports]}
+        print_json(answer | {"forms": [results.of_cross_check(c) for c in crossed]})
     else:
         print(f"{sum(verdicts)} passed, {len(verdicts) - sum(verdicts)} failed")
     return DONE if passed else FAILED

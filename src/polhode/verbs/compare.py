@@ -5,7 +5,8 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from polhode import answers, library
+from polhode.output import results
+from polhode.scenes import library
 from polhode.verbs.terminal import DONE, print_json, print_table, whole
 
 HELP = "judge a trajectory that some other program computed"
@@ -21,19 +22,20 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Judge a trajectory that some other program computed."""
-    from polhode import foreign
-    from polhode.attribution import shown_digits, shown_possible
-    from polhode.integration import choose_number
-    from polhode.judging import few
-    from polhode.truth import reference as truth_of
+    from polhode.judging import foreign
+    from polhode.judging import table as table_
+    from polhode.judging.judgement import few
+    from polhode.judging.limits import shown_digits, shown_possible
+    from polhode.judging.reference import reference as truth_of
+    from polhode.runs.request import choose_number
 
     scene = library.load(options.scene)
     number = None
     if options.number is not None:
         number = choose_number(scene, options.number, options.digits)
-    table = foreign.read_table(Path(options.file), number)
+    table = table_.read_table(Path(options.file), number)
     verdict = foreign.judge(table, truth_of(scene), number)
-    answer = answers.of_verdict(verdict)
+    answer = results.of_verdict(verdict)
     if options.json:
         print_json(answer)
         return DONE

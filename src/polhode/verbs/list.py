@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from polhode import library
+from polhode.scenes import library
 from polhode.verbs.terminal import DONE, print_json, print_table
 
 HELP = "the cases that ship, with regime and reference"
@@ -17,7 +17,7 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """The cases that ship."""
-    from polhode.truth import reference
+    from polhode.judging.reference import reference
 
     rows = []
     for name in library.names():

@@ -7,24 +7,17 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from polhode import expression, library
-from polhode.errors import BadInput
-from polhode.exact import Exact
-from polhode.expression import ExpressionError
-from polhode.scene import ANGLES, ATTITUDE, SPACE, STATE
-from polhode.verbs.terminal import (
-    DONE,
-    INTERRUPTED,
-    NOT_REACHED,
-    Progress,
-    note,
-    print_json,
-    whole,
-)
+from polhode.common.errors import BadInput
+from polhode.numbers import expression
+from polhode.numbers.exact import Exact
+from polhode.numbers.expression import ExpressionError
+from polhode.scenes import library
+from polhode.scenes.words import ANGLES, ATTITUDE, SPACE, STATE
+from polhode.verbs.terminal import DONE, INTERRUPTED, NOT_REACHED, Progress, note, print_json, whole
 
 if TYPE_CHECKING:
-    from polhode.samples import Samples
-    from polhode.trajectory import Trajectory
+    from polhode.figures.samples import Samples
+    from polhode.runs.trajectory import Trajectory
 
 HELP = "a figure of a motion, from a scene or a trajectory file"
 OVER_TIME = ("integrals", "error")  # of the whole run: not cut to a window
@@ -49,8 +42,8 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Make one figure."""
+    from polhode.common.files import check_writable, write_whole
     from polhode.figures import canvas
-    from polhode.files import check_writable, write_whole
 
     path = Path(options.file)
     if path.suffix not in canvas.SUFFIXES:
@@ -82,8 +75,8 @@ def _is_file(name: str) -> bool:
 
 def _of_scene(options: Namespace) -> Samples | int:
     """What the figure of a scene shows; an exit code where the run did not get there."""
-    from polhode import histories, samples
-    from polhode.truth import reference
+    from polhode.figures import over_time, samples
+    from polhode.judging.reference import reference
 
     scene = library.load(options.what_of)
     if options.scene is not None:
@@ -92,7 +85,7 @@ def _of_scene(options: Namespace) -> Samples | int:
         raise BadInput(scene.name, "--what", options.what, "a scene with start.gamma")
     end = None if options.end is None else _time(scene.name, options.end)
     long = options.what in OVER_TIME
-    times = samples.shown_times(scene, end, histories.SAMPLES if long else None)
+    times = samples.shown_times(scene, end, over_time.SAMPLES if long else None)
     truth = reference(scene) if options.what == "error" else None
     with Progress("plot") as progress:
         found = samples.run(
@@ -117,15 +110,16 @@ def _of_scene(options: Namespace) -> Samples | int:
     if not long and apart > 0.5:
         note(f"{scene.name}: {apart:.2g} radians between two samples: a shorter --end draws curves")
     if truth is not None:
-        return histories.errors_of_run(found, truth)
-    return histories.departures_of_run(found) if long else samples.of_run(found)
+        return over_time.errors_of_run(found, truth)
+    return over_time.departures_of_run(found) if long else samples.of_run(found)
 
 
 def _of_file(options: Namespace) -> Samples:
     """What the figure of a trajectory file shows."""
-    from polhode import foreign, histories, samples
-    from polhode.integration import choose_number
-    from polhode.truth import reference
+    from polhode.figures import over_time, samples
+    from polhode.judging import table as table_
+    from polhode.judging.reference import reference
+    from polhode.runs.request import choose_number
 
     what, path = options.what, options.what_of
     scene = None if options.scene is None else library.load(options.scene)
@@ -138,11 +132,11 @@ def _of_file(options: Namespace) -> Samples:
         if scene is None:
             raise BadInput(path, "--number", options.number, "a --scene to judge the file with it")
         number = choose_number(scene, options.number, options.digits)
-    table = foreign.read_table(Path(path), number)
+    table = table_.read_table(Path(path), number)
     if what == "error" and scene is not None:
-        return histories.errors_of_table(table, reference(scene), number)
+        return over_time.errors_of_table(table, reference(scene), number)
     if what == "integrals" and scene is not None:
-        return histories.departures_of_table(table, scene, number)
+        return over_time.departures_of_table(table, scene, number)
     found = samples.of_table(table, scene)
     _refuse_what_is_missing(found, what)
     return found
@@ -174,7 +168,7 @@ def _time(name: str, text: str) -> Exact:
 
 def _not_reached(found: Trajectory) -> int:
     """Say why a run ended early; the exit code."""
-    from polhode.trajectory import Outcome
+    from polhode.taylor.outcomes import Outcome
 
     scene = found.scene
     note(

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from polhode import answers, library, precision
-from polhode.errors import BadInput
+from polhode.common.errors import BadInput
+from polhode.numbers import number_types
+from polhode.output import results
+from polhode.scenes import library
 from polhode.verbs.terminal import DONE, print_json, print_rows, read_times, whole
 
 HELP = "the closed form alone, no integration"
@@ -20,20 +22,20 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """The closed form alone."""
-    from polhode.truth import Reference
-    from polhode.truth import reference as truth_of
+    from polhode.judging.reference import Reference
+    from polhode.judging.reference import reference as truth_of
 
     scene = library.load(options.scene)
     times = scene.times if options.at is None else read_times(scene, options.at)
     if not times:
         raise BadInput(scene.name, "run.end", None, "given, or times asked for with --at")
-    if not 1 <= options.digits <= precision.MAX_DIGITS:
-        expected = f"1 to {precision.MAX_DIGITS}"
+    if not 1 <= options.digits <= number_types.MAX_DIGITS:
+        expected = f"1 to {number_types.MAX_DIGITS}"
         raise BadInput(scene.name, "digits", options.digits, expected)
     truth = truth_of(scene)
     if not isinstance(truth, Reference):
         raise BadInput(scene.name, "reference", truth.regime, "a scene with a closed form")
-    answer = answers.of_reference(truth, times, options.digits)
+    answer = results.of_reference(truth, times, options.digits)
     if options.json:
         print_json(answer)
     else:

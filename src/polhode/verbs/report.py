@@ -19,7 +19,7 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Run all studies and write them."""
-    from polhode.report import write_report
+    from polhode.studies.report import write_report
 
     with Progress("report") as progress:
         written = write_report(Path(options.folder), options.quick, options.fresh, progress.say)

@@ -6,8 +6,9 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from polhode import answers, library
-from polhode.scene import Scene
+from polhode.output import results
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
 from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
@@ -22,7 +23,7 @@ from polhode.verbs.terminal import (
 )
 
 if TYPE_CHECKING:
-    from polhode.trajectory import EventTimes
+    from polhode.taylor.outcomes import EventTimes
 
 HELP = "integrate a scene"
 
@@ -55,9 +56,9 @@ def main(options: Namespace) -> int:
     """Integrate a scene."""
     from dataclasses import replace
 
-    from polhode.integration import integrate
-    from polhode.trajectory import Outcome
-    from polhode.truth import reference
+    from polhode.judging.reference import reference
+    from polhode.runs.integrate import integrate
+    from polhode.taylor.outcomes import Outcome
 
     scene = library.load(options.scene)
     if options.at is not None:
@@ -68,7 +69,7 @@ def main(options: Namespace) -> int:
         scene = replace(scene, outputs=tuple(o for o in options.outputs.split(",") if o))
     path = None if options.file is None else Path(options.file)
     if path is not None:
-        answers.check_paths(path)
+        results.check_paths(path)
     truth = reference(scene)
     with Progress("run") as progress:
         found = integrate(
@@ -80,12 +81,12 @@ def main(options: Namespace) -> int:
             project=False if options.no_project else options.project_every,
             progress=progress.show,
         )
-    answer = answers.of_run(found, truth.regime)
+    answer = results.of_run(found, truth.regime)
     done = found.outcome.done
     if done and options.digits is not None and truth.is_closed_form:
         answer["correct_digits"] = _judged(found, truth)
     if path is not None and done:
-        answers.write_trajectory(path, answer)
+        results.write_trajectory(path, answer)
     if options.json:
         print_json(answer)
     elif path is None:
@@ -115,7 +116,7 @@ def _judged(found: Any, truth: Any) -> float:
     """The fewest correct digits over a few of a run's times, by the closed form."""
     from dataclasses import replace
 
-    from polhode.judging import compare, few
+    from polhode.judging.judgement import compare, few
 
     kept = few(len(found.times), 20)
     part = replace(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from polhode import library
+from polhode.scenes import library
 from polhode.verbs.terminal import DONE, print_json
 
 HELP = "body, regime, integrals, frequencies, what will be modelled"
@@ -17,7 +17,7 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Body, regime, integrals, frequencies, what will be modelled."""
-    from polhode.show import described
+    from polhode.output.description import described
 
     facts = described(library.load(options.scene))
     if options.json:

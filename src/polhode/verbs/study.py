@@ -19,7 +19,7 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Run one study and write it."""
-    from polhode import report
+    from polhode.studies import report
 
     folder = Path(options.folder)
     with Progress("study") as progress:

@@ -7,8 +7,8 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from polhode import library
-from polhode.errors import BadInput
+from polhode.common.errors import BadInput
+from polhode.scenes import library
 from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
@@ -49,8 +49,9 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Integrate many variants of a scene."""
-    from polhode import ensemble_answers, vary
-    from polhode.ensemble import integrate_many
+    from polhode.output import sweeps
+    from polhode.runs.sweep import integrate_many
+    from polhode.scenes import vary
 
     scene = library.load(options.scene)
     if options.at is not None:
@@ -63,7 +64,7 @@ def main(options: Namespace) -> int:
         varied[key] = values
     path = None if options.file is None else Path(options.file)
     if path is not None:
-        ensemble_answers.check_path(path)
+        sweeps.check_path(path)
     with Progress("sweep") as progress:
         found = integrate_many(
             scene,
@@ -76,11 +77,11 @@ def main(options: Namespace) -> int:
             progress=lambda fraction, done: progress.say(f"{100 * fraction:.1f} %, {done} members"),
         )
     if path is not None:
-        ensemble_answers.write(path, found)
+        sweeps.write(path, found)
     if options.json:
-        print_json(ensemble_answers.of_ensemble(found))
+        print_json(sweeps.of_ensemble(found))
     elif path is None:
-        print_table(*ensemble_answers.table(found))
+        print_table(*sweeps.table(found))
     if not options.json:
         counted = Counter(outcome.value for outcome in found.outcomes)
         left_out = f"; {', '.join(scene.outputs)} left out" if scene.outputs else ""

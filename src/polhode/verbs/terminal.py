@@ -7,11 +7,12 @@ import sys
 import time
 from typing import Any
 
-from polhode import answers, expression
-from polhode.errors import BadInput
-from polhode.exact import Exact
-from polhode.expression import ExpressionError
-from polhode.scene import Scene
+from polhode.common.errors import BadInput
+from polhode.numbers import expression
+from polhode.numbers.exact import Exact
+from polhode.numbers.expression import ExpressionError
+from polhode.output import results
+from polhode.scenes.scene import Scene
 
 DONE, FAILED, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -47,12 +48,12 @@ def read_times(scene: Scene, text: str) -> tuple[Exact, ...]:
 
 def print_json(value: Any) -> None:
     """One JSON value on stdout."""
-    sys.stdout.write(answers.as_json(value))
+    sys.stdout.write(results.as_json(value))
 
 
 def print_rows(answer: dict[str, Any]) -> None:
     """The rows of an answer as a table on stdout."""
-    header, rows = answers.rows_of(answer)
+    header, rows = results.rows_of(answer)
     print_table(header, rows)
 
 

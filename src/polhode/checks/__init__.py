@@ -1,0 +1,1 @@
+"""The regression of the library: every case, every form, every printed figure."""

@@ -1,0 +1,112 @@
+"""The library's regression: every case against its reference, digits inside a band.
+
+A band has a lower and an upper edge: fewer digits than expected are a loss, more mean that the
+yardstick is slack.  Published figures are held against the reference as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from polhode.checks.printed import Figure, figures
+from polhode.common.errors import BadInput, nearest
+from polhode.judging.conditioning import Conditioning, conditioning
+from polhode.judging.judgement import Judgement, compare
+from polhode.judging.reference import Remembered, reference
+from polhode.numbers import number_types
+from polhode.runs.integrate import integrate
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+
+TICK = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Line:
+    """One check: a case in one number type against its band."""
+
+    case: str
+    number: str
+    digits: float
+    band: tuple[float, float] | None
+    judgement: Judgement | None
+    outcome: str
+
+    @property
+    def passed(self) -> bool:
+        """Whether the run ended as it should and its digits lie inside the band."""
+        if self.judgement is None:
+            return False
+        return self.band is None or self.band[0] <= self.digits <= self.band[1]
+
+    @property
+    def limit(self) -> str:
+        """What limits the digits; empty where there are none."""
+        return "" if self.judgement is None else self.judgement.limit
+
+    @property
+    def verdict(self) -> str:
+        """In words."""
+        if self.judgement is None:
+            return self.outcome
+        if self.band is None:
+            return "no band"
+        if self.digits < self.band[0]:
+            return "too few digits"
+        return "inside" if self.passed else "more digits than the case can have"
+
+
+@dataclass(frozen=True)
+class Report:
+    """What the checks of one case gave."""
+
+    scene: Scene
+    regime: str
+    reference: str
+    lines: tuple[Line, ...]
+    figures: tuple[Figure, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether everything stands."""
+        return all(x.passed for x in self.lines) and all(x.passed for x in self.figures)
+
+
+def check(
+    patterns: Sequence[str] = (), numbers: Sequence[str] = (), tick: TICK | None = None
+) -> Iterator[Report]:
+    """Check cases (all that ship, or names, patterns, paths) in the number types that they expect.
+
+    ``numbers``: these types instead; a case without a band for one is run and shown without.
+    """
+    for number in numbers:
+        if number not in number_types.NAMES:
+            raise BadInput("check", "number", number, nearest(number, list(number_types.NAMES)))
+    scenes = [library.load(name) for name in library.matching(list(patterns))]
+    for scene in scenes:
+        if tick is not None:
+            tick(scene.name)
+        yield check_scene(scene, numbers)
+
+
+def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
+    """The checks of one case."""
+    truth = reference(scene)
+    kept, wanted = Remembered(truth), [*(numbers or scene.expect)]
+    widest = sorted(wanted, key=number_types.NAMES.index, reverse=True)
+    known = conditioning(scene, number=number_types.named(widest[0])) if widest else None
+    made = {number: _line(scene, kept, number, known) for number in widest}
+    lines = [made[number] for number in wanted]
+    return Report(scene, truth.regime, truth.kind, tuple(lines), tuple(figures(scene, truth)))
+
+
+def _line(scene: Scene, truth: Remembered, number: str, known: Conditioning | None) -> Line:
+    band = scene.expect.get(number)
+    run = integrate(
+        scene, number, digits=number_types.DEFAULT_MP_DIGITS if number == "mp" else None
+    )
+    if not run.outcome.done:
+        return Line(scene.name, number, 0.0, band, None, run.outcome.value)
+    judged = compare(run, truth, known)
+    return Line(scene.name, number, judged.worst, band, judged, run.outcome.value)

@@ -1,0 +1,1 @@
+"""What every closed form needs for the attitude: start, quaternions, counted turns."""

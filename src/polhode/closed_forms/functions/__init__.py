@@ -1,0 +1,1 @@
+"""Special functions that the closed forms share, to any precision."""

@@ -1,0 +1,53 @@
+"""Between exact numbers and mpmath's: rounding on the way in and on the way out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import mpmath
+from mpmath import libmp, mpf
+
+from polhode.numbers.exact import Exact, rounded
+
+_SPARE = 8  # bits kept beyond the digits asked for
+
+
+def number(x: Exact, bits: int) -> mpf:
+    """``x`` rounded to ``bits`` bits, whatever the precision in force."""
+    return mpmath.make_mpf(libmp.from_man_exp(*rounded(x, bits)))
+
+
+def vector(row: Sequence[Exact], bits: int) -> tuple[Any, Any, Any]:
+    """Three exact numbers, rounded to ``bits`` bits."""
+    a, b, c = (number(x, bits) for x in row)
+    return a, b, c
+
+
+def log2(x: Exact) -> float:
+    """log2 |x|, to a bit; -inf at 0."""
+    mantissa, exponent = rounded(x, 8)
+    return math.log2(abs(mantissa)) + exponent if mantissa else -math.inf
+
+
+def digits_of(bits: int) -> int:
+    """Decimal digits that hold so many bits."""
+    return math.ceil(bits * math.log10(2))
+
+
+def rounded_up(bits: float) -> int:
+    """To a multiple of 64, so that nearby requests share their constants."""
+    return 64 * math.ceil(bits / 64)
+
+
+def shortened(row: Sequence[Any], digits: int, *, absolute: bool = False) -> list[Any]:
+    """Rounded to the digits and a little more; ``absolute``: counted from the units' place.
+
+    None stays None.
+    """
+    bits = math.ceil(digits * math.log2(10)) + _SPARE
+    if absolute:
+        bits += max([0, *(mpmath.mag(x) for x in row if x)])
+    with mpmath.workprec(bits):
+        return [x if x is None else +x for x in row]

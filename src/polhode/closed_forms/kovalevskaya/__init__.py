@@ -1,0 +1,1 @@
+"""The Kovalevskaya top: A = B = 2C, the centre of mass in the equator."""

@@ -1,0 +1,207 @@
+"""Which heavy bodies are Kovalevskaya tops, their axes, their units, and their exact integrals.
+
+Two equal moments A = B = 2C and the centre of mass in the equatorial plane.  The axes of the top:
+the third is the axis of the moment C, the first goes through the centre of mass.  With
+n^2 = Mg rho/C and G = n^2 gamma, w = (p, q, r) (Kowalevski, Acta Math. 12 (1889) 177):
+
+    2p' = q r,    2q' = -p r + G3,    r' = -G2,    G' = G x w.
+
+Integrals of these equations, |gamma| = 1 not being used:
+
+    H = p^2 + q^2 + r^2/2 + G1,    m = p G1 + q G2 + r G3/2,    a^2 = |G|^2,
+    k^2 = |(p + iq)^2 - (G1 + i G2)|^2.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import mpmath
+
+from polhode.closed_forms.functions.rounding import log2, number
+from polhode.numbers.exact import ZERO, Exact, binary, exact, rounded, sign, sqrt
+from polhode.scenes.body import Vector, is_zero
+
+
+def fits(moments: Vector, torque: Vector) -> bool:
+    """Whether the body is a Kovalevskaya top; ``torque`` = Mg r0 in principal axes."""
+    return not is_zero(torque) and third_axis(moments, torque) is not None
+
+
+def third_axis(moments: Vector, torque: Vector) -> int | None:
+    """The principal axis of the moment C with A = B = 2C and no part of the torque."""
+    for k in (2, 0, 1):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        if (
+            sign(torque[k]) == 0
+            and moments[i] == moments[j]
+            and moments[i] == 2 * moments[k]
+            and not is_zero(torque)
+        ):
+            return k
+    return None
+
+
+#: A direction in the space of states that no special motion is known to keep.
+_WAYS = (
+    (Fraction(3, 8), Fraction(5, 8), Fraction(-7, 16)),
+    (Fraction(9, 16), Fraction(-5, 16), Fraction(11, 16)),
+)
+
+
+@dataclass(frozen=True)
+class Start:
+    """The state at t = 0 and the integrals, exact, in the top's axes; time in units of 1/unit.
+
+    ``unit`` is the power of two nearest to n.
+    """
+
+    omega: Vector
+    G: Vector
+    H: Exact
+    m: Exact
+    m2: Exact  # rational with rational data, where m is not
+    a2: Exact
+    k2: Exact
+    weight: Exact  # n^2 in these units
+    exponent: int  # unit = 2^exponent
+
+    @cached_property
+    def b(self) -> Exact:
+        """a^2 - k^2."""
+        return self.a2 - self.k2
+
+    def moved(self, share: Fraction, bits: int) -> Start:
+        """The start moved by ``share`` of a generic direction; both rounded to ``bits`` bits."""
+        speed = Fraction(2) ** round(self.log2_scale)
+        heavy = Fraction(2) ** round(log2(self.weight))
+        rows = []
+        for vector, size, way in ((self.omega, speed, _WAYS[0]), (self.G, heavy, _WAYS[1])):
+            row = [
+                binary(*rounded(x, bits)) + share * size * d
+                for x, d in zip(vector, way, strict=True)
+            ]
+            rows.append(row)
+        (p, q, r), (G1, G2, G3) = rows
+        m = p * G1 + q * G2 + r * G3 / 2
+        xi = p * p - q * q - G1, 2 * p * q - G2
+        return Start(
+            omega=(p, q, r),
+            G=(G1, G2, G3),
+            H=p * p + q * q + r * r / 2 + G1,
+            m=m,
+            m2=m * m,
+            a2=G1 * G1 + G2 * G2 + G3 * G3,
+            k2=xi[0] * xi[0] + xi[1] * xi[1],
+            weight=self.weight,
+            exponent=self.exponent,
+        )
+
+    def numbers(self, bits: int) -> tuple[list[Any], list[Any]]:
+        """w and G rounded to ``bits`` bits."""
+        return [number(x, bits) for x in self.omega], [number(x, bits) for x in self.G]
+
+    @cached_property
+    def log2_speed(self) -> float:
+        """log2 of a bound of |w|, in these units: r^2/2 + p^2 + q^2 <= H + |G|."""
+        return log2(2 * (abs(self.H) + self.weight + self.a2 / self.weight)) / 2
+
+    def fastest(self, bits: int) -> Any:
+        """A bound of |w|: w^2/2 <= H - G1 <= H + |G|."""
+        height, weight = number(self.H, bits), number(self.a2, bits)
+        return mpmath.sqrt(2 * (height + 2 * mpmath.sqrt(weight)))
+
+    @cached_property
+    def log2_weight(self) -> float:
+        """log2 of n^2 in these units."""
+        return log2(self.weight)
+
+    @cached_property
+    def log2_scale(self) -> float:
+        """log2 of the size of w: at the start, or what the weight will make of it; 0 at rest."""
+        found = max(log2(x) for x in (*self.omega, self.G[1], self.G[2]))
+        return min(found, self.log2_speed) if found > -math.inf else 0.0
+
+
+@dataclass(frozen=True)
+class TopAxes:
+    """The top's axes in principal ones, and the principal axes in the scene's (None: the same)."""
+
+    rows: tuple[tuple[Exact, ...], ...] | None
+    order: tuple[int, int, int]  # principal axes, right-handed, the third that of the moment C
+    centre: tuple[Exact, Exact]  # X + iY = Mg (x0 + i y0)/C in the first two
+    weight: Exact  # n^2
+
+    def principal(self, vector: Vector) -> Vector:
+        """From the scene's axes to the principal ones in the top's order, exactly."""
+        v = vector
+        if self.rows is not None:
+            a, b, c = (sum((x * y for x, y in zip(e, v, strict=True)), ZERO) for e in self.rows)
+            v = (exact(a), exact(b), exact(c))
+        x, y, z = (v[i] for i in self.order)
+        return x, y, z
+
+    def start(self, omega: Vector, gamma: Vector) -> Start:
+        """The start and the integrals; what is rational stays so where n^2 is not."""
+        (p, q, r), (g1, g2, g3) = self.principal(omega), self.principal(gamma)
+        X, Y = self.centre
+        exponent = round(log2(self.weight) / 2)
+        unit = exact(2) ** exponent if exponent >= 0 else 1 / exact(2) ** -exponent
+        n2, square = self.weight, X * X + Y * Y
+        over, over2 = 1 / unit, 1 / (unit * unit)
+        along, across = X * p + Y * q, X * q - Y * p  # n^2 times p and q of the top
+        G1, G2 = X * g1 + Y * g2, X * g2 - Y * g1
+        pi, level = p * p + q * q, g1 * g1 + g2 * g2
+        area = p * g1 + q * g2 + r * g3 / 2
+        # Re conj(p + iq)^2 (G1 + iG2), in axes turned back by the direction of the centre.
+        mixed = (p * p - q * q) * (g1 * X - g2 * Y) + 2 * p * q * (g1 * Y + g2 * X)
+        k2 = pi * pi + square * level - 2 * mixed
+        if sign(k2) == 0:
+            k2 = ZERO
+        return Start(
+            omega=(along / n2 * over, across / n2 * over, r * over),
+            G=(G1 * over2, G2 * over2, n2 * g3 * over2),
+            H=(pi + r * r / 2 + G1) * over2,
+            m=n2 * area * over * over2,
+            m2=square * area * area * over2 * over2 * over2,
+            a2=square * (level + g3 * g3) * over2 * over2,
+            k2=k2 * over2 * over2,
+            weight=n2 * over2,
+            exponent=exponent,
+        )
+
+    def matrix(self, bits: int) -> list[list[Any]]:
+        """The top's axes as rows of components in the scene's axes, rounded."""
+        with mpmath.workprec(bits + 20):
+            n2 = number(self.weight, bits + 20)
+            c, s = (number(x, bits + 20) / n2 for x in self.centre)
+        turn: list[list[Any]] = [[0, 0, 0], [0, 0, 0], [0, 0, 0]]
+        i, j, k = self.order
+        turn[0][i], turn[0][j], turn[1][i], turn[1][j], turn[2][k] = c, s, -s, c, 1
+        if self.rows is None:
+            return turn
+        rows = [[number(x, bits) for x in row] for row in self.rows]
+        with mpmath.workprec(bits):
+            return [[sum(t[k] * rows[k][j] for k in range(3)) for j in range(3)] for t in turn]
+
+
+def top_axes(
+    moments: Vector, torque: Vector, rows: tuple[tuple[Exact, ...], ...] | None
+) -> TopAxes:
+    """The axes of the top; raises ValueError for a body that is none (:func:`fits`)."""
+    k = third_axis(moments, torque)
+    if k is None:
+        raise ValueError("not a Kovalevskaya top")
+    i, j = (k + 1) % 3, (k + 2) % 3
+    X, Y = torque[i] / moments[k], torque[j] / moments[k]
+    return TopAxes(rows, (i, j, k), (X, Y), sqrt(X * X + Y * Y))
+
+
+def placed(matrix: Sequence[Sequence[Any]], vector: Sequence[Any]) -> list[Any]:
+    """From the top's axes to the scene's."""
+    return [sum(row[j] * x for row, x in zip(matrix, vector, strict=True)) for j in range(3)]

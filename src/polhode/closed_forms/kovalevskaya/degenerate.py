@@ -1,0 +1,58 @@
+"""Motions on a degenerate curve: the mean of neighbours, extrapolated.
+
+The state at t is an analytic function of the start.  With M(eps) the mean of the motions from the
+start moved by eps and -eps along a generic direction,
+
+    state = (4 M(eps) - M(2 eps))/3 + O(x^4),    M(eps) - state = O(x^2),
+
+x = eps times the growth of a deviation to the time t (at most linear in t on a quasi-periodic
+motion, exponential on an asymptotic one).  The square of their difference is the error's estimate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from mpmath import mpf
+
+from polhode.closed_forms.kovalevskaya.axes import Start
+from polhode.closed_forms.kovalevskaya.generic import Generic, generic
+
+
+@dataclass(frozen=True)
+class Averaged:
+    """The four neighbours at one precision: at eps, -eps, 2 eps, -2 eps."""
+
+    neighbours: Sequence[Generic]
+    speed: Any  # the units of w and G in the estimate
+    weight: Any
+    closeness: int  # -log2 eps
+
+    @property
+    def defect(self) -> Any:
+        """The largest defect of a neighbour."""
+        return max(motion.defect for motion in self.neighbours)
+
+    def at(self, t: Any) -> tuple[list[Any], Any]:
+        """The state at t and an estimate of its error from the extrapolation."""
+        states = [motion.at(t)[0] for motion in self.neighbours]
+        found, estimate = [], mpf(0)
+        for i, (a, b, c, d) in enumerate(zip(*states, strict=True)):
+            near, far = (a + b) / 2, (c + d) / 2
+            found.append((4 * near - far) / 3)
+            size = self.speed if i < 3 else self.weight
+            estimate = max(estimate, (abs(near - far) / size) ** 2 * 4)
+        return found, estimate
+
+
+def averaged(start: Start, bits: int, closeness: int, backend: str | None = None) -> Averaged:
+    """The neighbours at eps = 2^-closeness, at ``bits`` bits; raises Unresolved if too few."""
+    neighbours = []
+    for share in (1, -1, 2, -2):
+        moved = start.moved(Fraction(share, 1 << closeness), 4 * closeness + bits)
+        neighbours.append(generic(moved, bits, backend))
+    speed = mpf(2) ** int(start.log2_scale)
+    return Averaged(neighbours, speed, mpf(2) ** round(start.log2_weight), closeness)

@@ -1,0 +1,1 @@
+"""The symmetric top with its centre of mass on its axis."""

@@ -1,0 +1,187 @@
+"""The attitude of a Lagrange top in the scene's axes, its start, and its Euler angles' arguments.
+
+R (body -> space, z up) = Rz(psi) Rx(theta) Rz(phi) is the quaternion (Re al, Re bt, Im bt, Im al).
+With E from the scene's axes to the top's, R = S R_top E, S a turn about the vertical: for the
+quaternion of E with parameters (la, mu),
+
+    al = sigma (la al_top - conj(mu) bt_top),    bt = sigma (mu al_top + conj(la) bt_top),
+
+sigma of modulus 1.  While one of the two terms outweighs the other, its argument counts the turns.
+Where the axis of symmetry is the scene's third, one of them is absent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import mpmath
+from mpmath import mpc, mpf
+
+from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.functions.jacobi import MP, Functions
+from polhode.closed_forms.functions.rounding import number
+from polhode.closed_forms.lagrange.axes import Matrix
+from polhode.closed_forms.lagrange.motion import Motion, Nutating, Pair, Start, equations, times
+from polhode.closed_forms.lagrange.regimes import Constants
+from polhode.numbers.exact import Exact, sign
+
+
+@dataclass(frozen=True)
+class Attitude:
+    """The quaternion body -> space as a function of time."""
+
+    motion: Motion
+    rows: tuple[tuple[Pair, Pair], tuple[Pair, Pair]]  # al, bt of the scene in those of the top
+    start: Quaternion
+    range: tuple[Any, Any, Any, Any]  # least and largest |al|, then |bt|, of the top
+    torque: Any  # Mg z0/A
+
+    def at(self, t: Any, fn: Functions) -> Quaternion:
+        """The attitude at t, continuous in t."""
+        return self._joined(*self.motion.parameters(t, fn))
+
+    def floats(self, speed: Any) -> Attitude:
+        """The same in doubles, time in units of 1/speed."""
+        (a, b), (c, d) = (
+            ((float(x), float(y)), (float(u), float(v))) for (x, y), (u, v) in self.rows
+        )
+        return replace(self, motion=self.motion.floats(speed), rows=((a, b), (c, d)))
+
+    def speed(self) -> Any:
+        """The largest |w|."""
+        return self.motion.speed
+
+    def fastest(self) -> Any:
+        """A bound of every rate in the motion."""
+        return self.motion.fastest
+
+    def bend(self) -> Any:
+        """A bound of the quaternion's second derivative over |w|^2, |w| the largest.
+
+        It is at most |w|^2/4 + |w'|/2, and |w'| <= |1 - C/A| |w|^2/2 + Mg z0/A, C <= 2A.
+        """
+        return (1 + self.torque / self.speed() ** 2) / 2
+
+    def arguments(self, t: Any) -> tuple[Any, Any] | None:
+        """The growth of arg al and arg bt from time 0 to t, where it is closed; else None.
+
+        None for an argument whose parameter is always 0.
+        """
+        grown: list[Any] = []
+        for which, row in enumerate(self.rows):
+            lead = self._lead(row)
+            if lead is None:
+                return None
+            if lead < 0:
+                grown.append(None)
+                continue
+            begin = mpf(0)
+            if not mpc(*_part(self.start, which)) and self.motion.speed:
+                begin = mpmath.sign(t) * mpmath.ldexp(1, -mpmath.mp.prec // 4) / self.motion.speed
+            grown.append(self._argument(row, lead, t) - self._argument(row, lead, begin))
+        return grown[0], grown[1]
+
+    def _lead(self, row: tuple[Pair, Pair]) -> int | None:
+        """Which term outweighs the other at all times (0 or 1), -1 where both are 0."""
+        one, other = (mpmath.hypot(*z) for z in row)
+        low_al, high_al, low_bt, high_bt = self.range
+        if not one * high_al and not other * high_bt:
+            return -1
+        if not other * high_bt:
+            return 0
+        if not one * high_al:
+            return 1
+        # Equality is enough: then the sum vanishes at most where theta turns.
+        slack = 1 + mpmath.ldexp(1, -mpmath.mp.prec // 2)
+        if one * low_al * slack >= other * high_bt:
+            return 0
+        if other * low_bt * slack >= one * high_al:
+            return 1
+        return None
+
+    def _argument(self, row: tuple[Pair, Pair], lead: int, t: Any) -> Any:
+        """The argument of the row's sum at t, to a constant."""
+        angle = self.motion.arguments(t)[lead]
+        if not any(row[1 - lead]):
+            return angle
+        al, bt = self.motion.parameters(t, MP)
+        terms = mpc(*times(row[0], al)), mpc(*times(row[1], bt))
+        if not terms[lead]:
+            return angle
+        return angle + mpmath.arg(1 + terms[1 - lead] / terms[lead])
+
+    def _joined(self, al: Pair, bt: Pair) -> Quaternion:
+        found: list[Any] = []
+        for one, other in self.rows:
+            if isinstance(one[0], mpf) and not any(other):
+                found.append(times(one, al))
+            elif isinstance(one[0], mpf) and not any(one):
+                found.append(times(other, bt))
+            else:
+                (a, b), (c, d) = times(one, al), times(other, bt)
+                found.append((a + c, b + d))
+        (q0, q3), (q1, q2) = found
+        return q0, q1, q2, q3
+
+
+def top_start(c: Constants, omega: Sequence[Exact], gamma: Sequence[Exact], bits: int) -> Start:
+    """al, bt and xi at t = 0 in the top's axes, the larger of al and bt real and positive."""
+    p, q, r = (number(x, bits) for x in omega)
+    g1, g2, _ = (number(x, bits) for x in gamma)
+    larger = mpmath.sqrt((1 + number(abs(c.u0), bits)) / 2)
+    other = mpc(g2, -g1) / (2 * larger)  # conj(al) bt = (g1 + i g2)/2i
+    al, bt = (mpc(larger), other) if sign(c.u0) >= 0 else (other.conjugate(), mpc(larger))
+    values = al, bt, mpc(p, q)
+    slopes = equations(values, r, number(c.ratio, bits), number(c.a, bits) / 2)
+    return Start(values, slopes)
+
+
+def attitude(motion: Motion, torque: Any, matrix: Matrix, start: Quaternion) -> Attitude:
+    """The attitude that starts at ``start``; ``torque`` = Mg z0/A, ``matrix`` E by rows."""
+    t0, t1, t2, t3 = _quaternion(matrix)
+    (a, b), (x, y) = motion.parameters(mpf(0), MP)
+    turn = product(start, (t0, -t1, -t2, -t3))
+    turn = product(turn, (a, -x, -y, -b))
+    sigma = mpc(turn[0], turn[3])
+    sigma /= abs(sigma)
+    la, mu = mpc(t0, t3), mpc(t1, t2)
+    terms = (sigma * z for z in (la, -mu.conjugate(), mu, la.conjugate()))
+    p, q, r, s = ((z.real, z.imag) for z in terms)
+    return Attitude(motion, ((p, q), (r, s)), start, _range(motion, (a, b), (x, y)), torque)
+
+
+def _range(motion: Motion, al: Pair, bt: Pair) -> tuple[Any, Any, Any, Any]:
+    """Least and largest |al| and |bt|."""
+    if not isinstance(motion, Nutating):
+        one, other = mpmath.hypot(*al), mpmath.hypot(*bt)
+        return one, one, other, other
+    K = motion.elliptic.K
+    low = [mpmath.hypot(*z) for z in motion.parameters(-motion.v0 / motion.rate, MP)]
+    if mpmath.isfinite(K):
+        high = motion.parameters((K - motion.v0) / motion.rate, MP)
+        ends = [mpmath.hypot(*z) for z in high]
+    else:
+        ends = [mpf(1), mpf(0)]
+    return low[0], ends[0], ends[1], low[1]
+
+
+def _quaternion(matrix: Matrix) -> Quaternion:
+    """The quaternion of a rotation matrix, by its largest component."""
+    (a, b, c), (d, e, f), (g, h, i) = ([mpf(x) for x in row] for row in matrix)
+    squares = (1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i)
+    k = max(range(4), key=lambda n: squares[n])
+    rows = (
+        (squares[0], h - f, c - g, d - b),
+        (h - f, squares[1], b + d, c + g),
+        (c - g, b + d, squares[2], f + h),
+        (d - b, c + g, f + h, squares[3]),
+    )
+    size = 2 * mpmath.sqrt(squares[k])
+    q0, q1, q2, q3 = (x / size for x in rows[k])
+    return q0, q1, q2, q3
+
+
+def _part(q: Quaternion, which: int) -> Pair:
+    return (q[0], q[3]) if which == 0 else (q[1], q[2])

@@ -1,0 +1,117 @@
+"""Which heavy bodies are Lagrange tops, and the axes in which they are one.
+
+The axes of the top: the third is the axis of symmetry, turned so that the weight's moment is
+positive about it -- gamma3 = 1 is the upright top, with the centre of mass above the fixed point --
+and the three are right-handed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from polhode.closed_forms.functions.rounding import number
+from polhode.numbers.exact import ZERO, Exact, sign, sqrt
+from polhode.scenes import body
+from polhode.scenes.body import Vector, cross, dot, is_zero
+
+Matrix = list[list[Any]]
+
+
+def fits(moments: Vector, torque: Vector) -> bool:
+    """Whether the body is a Lagrange top; ``torque`` = Mg r0 in principal axes.
+
+    Two moments are equal and the centre of mass is on the third axis, or all three are equal; a
+    body without weight is none.
+    """
+    if is_zero(torque):
+        return False
+    return symmetry_axis(moments, torque) is not None or _spherical(moments)
+
+
+def symmetry_axis(moments: Vector, torque: Vector) -> int | None:
+    """The principal axis of symmetry that carries the centre of mass, if there is one."""
+    for k in (2, 0, 1):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        if sign(torque[i]) == 0 == sign(torque[j]) and moments[i] == moments[j]:
+            return k
+    return None
+
+
+@dataclass(frozen=True)
+class TopAxes:
+    """The top's axes in principal ones, and the principal axes in the scene's (None: the same).
+
+    Axis n of the top is ``signs[n]`` times principal axis ``order[n]``, or row n of ``turned``.
+    """
+
+    rows: tuple[tuple[Exact, ...], ...] | None
+    order: tuple[int, int, int]
+    signs: tuple[int, int, int]
+    turned: body.Axes | None
+    moments: tuple[Exact, Exact]  # A, across the axis of symmetry, and C, about it
+    torque: Exact  # Mg z0 > 0
+
+    def top(self, vector: Vector) -> Vector:
+        """From the scene's axes to the top's, exactly."""
+        v = vector
+        if self.rows is not None:
+            a, b, c = (sum((x * y for x, y in zip(e, v, strict=True)), ZERO) for e in self.rows)
+            v = (a, b, c)
+        if self.turned is not None:
+            return self.turned.components(v)
+        x, y, z = (s * v[i] for s, i in zip(self.signs, self.order, strict=True))
+        return x, y, z
+
+    def matrix(self, bits: int) -> Matrix:
+        """The top's axes as rows of components in the scene's axes, at the precision in force."""
+        if self.turned is not None:
+            turn = [[number(x, bits) for x in row] for row in self.turned.rows]
+        else:
+            turn = [
+                [s if i == j else 0 for j in range(3)]
+                for s, i in zip(self.signs, self.order, strict=True)
+            ]
+        if self.rows is None:
+            return turn
+        rows = [[number(x, bits) for x in row] for row in self.rows]
+        return [[sum(t[k] * rows[k][j] for k in range(3)) for j in range(3)] for t in turn]
+
+
+def top_axes(
+    moments: Vector, torque: Vector, rows: tuple[tuple[Exact, ...], ...] | None
+) -> TopAxes:
+    """The axes of the top; raises ValueError for a body that is none (:func:`fits`)."""
+    if not fits(moments, torque):
+        raise ValueError("not a Lagrange top")
+    k = symmetry_axis(moments, torque)
+    if k is not None:
+        i, j = (k + 1) % 3, (k + 2) % 3
+        up = sign(torque[k])
+        return TopAxes(rows, (i, j, k), (1, up, up), None, (moments[i], moments[k]), abs(torque[k]))
+    units = body.IDENTITY
+    across = max((cross(unit, torque) for unit in units), key=lambda v: dot(v, v))
+    directions = across, cross(torque, across), torque
+    a, b, c = (dot(v, v) for v in directions)
+    turned = body.Axes(directions, (a, b, c))
+    return TopAxes(rows, (0, 1, 2), (1, 1, 1), turned, (moments[0], moments[0]), sqrt(c))
+
+
+def placed(matrix: Matrix, vector: Sequence[Any]) -> list[Any]:
+    """From the top's axes to the scene's; any scalars.  Entries 0 and 1 cost nothing."""
+    found = []
+    for column in range(3):
+        total: Any = None
+        for row, x in zip(matrix, vector, strict=True):
+            e = row[column]
+            if not e:
+                continue
+            term = x if e == 1 else -x if e == -1 else e * x
+            total = term if total is None else total + term
+        found.append(total)
+    return found
+
+
+def _spherical(moments: Vector) -> bool:
+    return moments[0] == moments[1] == moments[2]

@@ -1,0 +1,1 @@
+"""Any heavy body that swings about a horizontal principal axis."""

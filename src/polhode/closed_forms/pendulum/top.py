@@ -1,0 +1,223 @@
+"""The physical pendulum in closed form: any heavy body that swings about a horizontal axis.
+
+    I w' + w x I w = gamma x T,    gamma' = gamma x w,    T = Mg r0      (Yehia 3.13-3.17)
+
+Where a principal axis n is horizontal and at right angles to r0, and w is along it, w stays there.
+With P = |T|, A the moment about n and del the angle that the body has turned about n from the
+stable vertical gamma = -T/P,
+
+    w = del' n,    A del'' = -P sin del,    gamma = (-cos del T + sin del n x T)/P.
+
+With om^2 = P/A and k^2 = sin^2(del/2) + del'^2/(4 om^2), k'^2 = 1 - k^2 (Whittaker, Analytical
+Dynamics, art. 44; DLMF 22.19(i))
+
+    libration, k'^2 > 0:   sin(del/2) = k sn v,  cos(del/2) = dn v,  del' = 2 om k cn v,
+                           v = v0 + om t,  modulus k;
+    rotation, k'^2 < 0:    sin(del/2) = sn v,  cos(del/2) = cn v,  del' = 2 om k dn v,
+                           v = v0 + om k t,  modulus 1/k; the separatrix k = 1 included.
+
+n points so that del' >= 0 at t = 0 (at rest there: so that sin del > 0); hence -K <= v0 <= K.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import mpmath
+from mpmath import mpf
+
+from polhode.closed_forms.attitude.axes import Axes
+from polhode.closed_forms.attitude.quaternion import product
+from polhode.closed_forms.attitude.start import start_angles, start_quaternion, start_sign
+from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
+from polhode.closed_forms.pendulum.angles import Angles
+from polhode.closed_forms.pendulum.motion import (
+    HANGING,
+    LIBRATING,
+    ROTATING,
+    SEPARATRIX,
+    UPRIGHT,
+    Swing,
+    angle_between,
+    axis_of,
+    exact_numbers,
+    momentum,
+    regime,
+    swing_of,
+)
+from polhode.numbers import exact
+from polhode.numbers.exact import EQUAL_BITS, ZERO, Exact, sign
+from polhode.scenes.body import Vector, cross, dot, is_zero, scaled
+
+_GUARD = 40  # bits beyond the digits asked for and the growth of phases
+_SPARE = 8  # bits kept beyond the digits asked for
+
+
+def fits(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> bool:
+    """Whether the body swings about a horizontal axis, or is in equilibrium at rest.
+
+    All in principal axes.  The axis is that of w, or of the moment of the weight where w = 0; it
+    must be a principal axis (of a symmetric body, or of a sphere, there are more than three) and at
+    right angles to gamma and the torque Mg r0, which is not zero.
+    """
+    if is_zero(torque):
+        return False
+    n = axis_of(torque, omega, gamma)
+    turned = momentum(moments, n)
+    return is_zero(cross(n, turned)) and sign(dot(n, gamma)) == 0 and sign(dot(n, torque)) == 0
+
+
+class Pendulum:
+    """The plane motion of one heavy body from one start; raises ValueError unless it fits.
+
+    ``moments`` are the principal moments and ``torque`` is Mg r0 in principal axes; ``axes[i]`` is
+    the unit vector of principal axis i in the scene's body axes (right-handed; None for the same
+    axes).  ``omega`` and ``gamma`` are given at t = 0 in the scene's axes, where all answers are.
+
+    ``regime`` names the kind of motion; it is decided once, by exact arithmetic.
+    """
+
+    def __init__(
+        self,
+        moments: Vector,
+        torque: Vector,
+        omega: Vector,
+        gamma: Vector,
+        psi: Exact = ZERO,
+        axes: tuple[tuple[Exact, ...], ...] | None = None,
+    ) -> None:
+        turn = Axes(axes)
+        principal, vertical = _triple(turn.principal(omega)), _triple(turn.principal(gamma))
+        if not fits(moments, torque, principal, vertical):
+            raise ValueError("a body that does not swing about a horizontal principal axis")
+        self._omega, self._gamma, self._psi = omega, gamma, psi
+        self.regime = regime(moments, torque, principal, vertical)
+        self._numbers: Mapping[str, Exact] = {}
+        self._swings: dict[int, Swing] = {}
+        if self._at_rest:
+            return
+        n = axis_of(torque, principal, vertical)
+        self._numbers = exact_numbers(moments, torque, principal, vertical)
+        weight = exact.sqrt(dot(torque, torque))
+        self._n = scaled(1 / exact.sqrt(dot(n, n)), _triple(turn.scene(n)))
+        self._down = _triple(turn.scene(scaled(1 / weight, torque)))
+        self._sideways = cross(self._n, self._down)
+        self._angles = Angles(self._n, gamma, psi, self._swing, self._bits)
+
+    def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
+        """Rows p, q, r, gamma1, gamma2, gamma3, one a time.
+
+        The error of w is below 10^-digits |w|, of gamma below 10^-digits.
+        """
+        rows = []
+        for t in times:
+            if self._at_rest or sign(t) == 0:
+                bits = self._bits((), digits)
+                rows.append([number(x, bits) for x in (*self._omega, *self._gamma)])
+            else:
+                rows.append(self._state(t, digits))
+        return [shortened(row, digits) for row in rows]
+
+    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
+        """Unit quaternions q0, q1, q2, q3 of R, one a time: q0 >= 0 at t = 0, then continuous.
+
+        At t = 0, R = Rz(psi) Rx(theta) Rz(phi) with the psi given and phi = atan2(gamma1, gamma2).
+        Where q0 = 0 at t = 0, the first component that is not 0 is positive.
+        """
+        bits = self._bits(times, digits)
+        start = start_quaternion(self._gamma, self._psi, start_sign(self._gamma, self._psi), bits)
+        rows = []
+        with mpmath.workprec(bits):
+            for t in times:
+                if self._at_rest or sign(t) == 0:
+                    rows.append(list(start))
+                    continue
+                swing = self._swing(bits)
+                _, c, s, _ = swing.at(number(t, bits))
+                c, s = angle_between((c, s), swing.start)
+                turn = (c, *(s * x for x in swing.n))
+                rows.append(list(product(start, turn)))
+        return [shortened(row, digits) for row in rows]
+
+    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
+        """Rows psi, theta, phi; psi and phi continuous in t, None where gamma is along axis 3.
+
+        They start from the psi given and phi = atan2(gamma1, gamma2), and are functions of the
+        swing's angle: of a libration they return with the body.  Passing through a pole, psi and
+        phi jump by pi, one of psi + phi, psi - phi stays continuous, and psi jumps upwards where
+        the swing leads away from its start.  The error is below 10^-digits.
+        """
+        rows = []
+        for t in times:
+            if self._at_rest or sign(t) == 0:
+                row = start_angles(self._gamma, self._psi, self._bits((), digits))
+            else:
+                row = self._angles.at(t, digits)
+            rows.append(shortened(row, digits, absolute=True))
+        return rows
+
+    def period(self, digits: int) -> mpf | None:
+        """The period of the state; None on the separatrix and at rest."""
+        if self._at_rest or self.regime == SEPARATRIX:
+            return None
+        bits = self._bits((), digits)
+        with mpmath.workprec(bits):
+            swing = self._swing(bits)
+            period = (2 if swing.rotating else 4) * swing.elliptic.K / swing.rate
+        return shortened([period], digits)[0]
+
+    def frequencies(self, digits: int) -> dict[str, mpf]:
+        """2 pi over the period, as "libration" or "rotation"; none where there is no period."""
+        period = self.period(digits + 5)
+        if period is None:
+            return {}
+        with mpmath.workprec(self._bits((), digits)):
+            found = 2 * mpmath.pi / period
+        name = "rotation" if self.regime == ROTATING else "libration"
+        return {name: shortened([found], digits)[0]}
+
+    @property
+    def _at_rest(self) -> bool:
+        return self.regime in (HANGING, UPRIGHT)
+
+    def _state(self, t: Exact, digits: int) -> list[mpf]:
+        """w and gamma, at a precision that keeps the digits of w next to a turning point."""
+        first = bits = self._bits((t,), digits)
+        while True:
+            with mpmath.workprec(bits):
+                swing = self._swing(bits)
+                speed, c, s, _ = swing.at(number(t, bits))
+                lost = 0  # only cn, where it is nearly 0, is less exact than its argument
+                if not swing.rotating:
+                    largest = mpmath.mag(2 * swing.rate * swing.k)
+                    lost = largest - mpmath.mag(speed) if speed else bits
+                if first + lost <= bits + _SPARE or bits > first + EQUAL_BITS:
+                    cos, sin = (c - s) * (c + s), 2 * c * s
+                    pairs = zip(swing.down, swing.sideways, strict=True)
+                    return [*(speed * x for x in swing.n), *(sin * y - cos * x for x, y in pairs)]
+            bits = rounded_up(first + lost)
+
+    def _swing(self, bits: int) -> Swing:
+        """The constants at a precision, made once."""
+        if bits not in self._swings:
+            with mpmath.workprec(bits):
+                numbers = {name: number(x, bits) for name, x in self._numbers.items()}
+                vectors = (self._n, self._down, self._sideways, self._gamma)
+                rows = [[number(x, bits) for x in vector] for vector in vectors]
+                self._swings[bits] = swing_of(numbers, self.regime != LIBRATING, *rows)
+        return self._swings[bits]
+
+    def _bits(self, times: Sequence[Exact], digits: int) -> int:
+        """Working precision: the digits, what the phase costs, a guard."""
+        phase = 0.0
+        last = max((log2(t) for t in times), default=-math.inf)
+        if last > -math.inf and not self._at_rest:
+            phase = max(0.0, log2(self._numbers["rate2"]) / 2 + last)
+        return rounded_up(digits * math.log2(10) + phase + _GUARD)
+
+
+def _triple(row: Sequence[Any]) -> Vector:
+    a, b, c = row
+    return a, b, c

@@ -1,0 +1,1 @@
+"""The equations of motion in eleven forms, written once for any scalar."""

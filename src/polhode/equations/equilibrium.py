@@ -1,0 +1,67 @@
+"""Relative equilibria: the motions in which the state stands still.
+
+All derivatives of (3.29) vanish exactly at the start: rest, hanging or upright, and permanent
+rotation: w along gamma (Staude), or, of a free body without gamma, along a principal axis.  The
+body then turns uniformly about w, which is fixed in body and space.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from polhode.equations import kinematics
+from polhode.numbers import exact
+from polhode.numbers.exact import Exact
+from polhode.scenes.body import cross, dot, is_zero, minus, scaled
+from polhode.scenes.scene import Scene
+
+
+def stands_still(scene: Scene) -> bool:
+    """Whether every derivative of the state vanishes, by the rule for *equal*."""
+    body, omega, gamma = scene.body, scene.omega, scene.gamma
+    if gamma is not None and not is_zero(cross(gamma, omega)):
+        return False
+    gyroscopic = cross(omega, body.momentum(omega))
+    if gamma is None:
+        return is_zero(gyroscopic)
+    return is_zero(minus(gyroscopic, cross(gamma, body.torque)))
+
+
+def name(scene: Scene) -> str | None:
+    """Rest or permanent rotation; None for any other motion."""
+    if not stands_still(scene):
+        return None
+    return "rest" if is_zero(scene.omega) else "permanent rotation"
+
+
+def variables(scene: Scene, t: Fraction) -> list[Exact]:
+    """State in principal axes and the run's time unit, quaternion, psi and phi, at time t.
+
+    As far as the scene asks for them; no psi and phi at a pole.  The quaternion is
+    q(0) ⊗ (cos |w|t/2, sin |w|t/2 w/|w|); psi' = w·gamma.
+    """
+    unit, axes, gamma = Fraction(2) ** scene.time_unit, scene.body.axes, scene.gamma
+    found: list[Exact] = [unit * w for w in axes.components(scene.omega)]
+    if gamma is None:
+        return found
+    found += axes.components(gamma)
+    if "attitude" in scene.modelled:
+        found += _turned(kinematics.starting_attitude(gamma, scene.psi), scene.omega, t)
+    if "angles" in scene.modelled and not scene.starts_at_pole:
+        found += [scene.psi + dot(scene.omega, gamma) * t, kinematics.starting_phi(gamma)]
+    return found
+
+
+def _turned(
+    quaternion: tuple[Exact, ...], omega: tuple[Exact, Exact, Exact], t: Fraction
+) -> tuple[Exact, ...]:
+    """A quaternion after a uniform turn with omega, body axes, for a time t."""
+    if is_zero(omega) or t == 0:
+        return quaternion
+    rate = exact.sqrt(dot(omega, omega))
+    half = rate * t / 2
+    c, turn = exact.cos(half), scaled(exact.sin(half) / rate, omega)
+    q, v = quaternion[0], quaternion[1:]
+    assert len(v) == 3
+    across = cross(v, turn)
+    return c * q - dot(v, turn), *(c * v[i] + q * turn[i] + across[i] for i in range(3))

@@ -1,0 +1,73 @@
+"""Forms of the equations of motion: one file a form, each field written once for any scalar.
+
+A form works in axes of its own and in its own variables.  Its ``field`` and its way back to omega
+and gamma take the variables, the exact non-zero coefficients by name as the run's numbers, and the
+scalar's own functions: the same lines feed floats, mpmath numbers and heyoka expressions.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from polhode.numbers.scalars import Functions
+
+if TYPE_CHECKING:
+    from polhode.numbers.exact import Exact
+    from polhode.scenes.body import Axes
+    from polhode.scenes.scene import Scene
+
+
+@dataclass(frozen=True)
+class Form(ABC):
+    """The equations of one scene in one form; time in units of 2**scene.time_unit.
+
+    ``axes``: the axes in which the form works.  ``variables``: names of what is integrated.
+    ``coefficients``: exact numbers by name, none of them zero.  ``start``: the variables at t = 0,
+    exactly.  ``unit``: which variables form a vector of length one, held so by projection.
+    ``instead``: the form to take where this one meets its singular set.
+    """
+
+    scene: Scene
+    axes: Axes
+    variables: tuple[str, ...]
+    coefficients: Mapping[str, Exact]
+    start: tuple[Exact, ...]
+
+    unit: ClassVar[slice | None] = None
+    instead: ClassVar[str] = "principal"
+
+    @abstractmethod
+    def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+        """The variables' rates."""
+
+    @abstractmethod
+    def state(
+        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
+    ) -> tuple[list[Any], list[Any]]:
+        """omega and gamma in the form's axes; gamma [] for a scene without it."""
+
+    def distance(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
+        """How near the singular set is, squared: 0 on it, of order 1 away from it; None without."""
+        return None
+
+
+def equations(scene: Scene) -> Form:
+    """The equations of a scene in the form that it asks for; raises BadInput where it has none."""
+    if "equations" not in scene.derived:
+        scene.derived["equations"] = _module(scene.form).for_scene(scene)
+    found: Form = scene.derived["equations"]
+    return found
+
+
+def source(name: str) -> str:
+    """Where a form stands in the source: equation numbers."""
+    return str(_module(name).SOURCE)
+
+
+def _module(name: str) -> Any:
+    """A form's module, imported when it is asked for."""
+    return import_module(f"polhode.equations.forms.{name.replace('-', '_')}")

@@ -1,0 +1,112 @@
+"""The Euler angles as coordinates (3.31–3.33): what the forms in angles share.
+
+Of the principal axes, z–x–z, psi precession, theta nutation, phi proper rotation:
+
+    gamma = (sin theta sin phi, sin theta cos phi, cos theta),
+    p = psi' sin theta sin phi + theta' cos phi,
+    q = psi' sin theta cos phi - theta' sin phi,    r = psi' cos theta + phi'.
+
+Singular where sin theta = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from polhode.common.errors import BadInput
+from polhode.equations.forms.natural_units import PRINCIPAL, OwnUnits
+from polhode.numbers import exact
+from polhode.numbers.exact import ONE, ZERO, Exact, sign
+from polhode.numbers.scalars import Functions, combination
+from polhode.scenes.body import Vector, cross, dot
+from polhode.scenes.scene import Scene
+
+#: Variables' names, other than those of the psi and phi that an output may add.
+ANGLES = ("precession", "nutation", "rotation")
+RATES = ("psi1", "theta1", "phi1")
+
+
+class Turn(NamedTuple):
+    """Sines and cosines of theta and phi: s c and sf cf."""
+
+    s: Any
+    c: Any
+    sf: Any
+    cf: Any
+
+    @classmethod
+    def of(cls, theta: Any, phi: Any, fn: Functions) -> Turn:
+        """From the angles."""
+        return cls(fn.sin(theta), fn.cos(theta), fn.sin(phi), fn.cos(phi))
+
+    @property
+    def gamma(self) -> list[Any]:
+        """gamma1 gamma2 gamma3."""
+        return [self.s * self.sf, self.s * self.cf, self.c]
+
+    def omega(self, psi1: Any, theta1: Any, phi1: Any) -> list[Any]:
+        """The components p q r from the rates of psi, theta, phi."""
+        across = psi1 * self.s
+        return [
+            across * self.sf + theta1 * self.cf,
+            across * self.cf - theta1 * self.sf,
+            psi1 * self.c + phi1,
+        ]
+
+    def slopes(self, k: Mapping[str, Any], zero: Any) -> tuple[Any, Any]:
+        """dV/dtheta and dV/dphi of V = Mg r0·gamma, Mg r0 = (x, y, z)."""
+        s, c, sf, cf = self
+        by_theta = combination(k, zero, ("x", sf * c), ("y", cf * c), ("z", -s))
+        return by_theta, combination(k, zero, ("x", s * cf), ("y", -(s * sf)))
+
+
+def energy(k: Mapping[str, Any], omega: Sequence[Any], gamma: Sequence[Any], zero: Any) -> Any:
+    """h = ½ (A p² + B q² + C r²) + Mg r0·gamma, in the scene's unit of mass."""
+    kinetic = sum(k[name] * w * w for name, w in zip("ABC", omega, strict=True)) / 2
+    return k["mass"] * (kinetic + combination(k, zero, *zip("xyz", gamma, strict=True)))
+
+
+def area(k: Mapping[str, Any], omega: Sequence[Any], gamma: Sequence[Any]) -> Any:
+    """f = A p gamma1 + B q gamma2 + C r gamma3, in the scene's unit of mass."""
+    triples = zip("ABC", omega, gamma, strict=True)
+    return k["mass"] * sum(k[name] * w * g for name, w, g in triples)
+
+
+class Start(NamedTuple):
+    """Angles of the principal axes and their rates at t = 0."""
+
+    angles: Vector
+    rates: Vector
+
+
+def start(scene: Scene, own: OwnUnits, form: str) -> Start:
+    """Angles and rates at t = 0; raises BadInput where sin theta = 0.
+
+    psi is that of the scene where the scene's axes are principal; else that of the principal axes
+    in the same attitude.
+    """
+    (g1, g2, g3), (p, q, r) = own.gamma, own.omega
+    square = g1 * g1 + g2 * g2
+    if sign(square) == 0:
+        expected = f"{PRINCIPAL}: at the start the third principal axis is vertical (sin theta = 0)"
+        raise BadInput(scene.name, "form", form, expected)
+    across = exact.sqrt(square)
+    psi1 = (p * g1 + q * g2) / square
+    angles = _psi(scene), exact.arctan2(across, g3), exact.arctan2(g1, g2)
+    return Start(angles, (psi1, (p * g2 - q * g1) / across, r - psi1 * g3))
+
+
+def _psi(scene: Scene) -> Exact:
+    """psi of the principal axes: their third one leans towards -y of space turned by psi about z.
+
+    The scene's own line of nodes is at psi, and at a pole (phi = 0) along its first axis.
+    """
+    axes = scene.body.axes
+    if axes.trivial:
+        return scene.psi
+    assert scene.gamma is not None
+    g1, g2, _ = scene.gamma
+    nodes: Vector = (ONE, ZERO, ZERO) if scene.starts_at_pole else (g2, -g1, ZERO)
+    third = axes.directions[2]
+    return scene.psi + exact.arctan2(dot(third, nodes), -dot(third, cross(scene.gamma, nodes)))

@@ -1,0 +1,57 @@
+"""The Euler–Poisson equations in any body axes, with the full inertia matrix (3.16–3.17).
+
+The implicit system I w' + w × I w = Mg gamma × r0 is solved for w' by the exact inverse matrix:
+
+    w' = I⁻¹ (Mg gamma × r0 - w × I w),    gamma' = gamma × w,
+
+each component of w' a quadratic form in w plus a linear one in gamma.  Coefficients that cancel
+do so exactly, before any rounding.  Variables: p q r [gamma1 gamma2 gamma3] in the scene's axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from polhode.equations.form import Form
+from polhode.equations.forms import matrices
+from polhode.equations.forms.matrices import GAMMA, OMEGA
+from polhode.numbers.scalars import Functions
+from polhode.scenes.body import OWN_AXES, Axes
+from polhode.scenes.scene import Scene
+
+SOURCE = "3.16–3.17"
+
+
+class General(Form):
+    """The equations of one scene in some axes."""
+
+    def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+        """The rates of p q r [gamma1 gamma2 gamma3]."""
+        omega, gamma = values[:3], values[3:]
+        terms = matrices.products(OMEGA, omega)
+        terms |= dict(zip(GAMMA, gamma, strict=False))
+        rates = matrices.rates(OMEGA, terms, k, fn.zero)
+        return rates + matrices.gamma_rates(gamma, omega) if gamma else rates
+
+    def state(
+        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
+    ) -> tuple[list[Any], list[Any]]:
+        """omega and gamma: the variables themselves."""
+        return list(values[:3]), list(values[3:6])
+
+
+def for_scene(scene: Scene) -> General:
+    """The equations of a scene in its own axes."""
+    return in_axes(scene, OWN_AXES)
+
+
+def in_axes(scene: Scene, axes: Axes) -> General:
+    """The equations of a scene in these axes."""
+    inertia = scene.body.inertia
+    solved = matrices.along(axes, matrices.inverse(inertia))
+    spin = matrices.product(solved, matrices.turning(matrices.along(axes, inertia)))
+    k = matrices.named(OMEGA, matrices.product_names(OMEGA), [[-x for x in row] for row in spin])
+    weight = matrices.product(solved, matrices.across(matrices.torque(scene, axes)))
+    k |= matrices.named(OMEGA, GAMMA, weight)
+    return General(scene, axes, scene.columns, k, matrices.omega_and_gamma(scene, axes))

@@ -1,0 +1,140 @@
+"""Exact matrices of the forms with full inertia: turned, inverted, and as products with vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from polhode.numbers import exact
+from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.scalars import combination
+from polhode.scenes.body import Axes, Matrix, Vector, cross, dot, scaled
+from polhode.scenes.scene import Scene
+
+OMEGA = ("p", "q", "r")
+GAMMA = ("gamma1", "gamma2", "gamma3")
+_PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))
+_CYCLE = ((1, 2), (2, 0), (0, 1))
+
+
+def omega_and_gamma(scene: Scene, axes: Axes) -> tuple[Exact, ...]:
+    """The scene's start along these axes, time in the scene's own unit: omega [gamma]."""
+    unit = Fraction(2) ** scene.time_unit
+    omega = tuple(unit * w for w in axes.components(scene.omega))
+    return omega if scene.gamma is None else (*omega, *axes.components(scene.gamma))
+
+
+def torque(scene: Scene, axes: Axes) -> Vector:
+    """Mg r0 along these axes, time in the scene's own unit."""
+    return scaled(Fraction(4) ** scene.time_unit, axes.components(scene.body.torque))
+
+
+def inverse(matrix: Matrix) -> Matrix:
+    """The inverse of a symmetric matrix."""
+    x, y, z = matrix
+    determinant = dot(x, cross(y, z))
+    a, b, c = (scaled(1 / determinant, v) for v in (cross(y, z), cross(z, x), cross(x, y)))
+    return a, b, c
+
+
+def along(axes: Axes, matrix: Matrix) -> Matrix:
+    """A symmetric matrix, given in body axes, along these axes."""
+    if axes.trivial:
+        return matrix
+    images = [apply(matrix, u) for u in axes.directions]
+    entry = {}
+    for i, j in _PAIRS:
+        size = exact.sqrt(axes.squares[i] * axes.squares[j]) if i != j else axes.squares[i]
+        entry[i, j] = entry[j, i] = _cleared(dot(axes.directions[i], images[j])) / size
+    a, b, c = ((entry[i, 0], entry[i, 1], entry[i, 2]) for i in range(3))
+    return a, b, c
+
+
+def apply(matrix: Matrix, vector: Vector) -> Vector:
+    """matrix·vector."""
+    a, b, c = (dot(row, vector) for row in matrix)
+    return a, b, c
+
+
+def product(left: Matrix, right: Sequence[Sequence[Exact]]) -> list[list[Exact]]:
+    """left·right, right of any width."""
+    return [
+        [
+            _sum(a * b for a, b in zip(row, column, strict=True))
+            for column in zip(*right, strict=True)
+        ]
+        for row in left
+    ]
+
+
+def turning(matrix: Matrix) -> list[list[Exact]]:
+    """x × (matrix·x), a row a component, as coefficients of the :func:`products` of x.
+
+    The coefficients of the squares add up to zero: x2² enters as x2² - x3².
+    """
+    rows = []
+    for a, b in _CYCLE:
+        found: dict[tuple[int, int], Exact] = dict.fromkeys(_PAIRS, ZERO)
+        for i in range(3):
+            for first, second, term in ((a, i, matrix[b][i]), (b, i, -matrix[a][i])):
+                pair = (first, second) if (first, second) in found else (second, first)
+                found[pair] = found[pair] + term
+        rows.append([found[pair] for pair in _PAIRS if pair != (2, 2)])
+    return rows
+
+
+def across(vector: Vector) -> Matrix:
+    """The matrix of gamma -> gamma × vector."""
+    x, y, z = vector
+    return (ZERO, z, -y), (-z, ZERO, x), (y, -x, ZERO)
+
+
+def named(
+    rows: Sequence[str], columns: Iterable[str], entries: Sequence[Sequence[Exact]]
+) -> dict[str, Exact]:
+    """The entries of a matrix that are not zero, as coefficients row.column."""
+    found = {
+        f"{row}.{column}": x
+        for row, line in zip(rows, entries, strict=True)
+        for column, x in zip(columns, line, strict=True)
+    }
+    return {name: x for name, x in found.items() if sign(x) != 0}
+
+
+def products(names: Sequence[str], vector: Sequence[Any]) -> dict[str, Any]:
+    """x1² - x3², x2² - x3², x2 x3, x3 x1, x1 x2 by name."""
+    x, y, z = vector
+    square = z * z
+    values = (x * x - square, y * y - square, y * z, z * x, x * y)
+    return dict(zip(product_names(names), values, strict=True))
+
+
+def product_names(names: Sequence[str]) -> list[str]:
+    """The names of the five products."""
+    x, y, z = names
+    return [f"{x}{x}-{z}{z}", f"{y}{y}-{z}{z}", y + z, z + x, x + y]
+
+
+def rates(
+    names: Sequence[str], terms: Mapping[str, Any], k: Mapping[str, Any], zero: Any
+) -> list[Any]:
+    """For each name the combination of the terms with the coefficients name.term."""
+    return [combination(k, zero, *((f"{n}.{t}", x) for t, x in terms.items())) for n in names]
+
+
+def gamma_rates(gamma: Sequence[Any], omega: Sequence[Any]) -> list[Any]:
+    """gamma' = gamma × omega."""
+    (p, q, r), (g1, g2, g3) = omega, gamma
+    return [r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2]
+
+
+def _sum(terms: Iterable[Exact]) -> Exact:
+    total: Exact = ZERO
+    for x in terms:
+        total = total + x
+    return total
+
+
+def _cleared(x: Exact) -> Exact:
+    return ZERO if sign(x) == 0 else x

@@ -1,0 +1,65 @@
+"""Omega and the attitude's quaternion in principal axes; gamma is derived (3.12, remark).
+
+    w' as in (3.29),    q' = ½ q ⊗ (0, w),    gamma = third row of R(q),
+
+with R formed from q as it is, not normalised: |gamma| = |q|², and a norm that drifts shows.  The
+norm is an integral of these equations; the run holds it by a projection that it reports.
+Variables: p q r q0 q1 q2 q3, in principal axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from polhode.common.errors import BadInput
+from polhode.equations import kinematics
+from polhode.equations.form import Form
+from polhode.equations.forms import principal
+from polhode.equations.forms.matrices import omega_and_gamma
+from polhode.numbers.scalars import Functions
+from polhode.scenes.scene import Scene
+from polhode.scenes.words import ATTITUDE
+
+NAME = "quaternion"
+SOURCE = "3.12, remark"
+
+
+class Quaternion(Form):
+    """The equations of one scene; ``unit``: which variables form a vector of length one."""
+
+    unit = slice(3, 7)
+
+    def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+        """The rates of p q r q0 q1 q2 q3."""
+        omega, gamma = self.state(values, k, fn)
+        rates = principal.field([*omega, *gamma], k, fn)[:3]
+        return rates + kinematics.attitude_rates(values[self.unit], omega)
+
+    def state(
+        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
+    ) -> tuple[list[Any], list[Any]]:
+        """omega, and gamma from the quaternion as it is."""
+        q0, q1, q2, q3 = values[self.unit]
+        gamma = [
+            2 * (q1 * q3 - q0 * q2),
+            2 * (q2 * q3 + q0 * q1),
+            q0 * q0 - q1 * q1 - q2 * q2 + q3 * q3,
+        ]
+        return list(values[:3]), gamma
+
+
+def for_scene(scene: Scene) -> Quaternion:
+    """The equations of a scene; it must have gamma, which says where the attitude begins."""
+    if scene.gamma is None:
+        expected = "another form, or start.gamma given: the attitude begins from it"
+        raise BadInput(scene.name, "form", NAME, expected)
+    axes = scene.body.axes
+    start = omega_and_gamma(scene, axes)
+    attitude = kinematics.starting_attitude(axes.components(scene.gamma), scene.psi)
+    k = principal.coefficients(scene.body, scene.time_unit)
+    return Quaternion(scene, axes, (*scene.columns[:3], *_NAMES), k, (*start[:3], *attitude))
+
+
+#: Apart from the names of the attitude's own variables, which an output may add.
+_NAMES = tuple(f"unit_{name}" for name in ATTITUDE)

@@ -1,0 +1,185 @@
+"""gamma eliminated (3.60–3.63): what the forms in w alone and in G alone share.
+
+With n = Mg r0, G = I w, T = ½ w·G the integrals give n·gamma = u = h - T and G·gamma = f, and
+
+    gamma = (u n + b P)/|n|² + d N,    N = n × G,    P = N × n,    D = gamma·N,
+    |N|² b = f |n|² - u n·G,    |N|² d = D,
+
+three directions at right angles, so that near G ∥ r0 what is lost across r0 is not lost along it.
+|gamma|² = 1 makes D² a function of w (3.61, 3.63), whose two roots meet at branch points.  Carried
+along as a variable, D passes through zero there like any other number:
+
+    G' = d P - b N + G × w,
+    D' = 2 T u + b² |N|² + |n|² d D - (gamma·w)(n·G),
+
+with |n|² |gamma|² = u² + b² |N|² + |n|² d D, the integral that is left.  Singular where G ∥ r0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from polhode.common.errors import BadInput
+from polhode.equations.forms.natural_units import PRINCIPAL, OwnUnits, own_units, present
+from polhode.numbers.exact import Exact, Number, sign, sqrt
+from polhode.numbers.scalars import Functions, combination
+from polhode.scenes.body import Body, dot, is_zero
+from polhode.scenes.scene import Scene
+
+
+class Parts(NamedTuple):
+    """What w, G and D give, as above; ``level`` = n·G, ``lean`` = b² |N|²."""
+
+    level: Any
+    N: list[Any]
+    P: list[Any]
+    T: Any
+    u: Any
+    b: Any
+    d: Any
+    lean: Any
+
+
+def parts(
+    omega: Sequence[Any], G: Sequence[Any], D: Any, k: Mapping[str, Any], fn: Functions
+) -> Parts:
+    """The parts of gamma."""
+    zero = fn.zero
+    N = lever(G, k, fn)
+    N1, N2, N3 = N
+    P = [
+        combination(k, zero, ("z", N2), ("y", -N3)),
+        combination(k, zero, ("x", N3), ("z", -N1)),
+        combination(k, zero, ("y", N1), ("x", -N2)),
+    ]
+    level = combination(k, zero, *zip("xyz", G, strict=True))
+    square = _dot(N, N)
+    T = _dot(omega, G) / 2
+    u = combination(k, zero, ("h", 1)) - T
+    above = combination(k, zero, ("f.n2", 1)) - u * level
+    b = above / square
+    return Parts(level, N, P, T, u, b, D / square, b * above)
+
+
+def lever(G: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+    """N = n × G."""
+    G1, G2, G3 = G
+    return [
+        combination(k, fn.zero, ("y", G3), ("z", -G2)),
+        combination(k, fn.zero, ("z", G1), ("x", -G3)),
+        combination(k, fn.zero, ("x", G2), ("y", -G1)),
+    ]
+
+
+def rates(
+    omega: Sequence[Any], G: Sequence[Any], D: Any, k: Mapping[str, Any], fn: Functions
+) -> list[Any]:
+    """G' and D'."""
+    it = parts(omega, G, D, k, fn)
+    (p, q, r), (G1, G2, G3) = omega, G
+    turning = (r * G2 - q * G3, p * G3 - r * G1, q * G1 - p * G2)  # G × w
+    G_rates = [it.d * it.P[i] - it.b * it.N[i] + turning[i] for i in range(3)]
+    gamma_w = it.u * combination(k, fn.zero, *zip("xyz", omega, strict=True))
+    gamma_w = k["1/n2"] * (gamma_w + it.b * _dot(it.P, omega)) + it.d * _dot(it.N, omega)
+    swing = 2 * (it.T * it.u) + it.lean + k["n2"] * (it.d * D) - gamma_w * it.level
+    return [*G_rates, swing]
+
+
+def gamma(it: Parts, k: Mapping[str, Any], fn: Functions) -> list[Any]:
+    """The components of gamma."""
+    return [
+        k["1/n2"] * (combination(k, fn.zero, (name, it.u)) + it.b * it.P[i]) + it.d * it.N[i]
+        for i, name in enumerate("xyz")
+    ]
+
+
+def length(it: Parts, D: Any, k: Mapping[str, Any]) -> Any:
+    """|gamma|²."""
+    return k["1/n2"] * (it.u * it.u + it.lean) + it.d * D
+
+
+def distance(G: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
+    """|r0 × G|² over |r0|² and a bound of |G|² that the energy sets: 0 to 1."""
+    N = lever(G, k, fn)
+    return k["nearness"] * _dot(N, N)
+
+
+def starting(scene: Scene, form: str) -> tuple[OwnUnits, dict[str, Exact]]:
+    """The scene's numbers and the coefficients; raises BadInput without weight or for G ∥ r0."""
+
+    def refused(reason: str) -> BadInput:
+        return BadInput(scene.name, "form", form, f"{PRINCIPAL}: {reason}")
+
+    if scene.body.torque_free:
+        raise refused("the weight has no moment (centre or weight 0), so w says nothing of gamma")
+    own = own_units(scene, form)
+    n2 = dot(own.torque, own.torque)
+    nG = dot(own.torque, own.momentum)
+    if sign(dot(own.momentum, own.momentum) * n2 - nG * nG) == 0:
+        raise refused("at the start the momentum I w is parallel to the centre r0, or 0")
+    bound = 2 * max(own.moments) * (own.energy + sqrt(n2))  # |G|² <= 2 A T, T <= h + |n|
+    k = own.coefficients() | {"h": own.energy, "f.n2": own.area * n2}
+    return own, present(k | {"n2": n2, "1/n2": 1 / n2, "nearness": 1 / (n2 * bound)})
+
+
+def gamma_from_omega(
+    body: Body,
+    omega: Sequence[Any],
+    omega_rate: Sequence[Any],
+    h: Any,
+    number: Callable[[Number], Any],
+) -> list[Any]:
+    """gamma from w, w' and the energy h (3.60), in the body axes and units of ``body``.
+
+        Mg |r0|² gamma = r0 × (I w' + w × I w) + (h - ½ w·I w) r0
+
+    ``number`` makes one of the run's numbers of an exact one.  Raises ValueError where the weight
+    has no moment.
+    """
+    inertia = [[number(x) for x in row] for row in body.inertia]
+    momentum = [_dot(row, omega) for row in inertia]
+    momentum_rate = [_dot(row, omega_rate) for row in inertia]
+    return _vertical(body, omega, momentum, momentum_rate, h, number)
+
+
+def gamma_from_momentum(
+    body: Body,
+    momentum: Sequence[Any],
+    momentum_rate: Sequence[Any],
+    h: Any,
+    number: Callable[[Number], Any],
+) -> list[Any]:
+    """gamma from G, G' and h (3.62), w = I⁻¹ G; else as :func:`gamma_from_omega`."""
+    columns = [body.omega(unit) for unit in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]  # type: ignore[arg-type]
+    omega = [_dot([number(x) for x in column], momentum) for column in columns]
+    return _vertical(body, omega, momentum, momentum_rate, h, number)
+
+
+def _vertical(
+    body: Body,
+    omega: Sequence[Any],
+    momentum: Sequence[Any],
+    momentum_rate: Sequence[Any],
+    h: Any,
+    number: Callable[[Number], Any],
+) -> list[Any]:
+    if is_zero(body.torque):
+        raise ValueError("the weight has no moment, so w says nothing of gamma")
+    n = [number(x) for x in body.torque]
+    moment = [a + b for a, b in zip(momentum_rate, _cross(omega, momentum), strict=True)]
+    height = h - _dot(omega, momentum) / 2
+    square = number(dot(body.torque, body.torque))
+    return [(a + height * b) / square for a, b in zip(_cross(n, moment), n, strict=True)]
+
+
+def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _cross(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
+    return [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]

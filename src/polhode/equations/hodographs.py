@@ -1,0 +1,88 @@
+"""Hodographs of omega in the body and in space, and what else rolls and turns (3.34).
+
+The body's motion is the rolling, without slipping, of the cone that omega describes in the body
+upon the one that it describes in space: as w × w = 0,
+
+    d(R w)/dt = R (w' + w × w) = R w'
+
+so the two curves have a common tangent and equal arcs.  For a free body they are the polhode and
+the herpolhode.  R (body -> space, z up) is that of the attitude quaternion, of whatever length:
+R(q) v = q ⊗ (0, v) ⊗ q* / |q|², an exact rotation though |q| drifts by rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from polhode.numbers.convert import exactly, mpf_row, to_extended, to_mpf
+from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import NumberType, extended_here
+from polhode.scenes.body import cross, dot
+
+if TYPE_CHECKING:
+    pass
+
+GUARD_BITS = 64
+
+
+class Hodographs(NamedTuple):
+    """Rows of omega along the body's axes and along those of space (z up), a row a time.
+
+    Arrays for double and extended, rows of mpf above; ``space`` is formed in more precision than
+    the numbers have and rounded once.
+    """
+
+    body: Any
+    space: Any
+
+
+def hodographs(states: Any, attitude: Any, number: NumberType) -> Hodographs:
+    """The hodographs of a motion: rows p q r … and q0 q1 q2 q3 of one number type."""
+    omega = states[:, :3] if hasattr(states, "ndim") else [row[:3] for row in states]
+    return Hodographs(omega, in_space(attitude, omega, number))
+
+
+def in_space(attitude: Any, vectors: Any, number: NumberType) -> Any:
+    """R v for each row of the attitude and of vectors in the body, in the number type."""
+    if number.name == "double" and extended_here():
+        import numpy as np
+
+        quaternion, vector = (np.asarray(x, dtype=np.longdouble).T for x in (attitude, vectors))
+        return np.array(turned(quaternion, vector)).T.astype(np.float64)
+    import mpmath
+
+    wide = number.bits + GUARD_BITS
+    with mpmath.workprec(wide):
+        rows = [
+            turned(mpf_row(q, wide), mpf_row(v, wide))
+            for q, v in zip(attitude, vectors, strict=True)
+        ]
+    if number.name in ("double", "extended"):
+        import numpy as np
+
+        kind, to = (np.float64, float) if number.name == "double" else (np.longdouble, to_extended)
+        return np.array([[to(exactly(x)) for x in row] for row in rows], dtype=kind)
+    with mpmath.workprec(number.bits):
+        return [[+x for x in row] for row in rows]
+
+
+def turned(quaternion: Any, vector: Any) -> list[Any]:
+    """R(q) v of one quaternion of any length, or of columns of them."""
+    q0, axis = quaternion[0], (quaternion[1], quaternion[2], quaternion[3])
+    square = q0 * q0 + dot(axis, axis)
+    half: Any = cross(axis, (vector[0], vector[1], vector[2]))
+    across = cross(axis, half)
+    return [v + 2 * (q0 * a + b) / square for v, a, b in zip(vector, half, across, strict=True)]
+
+
+def path(attitude: Any, direction: Iterable[Exact], number: NumberType) -> Any:
+    """The path in space of a point fixed in the body: R e for each row of the attitude.
+
+    ``direction``: e in the body, such as the third axis (0, 0, 1), the apex of a top, or the
+    direction of the centre of mass.
+    """
+    e = [to_mpf(x, number.bits + GUARD_BITS) for x in direction]
+    if number.name == "double" and extended_here():
+        e = [to_extended(exactly(x)) for x in e]
+    return in_space(attitude, [e] * len(attitude), number)

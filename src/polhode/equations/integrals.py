@@ -1,0 +1,251 @@
+"""First integrals, written once for any scalar, and their drift along a trajectory.
+
+In principal axes, (3.30) and the fourth integral where the exact scene has one:
+
+    h = ½ w·I w + Mg r0·gamma,    f = I w·gamma,    |gamma|² = 1
+
+    |G|² = |I w|²                                   no torque (Euler)
+    spin = w·n                                      symmetric about n, r0 along n (Lagrange)
+    K² = |(w1 + i w2)² - (c1 + i c2)(gamma1 + i gamma2)|²,  c = Mg r0/C
+                                                    A = B = 2C, r0 in the equator (Kovalevskaya)
+    F = w3 (w1² + w2²) - (c1 w1 + c2 w2) gamma3     A = B = 4C, r0 in the equator, f = 0
+                                                    (Goryachev, Chaplygin)
+
+C is the moment about the axis of symmetry, which is axis 3 in these formulas.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from polhode.numbers import exact
+from polhode.numbers.convert import exactly, to_extended, to_mpf
+from polhode.numbers.exact import ONE, ZERO, Exact, sign
+from polhode.numbers.scalars import combination
+from polhode.scenes.body import dot
+from polhode.scenes.scene import Scene
+
+GUARD_BITS = 64
+ENERGY, AREA, LENGTH = "h", "f", "|gamma|^2"
+MOMENTUM, SPIN, KOVALEVSKAYA, CHAPLYGIN = "|G|^2", "spin", "K^2", "F"
+
+
+class Drift(NamedTuple):
+    """Largest departures of h, f, |gamma|² and the fourth integral over all output times.
+
+    They are relative to T(0) + Mg|r0|, |G(0)|, 1, and for the fourth, with n the larger of |w(0)|
+    and sqrt(Mg|r0|/largest moment): |G|² to |G(0)|², the spin to n, K² to (n² + |c|)², F to
+    n (n² + |c|).
+    A scale that is zero is replaced: |G(0)| by the momentum of the pendulum's rate,
+    sqrt(Mg|r0|·largest moment), and any zero scale that is left by 1.  f and gamma are None for a
+    scene without gamma, the fourth where there is none, all of them where no state was reached.
+    """
+
+    h: float | None
+    f: float | None
+    gamma: float | None
+    fourth: float | None = None
+
+
+@dataclass(frozen=True)
+class FirstIntegrals:
+    """The first integrals of one scene, in principal axes and the time unit of a run.
+
+    h is doubled, and inertia and torque are divided by the largest moment, so that values,
+    coefficients and rates are of order 1.  ``onto``: their names.  ``order``: the principal axes
+    with that of symmetry last.
+    """
+
+    onto: tuple[str, ...]
+    order: tuple[int, int, int]
+    coefficients: Mapping[str, Exact]
+
+    def values(self, state: Sequence[Any], k: Mapping[str, Any], zero: Any) -> list[Any]:
+        """The integrals at one state, for any scalar: ``k`` the coefficients as such scalars."""
+        omega, gamma = state[:3], state[3:6]
+        momentum = [k[f"I{i}"] * omega[i] for i in range(3)]
+        found = {ENERGY: _dot(momentum, omega), MOMENTUM: _dot(momentum, momentum)}
+        if gamma:
+            torque = combination(k, zero, *((f"2m{i}", gamma[i]) for i in range(3)))
+            found |= {
+                ENERGY: found[ENERGY] + torque,
+                AREA: _dot(momentum, gamma),
+                LENGTH: _dot(gamma, gamma),
+            }
+        if self.onto[-1] in _FOURTH:
+            u = [omega[i] for i in self.order]
+            g = [gamma[i] for i in self.order] if gamma else []
+            found[self.onto[-1]] = _FOURTH[self.onto[-1]](u, g, k, zero)
+        return [found[name] for name in self.onto]
+
+
+def _spin(u: Sequence[Any], _: Sequence[Any], k: Mapping[str, Any], zero: Any) -> Any:
+    return combination(k, zero, *((f"n{i}", u[i]) for i in range(3)))
+
+
+def _kovalevskaya(u: Sequence[Any], g: Sequence[Any], k: Mapping[str, Any], zero: Any) -> Any:
+    along = combination(k, zero, ("c0", g[0]), ("-c1", g[1]))
+    across = combination(k, zero, ("c0", g[1]), ("c1", g[0]))
+    real = u[0] * u[0] - u[1] * u[1] - along
+    imaginary = u[0] * u[1] + u[0] * u[1] - across
+    return real * real + imaginary * imaginary
+
+
+def _chaplygin(u: Sequence[Any], g: Sequence[Any], k: Mapping[str, Any], zero: Any) -> Any:
+    along = combination(k, zero, ("c0", u[0]), ("c1", u[1]))
+    return u[2] * (u[0] * u[0] + u[1] * u[1]) - along * g[2]
+
+
+_FOURTH: dict[str, Callable[..., Any]] = {
+    SPIN: _spin,
+    KOVALEVSKAYA: _kovalevskaya,
+    CHAPLYGIN: _chaplygin,
+}
+
+
+def first_integrals(scene: Scene) -> FirstIntegrals:
+    """The first integrals that the exact scene has."""
+    body, unit = scene.body, Fraction(2) ** scene.time_unit
+    largest = max(body.moments)
+    torque = tuple(unit * unit * x for x in body.axes.components(body.torque))
+    k: dict[str, Exact] = {f"I{i}": x / largest for i, x in enumerate(body.moments)}
+    k |= {f"2m{i}": 2 * x / largest for i, x in enumerate(torque)}
+    onto = [ENERGY] if scene.gamma is None else [ENERGY, AREA, LENGTH]
+    name, order = _fourth(scene)
+    if name is not None:
+        onto.append(name)
+        if name == SPIN:
+            size = exact.sqrt(_square(torque))
+            k |= {f"n{i}": torque[j] / size for i, j in enumerate(order)}
+        elif name != MOMENTUM:
+            c0, c1 = (torque[i] / body.moments[order[2]] for i in order[:2])
+            k |= {"c0": c0, "c1": c1, "-c1": -c1}
+    kept = {key: x for key, x in k.items() if sign(x) != 0}
+    return FirstIntegrals(tuple(onto), order, kept)
+
+
+def _fourth(scene: Scene) -> tuple[str | None, tuple[int, int, int]]:
+    """The fourth integral's name, None without one, and the axes with that of symmetry last."""
+    body = scene.body
+    if body.torque_free:
+        return MOMENTUM, (0, 1, 2)
+    moments, torque = body.moments, body.axes.components(body.torque)
+    if moments[0] == moments[1] == moments[2]:
+        return SPIN, (0, 1, 2)
+    for order in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        a, b, c = (moments[i] for i in order)
+        if a != b:
+            continue
+        if all(sign(torque[i]) == 0 for i in order[:2]):
+            return SPIN, order
+        if sign(torque[order[2]]) == 0:
+            if a == 2 * c:
+                return KOVALEVSKAYA, order
+            area = scene.integrals.area
+            if a == 4 * c and area is not None and sign(area) == 0:
+                return CHAPLYGIN, order
+    return None, (0, 1, 2)
+
+
+def exact_values(scene: Scene, found: FirstIntegrals) -> list[Exact]:
+    """The exact scene's values of its first integrals, in the units of FirstIntegrals."""
+    axes, unit = scene.body.axes, Fraction(2) ** scene.time_unit
+    start = [unit * w for w in axes.components(scene.omega)]
+    if scene.gamma is not None:
+        start += axes.components(scene.gamma)
+    return [exact.exact(x) for x in found.values(start, found.coefficients, ZERO)]
+
+
+def drift(scene: Scene, states: Any, bits: int) -> Drift:
+    """Drift of a trajectory's integrals, computed in more precision than the states have.
+
+    ``states``: rows p q r [gamma1 gamma2 gamma3] in body axes, an ndarray of doubles or rows of mpf
+    with ``bits`` significant bits.
+    """
+    import numpy as np
+
+    if isinstance(states, np.ndarray) and states.dtype == np.float64:
+        columns = list(states.astype(np.longdouble).T)
+        departures = _departures(scene, [columns], to_extended)[0]
+        return _named(scene, [float(np.max(np.abs(d))) for d in departures])
+    import mpmath
+
+    precision = bits + GUARD_BITS
+    with mpmath.workprec(precision):
+        wide = [[to_mpf(exactly(x), precision) for x in row] for row in states]
+        rows = _departures(scene, wide, lambda x: to_mpf(x, precision))
+        worst = [max(abs(row[i]) for row in rows) for i in range(len(rows[0]))]
+        return _named(scene, [float(x) for x in worst])
+
+
+def _named(scene: Scene, values: list[float]) -> Drift:
+    """Values of h, f, |gamma|² and the fourth, as far as they are there, by name."""
+    if scene.gamma is None:
+        return Drift(values[0], None, None, *values[1:])
+    return Drift(*values)
+
+
+def _departures(
+    scene: Scene, states: Sequence[Any], number: Callable[[Exact], Any]
+) -> list[list[Any]]:
+    """Relative departures of the integrals at each state (or at columns of states)."""
+    found = first_integrals(scene)
+    k = {name: number(x) for name, x in found.coefficients.items()}
+    targets = [number(x) for x in exact_values(scene, found)]
+    measures = [number(x) for x in _scales(scene, found)]
+    unit = number(Fraction(2) ** scene.time_unit)
+    axes = scene.body.axes
+    turn = None if axes.trivial else [[number(x) for x in row] for row in axes.rows]
+
+    def principal(vector: Sequence[Any]) -> list[Any]:
+        return list(vector) if turn is None else [_dot(row, vector) for row in turn]
+
+    zero = number(ZERO)
+    answers = []
+    for state in states:
+        inside = [unit * w for w in principal(state[:3])]
+        inside += principal(state[3:]) if len(state) > 3 else []
+        values = found.values(inside, k, zero)
+        parts = zip(values, targets, measures, strict=True)
+        answers.append([(value - target) / measure for value, target, measure in parts])
+    return answers
+
+
+def scales(scene: Scene) -> tuple[Exact, Exact]:
+    """The scales of h and f, see Drift."""
+    found = scene.integrals
+    area = found.area_scale
+    if sign(area) == 0:
+        area = exact.sqrt(exact.sqrt(_square(scene.body.torque)) * max(scene.body.moments))
+    return tuple(x if sign(x) else ONE for x in (found.energy_scale, area))  # type: ignore[return-value]
+
+
+def _scales(scene: Scene, found: FirstIntegrals) -> list[Exact]:
+    """The scales of Drift, in the units of FirstIntegrals."""
+    unit, largest = Fraction(2) ** scene.time_unit, max(scene.body.moments)
+    energy, area = scales(scene)
+    whole: dict[str, Exact] = {
+        ENERGY: 2 * unit * unit * energy / largest,
+        AREA: unit * area / largest,
+        LENGTH: ONE,
+    }
+    name = found.onto[-1]
+    if name == MOMENTUM:
+        whole[name] = whole[AREA] * whole[AREA]
+    elif name not in whole:
+        square = unit * unit * max(dot(scene.omega, scene.omega), scene.pendulum_rate_squared)
+        rate, k = exact.sqrt(square), found.coefficients
+        around = square + exact.sqrt(_square([k.get("c0", ZERO), k.get("c1", ZERO)]))
+        whole[name] = {SPIN: rate, KOVALEVSKAYA: around * around}.get(name, rate * around)
+    return [whole[name] for name in found.onto]
+
+
+def _square(vector: Sequence[Exact]) -> Exact:
+    return exact.exact(sum((x * x for x in vector), ZERO))
+
+
+def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

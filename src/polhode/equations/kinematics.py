@@ -1,0 +1,128 @@
+"""Attitude and Euler angles (3.31–3.33) of a motion, beside its state.
+
+R (body -> space, z up) = Rz(psi) Rx(theta) Rz(phi); gamma = (sin theta sin phi, sin theta cos phi,
+cos theta); the unit quaternion of R, scalar first.  With w = (p, q, r) in body axes
+
+    q' = ½ q ⊗ (0, w)
+    psi' = (p gamma1 + q gamma2)/(gamma1² + gamma2²),    phi' = r - psi' cos theta.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from polhode.numbers import exact
+from polhode.numbers.convert import exactly, to_mpf
+from polhode.numbers.exact import ONE, Exact, sign
+from polhode.numbers.scalars import combination
+from polhode.scenes.body import Axes, Vector
+
+
+def starting_attitude(gamma: Vector, psi: Exact) -> tuple[Exact, ...]:
+    """The quaternion at t = 0: the first component that is not 0 is positive.
+
+    At a pole phi is counted as 0.
+    """
+    sine = exact.sqrt(gamma[0] * gamma[0] + gamma[1] * gamma[1])
+    half_theta = _half_angle(gamma[2], ONE)
+    half_phi = (ONE, exact.ZERO) if sign(sine) == 0 else _half_angle(gamma[1] / sine, gamma[0])
+    c, s = exact.cos(psi / 2), exact.sin(psi / 2)
+    (ct, st), (cp, sp) = half_theta, half_phi
+    q = (
+        ct * (c * cp - s * sp),
+        st * (c * cp + s * sp),
+        st * (s * cp - c * sp),
+        ct * (s * cp + c * sp),
+    )
+    leading = next(side for x in q if (side := sign(x)))
+    return tuple(-x for x in q) if leading < 0 else q
+
+
+def _half_angle(cosine: Exact, side: Exact) -> tuple[Exact, Exact]:
+    """Cosine and sine of half the angle in (-pi, pi] of that cosine, its sign that of ``side``."""
+    c, s = exact.sqrt((1 + cosine) / 2), exact.sqrt((1 - cosine) / 2)
+    return (c, -s) if sign(side) < 0 else (c, s)
+
+
+def starting_phi(gamma: Vector) -> Exact:
+    """phi = atan2(gamma1, gamma2) at t = 0, and 0 at a pole."""
+    at_pole = sign(gamma[0]) == 0 and sign(gamma[1]) == 0
+    return exact.ZERO if at_pole else exact.arctan2(gamma[0], gamma[1])
+
+
+def turn_coefficients(axes: Axes) -> dict[str, Exact]:
+    """The non-zero entries of the turn from these axes to the scene's, where there is one."""
+    if axes.trivial:
+        return {}
+    return {
+        f"turn{i}{j}": axes.rows[i][j]
+        for i in range(3)
+        for j in range(3)
+        if sign(axes.rows[i][j]) != 0
+    }
+
+
+def in_scene_axes(vector: Sequence[Any], k: Mapping[str, Any], zero: Any) -> list[Any]:
+    """A vector of components in a form's axes along the scene's."""
+    if not any(name.startswith("turn") for name in k):
+        return list(vector)
+    return [combination(k, zero, *((f"turn{i}{j}", vector[i]) for i in range(3))) for j in range(3)]
+
+
+def attitude_rates(quaternion: Sequence[Any], omega: Sequence[Any]) -> list[Any]:
+    """The quaternion's time derivative; omega along the axes whose attitude it is."""
+    q0, q1, q2, q3 = quaternion
+    p, q, r = (x / 2 for x in omega)
+    return [
+        -(q1 * p) - q2 * q - q3 * r,
+        q0 * p + q2 * r - q3 * q,
+        q0 * q + q3 * p - q1 * r,
+        q0 * r + q1 * q - q2 * p,
+    ]
+
+
+def angle_rates(omega: Sequence[Any], gamma: Sequence[Any]) -> list[Any]:
+    """psi' and phi'; infinite at a pole."""
+    p, q, r = omega
+    g1, g2, g3 = gamma
+    psi_rate = (p * g1 + q * g2) / (g1 * g1 + g2 * g2)
+    return [psi_rate, r - psi_rate * g3]
+
+
+def angles_off_the_pole(
+    quaternion: Sequence[Any], gamma: Sequence[Any], psi: Exact, bits: int
+) -> tuple[Fraction, Fraction]:
+    """psi and phi a moment after a start at a pole with that psi, from attitude and gamma.
+
+    psi + phi = 2 arg(q0 + i q3) and psi - phi = 2 arg(q1 + i q2): the former is continuous over the
+    upper pole, the latter over the lower one.
+    """
+    import mpmath
+
+    with mpmath.workprec(bits + 16):
+        q0, q1, q2, q3, g1, g2, g3 = (to_mpf(exactly(x), bits) for x in (*quaternion, *gamma))
+        start, phi = to_mpf(psi, bits + 16), mpmath.atan2(g1, g2)
+        whole = 2 * (mpmath.atan2(q3, q0) if g3 > 0 else mpmath.atan2(q2, q1))
+        whole += 2 * mpmath.pi * mpmath.nint((start - whole) / (2 * mpmath.pi))
+        return exactly(whole - phi if g3 > 0 else whole + phi), exactly(phi)
+
+
+def angles(gamma: Sequence[Any], psi_and_phi: Sequence[Any], fn: Any) -> list[Any]:
+    """psi theta phi at one time: theta and phi from gamma, phi on the integrated one's branch.
+
+    ``fn`` brings hypot, atan2, pi and rint.  At a pole psi and phi are None.  A motion that passes
+    exactly through a pole turns phi by pi against the integrated one: psi then turns by pi too.
+    """
+    (g1, g2, g3), (psi, phi) = gamma, psi_and_phi
+    across = fn.hypot(g1, g2)
+    theta = fn.atan2(across, g3)
+    if across == 0:
+        return [None, theta, None]
+    principal = fn.atan2(g1, g2)
+    halves = fn.rint((phi - principal) / fn.pi)
+    if halves % 2 == 1:
+        side = 1 if g3 > 0 else -1
+        return [psi - side * fn.pi, theta, principal + (halves + 1) * fn.pi]
+    return [psi, theta, principal + halves * fn.pi]

@@ -1,0 +1,154 @@
+"""Regular or chaotic: the largest Lyapunov exponent, from one tangent that is rescaled as it grows.
+
+Between the middle and the end of a regular motion a tangent grows like a power of time, by 2 to 4;
+on a chaotic one it grows exponentially.  A periodic or asymptotic motion may be regular and yet
+multiply errors exponentially: no growth rate tells it from chaos, a closed form or a fixed point
+does.  The motion is integrated in double: beyond the time at which its digits are lost it is a
+neighbour's, which has the same exponent where the motion is chaotic.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from polhode.common.errors import BadInput
+from polhode.equations.system import system
+from polhode.judging.conditioning import at_rest, six
+from polhode.judging.reference import reference
+from polhode.numbers import exact
+from polhode.numbers.convert import exact_number, to_double
+from polhode.numbers.exact import sign
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+
+MAX_STEPS = 1_000_000  # of 3 µs
+DEFAULT_LENGTH = 2000  # in the motion's slowest unit of time
+SHORTEST = 100  # below this no verdict rests on growth
+BLOCKS, LOOKS = 32, 8  # blocks over the whole time, looks at the tangent in each
+REGULAR, CHAOTIC = 2.0, 6.0  # growth of ln |tangent| in the second half: below, above
+_DOUBLES_TRUE = 12 * math.log(10)  # ln of the growth up to which a double follows the motion
+
+
+@dataclass(frozen=True)
+class Lyapunov:
+    """The largest exponent per unit of time, and the verdict on the motion up to ``end``.
+
+    ``exponent`` is the mean growth of ln |tangent| over the second half of the time;
+    ``uncertainty`` its standard error over blocks, and for what a power law would show as well.
+    ``growth``: of ln |tangent| over that half.  ``verdict``: "regular", "chaotic" or "undecided".
+    """
+
+    scene: Scene
+    exponent: float
+    uncertainty: float
+    growth: float
+    end: float
+    verdict: str
+    reason: str
+
+    def __str__(self) -> str:
+        return (
+            f"{self.verdict}: exponent {self.exponent:.3g} ± {self.uncertainty:.1g} "
+            f"up to t = {self.end:g}; {self.reason}"
+        )
+
+
+def lyapunov(scene: Scene | str | Path, end: Any = None, max_steps: int = MAX_STEPS) -> Lyapunov:
+    """Estimate the largest Lyapunov exponent of a scene's motion, and call it regular or chaotic.
+
+    ``end``: the time to follow it to; unless given the scene's own end, or 2000 units of the slower
+    of its spin and its pendulum's swing if that is longer.  "undecided" where the time is too short
+    to tell; BadInput for an end at 0.
+    """
+    import numpy as np
+
+    from polhode.taylor.variations import Variations
+
+    if not isinstance(scene, Scene):
+        scene = library.load(scene)
+    unit, slow = 2.0**scene.time_unit, _slowest(scene)
+    last = DEFAULT_LENGTH * slow
+    if end is not None:
+        if exact_number(end) == 0:
+            raise BadInput(scene.name, "end", 0, "a time other than 0")
+        last = to_double(exact_number(end)) / unit
+    elif abs(to_double(scene.end) / unit) > last:
+        last = to_double(scene.end) / unit
+    elif sign(scene.end) < 0:
+        last = -last
+    plain = system(replace(scene, form="principal"), ())
+    start = six(plain.start)
+    tangent = np.array([[0.6], [-0.5], [0.4], [0.3], [0.2], [-0.3]])  # along no axis
+    if len(plain.start) == 3:
+        tangent[3:] = 0
+    flow = Variations(plain.coefficients, start, tangent)
+    still, closed = at_rest(plain), reference(scene).is_closed_form
+    sizes = [_size(flow)]
+    for k in range(1, BLOCKS * LOOKS + 1):
+        if not flow.to(last * k / (BLOCKS * LOOKS), max_steps - flow.steps):
+            break
+        if still:
+            flow.state = start
+        flow.rescale()
+        sizes.append(_size(flow))
+        if closed and not still and k < BLOCKS * LOOKS and sizes[-1] - sizes[0] > _DOUBLES_TRUE:
+            return lyapunov(scene, flow.time * unit, max_steps)  # as far as it is this motion
+    reached = abs(last) * (len(sizes) - 1) / (BLOCKS * LOOKS)
+    exponent, error, growth = _fitted(sizes, reached)
+    verdict, reason = _judged(still, closed, growth, exponent, error, reached / slow)
+    found = math.copysign(reached * unit, last)
+    return Lyapunov(scene, exponent / unit, error / unit, growth, found, verdict, reason)
+
+
+def _judged(
+    still: bool, closed: bool, growth: float, exponent: float, error: float, length: float
+) -> tuple[str, str]:
+    grows = growth > CHAOTIC and exponent > 4 * error
+    if still or closed:
+        known = "a fixed point" if still else "a closed form is known"
+        how = "exponentially, for this motion is unstable" if grows else "at no clear rate"
+        if growth < REGULAR:
+            how = "no faster than a power of t"
+        return "regular", f"{known}; neighbours part {how}"
+    if grows:
+        return "chaotic", "neighbours part exponentially"
+    if growth < REGULAR and length >= SHORTEST:
+        return "regular", "neighbours part no faster than a power of t"
+    return "undecided", "follow it for longer"
+
+
+def _fitted(sizes: list[float], length: float) -> tuple[float, float, float]:
+    """Mean slope of ln |tangent| over the second half, its uncertainty, and the growth there.
+
+    The largest size in each block stands for it, for the tangent swings with the motion.
+    """
+    import numpy as np
+
+    if len(sizes) < 2 * BLOCKS // LOOKS:
+        return 0.0, math.inf, 0.0
+    tops = [max(part) for part in np.array_split(sizes, min(BLOCKS, len(sizes) // 2))]
+    half = tops[len(tops) // 2 - 1 :]
+    width = length / len(tops)
+    slopes = np.diff(half) / width
+    spread = float(np.std(slopes, ddof=1)) / math.sqrt(len(slopes))
+    return float(np.mean(slopes)), spread + 2 / length, half[-1] - half[0]
+
+
+def _size(flow: Any) -> float:
+    """ln of the tangent's length."""
+    import numpy as np
+
+    length = float(np.linalg.norm(flow.tangents))
+    return math.log(length) + float(flow.exponent) * math.log(2)
+
+
+def _slowest(scene: Scene) -> float:
+    """The longer of a radian's time of the spin and of the pendulum, in the scene's own unit."""
+    square = scene.pendulum_rate_squared
+    if sign(square) == 0:
+        return 1.0
+    return max(1.0, 1 / to_double(exact.sqrt(square * Fraction(4) ** scene.time_unit)))

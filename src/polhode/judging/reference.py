@@ -1,0 +1,209 @@
+"""The reference of a scene: its closed form, or two integrations at different precision.
+
+Both answer the same questions; ``kind`` says which it is, and nothing else is ever called exact.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from polhode.closed_forms.families import Motion, closed_form
+from polhode.common.errors import BadInput
+from polhode.equations.hodographs import Hodographs, hodographs
+from polhode.judging.digits import errors, rate_scale, worst_digits
+from polhode.numbers import exact, number_types
+from polhode.numbers.convert import exact_number
+from polhode.numbers.exact import Exact
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+from polhode.scenes.tops import kind_of_body
+
+MAX_LOG10_ANGLE = 100
+
+
+class Reference:
+    """The closed form of a scene.
+
+    ``kind``: which closed form; ``regime``: the kind of motion; answers in the scene's body axes.
+    """
+
+    is_closed_form = True
+    agreement = math.inf  # no rounding enters that the digits asked for would show
+
+    def __init__(self, scene: Scene, kind: str, motion: Motion) -> None:
+        self.scene, self.kind, self._motion = scene, kind, motion
+        self.regime = motion.regime
+
+    def at(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Rows p q r [gamma1 gamma2 gamma3] as mpf, right to so many digits.
+
+        ``times``: ints, Fractions, floats, mpf or decimal strings, taken exactly.
+        """
+        rows: list[list[Any]] = self._asked(self._motion.at, times, digits)
+        return rows
+
+    def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Rows q0 q1 q2 q3: the quaternion body to space, scalar first, continuous from q0 >= 0."""
+        rows: list[list[Any]] = self._asked(self._motion.attitude, times, digits)
+        return rows
+
+    def angles(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
+        rows: list[list[Any]] = self._asked(self._motion.angles, times, digits)
+        return rows
+
+    def hodographs(self, times: Sequence[Any], digits: int = 50) -> Hodographs:
+        """Rows of omega in the body and in space, right to so many digits of the largest |w|."""
+        rows, attitude = self.at(times, digits), self.attitude(times, digits + 1)
+        return hodographs(rows, attitude, number_types.mp(digits + 1))
+
+    def error(self, times: Sequence[Any], digits: int = 50) -> Any:
+        """An estimate of the error of :meth:`at`, of w over its largest modulus, or of gamma.
+
+        A closed form that certifies itself is asked; of any other the answers are held against
+        those with 15 more digits.
+        """
+        certify = getattr(self._motion, "error", None)
+        if certify is not None:
+            return self._asked(lambda found, wanted: certify(wanted, found), times, digits)
+        rows, finer = self.at(times, digits), self.at(times, digits + 15)
+        bits = number_types.bits_for(digits + 40)
+        scale = rate_scale(finer, self.scene, bits)
+        return max(errors(rows, finer, scale, bits))
+
+    @property
+    def curve(self) -> dict[str, Any] | None:
+        """The algebraic curve of a Kovalevskaya top: H, K2, its roots e and period matrix tau."""
+        curve = getattr(self._motion, "curve", None)
+        return None if curve is None else dict(curve(50))
+
+    def _asked(self, question: Any, times: Sequence[Any], digits: int) -> Any:
+        try:
+            return question(_times(self.scene, times), digits)
+        except BadInput:
+            raise
+        except (ValueError, ArithmeticError) as fault:
+            expected = f"a question that this closed form answers ({fault})"
+            raise BadInput(self.scene.name, "reference", self.kind, expected) from None
+
+    @property
+    def period(self) -> Any | None:
+        """The period of omega in the body, to 50 digits; None where there is none."""
+        return self._motion.period(50)
+
+    @property
+    def frequencies(self) -> dict[str, Any]:
+        """The motion's frequencies by name, radians per unit of time, to 50 digits."""
+        return self._motion.frequencies(50)
+
+
+class TwoPrecisions:
+    """A reference made by integrating twice, at different precision, where no closed form is known.
+
+    It shares the integrator and the equations with the runs that it judges: evidence against
+    rounding and truncation, not against a wrong equation.  ``agreement`` holds the correct digits
+    to which the two integrations of the last request agree.
+    """
+
+    is_closed_form = False
+    kind = "two-precisions"
+    period = None
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.regime = kind_of_body(scene.body)
+        self.agreement = float("nan")
+        self.frequencies: dict[str, Any] = {}
+        self._known: dict[tuple[tuple[Exact, ...], int], tuple[Any, float]] = {}
+
+    def at(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Rows p q r gamma1 gamma2 gamma3 as mpf, to so many digits; see ``agreement``.
+
+        Raises BadInput where the two integrations cannot be made to agree to so many digits.
+        """
+        key = (tuple(exact_number(t) for t in times), digits)
+        if key not in self._known:
+            self._known[key] = self._integrated(*key)
+        rows, self.agreement = self._known[key]
+        return [list(row) for row in rows]
+
+    def _integrated(self, times: tuple[Exact, ...], digits: int) -> tuple[Any, float]:
+        from polhode.runs.integrate import integrate
+
+        # The coarse run has some digits to spare, the fine one 12 more; where a motion multiplies
+        # errors, what was lost is added and both are made again.
+        plain = replace(self.scene, events=(), form="principal")
+        scene, spare = plain.at(times), 4
+        for _ in range(4):
+            coarse_type = number_types.mp_for(digits + spare, scene.log10_angle)
+            fine_type = number_types.NumberType("mp", coarse_type.bits + 40)
+            coarse, fine = (integrate(scene, kind) for kind in (coarse_type, fine_type))
+            if not (coarse.outcome.done and fine.outcome.done):
+                break
+            agreement = worst_digits(coarse.states, fine.states, scene, cap=coarse_type.most_digits)
+            if agreement >= digits:
+                return fine.states, agreement
+            spare += digits - int(agreement) + 4
+        expected = f"a motion that keeps {digits} digits to t = {float(times[-1]):g}"
+        raise BadInput(scene.name, "reference", None, expected)
+
+    def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Not made: the reference integrates the state alone."""
+        raise BadInput(self.scene.name, "reference", None, "a closed form for the attitude")
+
+    angles = attitude
+
+
+class Remembered:
+    """A reference whose rows are kept: a request for fewer digits at the same times costs nothing.
+
+    For judging several runs of one scene, the one with the most digits first.
+    """
+
+    def __init__(self, truth: Reference | TwoPrecisions) -> None:
+        self._truth = truth
+        self._kept: dict[tuple[Any, ...], tuple[int, list[list[Any]], float]] = {}
+        self.scene, self.kind, self.regime = truth.scene, truth.kind, truth.regime
+        self.is_closed_form, self.agreement = truth.is_closed_form, truth.agreement
+
+    def at(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Rows right to at least so many digits."""
+        key = tuple(times)
+        if key not in self._kept or self._kept[key][0] < digits:
+            rows = self._truth.at(times, digits)
+            self._kept[key] = digits, rows, self._truth.agreement
+        _, rows, self.agreement = self._kept[key]
+        return rows
+
+
+def reference(scene: Scene | str | Path) -> Reference | TwoPrecisions:
+    """The reference of a scene: the closed form that fits, or two integrations where none does.
+
+    Raises BadInput where the scene asks for a closed form that does not fit.
+    """
+    if not isinstance(scene, Scene):
+        scene = library.load(scene)
+    if scene.reference == "two-precisions":
+        return TwoPrecisions(scene)
+    found = closed_form(scene, scene.reference)
+    if found is not None:
+        return Reference(scene, *found)
+    if scene.reference != "auto":
+        other = closed_form(scene)
+        fits = f"{other[0] if other else 'two-precisions'}, which fits body and start"
+        raise BadInput(scene.name, "reference.kind", scene.reference, fits)
+    return TwoPrecisions(scene)
+
+
+def _times(scene: Scene, times: Sequence[Any]) -> list[Exact]:
+    """Times taken exactly; raises BadInput beyond 10**100 radians, where digits cost more each."""
+    found = [exact_number(t) for t in times]
+    for t in found:
+        if scene.log10_rate + exact.log10(t) > MAX_LOG10_ANGLE:
+            expected = f"at most 10**{MAX_LOG10_ANGLE} radians turned"
+            raise BadInput(scene.name, "t", f"10**{exact.log10(t):.0f}", expected)
+    return found

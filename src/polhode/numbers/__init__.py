@@ -1,0 +1,1 @@
+"""Exact numbers, number types, one parser, lossless conversions, decimals."""

@@ -1,0 +1,92 @@
+"""Lossless ways between numbers: nothing here narrows silently."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from polhode.numbers import exact
+from polhode.numbers.exact import Exact, Number
+from polhode.numbers.expression import number
+from polhode.numbers.number_types import (
+    NumberType,
+)
+
+if TYPE_CHECKING:
+    pass
+
+
+def mpf_row(row: Sequence[Any], bits: int) -> list[Any]:
+    """The binary numbers of so many bits nearest to each of a row."""
+    return [to_mpf(exactly(x), bits) for x in row]
+
+
+def number_value(x: Number, number: NumberType) -> Any:
+    """The number nearest to x of the kind that a trajectory holds: float, longdouble or mpf."""
+    if number.name == "double":
+        return to_double(x)
+    return to_extended(x) if number.name == "extended" else to_mpf(x, number.bits)
+
+
+def to_double(x: Number) -> float:
+    """The nearest double; infinite beyond its range."""
+    try:
+        if isinstance(x, (int, Fraction)):
+            return float(x)
+        return math.ldexp(*exact.rounded(x, 53))
+    except OverflowError:
+        return math.inf
+
+
+def to_extended(x: Number) -> Any:
+    """The nearest 80-bit number, as numpy.longdouble."""
+    import numpy as np
+
+    mantissa, exponent = exact.rounded(x, 64)
+    high, low = divmod(abs(mantissa), 1 << 32)
+    value = np.ldexp(np.longdouble(high), exponent + 32) + np.ldexp(np.longdouble(low), exponent)
+    return -value if mantissa < 0 else value
+
+
+def to_mpf(x: Number, bits: int) -> Any:
+    """The nearest binary number of so many bits, as an mpmath mpf."""
+    from mpmath import libmp, mp
+
+    mantissa, exponent = exact.rounded(x, bits)
+    return mp.make_mpf(libmp.from_man_exp(mantissa, exponent))
+
+
+def exactly(value: Any) -> Fraction:
+    """The exact value of a float, longdouble, mpf, int, Fraction; ValueError if not finite."""
+    if isinstance(value, (int, Fraction)):
+        return Fraction(value)
+    try:
+        if isinstance(value, float):  # numpy.float64 is one
+            return Fraction(value)
+        raw = getattr(value, "_mpf_", None)
+        if raw is not None:
+            negative, mantissa, exponent, _ = raw
+            if mantissa == 0 and exponent != 0:
+                raise ValueError("not a finite number")
+            size = int(mantissa) * Fraction(2) ** int(exponent)
+            return -size if negative else size
+        return Fraction(*value.as_integer_ratio())  # numpy.longdouble
+    except (AttributeError, OverflowError, ValueError):
+        raise ValueError("not a finite number") from None
+
+
+def exact_number(value: Any) -> Exact:
+    """A number given in Python, taken exactly, a float as the binary number that it is.
+
+    ``value``: int, Fraction, Irrational, float, numpy or mpmath number, or a string holding an
+    expression such as ``"0.1"`` or ``"sqrt(2)/3"``.  Raises ValueError for anything else.
+    """
+    if isinstance(value, (Fraction, exact.Irrational)):
+        return value
+    if isinstance(value, str):
+        return number(value)
+    if isinstance(value, bool) or not hasattr(value, "__float__"):
+        raise ValueError(f"not a number: {value!r}")
+    return exactly(value)

@@ -1,0 +1,103 @@
+"""Numbers as decimal text."""
+
+from __future__ import annotations
+
+import decimal
+import math
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from polhode.numbers import exact
+from polhode.numbers.convert import exactly
+from polhode.numbers.exact import Exact, Number
+from polhode.numbers.number_types import (
+    LOG10_2,
+    NumberType,
+)
+
+if TYPE_CHECKING:  # a run needs none of these
+    pass
+
+
+def strings(rows: Any, number: NumberType) -> list[list[str]]:
+    """Rows of numbers of one type as decimal strings that round-trip; None stays None."""
+    if number.name == "double":
+        return [[_double_string(float(x)) for x in row] for row in rows]
+    digits = number.printed_digits
+    return [
+        [None if x is None else decimal_string(exactly(x), digits) for x in row]  # type: ignore[misc]
+        for row in rows
+    ]
+
+
+def _double_string(x: float) -> str:
+    return f"{x:#.17g}" if x else "0"
+
+
+def decimal_string(x: Fraction, digits: int) -> str:
+    """x to so many significant digits, nearest, ties to even; positional where it is short."""
+    if x == 0:
+        return "0"
+    size = abs(x)
+    # the power of ten below size, from the bit lengths, corrected by at most one
+    power = math.floor((size.numerator.bit_length() - size.denominator.bit_length()) * LOG10_2)
+    while size >= Fraction(10) ** (power + 1):
+        power += 1
+    while size < Fraction(10) ** power:
+        power -= 1
+    written = round(size * Fraction(10) ** (digits - 1 - power))
+    text = _integer(written)
+    if len(text) > digits:  # 9.99… rounded up
+        text, power = text[:-1], power + 1
+    if 0 <= power < digits:
+        head, tail = text[: power + 1], text[power + 1 :]
+        body = f"{head}.{tail}" if tail else head
+    elif -6 < power < 0:
+        body = "0." + "0" * (-power - 1) + text
+    else:
+        body = f"{text[0]}.{text[1:]}e{power:+03d}" if digits > 1 else f"{text}e{power:+03d}"
+    return "-" + body if x < 0 else body
+
+
+def shown(x: Number) -> str:
+    """x for people: a short rational as it is, anything else to 17 digits."""
+    if isinstance(x, Fraction) and len(text := str(x)) <= 12:
+        return text
+    return decimal_string(exact.binary(*exact.rounded(x, 60)), 17)
+
+
+def decimal_in_full(x: Fraction) -> str:
+    """All digits of a binary number (its denominator is a power of two)."""
+    places = x.denominator.bit_length() - 1
+    if x.denominator != 1 << places:
+        raise ValueError("only a binary number has finitely many digits here")
+    digits = _integer(abs(x.numerator) * 5**places).rjust(places + 1, "0")
+    head, tail = (digits[:-places], digits[-places:].rstrip("0")) if places else (digits, "")
+    return ("-" if x < 0 else "") + (f"{head}.{tail}" if tail else head)
+
+
+def _integer(n: int) -> str:
+    """str(n), also where Python refuses to print that many digits at once."""
+    if n.bit_length() < 13_000:
+        return str(n)
+    high, low = divmod(n, 10**3000)
+    return _integer(high) + str(low).rjust(3000, "0")
+
+
+def is_decimal(t: Exact) -> bool:
+    """Whether a number has finitely many decimal digits."""
+    if not isinstance(t, Fraction):
+        return False
+    rest = t.denominator // (t.denominator & -t.denominator)
+    while rest % 5 == 0:
+        rest //= 5
+    return rest == 1
+
+
+def in_full(t: Fraction) -> str:
+    """Every digit of a decimal number; any other as a fraction."""
+    if not is_decimal(t):
+        return str(t)
+    prec = t.numerator.bit_length() + t.denominator.bit_length() + 1  # never fewer than its digits
+    with decimal.localcontext(prec=prec):
+        return f"{decimal.Decimal(t.numerator) / t.denominator:f}"

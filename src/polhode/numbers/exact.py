@@ -1,0 +1,392 @@
+"""Exact real numbers: rationals, and irrationals that any precision can be asked of.
+
+A rational is a :class:`fractions.Fraction`.  Anything else is an :class:`Irrational`: a node that
+remembers how it was made and encloses its value between two binary numbers, as tightly as asked.
+Both take part in ``+ - * /`` and comparisons, alone or mixed, so the code that decides a regime
+reads the same for rational and irrational data.
+
+The rule for *equal*: rationals are compared exactly.  An irrational number is called zero when
+its enclosure, every step carried to :data:`EQUAL_BITS` bits, still contains zero; two numbers are
+called equal when their difference is called zero.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+EQUAL_BITS = 4096
+
+#: An interval of mpmath.libmp: two raw binary numbers, low and high.
+Interval: TypeAlias = tuple[Any, Any]
+
+_LADDER = (128, 512, 2048, EQUAL_BITS)
+_LARGEST_ANGLE = 1 << (EQUAL_BITS // 4)  # beyond it too few of those bits are left for sin and cos
+
+
+class Irrational:
+    """A real number known through enclosures.
+
+    ``rule(prec, *intervals)`` maps enclosures of the ``parts`` to an enclosure of the number.
+    ``square`` is the number's square where that is known more simply (the radicand of a root).
+    """
+
+    __slots__ = ("_known", "_parts", "_rule", "square")
+
+    def __init__(
+        self, rule: Callable[..., Interval], *parts: Exact, square: Exact | None = None
+    ) -> None:
+        self._rule = rule
+        self._parts = parts
+        self._known: dict[int, Interval] = {}  # by precision: no answer depends on those before
+        self.square = square
+
+    def enclosure(self, prec: int) -> Interval:
+        """Two binary numbers around the value, every step carried to ``prec`` bits."""
+        pending = [self]
+        while pending:  # no recursion: a long sum is a deep tree
+            node = pending[-1]
+            if prec in node._known:
+                pending.pop()
+                continue
+            lacking = [
+                part
+                for part in node._parts
+                if isinstance(part, Irrational) and prec not in part._known
+            ]
+            if lacking:
+                pending.extend(lacking)
+                continue
+            node._known[prec] = node._rule(prec, *(_held(part, prec) for part in node._parts))
+            pending.pop()
+        return self._known[prec]
+
+    def __add__(self, other: Number) -> Exact:
+        return add(self, exact(other))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Number) -> Exact:
+        return add(self, -exact(other))
+
+    def __rsub__(self, other: Number) -> Exact:
+        return add(exact(other), -self)
+
+    def __mul__(self, other: Number) -> Exact:
+        return multiply(self, exact(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Number) -> Exact:
+        return divide(self, exact(other))
+
+    def __rtruediv__(self, other: Number) -> Exact:
+        return divide(exact(other), self)
+
+    def __pow__(self, exponent: Number) -> Exact:
+        return power(self, exact(exponent))
+
+    def __neg__(self) -> Irrational:
+        return Irrational(lambda prec, a: _libmp().mpi_neg(a, prec), self, square=self.square)
+
+    def __abs__(self) -> Exact:
+        return -self if sign(self) < 0 else self
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, (int, Fraction, Irrational)):
+            return NotImplemented
+        return sign(self - other) == 0
+
+    __hash__ = None  # type: ignore[assignment]  # equal by the rule, so no consistent hash exists
+
+    def __lt__(self, other: Number) -> bool:
+        return sign(self - other) < 0
+
+    def __le__(self, other: Number) -> bool:
+        return sign(self - other) <= 0
+
+    def __gt__(self, other: Number) -> bool:
+        return sign(self - other) > 0
+
+    def __ge__(self, other: Number) -> bool:
+        return sign(self - other) >= 0
+
+    def __float__(self) -> float:
+        mantissa, exponent = rounded(self, 53)
+        return math.ldexp(mantissa, exponent)
+
+    def __repr__(self) -> str:
+        return "Irrational({} * 2**{}...)".format(*rounded(self, 53))
+
+
+Exact: TypeAlias = Fraction | Irrational
+Number: TypeAlias = int | Fraction | Irrational
+
+ZERO = Fraction(0)
+ONE = Fraction(1)
+
+
+def exact(value: Number) -> Exact:
+    """``value`` as an exact number; an ``int`` becomes a ``Fraction``."""
+    return Fraction(value) if isinstance(value, int) else value
+
+
+def add(a: Exact, b: Exact) -> Exact:
+    """a + b."""
+    if isinstance(a, Fraction) and isinstance(b, Fraction):
+        return a + b
+    if isinstance(a, Fraction) and a == 0:
+        return b
+    if isinstance(b, Fraction) and b == 0:
+        return a
+    return Irrational(lambda prec, x, y: _libmp().mpi_add(x, y, prec), a, b)
+
+
+def multiply(a: Exact, b: Exact) -> Exact:
+    """a·b; the square of a root is its radicand."""
+    if isinstance(a, Fraction) and isinstance(b, Fraction):
+        return a * b
+    if a is b and isinstance(a, Irrational):
+        return a.square if a.square is not None else _integer_power(a, 2)
+    for one, other in ((a, b), (b, a)):
+        if isinstance(one, Fraction):
+            if one == 0:
+                return ZERO
+            if one == 1:
+                return other
+    return Irrational(lambda prec, x, y: _libmp().mpi_mul(x, y, prec), a, b)
+
+
+def divide(a: Exact, b: Exact) -> Exact:
+    """a/b; raises ZeroDivisionError where b is zero by the rule."""
+    if sign(b) == 0:
+        raise ZeroDivisionError("division by zero")
+    if isinstance(a, Fraction) and isinstance(b, Fraction):
+        return a / b
+    if isinstance(a, Fraction) and a == 0:
+        return ZERO
+    if isinstance(b, Fraction):
+        return multiply(a, 1 / b)
+
+    def rule(prec: int, x: Interval, y: Interval) -> Interval:
+        # While the divisor's enclosure is still too wide to exclude zero, nothing is known.
+        lib = _libmp()
+        if lib.mpf_sign(y[0]) * lib.mpf_sign(y[1]) <= 0:
+            return lib.fninf, lib.finf
+        quotient: Interval = lib.mpi_div(x, y, prec)
+        return quotient
+
+    return Irrational(rule, a, b)
+
+
+def total(terms: Iterable[Exact]) -> Exact:
+    """The sum of exact numbers."""
+    found: Exact = ZERO
+    for term in terms:
+        found = found + term
+    return found
+
+
+def sqrt(x: Exact) -> Exact:
+    """The square root, exact where it is rational; raises ValueError below zero."""
+    if sign(x) < 0:
+        raise ValueError("square root of a negative number")
+    if isinstance(x, Fraction):
+        top, bottom = math.isqrt(x.numerator), math.isqrt(x.denominator)
+        if top * top == x.numerator and bottom * bottom == x.denominator:
+            return Fraction(top, bottom)
+    elif sign(x) == 0:
+        return ZERO
+
+    def rule(prec: int, a: Interval) -> Interval:
+        lib = _libmp()
+        low = lib.fzero if lib.mpf_sign(a[0]) < 0 else a[0]
+        root: Interval = lib.mpi_sqrt((low, a[1]), prec)
+        return root
+
+    return Irrational(rule, x, square=x)
+
+
+def sin(x: Exact) -> Exact:
+    """The sine of an angle in radians; raises ValueError for one too large to be reduced."""
+    _check_angle(x)
+    if isinstance(x, Fraction) and x == 0:
+        return ZERO
+    return Irrational(lambda prec, a: _libmp().mpi_sin(a, prec), x)
+
+
+def cos(x: Exact) -> Exact:
+    """The cosine of an angle in radians; raises ValueError for one too large to be reduced."""
+    _check_angle(x)
+    if isinstance(x, Fraction) and x == 0:
+        return ONE
+    return Irrational(lambda prec, a: _libmp().mpi_cos(a, prec), x)
+
+
+def arctan2(y: Exact, x: Exact) -> Exact:
+    """The angle of (x, y) in (-pi, pi]; raises ValueError at the origin."""
+    if sign(y) < 0:
+        return -arctan2(-y, x)
+    if sign(y) == 0 and sign(x) == 0:
+        raise ValueError("the angle of a vector of length zero")
+    if sign(y) == 0 and sign(x) > 0:
+        return ZERO
+
+    def rule(prec: int, a: Interval, b: Interval) -> Interval:
+        lib = _libmp()
+        low = lib.fzero if lib.mpf_sign(a[0]) < 0 else a[0]
+        found: Interval = lib.mpi_atan2((low, a[1]), b, prec)
+        return found
+
+    return Irrational(rule, y, x)
+
+
+def pi() -> Irrational:
+    """The number pi."""
+
+    def rule(prec: int) -> Interval:
+        lib = _libmp()
+        return lib.mpf_pi(prec, "f"), lib.mpf_pi(prec, "c")
+
+    return Irrational(rule)
+
+
+def power(x: Exact, exponent: Exact) -> Exact:
+    """x to a rational exponent; raises ValueError for any other and for roots of negatives."""
+    if not isinstance(exponent, Fraction):
+        raise ValueError("an exponent must be a rational number")
+    if exponent.denominator == 1:
+        return _integer_power(x, exponent.numerator)
+    if exponent.denominator == 2:
+        return _integer_power(sqrt(x), exponent.numerator)
+    if sign(x) < 0:
+        raise ValueError("a root of a negative number")
+    if sign(x) == 0:
+        if exponent < 0:
+            raise ZeroDivisionError("division by zero")
+        return ZERO
+
+    def rule(prec: int, a: Interval, e: Interval) -> Interval:
+        lib = _libmp()
+        if lib.mpf_sign(a[0]) <= 0:
+            return lib.fzero, lib.finf
+        found: Interval = lib.mpi_exp(lib.mpi_mul(e, lib.mpi_log(a, prec), prec), prec)
+        return found
+
+    return Irrational(rule, x, exponent)
+
+
+def _integer_power(x: Exact, n: int) -> Exact:
+    if isinstance(x, Fraction):
+        return x**n
+    if n == 0:
+        return ONE
+    if n < 0:
+        return divide(ONE, _integer_power(x, -n))
+    if n == 1:
+        return x
+    if n == 2 and x.square is not None:
+        return x.square
+    return Irrational(lambda prec, a: _libmp().mpi_pow_int(a, n, prec), x)
+
+
+def sign(x: Number) -> int:
+    """-1, 0 or 1; for an irrational number zero is decided by the rule for *equal*."""
+    if not isinstance(x, Irrational):
+        return (x > 0) - (x < 0)
+    lib = _libmp()
+    for prec in _LADDER:
+        low, high = x.enclosure(prec)
+        if lib.mpf_sign(low) > 0:
+            return 1
+        if lib.mpf_sign(high) < 0:
+            return -1
+    return 0
+
+
+def rounded(x: Number, bits: int) -> tuple[int, int]:
+    """(m, e) with m·2**e the number of ``bits`` significant bits nearest to x (ties to even)."""
+    if not isinstance(x, Irrational):
+        return _rounded_rational(Fraction(x), bits)
+    if sign(x) == 0:
+        return 0, 0
+    lib = _libmp()
+    prec = bits + 64
+    while True:
+        low, high = (_rounded_raw(end, bits) for end in x.enclosure(prec))
+        if low == high and low is not None:
+            return low
+        if prec > 2 * EQUAL_BITS + 8 * bits:  # a tie by the rule: the even neighbour
+            middle = lib.mpi_mid(x.enclosure(prec), bits + 8)
+            return _rounded_raw(middle, bits) or (0, 0)
+        prec *= 2
+
+
+def log10(x: Number) -> float:
+    """log10 |x| as a double, at any magnitude; -inf at zero."""
+    mantissa, exponent = rounded(x, 53)
+    return math.log10(abs(mantissa)) + exponent * math.log10(2) if mantissa else -math.inf
+
+
+def magnitude(x: Irrational) -> int:
+    """The exponent of two just above |x|, or 0 where 128 bits do not tell x from zero."""
+    low, high = x.enclosure(_LADDER[0])
+    if _libmp().mpf_sign(low) * _libmp().mpf_sign(high) <= 0:
+        return 0
+    _, _, exponent, bits = high
+    return int(exponent + bits)
+
+
+def binary(mantissa: int, exponent: int) -> Fraction:
+    """mantissa·2**exponent, exactly."""
+    if exponent >= 0:
+        return Fraction(mantissa << exponent)
+    return Fraction(mantissa, 1 << -exponent)
+
+
+def _check_angle(x: Exact) -> None:
+    if not -_LARGEST_ANGLE <= x <= _LARGEST_ANGLE:
+        raise ValueError("sine or cosine of an angle too large to be reduced")
+
+
+def _rounded_rational(x: Fraction, bits: int) -> tuple[int, int]:
+    top, bottom = abs(x.numerator), x.denominator
+    if top == 0:
+        return 0, 0
+    exponent = top.bit_length() - bottom.bit_length() - bits
+    if exponent >= 0:
+        bottom <<= exponent
+    else:
+        top <<= -exponent
+    quotient, rest = divmod(top, bottom)
+    if quotient.bit_length() > bits:
+        exponent, bottom = exponent + 1, 2 * bottom
+        quotient, rest = divmod(top, bottom)
+    if 2 * rest > bottom or (2 * rest == bottom and quotient & 1):
+        quotient += 1
+    return (quotient if x > 0 else -quotient), exponent
+
+
+def _rounded_raw(raw: Any, bits: int) -> tuple[int, int] | None:
+    negative, mantissa, exponent, _ = raw
+    if mantissa == 0:
+        return (0, 0) if exponent == 0 else None  # libmp's zero, else infinite
+    value = Fraction(int(mantissa))
+    m, e = _rounded_rational(value, bits)
+    return (-m if negative else m), e + exponent
+
+
+def _held(part: Exact, prec: int) -> Interval:
+    if isinstance(part, Irrational):
+        return part._known[prec]
+    lib = _libmp()
+    p, q = part.numerator, part.denominator
+    return lib.from_rational(p, q, prec, "f"), lib.from_rational(p, q, prec, "c")
+
+
+def _libmp() -> Any:
+    from mpmath import libmp  # only irrational data pay for this import
+
+    return libmp

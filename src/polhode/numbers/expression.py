@@ -1,0 +1,235 @@
+"""Expressions in scene files: numbers, names, ``+ - * / **``, brackets, sqrt, sin, cos, pi.
+
+One parser for numbers, events and published figures.  It computes while it reads: numbers
+combine exactly (:mod:`polhode.numbers.exact`); where a number meets a name, it is lifted into
+the name's own arithmetic.  Precedence is Python's: ``-2**2`` is -4, ``2**3**2`` is 512.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from polhode.common.errors import nearest
+from polhode.numbers import exact
+from polhode.numbers.exact import Exact, Irrational
+
+MAX_LENGTH = 1000
+MAX_NESTING = 50
+MAX_EXPONENT = 4000  # of ten, in a decimal; and of a power of an irrational
+MAX_BITS = 14_000  # of a rational on the way, and of an irrational before or after its point
+
+FUNCTIONS = ("sqrt", "sin", "cos")
+
+_TOKEN = re.compile(
+    r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
+    r"|(?P<name>[A-Za-z_][A-Za-z_0-9]*)|(?P<sign>\*\*|[-+*/()])|(?P<end>$))",
+    re.ASCII,
+)
+_DECIMAL = re.compile(
+    r"([+-]?)(?:([0-9]+)(?:\.([0-9]*))?|\.([0-9]+))(?:[eE]([+-]?[0-9]{1,9}))?", re.ASCII
+)
+_UNDERSCORE = re.compile(r"(?<=[0-9])_(?=[0-9])")
+
+
+class ExpressionError(ValueError):
+    """An expression that cannot be read or has no value; the message says why."""
+
+
+class Algebra(NamedTuple):
+    """How numbers enter the arithmetic that the names belong to, and its functions by name."""
+
+    lift: Callable[[Exact], Any]
+    functions: Mapping[str, Callable[[Any], Any]]
+
+
+def number(text: str) -> Exact:
+    """The exact value of an expression without names."""
+    value = evaluate(text, {})
+    assert isinstance(value, (Fraction, Irrational))
+    return value
+
+
+def decimal(text: str) -> Fraction:
+    """The exact value of a decimal such as ``-1.25e-3``; underscores between digits may stand."""
+    match = _DECIMAL.fullmatch(_UNDERSCORE.sub("", text.strip()))
+    if match is None:
+        raise ExpressionError(f"{text.strip()[:40]!r} is not a finite decimal number")
+    minus, whole, places, only_places, power = match.groups()
+    places = places or only_places or ""
+    digits = (whole or "") + places
+    exponent = int(power or 0)
+    if len(digits) > 4000 or abs(exponent) > MAX_EXPONENT:
+        raise ExpressionError(f"a decimal has at most 4000 digits and exponent {MAX_EXPONENT}")
+    return int(minus + digits) * Fraction(10) ** (exponent - len(places))
+
+
+def evaluate(text: str, names: Mapping[str, Any], algebra: Algebra | None = None) -> Any:
+    """The value of ``text``: exact where no name enters, else of the names' arithmetic.
+
+    Raises ExpressionError for what is not in the grammar, an unknown name, a division by zero, a
+    root of a negative number, or a number too large to hold.
+    """
+    if len(text) > MAX_LENGTH:
+        raise ExpressionError(f"longer than {MAX_LENGTH} characters")
+    try:
+        return _Reader(text, names, algebra).all()
+    except ZeroDivisionError:
+        raise ExpressionError("division by zero") from None
+    except ExpressionError:
+        raise
+    except (ValueError, OverflowError) as error:
+        raise ExpressionError(str(error)) from None
+
+
+class _Reader:
+    def __init__(self, text: str, names: Mapping[str, Any], algebra: Algebra | None) -> None:
+        self.tokens = _split(text)
+        self.position = 0
+        self.depth = 0
+        self.names, self.algebra = names, algebra
+
+    def all(self) -> Any:
+        value = self.sum()
+        if self.peek() != "":
+            raise ExpressionError(f"{self.peek()!r} stands where an operator was expected")
+        return value
+
+    def peek(self) -> str:
+        return self.tokens[self.position]
+
+    def take(self) -> str:
+        self.position += 1
+        return self.tokens[self.position - 1]
+
+    def sum(self) -> Any:
+        value = self.product()
+        while self.peek() in ("+", "-"):
+            operator, other = self.take(), self.product()
+            value = self.combine(operator, value, other)
+        return value
+
+    def product(self) -> Any:
+        value = self.signed()
+        while self.peek() in ("*", "/"):
+            operator, other = self.take(), self.signed()
+            value = self.combine(operator, value, other)
+        return value
+
+    def signed(self) -> Any:
+        minus = False
+        while self.peek() in ("+", "-"):
+            minus ^= self.take() == "-"
+        value = self.power()
+        return -value if minus else value
+
+    def power(self) -> Any:
+        base = self.atom()
+        if self.peek() != "**":
+            return base
+        self.take()
+        self.enter()
+        exponent = self.signed()
+        self.depth -= 1
+        return self.raised(base, exponent)
+
+    def atom(self) -> Any:
+        token = self.take()
+        if token == "(":
+            self.enter()
+            value = self.sum()
+            if self.take() != ")":
+                raise ExpressionError("a bracket is not closed")
+            self.depth -= 1
+            return value
+        if token and token[0] in "0123456789.":
+            return decimal(token)
+        if token in FUNCTIONS:
+            if self.peek() != "(":
+                raise ExpressionError(f"{token} needs its argument in brackets")
+            return self.applied(token, self.atom())
+        if token == "pi":
+            return exact.pi()
+        if token in self.names:
+            return self.names[token]
+        if token == "":
+            raise ExpressionError("it ends where a number was expected")
+        if token[0].isalpha() or token[0] == "_":
+            known = nearest(token, [*self.names, *FUNCTIONS, "pi"])
+            raise ExpressionError(f"unknown name {token[:40]!r}; known are {known}")
+        raise ExpressionError(f"{token!r} stands where a number was expected")
+
+    def enter(self) -> None:
+        self.depth += 1
+        if self.depth > MAX_NESTING:
+            raise ExpressionError(f"nested deeper than {MAX_NESTING}")
+
+    def combine(self, operator: str, a: Any, b: Any) -> Any:
+        if not (_is_exact(a) and _is_exact(b)):
+            if operator == "/" and _is_exact(b) and exact.sign(b) == 0:
+                raise ZeroDivisionError
+            a, b = self.lifted(a), self.lifted(b)
+        if operator == "+":
+            return _bounded(a + b)
+        if operator == "-":
+            return _bounded(a - b)
+        return _bounded(a * b) if operator == "*" else _bounded(a / b)
+
+    def raised(self, base: Any, exponent: Any) -> Any:
+        if not isinstance(exponent, Fraction):
+            raise ExpressionError("an exponent must be a rational number")
+        if not _is_exact(base):
+            if exponent.denominator == 1 and abs(exponent) <= MAX_EXPONENT:
+                return base ** int(exponent)
+            raise ExpressionError(f"a power of a name has an integer exponent up to {MAX_EXPONENT}")
+        size = max(abs(exponent.numerator), exponent.denominator)
+        if isinstance(base, Fraction):
+            bits = max(base.numerator.bit_length(), base.denominator.bit_length())
+            if base not in (0, 1, -1) and (bits * size > MAX_BITS or size > MAX_BITS):
+                raise ExpressionError("a power too large to hold")
+        elif size > MAX_EXPONENT:
+            raise ExpressionError(f"an exponent larger than {MAX_EXPONENT}")
+        return _bounded(exact.power(base, exponent))
+
+    def applied(self, name: str, argument: Any) -> Any:
+        if _is_exact(argument):
+            return {"sqrt": exact.sqrt, "sin": exact.sin, "cos": exact.cos}[name](argument)
+        assert self.algebra is not None
+        return self.algebra.functions[name](argument)
+
+    def lifted(self, value: Any) -> Any:
+        if not _is_exact(value):
+            return value
+        assert self.algebra is not None
+        return self.algebra.lift(value)
+
+
+def _split(text: str) -> list[str]:
+    tokens: list[str] = []
+    position = 0
+    while True:
+        match = _TOKEN.match(text, position)
+        if match is None:
+            rest = text[position:].lstrip()
+            raise ExpressionError(f"{rest[:1]!r} is not part of an expression")
+        if match.lastgroup == "end":
+            return [*tokens, ""]
+        assert match.lastgroup is not None
+        tokens.append(match.group(match.lastgroup))
+        position = match.end()
+
+
+def _is_exact(value: object) -> bool:
+    return isinstance(value, (Fraction, Irrational))
+
+
+def _bounded(value: Any) -> Any:
+    if isinstance(value, Fraction):
+        size = max(value.numerator.bit_length(), value.denominator.bit_length())
+        if size > MAX_BITS:
+            raise ExpressionError("a number too large to hold")
+    elif isinstance(value, Irrational) and abs(exact.magnitude(value)) > MAX_BITS:
+        raise ExpressionError("a number too large or too small to hold")
+    return value

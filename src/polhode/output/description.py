@@ -1,0 +1,70 @@
+"""What a scene is: body, regime, integrals, frequencies, and what a run of it will model."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from polhode.equations import equilibrium
+from polhode.equations.form import equations, source
+from polhode.judging.reference import Reference, reference
+from polhode.numbers.decimals import shown
+from polhode.output import results
+from polhode.scenes.scene import Scene
+from polhode.scenes.tops import kind_of_body
+
+
+def described(scene: Scene) -> dict[str, Any]:
+    """The facts that ``polhode show`` prints, as a JSON object."""
+    truth = reference(scene)
+    body = scene.body
+    values = scene.integrals
+    facts: dict[str, Any] = {
+        "scene": scene.name,
+        "title": scene.title,
+        "tags": list(scene.tags),
+        "cite": list(scene.cite),
+        "body": kind_of_body(body),
+        "regime": truth.regime,
+        "reference": truth.kind,
+        "moments": [shown(x) for x in body.moments],
+        "torque": [shown(x) for x in body.torque],
+    }
+    if not body.axes.trivial:
+        facts["axes"] = [[shown(x) for x in row] for row in body.axes.rows]
+    facts["integrals"] = {"h": shown(values.energy)}
+    if values.area is not None:
+        facts["integrals"] |= {"f": shown(values.area)}
+    if isinstance(truth, Reference):
+        facts["frequencies"] = results.frequencies(truth)
+        if truth.curve is not None:
+            facts["curve"] = _curve(truth.curve)
+    if (still := equilibrium.name(scene)) is not None:
+        facts["motion"] = f"{still}: the state is constant"
+    facts |= {
+        "form": scene.form,
+        "source": source(scene.form),
+        "variables": list(equations(scene).variables),
+        "columns": results.columns_of(scene),
+        "coefficients": sorted(equations(scene).coefficients),
+        "times": len(scene.times),
+        "end": shown(scene.end),
+        "time_unit": f"2**{scene.time_unit}",
+    }
+    return facts
+
+
+def _curve(found: dict[str, Any]) -> dict[str, Any]:
+    """The curve of a Kovalevskaya top, in time units of 2**-exponent, to 17 digits."""
+    import mpmath
+
+    def text(x: Any) -> str:
+        return str(mpmath.nstr(x, 17))
+
+    return {
+        name: [text(x) for x in value]
+        if isinstance(value, list)
+        else value
+        if value is None or isinstance(value, int)
+        else text(value)
+        for name, value in found.items()
+    }

@@ -1,0 +1,279 @@
+"""Results as JSON objects and CSV files; names and shapes are a contract."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from polhode.common.errors import BadInput
+from polhode.common.files import check_writable, write_whole
+from polhode.common.provenance import provenance
+from polhode.equations.hodographs import Hodographs
+from polhode.judging.limits import is_lost
+from polhode.numbers import number_types
+from polhode.numbers.convert import exactly
+from polhode.numbers.decimals import (
+    decimal_in_full,
+    in_full,
+    is_decimal,
+    strings,
+)
+from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import NumberType
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes.scene import Scene
+from polhode.scenes.words import ANGLES, ATTITUDE, SPACE
+from polhode.taylor.outcomes import EventTimes
+
+#: What a trajectory's CSV holds and its sidecar does not repeat.
+_TABLE = ("times", "states", "angles", "attitude", "hodographs")
+
+if TYPE_CHECKING:  # a run needs none of these
+    from polhode.equations.integrals import Drift
+    from polhode.judging.foreign import Verdict
+    from polhode.judging.judgement import Judgement
+    from polhode.judging.lyapunov import Lyapunov
+    from polhode.judging.omega_alone import OmegaAlone
+    from polhode.judging.reference import Reference
+
+
+def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
+    """The object that ``run --json`` prints."""
+    answer: dict[str, Any] = {
+        "scene": run.scene.name,
+        "number": run.number.name,
+        "bits": run.number.bits,
+    }
+    if run.digits is not None:
+        answer["digits"] = run.digits
+    answer |= {
+        "form": run.scene.form,
+        "regime": regime,
+        "columns": list(run.columns),
+        "times": run.time_strings(),
+        "states": run.state_strings(),
+    }
+    if run.angles is not None:
+        answer["angles"] = strings(run.angles, run.number)
+    if "attitude" in run.scene.outputs:
+        answer["attitude"] = strings(run.attitude, run.number)
+    if run.hodographs is not None:
+        answer["hodographs"] = of_hodographs(run.hodographs, run.number)
+    if run.scene.events:
+        answer["events"] = [of_event(event, run.number) for event in run.events]
+    if run.projection is not None:
+        answer["projection"] = {
+            "onto": list(run.projection.onto),
+            "every": run.projection.every,
+            "count": run.projection.count,
+            "largest": f"{run.projection.largest:.3e}",
+            "sum": f"{run.projection.sum:.3e}",
+        }
+    answer |= {
+        "drift": of_drift(run.drift),
+        "outcome": run.outcome.value,
+        "reached": decimal_in_full(run.reached),
+        "steps": run.steps,
+        "provenance": dict(run.provenance),
+    }
+    return answer
+
+
+def of_hodographs(curves: Hodographs, number: NumberType) -> dict[str, Any]:
+    """omega in the body and in space as decimal strings."""
+    return {name: strings(rows, number) for name, rows in curves._asdict().items()}
+
+
+def of_event(event: EventTimes, number: NumberType) -> dict[str, Any]:
+    """When an event happened, and the states then."""
+    return {
+        "name": event.name,
+        "times": event.time_strings(),
+        "states": strings(event.states, number),
+        "grazing": list(event.grazing),
+        "complete": event.complete,
+    }
+
+
+def of_drift(drift: Drift) -> dict[str, str | None]:
+    """Drift as decimal strings."""
+    return {
+        name: None if value is None else f"{value:.3e}" for name, value in drift._asdict().items()
+    }
+
+
+def of_reference(truth: Reference, times: Sequence[Exact], digits: int) -> dict[str, Any]:
+    """The object that ``reference --json`` prints: the closed form to so many digits."""
+    scene = truth.scene
+    number = NumberType("mp", number_types.bits_for(digits + 1))
+    # A decimal time is taken exactly; any other is rounded so far down that no digit notices.
+    fine = NumberType("mp", number.bits + 32 + int(4 * scene.at(tuple(times)).log10_angle))
+    held = [t if is_decimal(t) else fine.rounded(t) for t in times]
+    answer: dict[str, Any] = {
+        "scene": scene.name,
+        "number": "mp",
+        "bits": number.bits,
+        "digits": digits,
+        "form": truth.kind,
+        "regime": truth.regime,
+        "reference": truth.kind,
+        "columns": list(scene.columns),
+        "times": [in_full(exactly(t)) for t in held],
+        "states": strings(truth.at(held, digits + 1), number),
+    }
+    if "angles" in scene.outputs:
+        answer["angles"] = strings(truth.angles(held, digits + 1), number)
+    if "attitude" in scene.outputs:
+        answer["attitude"] = strings(truth.attitude(held, digits + 1), number)
+    if "hodographs" in scene.outputs:
+        answer["hodographs"] = of_hodographs(truth.hodographs(held, digits + 1), number)
+    answer |= {"outcome": "reached end", "steps": 0, "provenance": provenance(scene.text)}
+    return answer
+
+
+def of_judgement(judged: Judgement) -> dict[str, Any]:
+    """Correct digits over time as a JSON object."""
+    truth = judged.reference
+    answer: dict[str, Any] = {
+        "scene": truth.scene.name,
+        "reference": truth.kind,
+        "regime": truth.regime,
+        "times": [decimal_in_full(t) for t in judged.times],
+        "correct_digits": [round(d, 2) for d in judged.digits],
+        "pointwise_digits": [round(d, 2) for d in judged.pointwise],
+        "digits_possible": [None if p is None else round(p, 2) for p in judged.digits_possible],
+        "worst": round(judged.worst, 2),
+        "worst_time": decimal_in_full(judged.worst_time),
+        "limit": judged.limit,
+        "drift": of_drift(judged.drift),
+    }
+    if not truth.is_closed_form:
+        answer["reference_digits"] = round(truth.agreement, 1)
+    return answer
+
+
+def sidecar(path: Path) -> Path:
+    """The JSON file beside a trajectory's CSV."""
+    return path.with_suffix(".json")
+
+
+def check_paths(path: Path) -> None:
+    """Refuse a trajectory path that cannot be written, before the run."""
+    check_writable(path)
+    if sidecar(path) == path:
+        raise BadInput(str(path), "-o", None, "a name such as x.csv: x.json is written beside it")
+    check_writable(sidecar(path))
+
+
+def write_trajectory(path: Path, answer: dict[str, Any]) -> None:
+    """A trajectory as CSV, number type, bits, scene and provenance in a JSON file beside it."""
+    header, rows = rows_of(answer)
+    text = "".join(",".join(row) + "\n" for row in (header, *rows))
+    kept = {k: v for k, v in answer.items() if k not in _TABLE}
+    write_whole({path: text, sidecar(path): as_json(kept)})
+
+
+def as_json(value: Any) -> str:
+    """JSON text, ASCII: a line for each key of an object and for each row of a table."""
+    return _json(value, 0) + "\n"
+
+
+def _json(value: Any, depth: int) -> str:
+    inner, outer = "\n" + " " * (depth + 1), "\n" + " " * depth
+    if isinstance(value, dict) and value:
+        lines = [f"{json.dumps(str(k))}: {_json(v, depth + 1)}" for k, v in value.items()]
+        return "{" + inner + ("," + inner).join(lines) + outer + "}"
+    if isinstance(value, list) and value and isinstance(value[0], (list, dict)):
+        lines = [_json(v, depth + 1) for v in value]
+        return "[" + inner + ("," + inner).join(lines) + outer + "]"
+    return json.dumps(value, ensure_ascii=True, allow_nan=False)
+
+
+def frequencies(truth: Any, digits: int = 17) -> dict[str, str | None]:
+    """Period and frequencies of a reference as decimal strings."""
+    number = NumberType("mp", number_types.bits_for(digits))
+    found: dict[str, Any] = {"period": truth.period, **truth.frequencies}
+    return {
+        name: None if value is None else strings([[value]], number)[0][0]
+        for name, value in found.items()
+    }
+
+
+def columns_of(scene: Scene) -> list[str]:
+    """All columns that a run of the scene gives."""
+    extra = {"angles": ANGLES, "attitude": ATTITUDE, "hodographs": SPACE}
+    asked = (columns for name, columns in extra.items() if name in scene.outputs)
+    return [*scene.columns, *(column for columns in asked for column in columns)]
+
+
+def rows_of(answer: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
+    """Header and rows of a trajectory's table, strings as printed; empty where undefined."""
+    header = ["t", *answer["columns"]]
+    parts = [answer["states"]]
+    for name, columns in (("angles", ANGLES), ("attitude", ATTITUDE)):
+        if name in answer:
+            header += columns
+            parts.append(answer[name])
+    if "hodographs" in answer:  # in the body it is p q r
+        header += SPACE
+        parts.append(answer["hodographs"]["space"])
+    return header, [
+        [t, *("" if x is None else x for row in rows for x in row)]
+        for t, *rows in zip(answer["times"], *parts, strict=True)
+    ]
+
+
+def of_verdict(verdict: Verdict) -> dict[str, Any]:
+    """The object that ``compare --json`` prints."""
+    truth, table = verdict.reference, verdict.table
+    answer: dict[str, Any] = {
+        "file": table.name,
+        "scene": truth.scene.name,
+        "reference": truth.kind,
+        "regime": truth.regime,
+        "judged": list(verdict.judged),
+        "times": [in_full(t) for t in table.times],
+        "correct_digits": [
+            None if is_lost(d, p) else round(d, 2)
+            for d, p in zip(verdict.digits, verdict.digits_possible, strict=True)
+        ],
+        "digits_possible": [None if p is None else round(p, 2) for p in verdict.digits_possible],
+        "worst": None if verdict.worst is None or verdict.lost else round(verdict.worst, 2),
+        "worst_time": None if verdict.worst_time is None else in_full(verdict.worst_time),
+        "limit": verdict.limit,
+        "motion": of_motion(verdict.motion),
+        "yardstick": verdict.yardstick.name,
+        "no_digits_left_after": verdict.lost_after if verdict.lost else None,
+        "parts": {name: round(d, 2) for name, d in verdict.parts.items()},
+        "drift": None if verdict.drift is None else of_drift(verdict.drift),
+        "omega_alone": of_omega_alone(verdict.omega_alone),
+        "not_judged": list(verdict.notes),
+    }
+    if not truth.is_closed_form:
+        answer["reference_digits"] = round(truth.agreement, 1)
+    return answer
+
+
+def of_omega_alone(found: OmegaAlone | None) -> dict[str, Any] | None:
+    """What omega alone says of gamma as a JSON object."""
+    if found is None:
+        return None
+    return {
+        "gamma_digits": round(found.digits, 2),
+        "derivative_digits": round(found.derivative, 2),
+        "drift": of_drift(found.drift),
+    }
+
+
+def of_motion(found: Lyapunov) -> dict[str, Any]:
+    """The verdict regular or chaotic as a JSON object."""
+    return {
+        "verdict": found.verdict,
+        "exponent": float(f"{found.exponent:.4g}"),
+        "uncertainty": None if found.uncertainty == math.inf else float(f"{found.uncertainty:.2g}"),
+        "until": found.end,
+        "reason": found.reason,
+    }

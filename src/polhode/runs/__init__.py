@@ -1,0 +1,1 @@
+"""A scene and a number type to a trajectory: one, many, at any time."""

@@ -1,0 +1,111 @@
+"""What a run gives back: times, states, outcome.  Immutable."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from polhode.equations.form import equations
+from polhode.equations.hodographs import Hodographs, hodographs
+from polhode.equations.integrals import Drift, drift
+from polhode.numbers.decimals import decimal_in_full, strings
+from polhode.numbers.number_types import NumberType
+from polhode.scenes.scene import Scene
+from polhode.taylor.outcomes import EventTimes, Outcome, Projection
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """States of a scene at its output times, in body axes, as numbers of one type.
+
+    ``times``: exact values of the times at which the states hold (already rounded to the type).
+    ``states``: shape (len(times), 3 or 6), p q r [gamma1 gamma2 gamma3]: an ndarray for double and
+    extended, rows of mpf above.  ``attitude``: there where hodographs were asked for, too.
+    ``steps``: Taylor steps taken.  ``events``: one for each event of the scene.  ``projection``:
+    None where the state was not put back on the first integrals.
+    """
+
+    scene: Scene
+    number: NumberType
+    times: tuple[Fraction, ...]
+    states: Any
+    outcome: Outcome
+    steps: int
+    reached: Fraction
+    tolerance: float
+    digits: int | None = None
+    attitude: Any = None
+    angles: Any = None
+    events: tuple[EventTimes, ...] = ()
+    projection: Projection | None = None
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+    dense: Callable[[Any], Any] | None = field(default=None, repr=False, compare=False)
+
+    def __call__(self, t: Any) -> Any:
+        """The state at time t, or the states at several times.
+
+        See :class:`polhode.runs.dense.Dense`.
+
+        Raises BadInput (a ValueError) for a time that the run did not reach.
+        """
+        if self.dense is None:
+            raise ValueError("states at the output times only: nothing was integrated here")
+        return self.dense(t)
+
+    @cached_property
+    def drift(self) -> Drift:
+        """Largest drift of the first integrals from the exact scene's values.
+
+        No evidence of accuracy where they were projected: then see ``projection``.
+        """
+        if not self.times:
+            return Drift(None, None, None)
+        return drift(self.scene, self.states, self.number.bits)
+
+    @cached_property
+    def hodographs(self) -> Hodographs | None:
+        """omega in the body and in space, if asked for."""
+        if "hodographs" not in self.scene.outputs:
+            return None
+        return hodographs(self.states, self.attitude, self.number)
+
+    @property
+    def cause(self) -> str:
+        """Why the run ended."""
+        if self.outcome is Outcome.SINGULAR:
+            return f"the form {self.scene.form} met its singular set"
+        return self.outcome.cause
+
+    @property
+    def advice(self) -> str:
+        """What to do about it; empty where the run did what was asked."""
+        if self.outcome is Outcome.SINGULAR:
+            return f"use --form {equations(self.scene).instead}"
+        return self.outcome.advice
+
+    @property
+    def projected(self) -> bool:
+        """Whether the state was ever put back on the integrals: their drift then says nothing."""
+        found = self.projection
+        return found is not None and found.count > 0 and "h" in found.onto
+
+    @property
+    def at_full_tolerance(self) -> bool:
+        """Whether the steps were made at the type's own eps."""
+        return self.tolerance <= float(self.number.eps)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the state's columns."""
+        return self.scene.columns
+
+    def time_strings(self) -> list[str]:
+        """The times, every digit."""
+        return [decimal_in_full(t) for t in self.times]
+
+    def state_strings(self) -> list[list[str]]:
+        """The states as decimal strings that round-trip."""
+        return strings(self.states, self.number)

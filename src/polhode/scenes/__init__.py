@@ -1,0 +1,1 @@
+"""What is asked: body, start, times; scene files, the case library, variation of numbers."""

@@ -1,0 +1,253 @@
+"""A rigid body at its fixed point: inertia, centre of mass, weight, and its principal axes.
+
+Everything is exact.  Equal moments and a centre of mass on an axis are recognised after any
+rational rotation of the axes: the characteristic polynomial tells repeated and rational moments
+exactly, and projections onto an axis are formed before the axis is scaled to length one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from polhode.numbers import exact
+from polhode.numbers.convert import exact_number
+from polhode.numbers.exact import ONE, ZERO, Exact, sign
+
+Vector = tuple[Exact, Exact, Exact]
+Matrix = tuple[Vector, Vector, Vector]
+
+IDENTITY: Matrix = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
+
+
+def exact_vector(values: Sequence[Any]) -> Vector:
+    """Three numbers of any kind, taken exactly."""
+    a, b, c = (exact_number(value) for value in values)
+    return a, b, c
+
+
+def dot(a: Vector, b: Vector) -> Exact:
+    """The scalar product a·b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """The vector product a × b."""
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+def scaled(factor: Exact, a: Vector) -> Vector:
+    """factor·a."""
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+def minus(a: Vector, b: Vector) -> Vector:
+    """a - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def is_zero(a: Vector) -> bool:
+    """Whether every component is zero (by the rule for *equal*)."""
+    return all(sign(component) == 0 for component in a)
+
+
+class UnphysicalBody(ValueError):
+    """Inertia that no body has; the message says which condition fails."""
+
+
+@dataclass(frozen=True)
+class Axes:
+    """Right-handed orthonormal axes in body axes, kept as directions and squared lengths."""
+
+    directions: Matrix
+    squares: Vector
+
+    @property
+    def trivial(self) -> bool:
+        """Whether these are the body axes themselves."""
+        return self.directions is IDENTITY
+
+    def components(self, vector: Vector) -> Vector:
+        """The components of a vector, given in body axes, along these axes."""
+        if self.trivial:
+            return vector
+        a, b, c = (
+            dot(u, vector) / exact.sqrt(n)
+            for u, n in zip(self.directions, self.squares, strict=True)
+        )
+        return a, b, c
+
+    @cached_property
+    def rows(self) -> Matrix:
+        """The unit vectors, row i being axis i in body axes: components = rows · vector."""
+        if self.trivial:
+            return IDENTITY
+        a, b, c = (
+            scaled(1 / exact.sqrt(n), u) for u, n in zip(self.directions, self.squares, strict=True)
+        )
+        return a, b, c
+
+
+OWN_AXES = Axes(IDENTITY, (ONE, ONE, ONE))
+
+
+@dataclass(frozen=True)
+class Body:
+    """Inertia matrix I at the fixed point, centre of mass r0, weight Mg, in body axes.
+
+    Numbers of any kind are taken exactly, see :func:`polhode.numbers.convert.exact_number`.
+    Raises UnphysicalBody unless I is symmetric with positive principal moments of which none
+    exceeds the sum of the other two.
+    """
+
+    inertia: Matrix
+    centre: Vector = (ZERO, ZERO, ZERO)
+    weight: Exact = ZERO
+
+    def __post_init__(self) -> None:
+        rows = tuple(exact_vector(row) for row in self.inertia)
+        object.__setattr__(self, "inertia", rows)
+        object.__setattr__(self, "centre", exact_vector(self.centre))
+        object.__setattr__(self, "weight", exact_number(self.weight))
+        for i, j in ((0, 1), (0, 2), (1, 2)):
+            if rows[i][j] != rows[j][i]:
+                raise UnphysicalBody("a symmetric matrix")
+        a, b, c = self.moments
+        if any(sign(moment) <= 0 for moment in (a, b, c)):
+            raise UnphysicalBody("positive principal moments")
+        if a + b < c or b + c < a or c + a < b:
+            raise UnphysicalBody("principal moments of which none exceeds the sum of the others")
+
+    @classmethod
+    def of_moments(
+        cls, moments: Sequence[Any], centre: Sequence[Any] = (0, 0, 0), weight: Any = 0
+    ) -> Body:
+        """A body given in principal axes by its moments A, B, C."""
+        return cls(diagonal(exact_vector(moments)), exact_vector(centre), exact_number(weight))
+
+    @property
+    def moments(self) -> Vector:
+        """The principal moments A, B, C in the order of ``axes``."""
+        return self._principal[0]
+
+    @property
+    def axes(self) -> Axes:
+        """The principal axes; the body axes themselves where the matrix is diagonal.
+
+        Else, with two equal moments the third axis is the axis of symmetry and the second is at
+        right angles to the centre of mass; with three different ones they are in ascending order.
+        """
+        return self._principal[1]
+
+    @cached_property
+    def torque(self) -> Vector:
+        """Mg r0 in body axes; exactly zero for a torque-free body."""
+        if sign(self.weight) == 0 or is_zero(self.centre):
+            return ZERO, ZERO, ZERO
+        return scaled(self.weight, self.centre)
+
+    @cached_property
+    def pendulum_rate_fourth(self) -> Exact:
+        """(Mg|r0| / largest moment)²: the slowest small oscillation's rate to the fourth power."""
+        largest = max(self.moments)
+        return dot(self.torque, self.torque) / (largest * largest)
+
+    @property
+    def torque_free(self) -> bool:
+        """Whether gravity has no moment about the fixed point."""
+        return is_zero(self.torque)
+
+    def momentum(self, omega: Vector) -> Vector:
+        """G = I w in body axes."""
+        a, b, c = (dot(row, omega) for row in self.inertia)
+        return a, b, c
+
+    def omega(self, momentum: Vector) -> Vector:
+        """w = I⁻¹ G in body axes, by Cramer's rule."""
+        x, y, z = self.inertia
+        adjugate = cross(y, z), cross(z, x), cross(x, y)
+        determinant = dot(x, adjugate[0])
+        a, b, c = (dot(row, momentum) / determinant for row in adjugate)
+        return a, b, c
+
+    @cached_property
+    def _principal(self) -> tuple[Vector, Axes]:
+        (a, d, e), (_, b, f), (_, _, c) = self.inertia
+        if is_zero((d, e, f)):
+            return (a, b, c), OWN_AXES
+        return _diagonalised(self.inertia, self.centre)
+
+
+def diagonal(moments: Vector) -> Matrix:
+    """The inertia matrix of a body given in principal axes."""
+    a, b, c = moments
+    return (a, ZERO, ZERO), (ZERO, b, ZERO), (ZERO, ZERO, c)
+
+
+def _diagonalised(inertia: Matrix, centre: Vector) -> tuple[Vector, Axes]:
+    """Principal moments and axes of a symmetric matrix that is not diagonal.
+
+    With I = mean·1 + K, tr K² = 6 s² and det K = 2 d, the moments are mean + 2 s cos(angle) for
+    three angles with cos(3 angle) = d/s³; two of them are equal exactly where d² = s⁶.
+    """
+    mean = (inertia[0][0] + inertia[1][1] + inertia[2][2]) / 3
+    rest = _shifted(inertia, mean)
+    s2 = (dot(rest[0], rest[0]) + dot(rest[1], rest[1]) + dot(rest[2], rest[2])) / 6
+    half_det = dot(rest[0], cross(rest[1], rest[2])) / 2
+    discriminant = s2 * s2 * s2 - half_det * half_det
+    if sign(discriminant) <= 0:  # not below zero for a symmetric matrix: equal
+        signed = half_det / s2
+        equal, single = mean - signed, mean + 2 * signed
+        third = _eigenvector(inertia, single)
+        first = minus(scaled(dot(third, third), centre), scaled(dot(third, centre), third))
+        if is_zero(first):  # centre on the axis of symmetry: any direction across it will do
+            first = next(v for u in IDENTITY if not is_zero(v := cross(u, third)))
+        return (equal, equal, single), _right_handed(first, cross(third, first))
+
+    s, angle = exact.sqrt(s2), exact.arctan2(exact.sqrt(discriminant), half_det)
+    turn = 2 * exact.pi()
+    candidates = [mean + 2 * s * exact.cos((angle + k * turn) / 3) for k in (1, 2, 0)]
+    a, b, c = (_rational_if_so(inertia, moment) for moment in candidates)
+    return (a, b, c), _right_handed(_eigenvector(inertia, a), _eigenvector(inertia, b))
+
+
+def _shifted(inertia: Matrix, moment: Exact) -> Matrix:
+    (a, d, e), (_, b, f), (_, _, c) = inertia
+    return (a - moment, d, e), (d, b - moment, f), (e, f, c - moment)
+
+
+def _eigenvector(inertia: Matrix, moment: Exact) -> Vector:
+    """A vector along the axis of a simple principal moment: the longest column of the adjugate."""
+    x, y, z = _shifted(inertia, moment)
+    return max((cross(y, z), cross(z, x), cross(x, y)), key=lambda v: dot(v, v))
+
+
+def _right_handed(first: Vector, second: Vector) -> Axes:
+    third = cross(first, second)
+    return Axes((first, second, third), (dot(first, first), dot(second, second), dot(third, third)))
+
+
+def _rational_if_so(inertia: Matrix, moment: Exact) -> Exact:
+    """The same principal moment as a Fraction, where the matrix is rational and the moment too.
+
+    Times the common denominator of the matrix a rational moment is an integer: the nearest one is
+    tried in the characteristic polynomial.
+    """
+    entries = [entry for row in inertia for entry in row]
+    if isinstance(moment, Fraction) or not all(isinstance(x, Fraction) for x in entries):
+        return moment
+    common = math.lcm(*(entry.denominator for entry in entries if isinstance(entry, Fraction)))
+    scaled_moment = moment * common
+    _, exponent = exact.rounded(scaled_moment, 8)
+    mantissa, exponent = exact.rounded(scaled_moment, max(64, exponent + 16))
+    candidate = Fraction(round(mantissa * Fraction(2) ** exponent), common)
+    x, y, z = _shifted(inertia, candidate)
+    return candidate if sign(dot(x, cross(y, z))) == 0 else moment

@@ -1,0 +1,49 @@
+"""The case library: the scene files that ship, by name."""
+
+from __future__ import annotations
+
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from polhode.common.errors import BadInput, nearest
+from polhode.scenes.scene import Scene
+
+
+def folder() -> Path:
+    """Where the cases lie: inside the installed package, else at the top of a checkout."""
+    inside = Path(__file__).parents[1] / "cases"
+    return inside if inside.is_dir() else Path(__file__).parents[3] / "cases"
+
+
+def names() -> list[str]:
+    """The names of all cases that ship, such as ``euler/separatrix``, sorted."""
+    top = folder()
+    return sorted(p.relative_to(top).with_suffix("").as_posix() for p in top.rglob("*.toml"))
+
+
+def load(scene: str | Path) -> Scene:
+    """A scene by the name of a case that ships or by a path; raises BadInput."""
+    from polhode.scenes import scene_file
+
+    name = str(scene)
+    if name in names():
+        return scene_file.read(folder() / f"{name}.toml", name)
+    try:
+        exists = Path(scene).exists()
+    except (OSError, ValueError):
+        exists = False
+    if not exists:
+        known = nearest(name, names())
+        raise BadInput(name, "SCENE", None, f"a path, or the name of a case: {known}")
+    return scene_file.read(Path(scene))
+
+
+def matching(patterns: list[str]) -> list[str]:
+    """Names and patterns such as ``euler/*``, expanded; a path stands for itself."""
+    if not patterns:
+        return names()
+    found: list[str] = []
+    for pattern in patterns:
+        hits = [name for name in names() if fnmatchcase(name, pattern)]
+        found += [name for name in hits or [pattern] if name not in found]
+    return found

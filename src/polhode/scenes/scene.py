@@ -1,0 +1,231 @@
+"""A scene: one body, one start, the times asked for.  Exact, immutable, checked once.
+
+Body axes O xyz, O the fixed point; omega = (p, q, r) and gamma, the upward vertical, in body axes
+(Yehia, chapter 3).  Integrals (3.30): h = ½ w·I w + Mg r0·gamma, f = I w·gamma, |gamma|² = 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from polhode.common.errors import BadInput, nearest
+from polhode.numbers import exact
+from polhode.numbers.convert import exact_number
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.scenes.body import Body, Vector, dot, exact_vector
+from polhode.scenes.words import (
+    FORMS,
+    OUTPUTS,
+    READY_MADE,
+    SECTION,
+    STATE,
+)
+
+
+class Published(NamedTuple):
+    """A figure that somebody printed: an expression in the columns and its printed value."""
+
+    t: Exact
+    quantity: str
+    value: str
+    cite: str
+    right: int | None = None  # significant digits known to be right, where not all are
+
+
+class Event(NamedTuple):
+    """An event: the zeros of an expression in p q r gamma1 gamma2 gamma3 t, in the scene's units.
+
+    ``zero`` may be empty where the name says it.  ``direction``: rising, falling or any, as t
+    grows, in backward runs too.  ``stop``: the run ends at the first one.
+    """
+
+    name: str
+    zero: str = ""
+    direction: str = "any"
+    stop: bool = False
+
+    @property
+    def expression(self) -> str | None:
+        """What vanishes, as text; None for w along the middle principal axis."""
+        if self.zero:
+            return self.zero
+        if self.name.startswith(SECTION):
+            return self.name.removeprefix(SECTION)
+        return READY_MADE.get(self.name, "")
+
+    @property
+    def needs_zero(self) -> bool:
+        """Whether the name alone does not say what vanishes."""
+        return self.name not in READY_MADE and not self.name.startswith(SECTION)
+
+    def counts(self, slope: int) -> bool:
+        """Whether a zero of that slope is one asked for; a grazing contact (0) always is."""
+        return slope == 0 or self.direction in ("any", "rising" if slope > 0 else "falling")
+
+
+class Integrals(NamedTuple):
+    """h, f and |gamma|² - 1 with the scales they are judged on; f and gamma None without gamma."""
+
+    energy: Exact
+    area: Exact | None
+    energy_scale: Exact
+    area_scale: Exact
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What is to be integrated; see the module for frame and symbols.
+
+    ``gamma`` None: a torque-free body of which only omega is asked.  ``times``: output times, all
+    of one sign (0 may be the first), |t| increasing.  Numbers of any kind are taken exactly, a
+    float as the binary number that it is.  Raises BadInput where a value cannot be.
+    """
+
+    body: Body
+    omega: Vector
+    gamma: Vector | None = None
+    psi: Exact = ZERO
+    times: tuple[Exact, ...] = ()
+    name: str = "scene"
+    title: str = ""
+    tags: tuple[str, ...] = ()
+    cite: tuple[str, ...] = ()
+    form: str = "principal"
+    outputs: tuple[str, ...] = ()
+    events: tuple[Event, ...] = ()
+    published: tuple[Published, ...] = ()
+    reference: str = "auto"
+    expect: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    source: str = ""  # the text it was read from, for the provenance
+    #: What others have derived from this scene and do not want to derive twice, by name.
+    derived: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "omega", exact_vector(self.omega))
+        object.__setattr__(self, "psi", exact_number(self.psi))
+        object.__setattr__(self, "times", tuple(exact_number(t) for t in self.times))
+        if self.gamma is not None:
+            object.__setattr__(self, "gamma", exact_vector(self.gamma))
+        if self.gamma is None:
+            if not self.body.torque_free:
+                raise self._bad("start.gamma", None, "given, since the weight has a moment")
+            if self.outputs:
+                raise self._bad("run.outputs", ", ".join(self.outputs), "none without start.gamma")
+        elif dot(self.gamma, self.gamma) != 1:
+            raise self._bad(
+                "start.gamma",
+                f"length {shown(exact.sqrt(dot(self.gamma, self.gamma)))}",
+                "a vector of length exactly 1, or normalise = true",
+            )
+        self._check_times("run.at", self.times)
+        for output in self.outputs:
+            if output not in OUTPUTS:
+                raise self._bad("run.outputs", output, nearest(output, [*OUTPUTS]))
+        if self.form not in FORMS:
+            raise self._bad("run.form", self.form, nearest(self.form, [*FORMS]))
+
+    def _bad(self, key: str, value: object, expected: str) -> BadInput:
+        return BadInput(self.name, key, value, expected)
+
+    def _check_times(self, key: str, times: tuple[Exact, ...]) -> None:
+        expected = "times of one sign, strictly monotone away from 0"
+        before: Exact = ZERO
+        direction = sign(times[-1]) if times else 0
+        for k, t in enumerate(times):
+            ahead = sign(t - before) * direction
+            if ahead < 0 or (ahead == 0 and not (k == 0 and sign(t) == 0)):
+                raise self._bad(f"{key}[{k + 1}]", shown(t), expected)
+            before = t
+
+    def at(self, times: tuple[Exact, ...]) -> Scene:
+        """The same scene, asked for at other times."""
+        return replace(self, times=times)
+
+    @cached_property
+    def text(self) -> str:
+        """The text that identifies the scene: its file's, or its exact numbers."""
+        body = self.body
+        parts = (body.inertia, body.centre, body.weight, self.omega, self.gamma, self.psi)
+        return self.source or repr((parts, self.times))
+
+    @property
+    def end(self) -> Exact:
+        """The last time asked for."""
+        return self.times[-1] if self.times else ZERO
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the state's columns."""
+        return STATE if self.gamma is not None else STATE[:3]
+
+    @property
+    def start(self) -> tuple[Exact, ...]:
+        """The state at t = 0 in body axes: p q r [gamma1 gamma2 gamma3]."""
+        return (*self.omega, *self.gamma) if self.gamma is not None else self.omega
+
+    @cached_property
+    def integrals(self) -> Integrals:
+        """The exact values of (3.30) and their scales T(0) + Mg|r0| and |G(0)|."""
+        momentum = self.body.momentum(self.omega)
+        kinetic = dot(momentum, self.omega) / 2
+        torque = self.body.torque
+        energy, area = kinetic, None
+        if self.gamma is not None:
+            energy = kinetic + dot(torque, self.gamma)
+            area = dot(momentum, self.gamma)
+        return Integrals(
+            energy,
+            area,
+            kinetic + exact.sqrt(dot(torque, torque)),
+            exact.sqrt(dot(momentum, momentum)),
+        )
+
+    @cached_property
+    def log10_rate(self) -> float:
+        """log10 of the fastest rate in the start: |w| or sqrt(Mg|r0|/largest moment)."""
+        return exact.log10(max(dot(self.omega, self.omega), self.pendulum_rate_squared)) / 2
+
+    @property
+    def log10_angle(self) -> float:
+        """log10 of the angle turned to the end: the fastest rate times |end|; at least 0."""
+        return max(0.0, self.log10_rate + exact.log10(self.end))
+
+    @cached_property
+    def pendulum_rate_squared(self) -> Exact:
+        """Mg|r0| / largest moment: the square of the slowest small oscillation's scale."""
+        return exact.sqrt(self.body.pendulum_rate_fourth)
+
+    @cached_property
+    def time_unit(self) -> int:
+        """The exponent n for which time is measured inside in units of 2**n.
+
+        Chosen from the fourth power of the fastest rate, a number that scales exactly with the
+        unit of time, so that scaling a scene by powers of two changes no bit of a run.
+        """
+        square = dot(self.omega, self.omega)
+        fourth = max(square * square, self.body.pendulum_rate_fourth)
+        if sign(fourth) == 0:
+            return 0
+        mantissa, exponent = exact.rounded(fourth, 8)
+        return -((exponent + mantissa.bit_length() - 1) // 4)
+
+    @property
+    def modelled(self) -> tuple[str, ...]:
+        """The outputs that are integrated beside the state: hodographs need the attitude."""
+        needed = {"attitude" if name == "hodographs" else name for name in self.outputs}
+        return tuple(name for name in OUTPUTS if name in needed)
+
+    @property
+    def starts_at_pole(self) -> bool:
+        """Whether the third axis is vertical at t = 0, where psi and phi have no meaning."""
+        return self.gamma is not None and sign(self.gamma[0]) == 0 == sign(self.gamma[1])
+
+
+def even_times(end: Exact, samples: int) -> tuple[Exact, ...]:
+    """The times end·k/(samples - 1), 0 and end included."""
+    return tuple(end * Fraction(k, samples - 1) for k in range(samples))

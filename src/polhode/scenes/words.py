@@ -1,0 +1,38 @@
+"""The words that a scene file may use, and the names of columns."""
+
+from __future__ import annotations
+
+REFERENCES = ("auto", "euler", "lagrange", "kovalevskaya", "pendulum", "two-precisions")
+
+
+#: The forms of the equations (polhode.equations.forms), in the order of the source.
+FORMS = (
+    *("general", "inertia-axes", "principal", "momentum", "gyration-axes"),
+    *("lagrangian", "hamiltonian", "routhian", "omega-only", "momentum-only", "quaternion"),
+)
+
+
+OUTPUTS = ("angles", "attitude", "hodographs")
+
+
+STATE = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
+
+
+ANGLES = ("psi", "theta", "phi")
+
+
+ATTITUDE = ("q0", "q1", "q2", "q3")
+
+
+SPACE = ("omega_x", "omega_y", "omega_z")  # omega along the axes of space, z up
+
+
+ANGLE_VARIABLES = ("psi", "phi")  # of the angles, those that are integrated along
+
+
+#: Events known by name: theta' = 0, the third axis horizontal, w along the middle principal axis
+#: changing sign (no expression in scene axes), and a Poincaré section, followed by its expression.
+FLIP, SECTION = "flip", "section:"
+
+
+READY_MADE = {"nutation": "p*gamma2 - q*gamma1", "equator": "gamma3", FLIP: None}

@@ -1,0 +1,1 @@
+"""Correct digits of every case in every number type."""

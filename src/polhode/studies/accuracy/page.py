@@ -1,0 +1,116 @@
+"""Page of the accuracy study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, Table, Text
+
+TITLE = "Accuracy: correct digits by case and number type"
+
+_TITLES = {
+    "euler": "Against the closed form of the Euler top",
+    "lagrange": "Against the closed form of the Lagrange top",
+    "kovalevskaya": "Against the closed form of the Kovalevskaya top",
+    "pendulum": "Against the closed form of the physical pendulum",
+    "two-precisions": "Against two integrations at different precision (no closed form)",
+}
+
+
+def blocks(found: dict[str, Any]) -> Iterator[Block]:
+    """The study's page from its JSON object."""
+    yield Text(
+        "Correct digits = -log10 of the larger of the error of w over the largest |w| of the "
+        "reference and the error of gamma, worst over all output times, never more than the type "
+        "holds (double 15.95, extended 19.27, quad 34.02; mp is asked for 50). A run is judged "
+        "against the exact scene, so rounding of its inputs is part of its error; the column "
+        "*inputs alone* shows the digits that rounding leaves by itself in double. Drift is the "
+        "largest departure of the integrals from the exact scene's values, in double; it says "
+        "nothing of the error where a run is put back on them: the sum of all corrections, w in "
+        "units in which it is of order 1, stands beside it. A dash: not projected, or "
+        "not run, for it would take too long in that type. Figures that somebody printed stand "
+        "beside ours in [published](published.md), the hard cases in [stability](stability.md)."
+    )
+    yield Text(
+        "*Possible*: the digits that kappa·eps leaves in double, kappa the most that the state "
+        "changes per unit of relative change of all inputs at once: a bound that a run can be a "
+        "digit or two better than. *Limit*, in double: *rounding*, the type's last digits; "
+        "*conditioning*, the motion multiplies rounding, and the run has all but a digit of those "
+        "possible; *method*, the problem would allow more; *reference*, it is good for no more."
+    )
+    yield Figure("accuracy", "Correct digits of every case in every number type")
+    for kind, title in _TITLES.items():
+        cases = [case for case in found["cases"] if case["reference"] == kind]
+        if cases:
+            yield Heading(title)
+            yield _table(cases)
+    yield from _weakest(found["cases"])
+
+
+def _table(cases: list[dict[str, Any]]) -> Table:
+    header = (
+        *("case", "regime", "t", "double", "extended", "quad", "mp (50)", "inputs alone"),
+        *("possible", "limit", "drift h", "drift f", "corrections", "steps", "outcome"),
+    )
+    rows = []
+    for case in cases:
+        runs = {run["number"]: run for run in case["runs"]}
+        double = runs.get("double", {})
+        drift = double.get("drift", {})
+        outcomes = sorted({run["outcome"] for run in case["runs"]})
+        rows.append(
+            (
+                case["case"],
+                case["regime"],
+                format(float(case["end"]), "g"),
+                *(_digits(runs.get(name)) for name in ("double", "extended", "quad", "mp")),
+                _number(double.get("input_rounding"), ".1f"),
+                _number(double.get("digits_possible"), ".1f"),
+                double.get("limit") or "–",
+                _number(drift.get("h"), ".0e"),
+                _number(drift.get("f"), ".0e"),
+                _number((double.get("projection") or {}).get("sum"), ".0e"),
+                _number(double.get("steps"), "d"),
+                ", ".join(outcomes),
+            )
+        )
+    return Table(header, tuple(rows), "llrrrrrrrlrrrrl")
+
+
+def _weakest(cases: list[dict[str, Any]]) -> Iterator[Block]:
+    """The three runs in double with the fewest digits, and what limits them."""
+    ranked = sorted(
+        (
+            run["correct_digits"],
+            case["case"],
+            run["limit"],
+            run["input_rounding"],
+            run.get("lost") or "",
+        )
+        for case in cases
+        for run in case["runs"]
+        if run["number"] == "double" and "correct_digits" in run
+    )
+    if not ranked:
+        return
+    yield Heading("The weakest figures")
+    yield Items(
+        tuple(
+            f"`{name}`: {lost or f'{digits:.1f} digits'} in double, limited by {limit} "
+            f"(rounded inputs alone leave {inputs:.1f})"
+            for digits, name, limit, inputs, lost in ranked[:3]
+        )
+    )
+
+
+def _digits(run: dict[str, Any] | None) -> str:
+    if run is None:
+        return "–"
+    if "correct_digits" not in run:
+        return str(run["outcome"])
+    return run.get("lost") or _number(run["correct_digits"], ".1f")
+
+
+def _number(value: Any, form: str) -> str:
+    return "–" if value is None else format(value, form)

@@ -1,0 +1,95 @@
+"""Study ``accuracy``: every case in every number type, correct digits against its reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from polhode.common.provenance import digest
+from polhode.judging.conditioning import Conditioning, conditioning
+from polhode.judging.judgement import compare
+from polhode.judging.reference import Remembered, reference
+from polhode.numbers import convert, decimals, number_types
+from polhode.runs.integrate import integrate
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+
+NAME = "accuracy"
+QUESTION = (
+    "How many digits of each case's trajectory are correct in each number type, how far do the "
+    "integrals drift, and what does rounding the inputs alone cost?"
+)
+QUICK_CASES = (
+    *("euler/largest-axis", "euler/separatrix", "euler/sphere", "euler/turned-axes"),
+    *("general/asymmetric-chaotic", "published/nasa-brick"),
+)
+#: Longest integration, as the angle |w|·|end|, that each number type is given in the study.
+LONGEST = {"double": 1e7, "extended": 1e6, "quad": 1e4, "mp": 3e3}
+
+
+def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict[str, Any]:
+    """The study's results as a JSON object; no figure in it depends on the clock."""
+    cases = []
+    for name in QUICK_CASES if quick else library.names():
+        if tick is not None:
+            tick(f"{NAME}: {name}")
+        cases.append(_case(library.load(name)))
+    return {"study": NAME, "question": QUESTION, "quick": quick, "cases": cases}
+
+
+def _case(scene: Scene) -> dict[str, Any]:
+    truth = reference(scene)
+    kept = Remembered(truth)
+    fitting = [name for name in number_types.NAMES if 10**scene.log10_angle <= LONGEST[name]]
+    known = conditioning(scene, number=number_types.named(fitting[-1])) if fitting else None
+    runs = [_run(scene, kept, name, known) for name in reversed(fitting)][::-1]  # most digits first
+    return {
+        "case": scene.name,
+        "title": scene.title,
+        "regime": truth.regime,
+        "reference": truth.kind,
+        "end": decimals.decimal_string(convert.exactly(number_types.QUAD.rounded(scene.end)), 6),
+        "sha256": digest(scene.text),
+        "runs": runs,
+    }
+
+
+def _run(scene: Scene, truth: Remembered, name: str, known: Conditioning | None) -> dict[str, Any]:
+    run = integrate(scene, name, digits=number_types.DEFAULT_MP_DIGITS if name == "mp" else None)
+    found: dict[str, Any] = {
+        "number": name,
+        "bits": run.number.bits,
+        "outcome": run.outcome.value,
+        "steps": run.steps,
+    }
+    if run.outcome.done:
+        judged = compare(run, truth, known)
+        possible = judged.digits_possible[judged.digits.index(judged.worst)]
+        found |= {
+            "correct_digits": round(judged.worst, 2),
+            "worst_time": float(judged.worst_time),
+            "input_rounding": round(judged.input_rounding, 2) if name == "double" else None,
+            "digits_possible": None if possible is None else round(possible, 2),
+            "limit": judged.limit,
+            "lost": judged.lost or None,
+            "drift": {
+                key: None if value is None else float(f"{value:.2e}")
+                for key, value in judged.drift._asdict().items()
+            },
+            "projection": projection(run),
+            "reference_digits": None if truth.is_closed_form else round(truth.agreement, 1),
+        }
+    return found
+
+
+def projection(run: Trajectory) -> dict[str, Any] | None:
+    """The corrections of a run that was put back on its integrals; None where it was not."""
+    if run.projection is None:
+        return None
+    return {
+        "onto": [*run.projection.onto],
+        "count": run.projection.count,
+        "largest": float(f"{run.projection.largest:.2e}"),
+        "sum": float(f"{run.projection.sum:.2e}"),
+    }

@@ -1,0 +1,1 @@
+"""Event times in ulps, counts, grazing contacts, cost."""

@@ -1,0 +1,125 @@
+"""Page of the study of events."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from polhode.studies.page.blocks import Block, Figure, Heading, Table, Text
+
+TITLE = "Events: times, counts, contacts and cost"
+
+
+def blocks(found: dict[str, Any]) -> Iterator[Block]:
+    """The study's page from its JSON object."""
+    yield Text(
+        "The true times are zeros of the closed form, found in one period to 60 digits without a "
+        "run and repeated with the period. Errors are in ulps: units in the last place of the "
+        "time in the run's type."
+    )
+    yield Figure("events", "Errors of event times over time, and the cost of events")
+    for part, title in (
+        ("near", "Ten periods, in every number type"),
+        ("far", "Far out: every event once"),
+    ):
+        yield Heading(title)
+        yield _times(found["motions"], part)
+    yield from _contacts(found)
+    yield from _cost(found["cost"])
+    yield Heading("What limits the digits")
+    yield Text(
+        "Over ten periods, the last digits of the time itself and the run's own error there. Far "
+        "out, the error of the run: its phase drifts, and an event is where the run is, not where "
+        "the motion is. Counts are exact all the same. Of a contact within sqrt(eps) of zero, "
+        "rounding decides on none, one or two zeros; it is reported once, as undecided."
+    )
+
+
+def _times(motions: list[dict[str, Any]], part: str) -> Table:
+    return Table(
+        (
+            *("motion", "case", "zero", "period", "number", "to t", "true", "found"),
+            *("largest error, ulps", "largest error", "digits"),
+        ),
+        tuple(
+            (
+                motion["what"],
+                motion["case"],
+                f"`{motion['zero']}`",
+                motion["period"],
+                run["number"],
+                f"{run['end']:g}",
+                str(run["true"]),
+                str(run["found"]) + ("" if run["complete"] else " (incomplete)"),
+                _number(run.get("ulps"), ".3g"),
+                _number(run.get("error"), ".1e"),
+                _number(run.get("digits"), ".1f"),
+            )
+            for motion in motions
+            for run in motion[part]
+        ),
+        "lllrlrrrrrr",
+    )
+
+
+def _contacts(found: dict[str, Any]) -> Iterator[Block]:
+    yield Heading("Contacts that rounding decides")
+    yield Text(
+        "q of `euler/largest-axis` against its largest value less a shift: above sqrt(eps) two "
+        "crossings a touch or none, below it one undecided contact."
+    )
+    yield Table(
+        ("number", "shift", "touches", "found", "undecided", "as expected"),
+        tuple(
+            (
+                row["number"],
+                row["shift"],
+                str(row["touches"]),
+                str(row["found"]),
+                str(row["grazing"]),
+                "yes" if row["as_expected"] else "no",
+            )
+            for row in found["grazing"]
+        ),
+        "lrrrrl",
+    )
+    yield Text("psi' of the cusped top (`lagrange/cusped`) touches zero at each cusp:")
+    yield Table(
+        ("number", "cusps", "found", "undecided"),
+        tuple(
+            (row["number"], str(row["cusps"]), str(row["found"]), str(row["grazing"]))
+            for row in found["cusps"]
+        ),
+        "lrrr",
+    )
+
+
+def _cost(rows: list[dict[str, Any]]) -> Iterator[Block]:
+    yield Heading("What events cost")
+    yield Text(
+        "Microseconds a step of `general/asymmetric-regular` with no event, one and three, the "
+        "least of several interleaved runs, compilation not counted, and what each event found "
+        "costs: it is polished and its state read in Python. The steps are the same with and "
+        "without."
+    )
+    yield Table(
+        (
+            *("number", "steps", "none, µs a step", "one", "three", "found, one", "found, three"),
+            "µs an event, three",
+        ),
+        tuple(
+            (
+                row["number"],
+                str(row["steps"][0]),
+                *(f"{m:.3g}" for m in row["microseconds_a_step"]),
+                *(str(n) for n in row["found"][1:]),
+                _number(row["microseconds_an_event"][2], ".3g"),
+            )
+            for row in rows
+        ),
+        "lrrrrrrr",
+    )
+
+
+def _number(value: Any, form: str) -> str:
+    return "–" if value is None else format(value, form)

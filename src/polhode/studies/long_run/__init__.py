@@ -1,0 +1,1 @@
+"""Growth of error and drift over long runs."""

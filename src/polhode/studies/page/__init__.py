@@ -1,0 +1,1 @@
+"""What every study's page is made of, as Markdown and as HTML."""

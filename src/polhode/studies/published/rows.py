@@ -1,0 +1,58 @@
+"""Study ``published``: figures that somebody printed, beside ours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from polhode.checks.printed import Figure, figures, last_unit, significant_digits
+from polhode.judging.reference import reference
+from polhode.numbers.decimals import decimal_string
+from polhode.scenes import library
+
+NAME = "published"
+QUESTION = (
+    "Which figures that somebody printed are right, and by how much are the others off? Ours come "
+    "from closed forms, or from two integrations at different precision where there is none."
+)
+QUICK_CASES = ("published/nasa-brick", "published/curtis", "published/detest-b5")
+
+
+def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict[str, Any]:
+    """The study's results as a JSON object."""
+    cases = []
+    for name in QUICK_CASES if quick else library.names():
+        scene = library.load(name)
+        if not scene.published:
+            continue
+        if tick is not None:
+            tick(f"{NAME}: {name}")
+        truth = reference(scene)
+        found = [_row(figure) for figure in figures(scene, truth)]
+        cases.append(
+            {
+                "case": name,
+                "title": scene.title,
+                "reference": truth.kind,
+                "cite": [*scene.cite],
+                "figures": found,
+            }
+        )
+    return {"study": NAME, "question": QUESTION, "quick": quick, "cases": cases}
+
+
+def _row(figure: Figure) -> dict[str, Any]:
+    printed = figure.published
+    return {
+        "t": float(printed.t),
+        "quantity": printed.quantity,
+        "cite": printed.cite,
+        "printed": printed.value,
+        "ours": figure.ours,
+        "difference": decimal_string(figure.difference, 2),
+        "last_units": float(f"{float(figure.difference / last_unit(printed.value)):.2g}"),
+        "digits_shown": significant_digits(printed.value),
+        "digits_right": round(figure.digits_right, 1),
+        "stands": figure.passed and printed.right is None,
+        "verdict": figure.verdict,
+    }

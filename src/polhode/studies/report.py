@@ -1,0 +1,199 @@
+"""Reports: each study's results as JSON, the truth; figures and pages are made from it alone.
+
+A study is three modules of one name: ``studies`` has NAME, QUESTION and ``rows(quick, tick)``, the
+JSON object; ``pages`` TITLE and ``blocks(found)``; ``figures`` ``svg(found)``, one figure with the
+study's name, or ``svgs(found)``, several by name.  Where a study's module tells its own
+``versions()``, they belong to its provenance.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterable, Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from polhode.common.errors import BadInput, nearest
+from polhode.common.files import check_writable, write_whole
+from polhode.common.provenance import cpu, digest, versions
+from polhode.figures import canvas
+from polhode.output.results import as_json
+from polhode.scenes import library
+from polhode.studies.page import html
+from polhode.studies.page.blocks import Block, Heading, Text, markdown
+
+#: The studies by name, in the order of the report, and the name of their modules.
+STUDIES = {
+    "accuracy": "accuracy",
+    "speed": "speed",
+    "stability": "stability",
+    "long-run": "long_run",
+    "forms": "forms",
+    "events": "events",
+    "published": "published",
+}
+PAGE = "report.html"
+#: What makes pages of results: a change there makes no result out of date.
+_PRESENTATION = {"page.py", "figure.py", "page", "figures", "verbs", "cli.py", "report.py"}
+
+Tick = Callable[[str], None]
+
+
+def write_report(
+    folder: Path, quick: bool = False, fresh: bool = False, tick: Tick | None = None
+) -> list[Path]:
+    """Run the studies and write each whole as it ends, then the page of all; the paths.
+
+    A study whose results in ``folder`` were made by today's code, cases and versions in the same
+    mode is kept, unless ``fresh``: a report that was interrupted goes on where it stopped.
+    """
+    command = "polhode report" + " --quick" * quick
+    _check(folder, STUDIES)
+    for k, name in enumerate(STUDIES):
+        if fresh or not _is_current(folder, name, quick):
+            said = None if tick is None else _counted(tick, k + 1)
+            _run(name, folder, quick, command, said)
+    return write_pages(folder, tick)
+
+
+def write_study(
+    name: str, folder: Path, quick: bool = False, tick: Tick | None = None
+) -> list[Path]:
+    """Run one study and write its results, page and figures; the paths."""
+    if name not in STUDIES:
+        raise BadInput("study", "NAME", name, nearest(name, [*STUDIES]))
+    _check(folder, [name])
+    _run(name, folder, quick, f"polhode study {name}" + " --quick" * quick, tick)
+    kept, texts, _ = _made(folder, [name], tick)
+    write_whole(texts)
+    return [*kept, *texts]
+
+
+def write_pages(folder: Path, tick: Tick | None = None) -> list[Path]:
+    """Figures and pages of all results in the folder, made from them alone; paths of all files."""
+    kept, texts, sections = _made(folder, STUDIES, tick)
+    texts[folder / PAGE] = html.page("polhode: digits, and what limits them", sections)
+    write_whole(texts)
+    return [*kept, *texts]
+
+
+def _made(
+    folder: Path, names: Iterable[str], tick: Tick | None
+) -> tuple[list[Path], dict[Path, str], list[html.Section]]:
+    """Of the studies that have results in the folder: their files, texts made of them, sections."""
+    kept: list[Path] = []
+    texts: dict[Path, str] = {}
+    sections: list[html.Section] = []
+    for name in names:
+        found = results(folder, name)
+        if found is None:
+            continue
+        if tick is not None:
+            tick(f"{name}: figures and pages")
+        drawn, parts = figures(found), tuple(blocks(found))
+        kept.append(folder / f"{name}.json")
+        texts |= {folder / f"{figure}.svg": svg for figure, svg in drawn.items()}
+        texts[folder / f"{name}.md"] = markdown(title(name), parts)
+        sections.append(html.Section(name, title(name), parts, drawn))
+    return kept, texts, sections
+
+
+def results(folder: Path, name: str) -> dict[str, Any] | None:
+    """The JSON object of a study in a folder; None where there is none that can be read."""
+    try:
+        found = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return found if isinstance(found, dict) and found.get("study") == name else None
+
+
+def figures(found: dict[str, Any]) -> dict[str, str]:
+    """A study's figures as SVG by name, from its JSON object."""
+    name = found["study"]
+    module = import_module(f"polhode.studies.{STUDIES[name]}.figure")
+    drawn: dict[str, str] = (
+        module.svgs(found) if hasattr(module, "svgs") else {name: module.svg(found)}
+    )
+    return drawn
+
+
+def title(name: str) -> str:
+    """The title of a study's page."""
+    found: str = import_module(f"polhode.studies.{STUDIES[name]}.page").TITLE
+    return found
+
+
+def page(found: dict[str, Any]) -> str:
+    """A study's page as Markdown, from its JSON object."""
+    return markdown(title(found["study"]), blocks(found))
+
+
+def blocks(found: dict[str, Any]) -> Iterator[Block]:
+    """A study's page in blocks, from its JSON object: between question and provenance, its own."""
+    origin, mode = found["provenance"], " --quick" * found["quick"]
+    again = f"polhode study {found['study']}{mode}"
+    yield Text(found["question"])
+    took = f" in {origin['seconds']:.0f} seconds" if "seconds" in origin else ""
+    yield Text(
+        f"Made by `{origin['command']}`{took}; to run it again: `{again} -o DIR`. "
+        "No number here was edited by hand."
+    )
+    yield from import_module(f"polhode.studies.{STUDIES[found['study']]}.page").blocks(found)
+    yield Heading("Provenance")
+    packages = ", ".join(f"{name} {version}" for name, version in origin["versions"].items())
+    key = f"; code, cases and versions `{origin['key']}`" if "key" in origin else ""
+    yield Text(f"{packages}; {origin['cpu']}{key}.")
+
+
+def key(name: str, quick: bool) -> str:
+    """What a study's results depend on: code, cases, versions, processor and mode."""
+    top = Path(__file__).parents[1]
+    paths = sorted(path.relative_to(top) for path in top.rglob("*.py"))
+    parts = [
+        f"{path}\n{(top / path).read_text(encoding='utf-8')}"
+        for path in paths
+        if _PRESENTATION.isdisjoint(path.parts)
+    ]
+    parts += [f"{case}\n{library.load(case).text}" for case in library.names()]
+    return digest("\0".join([*parts, str(_versions(name)), cpu(), str(quick)]))
+
+
+def _versions(name: str) -> dict[str, str]:
+    study = import_module(f"polhode.studies.{STUDIES[name]}.rows")
+    return versions() | (study.versions() if hasattr(study, "versions") else {})
+
+
+def _is_current(folder: Path, name: str, quick: bool) -> bool:
+    found = results(folder, name)
+    return found is not None and found.get("provenance", {}).get("key") == key(name, quick)
+
+
+def _check(folder: Path, names: Iterable[str]) -> None:
+    """Refuse what would fail at the end, before the work."""
+    if not folder.is_dir():
+        raise BadInput(str(folder), "-o", None, "an existing folder")
+    for name in names:
+        for suffix in (".json", ".md", ".svg"):
+            check_writable(folder / f"{name}{suffix}")
+    check_writable(folder / PAGE)
+    canvas.require()
+
+
+def _run(name: str, folder: Path, quick: bool, command: str, tick: Tick | None) -> None:
+    """Run one study and write its JSON."""
+    began, made_of = time.perf_counter(), key(name, quick)
+    found = import_module(f"polhode.studies.{STUDIES[name]}.rows").rows(quick, tick)
+    found["provenance"] = {
+        "command": command,
+        "key": made_of,
+        "seconds": round(time.perf_counter() - began, 1),
+        "versions": _versions(name),
+        "cpu": cpu(),
+    }
+    write_whole({folder / f"{name}.json": as_json(found)})
+
+
+def _counted(tick: Tick, k: int) -> Tick:
+    return lambda text: tick(f"{k} of {len(STUDIES)}: {text}")

@@ -1,0 +1,1 @@
+"""Error against seconds, beside other programs."""

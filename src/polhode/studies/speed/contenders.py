@@ -1,0 +1,93 @@
+"""Who takes part in the study ``speed``: the motions, and the methods that run each of them."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import NamedTuple
+
+from polhode.numbers.number_types import DOUBLE, named
+from polhode.scenes.scene import Scene, even_times
+from polhode.studies.processes import Method, plain_scene
+
+SAMPLES = 11
+PLAIN = "polhode double"
+PROJECTED = "polhode double projected"
+ENGINE = "heyoka alone"
+
+
+class Motion(NamedTuple):
+    """A case of the library to its own end; ``kind``: regular, chaotic, or short for slow peers."""
+
+    name: str
+    case: str
+    end: int
+    kind: str
+
+
+MOTIONS = (
+    Motion("Euler top", "euler/largest-axis", 1000, "regular"),
+    Motion("Lagrange top", "lagrange/nutation", 1000, "regular"),
+    Motion("Kovalevskaya top", "kovalevskaya/generic", 1000, "regular"),
+    Motion("asymmetric body", "general/asymmetric-regular", 1000, "regular"),
+    Motion("asymmetric body, chaotic", "general/asymmetric-chaotic", 100, "chaotic"),
+    Motion("asymmetric body, short", "general/asymmetric-regular", 2, "short"),
+)
+
+_OWN = "polhode.studies.own_process"
+_TOLERANCES = (1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
+_FINE = {
+    "double": (*_TOLERANCES, 2.0**-52),
+    "extended": (1e-12, 1e-15, 2.0**-63),
+    "quad": (1e-20, 2.0**-112),
+    "mp": (float(named("mp").eps),),
+}
+
+
+def _peer(name: str, module: str, method: str = "", limit: float = 60.0) -> Method:
+    return Method(name, f"polhode.peers.{module}", method, _TOLERANCES, limit=limit)
+
+
+OURS = tuple(
+    Method(f"polhode {word}", _OWN, word, fine, number, 120.0)
+    for number, fine in _FINE.items()
+    for word in (number, f"{number} projected")
+)
+HEYOKA = Method(ENGINE, "polhode.peers.bare_heyoka", "", _FINE["double"])
+PEERS = (
+    _peer("SciPy DOP853, Python", "scipy_python", "DOP853"),
+    _peer("SciPy LSODA, Python", "scipy_python", "LSODA"),
+    _peer("SciPy DOP853, numba", "scipy_numba", "DOP853"),
+    _peer("SciPy LSODA, numba", "scipy_numba", "LSODA"),
+    _peer("numbalsoda dop853", "numbalsoda_cfunc", "dop853"),
+    _peer("numbalsoda lsoda", "numbalsoda_cfunc", "lsoda"),
+    _peer("CyRK DOP853", "cyrk", "DOP853"),
+    _peer("CyRK VERN8", "cyrk", "VERN8"),
+    _peer("CyRK LSODA", "cyrk", "LSODA"),
+    _peer("diffrax Dopri8", "diffrax_dopri8", "Dopri8"),
+)
+SLOW_PEERS = (_peer("mpmath odefun", "mpmath_odefun"),)
+
+QUICK_MOTIONS = ("Kovalevskaya top", "asymmetric body, short")
+QUICK_TYPES = ("double", "extended")
+QUICK_PEERS = ("scipy_python", "mpmath_odefun")  # what needs no compiler
+QUICK_TOLERANCES = (1e-8, 1e-12, 2.0**-52, 2.0**-63, 1e-14)
+
+
+def methods(motion: Motion, quick: bool) -> list[Method]:
+    """The methods that run a motion: slow peers on the short one, all others on the rest."""
+    chosen = [*OURS, HEYOKA, *(SLOW_PEERS if motion.kind == "short" else PEERS)]
+    if not quick:
+        return chosen
+    return [
+        method._replace(tolerances=tuple(t for t in method.tolerances if t in QUICK_TOLERANCES))
+        for method in chosen
+        if (method in OURS and method.number in QUICK_TYPES)
+        or method is HEYOKA
+        or method.module.rpartition(".")[2] in QUICK_PEERS
+    ]
+
+
+def scene_of(motion: Motion) -> Scene:
+    """The motion's scene at its output times, which every method takes as doubles."""
+    times = [DOUBLE.rounded(t) for t in even_times(Fraction(motion.end), SAMPLES)]
+    return plain_scene(motion.case, times)

@@ -1,0 +1,206 @@
+"""Page of the study speed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, Table, Text
+
+TITLE = "Speed: work against precision"
+
+
+def blocks(found: dict[str, Any]) -> Iterator[Block]:
+    """The study's page from its JSON object."""
+    yield Text(
+        "Error is the larger of the error of w over the largest |w| and the error of gamma, worst "
+        "of eleven output times, against the exact scene: rounding the inputs is part of it. Every "
+        "method runs in a process of its own on the same inputs and output times, twice round: "
+        "first with empty caches of compiled code, then with those the first round left. Seconds "
+        "are the least of all timed runs after one that warms up; a run of more than a quarter of "
+        "a second is made once. Import and compilation stand in columns of their own; for polhode "
+        "compilation is the making of its integrator, which later runs of the same equations take "
+        "up again; the second and later bodies of a process may find code that an earlier one "
+        "left."
+    )
+    yield Text("Left of and below is better. The dotted line is three times kappa·eps of a double.")
+    yield Figure("speed", "Error against seconds of every method on every motion")
+    yield from _target(found)
+    yield from _verdicts(found["motions"])
+    yield from _engine(found["motions"])
+    yield from _start_up(found["motions"])
+    for motion in found["motions"]:
+        yield Heading(f"{motion['motion']} to t = {motion['end']}")
+        yield Text(_limits(motion))
+        yield _points(motion)
+    yield from _absent(found["motions"])
+
+
+def _target(found: dict[str, Any]) -> Iterator[Block]:
+    target = found["target"]
+    if target["ahead"] is None:
+        return
+    yield Heading("From 1e-6 down to three times kappa·eps")
+    if target["ahead"]:
+        yield Text("On every regular motion polhode's double curve is ahead of every peer.")
+    else:
+        yield Text("polhode's double curve is ahead of every peer but these:")
+        yield Items(tuple(_behind(row) for row in target["behind"]))
+    if not target["reaches_floor"]:
+        short = [
+            f"{m['motion']} {m['verdict']['reach']:.1f} of {m['verdict']['to_digits']:.1f}"
+            for m in found["motions"]
+            if m["kind"] == "regular" and "verdict" in m and not m["verdict"]["reaches_floor"]
+        ]
+        yield Text("It ends above three times kappa·eps on (digits): " + ", ".join(short) + ".")
+
+
+def _behind(row: dict[str, Any]) -> str:
+    if row["least_factor"] is not None and row["least_factor"] <= 1:
+        return (
+            f"{row['motion']}, {row['method']}: it takes {row['least_factor']:.2f} of our time at "
+            f"{row['at_digits']:.1f} digits"
+        )
+    return f"{row['motion']}, {row['method']}: it reaches {row['short']:.2f} digits more"
+
+
+def _verdicts(motions: list[dict[str, Any]]) -> Iterator[Block]:
+    """The peers' seconds over ours at equal digits, where they are closest to ours."""
+    judged = [m for m in motions if "verdict" in m]
+    if not judged:
+        return
+    names = list(dict.fromkeys(row["method"] for m in judged for row in m["verdict"]["peers"]))
+    rows = []
+    for name in names:
+        cells = []
+        for motion in judged:
+            row = next((r for r in motion["verdict"]["peers"] if r["method"] == name), None)
+            cells.append(_factor(row))
+        rows.append((name, *cells))
+    yield Text(
+        "Seconds of each peer over those of polhode's double curve at equal digits, at the level "
+        "where the peer is closest (in brackets); *not reached*: it has fewer than six digits."
+    )
+    header = ("peer", *(m["motion"] for m in judged))
+    yield Table(header, tuple(rows), "l" + "r" * len(judged))
+
+
+def _factor(row: dict[str, Any] | None) -> str:
+    if row is None:
+        return "–"
+    if row["least_factor"] is None:
+        return "not reached"
+    return f"{row['least_factor']:.3g} ({row['at_digits']:.1f})"
+
+
+def _engine(motions: list[dict[str, Any]]) -> Iterator[Block]:
+    rows = []
+    for motion in motions:
+        for name, row in motion.get("verdict", {}).get("engine", {}).items():
+            rows.append(
+                (
+                    motion["motion"],
+                    name,
+                    f"{row['overhead_least']:.2f}",
+                    f"{row['overhead_most']:.2f}",
+                    f"{row['overhead_tightest']:.2f}",
+                    _seconds(row["seconds_more"]),
+                    _steps(row.get("steps_tightest")),
+                    f"{row['digits_gained']:+.1f}",
+                )
+            )
+    if rows:
+        yield Heading("Against heyoka alone")
+        yield Text(
+            "Seconds over those of heyoka written by hand at equal tolerance: least and most over "
+            "all tolerances, at eps, and the least difference, which is what a run costs however "
+            "short it is; its steps at eps, over heyoka's: polhode measures time in a unit in "
+            "which w is of the size of gamma, and steps are as accurate as the largest variable "
+            "asks; digits gained over heyoka's best."
+        )
+        header = ("motion", "method", "least", "most", "at eps", "s more", "steps", "digits gained")
+        yield Table(header, tuple(rows), "llrrrrrr")
+
+
+def _start_up(motions: list[dict[str, Any]]) -> Iterator[Block]:
+    """Import and compilation, of the first motion that a method ran."""
+    first: dict[str, dict[str, Any]] = {}
+    for motion in motions:
+        for method in motion["methods"]:
+            first.setdefault(method["method"], method)
+    yield Heading("Import and compilation")
+    yield Text("Seconds, for the first motion that a method is given.")
+    yield Table(
+        ("method", "import", "cold compile", "cached compile", "version"),
+        tuple(
+            (
+                name,
+                _seconds(m["import"]),
+                _seconds(m["compile_cold"]),
+                _seconds(m["compile_cached"]),
+                m["version"] or m["status"],
+            )
+            for name, m in first.items()
+        ),
+        "lrrrl",
+    )
+
+
+def _steps(ratio: float | None) -> str:
+    return "–" if ratio is None else f"{ratio:.2f}"
+
+
+def _limits(motion: dict[str, Any]) -> str:
+    told = [f"Case `{motion['case']}`, {motion['kind']}."]
+    if "kappa" in motion:
+        told.append(
+            f"kappa = {motion['kappa']:.1e}; digits possible in double "
+            f"{motion['digits_possible']:.1f}."
+        )
+    if motion["wall"] is None:
+        told.append("No wall: the curves do not flatten together.")
+    else:
+        told.append(
+            f"Wall: the curves flatten at {motion['wall']:.1f} digits in more than one number "
+            "type; the reference is to blame."
+        )
+    return " ".join(told)
+
+
+def _points(motion: dict[str, Any]) -> Table:
+    rows = []
+    for method in motion["methods"]:
+        if not method["points"]:
+            rows.append((method["method"], "–", method["status"], "–", "–", "–", "–", "–"))
+        for p in method["points"]:
+            rows.append(
+                (
+                    method["method"],
+                    f"{p['tol']:.1e}",
+                    f"{p['digits']:.1f}" if "digits" in p else p.get("status", "–"),
+                    _seconds(p.get("seconds_min")),
+                    _seconds(p.get("seconds_median")),
+                    _seconds(p.get("cpu")),
+                    str(p.get("runs", "–")),
+                    "–" if p.get("steps") is None else str(p["steps"]),
+                )
+            )
+    header = ("method", "tol", "digits", "least s", "median s", "cpu s", "runs", "steps")
+    return Table(header, tuple(rows), "lrrrrrrr")
+
+
+def _absent(motions: list[dict[str, Any]]) -> Iterator[Block]:
+    """Each method that is missing, failed or stale, and why, once."""
+    told = {
+        f"{m['method']}: {m['status']} ({m['reason']})": None
+        for motion in motions
+        for m in motion["methods"]
+        if m["status"] != "ok"
+    }
+    if told:
+        yield Heading("Missing, failed, stale")
+        yield Items(tuple(told))
+
+
+def _seconds(x: float | None) -> str:
+    return "–" if x is None else f"{x:.3g}"

@@ -1,0 +1,1 @@
+"""Hard motions: correct digits beside those possible."""

@@ -1,0 +1,183 @@
+"""Study ``stability``: the hard cases in every number type, symmetries, and where runs refuse."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+from polhode.common.provenance import digest
+from polhode.judging.conditioning import Conditioning, conditioning
+from polhode.judging.judgement import compare
+from polhode.judging.reference import Remembered, reference
+from polhode.numbers import number_types
+from polhode.runs.integrate import integrate
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+from polhode.studies.accuracy.rows import LONGEST, projection
+from polhode.studies.stability import hard_cases, limits, symmetries
+
+NAME = "stability"
+QUESTION = (
+    "How many of the digits that a hard motion allows are left in each number type, and why not "
+    "more? What is kept exactly: under powers of two, at rest, on the way back? Where does a run "
+    "refuse, and what does its user see?"
+)
+TARGET = 1.5  # digits that a run may stay behind those possible
+SYMMETRIC = ("double", "extended", "quad")  # types of the symmetry checks
+LONGEST_SYMMETRIC = {"double": 1e4, "extended": 1e4, "quad": 200.0}
+SPARE_DIGITS = 40  # of the states from which kappa of the way back is computed
+QUARTERS = 4  # of the way, each of whose ends is one of those states
+
+Tick = Callable[[str], None]
+
+
+def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
+    """The study's results as a JSON object; no figure in it depends on the clock."""
+    say = tick or (lambda _: None)
+    cases, back, units = [], [], []
+    chosen = hard_cases.names(quick)
+    for k, name in enumerate(chosen):
+        say(f"{NAME}: {name}, {k + 1} of {len(chosen)}")
+        scene = library.load(name)
+        known = _conditioning(scene)
+        kept = Remembered(reference(scene))
+        cases.append(_case(scene, kept, known))
+        back += _back(scene, kept, known)
+        units += _units(scene)
+    say(f"{NAME}: rest")
+    rest = _rest(chosen if quick else library.names())
+    say(f"{NAME}: limits")
+    return {
+        "study": NAME,
+        "question": QUESTION,
+        "quick": quick,
+        "target": TARGET,
+        "kinds": [
+            {"kind": kind, "cases": [name for name in names if name in chosen]}
+            for kind, names in hard_cases.KINDS.items()
+        ],
+        "cases": cases,
+        "units": units,
+        "rest": rest,
+        "back": back,
+        "limits": limits.rows(quick),
+    }
+
+
+def _conditioning(scene: Scene) -> Conditioning:
+    """Kappa, followed until it takes all digits of the widest fixed type."""
+    return conditioning(scene, number=number_types.QUAD)
+
+
+def _case(scene: Scene, truth: Remembered, known: Conditioning) -> dict[str, Any]:
+    fitting = [name for name in number_types.NAMES if 10**scene.log10_angle <= LONGEST[name]]
+    runs = [_run(scene, truth, known, name) for name in reversed(fitting)][::-1]
+    kappas = [x for x in known.log10_kappa if x is not None]
+    return {
+        "case": scene.name,
+        "title": scene.title,
+        "regime": truth.regime,
+        "reference": truth.kind,
+        "end": float(scene.end),
+        "log10_kappa": round(max(kappas), 2) if kappas else None,
+        "kappa_note": known.note,
+        "sha256": digest(scene.text),
+        "runs": runs,
+    }
+
+
+def _run(scene: Scene, truth: Remembered, known: Conditioning, name: str) -> dict[str, Any]:
+    run = integrate(scene, name, digits=number_types.DEFAULT_MP_DIGITS if name == "mp" else None)
+    found: dict[str, Any] = {
+        "number": name,
+        "bits": run.number.bits,
+        "outcome": run.outcome.value,
+        "steps": run.steps,
+    }
+    if not run.outcome.done:
+        return found
+    judged = compare(run, truth, known)
+    possible = judged.digits_possible[judged.digits.index(judged.worst)]
+    behind = None if possible is None else possible - judged.worst
+    late = behind is not None and behind > TARGET
+    found |= {
+        "correct_digits": round(judged.worst, 2),
+        "digits_possible": None if possible is None else round(possible, 2),
+        "behind": None if behind is None else round(behind, 2),
+        "worst_time": float(judged.worst_time),
+        "lost": judged.lost,
+        "limit": judged.limit,
+        "input_rounding": round(judged.input_rounding, 2) if late else None,
+        "drift": {
+            key: None if value is None else float(f"{value:.2e}")
+            for key, value in judged.drift._asdict().items()
+        },
+        "projection": projection(run),
+        "reference_digits": None if truth.is_closed_form else round(truth.agreement, 1),
+    }
+    return found
+
+
+def _symmetric(scene: Scene) -> list[str]:
+    angle = 10**scene.log10_angle
+    return [name for name in SYMMETRIC if angle <= LONGEST_SYMMETRIC[name]]
+
+
+def _units(scene: Scene) -> list[dict[str, Any]]:
+    """How many numbers of the states change with the units, by number type."""
+    return [
+        {
+            "case": scene.name,
+            "number": name,
+            "changed": symmetries.changed_by_units(scene, number_types.named(name)),
+        }
+        for name in _symmetric(scene)
+    ]
+
+
+def _back(scene: Scene, truth: Remembered, known: Conditioning) -> list[dict[str, Any]]:
+    """Errors of a run to the end and back to 0, beside what kappa of either way allows."""
+    numbers = _symmetric(scene)
+    if not numbers:
+        return []
+    there = known.log10_kappa[-1]
+    times = [scene.end * Fraction(k, QUARTERS) for k in range(1, QUARTERS + 1)]
+    ways = [
+        symmetries.way_back(scene, t, state)
+        for t, state in zip(times, truth.at(times, SPARE_DIGITS), strict=True)
+    ]
+    backs = [conditioning(way, number=number_types.QUAD).log10_kappa[-1] for way in ways]
+    back = max((x for x in backs if x is not None), default=None)
+    kappa = None if there is None or back is None else max(there, back)
+    found = []
+    for name in numbers:
+        eps = symmetries.there_and_back(scene, number_types.named(name))
+        found.append(
+            {
+                "case": scene.name,
+                "number": name,
+                "log10_kappa": None if there is None else round(there, 2),
+                "log10_kappa_back": None if back is None else round(back, 2),
+                "error_eps": float(f"{eps:.2e}"),
+                "times_kappa": None if kappa is None else float(f"{eps / 10**kappa:.2g}"),
+                "within": None if kappa is None else eps <= 10**kappa,
+            }
+        )
+    return found
+
+
+def _rest(names: list[str]) -> list[dict[str, Any]]:
+    """How far states that rest in the body stray, in eps, in every number type."""
+    found = []
+    for name in names:
+        scene = library.load(name)
+        turning, whole = symmetries.at_rest(scene)
+        if not turning:
+            continue
+        strays = {}
+        for number in map(number_types.named, number_types.NAMES):
+            states = integrate(scene, number).states
+            strays[number.name] = float(f"{symmetries.departure(states, scene, number):.2e}")
+        found.append({"case": name, "rests": "state" if whole else "omega", "strays_eps": strays})
+    return found

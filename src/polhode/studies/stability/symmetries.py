@@ -1,0 +1,124 @@
+"""What a run must keep exactly, or nearly so: powers of two, rest, and the way back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+from polhode.equations.forms import principal
+from polhode.equations.readout import Readout
+from polhode.equations.system import system
+from polhode.judging.digits import errors, rate_scale
+from polhode.numbers import exact
+from polhode.numbers.convert import exactly, number_value, to_mpf
+from polhode.numbers.exact import sign
+from polhode.numbers.number_types import NumberType, bits_for
+from polhode.numbers.scalars import Functions
+from polhode.runs.integrate import integrate
+from polhode.runs.run import Run
+from polhode.scenes.body import Body, dot, scaled
+from polhode.scenes.scene import Scene
+
+#: Exponents of two by which mass, length and time are measured anew.
+UNITS = ((7, -3, 5), (-40, 33, -61))
+
+_EXACTLY = Functions(exact.ZERO, exact.sin, exact.cos, exact.sqrt)
+
+
+def in_units(scene: Scene, mass: int, length: int, time: int) -> Scene:
+    """The same motion with mass, length and time multiplied by powers of two."""
+    m, x, t = (Fraction(2) ** n for n in (mass, length, time))
+    body = scene.body
+    a, b, c = (scaled(m * x * x, row) for row in body.inertia)
+    return replace(
+        scene,
+        body=Body((a, b, c), scaled(x, body.centre), body.weight * m * x / (t * t)),
+        omega=scaled(1 / t, scene.omega),
+        times=tuple(t * s for s in scene.times),
+        outputs=(),
+    )
+
+
+def changed_by_units(scene: Scene, number: NumberType) -> int:
+    """How many numbers of a run's states change when the units change by powers of two."""
+    plain = integrate(replace(scene, outputs=()), number).states
+    changed = 0
+    for mass, length, time in UNITS:
+        other = integrate(in_units(scene, mass, length, time), number).states
+        rate = Fraction(2) ** time
+        for row, turned in zip(plain, other, strict=True):
+            for k, (x, y) in enumerate(zip(row, turned, strict=True)):
+                changed += exactly(x) != exactly(y) * (rate if k < 3 else 1)
+    return changed
+
+
+def at_rest(scene: Scene) -> tuple[bool, bool]:
+    """Whether w, and the state with gamma, are constant by the exact equations.
+
+    w alone only where no torque acts on it: then it does not depend on gamma.
+    """
+    plain = system(replace(scene, outputs=()), ())
+    rates = principal.field(plain.start, plain.coefficients, _EXACTLY)
+    still = [sign(rate) == 0 for rate in rates]
+    whole = all(still)
+    return whole or (scene.body.torque_free and all(still[:3])), whole
+
+
+def departure(states: Sequence[Sequence[Any]], scene: Scene, number: NumberType) -> float:
+    """How far w strays from its start (with gamma where that rests too), in eps of the type."""
+    columns = slice(None) if at_rest(scene)[1] else slice(0, 3)
+    bits = bits_for(2 * number.most_digits)
+    start = [to_mpf(x, bits) for x in scene.start[columns]]
+    scale = rate_scale([start], scene, bits)
+    rounded = [number.rounded(x) for x in scene.start[columns]]
+    found = errors([row[columns] for row in states], [start] * len(states), scale, bits)
+    least = errors([rounded], [start], scale, bits)[0]  # what rounding the start costs
+    return float((max(max(found), least) - least) / to_mpf(number.eps, bits))
+
+
+def there_and_back(scene: Scene, number: NumberType) -> float:
+    """The error of the state, in eps, of a run to the scene's end and back to 0.
+
+    Relative as in *correct digits*, to |w| at 0; against the start as the type rounds it.
+    """
+    plain = replace(scene, outputs=(), events=())
+    what = system(plain, ())
+    integrator = Run(plain, number).integrator(what)
+    unit = Fraction(2) ** scene.time_unit
+    row: Any = None
+    for t in (number.rounded(number.rounded(scene.end) / unit), Fraction(0)):
+        row = _led(integrator, t)
+    rounded = [number.rounded(x) for x in what.start]
+    read = Readout(plain, number)
+    back = read.states([row])[0]
+    bits = 2 * number.bits + 64
+    start = [
+        to_mpf(exactly(x), bits)
+        for x in read.states([[number_value(x, number) for x in rounded]])[0]
+    ]
+    scale = rate_scale([start], scene, bits)
+    return float(errors([back], [start], scale, bits)[0] / to_mpf(number.eps, bits))
+
+
+def way_back(scene: Scene, t: Any, state: Sequence[Any]) -> Scene:
+    """The motion from the scene's state at time t back to 0; ``state``: p q r [gamma], as mpf.
+
+    gamma is brought to length 1.
+    """
+    state = [exactly(x) for x in state]
+    gamma = None
+    if scene.gamma is not None:
+        x, y, z = state[3:]
+        gamma = scaled(1 / exact.sqrt(dot((x, y, z), (x, y, z))), (x, y, z))
+    p, q, r = state[:3]
+    return replace(scene, omega=(p, q, r), gamma=gamma, times=(-t,), outputs=(), events=())
+
+
+def _led(integrator: Any, t: Fraction) -> Any:
+    """The row of an integrator led to a time."""
+    rows: Any = []
+    while len(rows) == 0:
+        rows, _ = integrator.chunk([t], 10**5)
+    return rows[0]

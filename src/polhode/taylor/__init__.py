@@ -1,0 +1,1 @@
+"""All that imports heyoka: steps, events, projection, variations, batches."""

@@ -1,0 +1,412 @@
+"""Events of a run: the zeros of expressions along the motion, located to the run's precision.
+
+heyoka finds the zeros of each expression's Taylor polynomial, step by step.  A callback then
+polishes the time by Newton's method on the dense output, relative to the step's end, and reads the
+state there.  What heyoka is given is scaled down by sqrt(eps), so that an event takes no part in
+choosing the steps (its polynomial is still right to sqrt(eps), which is enough to start from): a
+run with events takes the steps of a run without them, unless an expression varies far faster than
+the motion.  Last bits may differ, where an event shares terms with the equations.
+
+*Grazing*: where an expression comes within sqrt(eps) of zero at an extremum, or crosses zero at
+a slope that small, rounding decides whether and how often it vanishes.  The extrema are watched
+too, and such a contact is reported once, as undecided, at the extremum; it never ends a run.
+
+A zero at t = 0, by the exact scene, is not an event of the run.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import heyoka as hy
+
+from polhode.equations import kinematics
+from polhode.equations.form import equations
+from polhode.equations.readout import Readout
+from polhode.numbers import exact, expression
+from polhode.numbers.convert import exactly
+from polhode.numbers.exact import ZERO, sign
+from polhode.numbers.expression import Algebra
+from polhode.numbers.number_types import NumberType
+from polhode.scenes.scene import Scene
+from polhode.taylor import heyoka_numbers
+from polhode.taylor.event_sizes import Size, middle_axis, sign_at_start, size_of
+from polhode.taylor.outcomes import EventTimes
+
+_PROBES = 8  # steps over which an expression that starts at zero must leave it
+_ROUNDS = 6  # of Newton's method; two are the rule
+_T = hy.make_vars("t")
+
+
+class _Mark(NamedTuple):
+    """A zero or a grazing contact: time since the start and state, in the run's own units."""
+
+    time: Fraction
+    row: Any
+    slope: int  # 1 rising, -1 falling, 0 grazing
+    width: Fraction  # of a grazing contact: from the zero found to the extremum
+
+
+class _Raw(NamedTuple):
+    """A mark as the callback leaves it: conversions to exact numbers wait until the run is over."""
+
+    offset: Fraction  # three parts of the time
+    high: Any
+    low: Any
+    row: Any
+    slope: int
+    width: Any
+
+
+class Watch:
+    """The events of one scene while a run in one number type is under way.
+
+    ``stop``: the time, in the run's unit, of the event that ended the run.  ``steering``: the
+    events do choose the steps, since the state stands still.  Raises BadInput for an expression
+    that has no value at t = 0 or is identically zero.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        number: NumberType,
+        tolerance: Fraction | None,
+        steering: bool = False,
+    ) -> None:
+        self.scene, self.number = scene, number
+        self.stop: Fraction | None = None
+        self.after_step = _AfterStep(self) if any(e.stop for e in scene.events) else None
+        self.muted = False
+        self.forward = sign(scene.end) >= 0
+        self.start = [sign_at_start(scene, k) for k in range(len(scene.events))]
+        eps = max(number.eps, tolerance or ZERO)
+        self.limits = [
+            _Limits(size_of(scene, event), number, eps, steering) for event in scene.events
+        ]
+        self.raw: list[list[_Raw]] = [[] for _ in scene.events]
+        # What heyoka and the evaluations below need of the integrator attached last.
+        self.integrator: Any = None
+        self.heyoka: Any = None
+        self.row: Any = None  # heyoka's dense output, a view of its memory
+        self.evaluate: list[Any] = []  # expression and time derivative, compiled
+        self.with_time: list[bool] = []
+        self.flat = number.name in ("double", "extended")
+
+    # -- building -----------------------------------------------------------------------------
+
+    def attach(self, integrator: Any, variables: Sequence[Any], rates: Sequence[Any]) -> list[Any]:
+        """heyoka's events of an integrator about to be built, in its variables and its time."""
+        events: list[Any] = []
+        self.evaluate, self.with_time, self.integrator = [], [], integrator
+        options = heyoka_numbers.type_options(self.number)
+        kind = {name: x for name, x in options.items() if name == "fp_type"}
+        clock = hy.time + hy.par[1] + hy.par[0]
+        for k in range(len(self.scene.events)):
+            value = self._expression(k, variables)
+            slope = sum(
+                (hy.diff(value, x) * rate for x, rate in zip(variables, rates, strict=True)),
+                hy.diff(value, _T),
+            )
+            self.with_time.append("t" in hy.get_variables([value]))
+            damping = hy.expression(self.limits[k].damping)
+            events += [
+                hy.nt_event(hy.subs(f * damping, {_T: clock}), _Callback(self, k), **kind)
+                for f in (value, slope)
+                if hy.get_variables([f])  # a constant has no zeros
+            ]
+            both = hy.subs([value, slope], {_T: clock})
+            self.evaluate.append(hy.cfunc(both, vars=list(variables), **options))
+        return events
+
+    def _expression(self, which: int, variables: Sequence[Any]) -> Any:
+        """One event's expression in the integrator's variables and the symbol of its time."""
+        scene, number = self.scene, self.number
+
+        def constant(x: Any) -> Any:
+            return hy.expression(heyoka_numbers.scalar(x, number))
+
+        form, fn = equations(scene), heyoka_numbers.EXPRESSIONS
+        values = variables[: len(form.variables)]
+        k = {name: constant(x) for name, x in form.coefficients.items()}
+        vectors = form.state(values, k, fn)
+        text = scene.events[which].expression
+        if text is None:
+            return self._along_the_middle_axis(vectors[0], constant)
+        exactly_turned = kinematics.turn_coefficients(form.axes)
+        turn = {name: constant(x) for name, x in exactly_turned.items()}
+        columns = [
+            x
+            for vector in vectors
+            if vector
+            for x in kinematics.in_scene_axes(vector, turn, fn.zero)
+        ]
+        clock = _T
+        if scene.time_unit:
+            unit = Fraction(2) ** scene.time_unit
+            columns[:3] = [constant(1 / unit) * x for x in columns[:3]]
+            clock = constant(unit) * _T
+        names = dict(zip(scene.columns, columns, strict=True), t=clock)
+        functions = {"sqrt": hy.sqrt, "sin": hy.sin, "cos": hy.cos}
+        found = expression.evaluate(text, names, Algebra(constant, functions))
+        return found if isinstance(found, hy.expression) else constant(found)
+
+    def _along_the_middle_axis(self, omega: Sequence[Any], constant: Any) -> Any:
+        """The component of omega along the middle principal axis."""
+        axes, middle = self.scene.body.axes, middle_axis(self.scene)
+        form = equations(self.scene)
+        if form.axes is axes:
+            return omega[middle]
+        direction = form.axes.components(axes.rows[middle])
+        terms = [constant(x) * w for x, w in zip(direction, omega, strict=True) if sign(x) != 0]
+        return sum(terms[1:], terms[0])
+
+    def rebased(self, integrator: Any) -> None:
+        """Tell heyoka the time from which it counts, where an expression has t in it."""
+        if any(self.with_time):
+            high = self.number.rounded(integrator.offset)
+            for i, part in enumerate((high, self.number.rounded(integrator.offset - high))):
+                integrator.heyoka.pars[i] = heyoka_numbers.scalar(part, self.number)
+
+    # -- callbacks ----------------------------------------------------------------------------
+
+    def met(self, k: int, ta: Any, t: Any) -> None:
+        """A zero of expression k or of its rate, at heyoka's time t in the step just taken."""
+        if self.muted:
+            return
+        if ta is not self.heyoka:
+            self.heyoka, self.row = ta, ta.d_output
+        limits = self.limits[k]
+        high, low = ta.dtime
+        ago = (t - high) - low  # since the step's end: it holds digits that t has no room for
+        value, slope = self._at(k, ago)
+        if not abs(slope) > limits.steep and self._no_zero(k, ago, value, slope):
+            return
+        for _ in range(_ROUNDS):
+            step = value / slope
+            if not abs(step) < limits.widest:
+                break
+            ago = ago - step
+            if abs(step) <= limits.converged:
+                ta.update_d_output(ago, rel_time=True)
+                self._mark(k, ago, 1 if slope > 0 else -1, limits.zero)
+                return
+            value, slope = self._at(k, ago)
+        if abs(value) <= limits.contact:
+            self._mark(k, ago, 0, limits.zero)
+
+    def _no_zero(self, k: int, ago: Any, value: Any, slope: Any) -> bool:
+        """Whether a place of small slope is no sure zero; a grazing contact is then recorded."""
+        limits = self.limits[k]
+        if abs(slope) <= limits.flat and abs(value) > limits.contact:
+            return True
+        by = limits.nearby
+        bend = (self._at(k, ago + by)[1] - self._at(k, ago - by)[1]) / (2 * by)
+        if abs(slope) > limits.flat and slope * slope > 2 * limits.contact * abs(bend):
+            return False
+        width = limits.zero
+        if abs(slope) < abs(bend) * limits.widest:  # on to the extremum
+            width = abs(slope / bend)
+            ago = ago - slope / bend
+            value = self._at(k, ago)[0]
+        else:
+            self._at(k, ago)
+        if abs(value) <= limits.contact:  # False for a value that is undefined, too
+            self._mark(k, ago, 0, width)
+        return True
+
+    def _at(self, k: int, ago: Any) -> tuple[Any, Any]:
+        """Expression k and its time derivative, at a time relative to the step's end."""
+        ta = self.heyoka
+        ta.update_d_output(ago, rel_time=True)
+        if self.with_time[k]:
+            value, slope = self.evaluate[k](self.row, pars=ta.pars, time=ta.time + ago)
+        else:
+            value, slope = self.evaluate[k](self.row)
+        return value, slope
+
+    def _mark(self, k: int, ago: Any, slope: int, width: Any) -> None:
+        high, low = self.heyoka.dtime
+        row = self.row.copy() if self.flat else self.row.tolist()
+        mark = _Raw(self.integrator.offset, high, low + ago, row, slope, width)
+        self.raw[k].append(mark)
+        event = self.scene.events[k]
+        if event.stop and slope and event.counts(slope):
+            time = self._time(mark)
+            if not self._is_start(k, time, slope) and (
+                self.stop is None or abs(time) < abs(self.stop)
+            ):
+                self.stop = time
+
+    # -- corrections of the state -------------------------------------------------------------
+
+    def disturbed(self, integrator: Any, moved: Any) -> bool:
+        """Whether moving the state's first components would disturb an event.
+
+        That is: carry its expression a quarter of the way to zero or further; next to a grazing
+        contact the rate of its expression, too.
+        """
+        state, ta = integrator.state, integrator.heyoka
+        after = state.copy()
+        after[: len(moved)] = moved
+        for k, both in enumerate(self.evaluate):
+            options = {"pars": ta.pars, "time": ta.time} if self.with_time[k] else {}
+            value, slope = both(state, **options)
+            new_value, new_slope = both(after, **options)
+            if abs(new_value - value) > abs(value) / 4:
+                return True
+            grazing = abs(value) <= 2 * self.limits[k].contact
+            if grazing and abs(new_slope - slope) > abs(slope) / 4:
+                return True
+        return False
+
+    def marks(self) -> Any:
+        """What was found so far, to be given to ``take_back``."""
+        return [len(raw) for raw in self.raw], self.stop
+
+    def take_back(self, marks: Any) -> None:
+        """Forget what was found since."""
+        counts, self.stop = marks
+        for raw, count in zip(self.raw, counts, strict=True):
+            del raw[count:]
+
+    # -- what was found -----------------------------------------------------------------------
+
+    def found(self) -> tuple[EventTimes, ...]:
+        """The events in scene axes and units, in order of integration."""
+        read, unit = Readout(self.scene, self.number), Fraction(2) ** self.scene.time_unit
+        answers = []
+        for k, event in enumerate(self.scene.events):
+            marks, complete = self._sorted_out(k)
+            marks = [m for m in marks if event.counts(m.slope)]
+            answers.append(
+                EventTimes(
+                    name=event.name,
+                    times=tuple(self.number.rounded(m.time) * unit for m in marks),
+                    states=read.states([heyoka_numbers.numbers(m.row, self.number) for m in marks]),
+                    grazing=tuple(m.slope == 0 for m in marks),
+                    complete=complete,
+                )
+            )
+        return tuple(answers)
+
+    def _sorted_out(self, k: int) -> tuple[list[_Mark], bool]:
+        """Each event once; and whether rising and falling alternate, as they do if none is lost."""
+        marks = [
+            _Mark(
+                self._time(raw),
+                raw.row,
+                raw.slope,
+                ZERO if raw.slope else self.integrator.exactly(raw.width),
+            )
+            for raw in self.raw[k]
+        ]
+        marks = [
+            m
+            for m in sorted(marks, key=lambda m: abs(m.time))
+            if not self._is_start(k, m.time, m.slope)
+            and (self.stop is None or abs(m.time) <= abs(self.stop))
+        ]
+        kept: list[_Mark] = []
+        for mark in marks:
+            if kept and kept[-1].slope == mark.slope:
+                near = self._near(mark.slope) + max(mark.width, kept[-1].width)
+                if abs(mark.time - kept[-1].time) <= near:
+                    continue
+            kept.append(mark)
+        before = self.start[k] if self.forward else -self.start[k]
+        slopes = [before, *(m.slope for m in kept)]
+        return kept, all(a * b <= 0 for a, b in pairwise(slopes))
+
+    def _is_start(self, k: int, time: Fraction, slope: int) -> bool:
+        """Whether a mark is the zero that the exact scene has at t = 0."""
+        return self.start[k] == 0 and abs(time) <= self._near(slope)
+
+    def _near(self, slope: int) -> Fraction:
+        """Within how much time two marks are the same one."""
+        if slope:
+            return 64 * self.number.eps
+        return Fraction(2) ** -(self.number.bits // 8)  # a fourfold zero is that wide
+
+    def _time(self, raw: _Raw) -> Fraction:
+        time: Fraction = self.integrator.exactly(raw.high) + self.integrator.exactly(raw.low)
+        return raw.offset + time if raw.offset else time
+
+    def still(self) -> list[int]:
+        """The events that start at zero and stay within rounding of it for some steps."""
+        suspects = {k for k, value in enumerate(self.start) if value == 0}
+        if not suspects:
+            return []
+        self.muted = True
+        self.heyoka = probe = copy.deepcopy(self.integrator.heyoka)
+        self.row = probe.d_output
+        for _ in range(_PROBES):
+            probe.step(heyoka_numbers.scalar(1, self.number), write_tc=True)
+            suspects -= {
+                k
+                for k in suspects
+                if abs(self._at(k, self.limits[k].zero)[0]) > self.limits[k].noise
+            }
+        self.muted = False
+        return sorted(suspects)
+
+
+class _Callback:
+    """heyoka's call where an event is met; heyoka copies its callbacks, this one stays one."""
+
+    def __init__(self, watch: Watch, k: int) -> None:
+        self.watch, self.k = watch, k
+
+    def __call__(self, ta: Any, t: Any, _: int) -> None:
+        self.watch.met(self.k, ta, t)
+
+    def __deepcopy__(self, _: Any) -> _Callback:
+        return self
+
+
+class _AfterStep:
+    """heyoka's question after each step of a run that an event may end: go on?"""
+
+    def __init__(self, watch: Watch) -> None:
+        self.watch = watch
+
+    def __call__(self, _: Any) -> bool:
+        return self.watch.stop is None
+
+    def __deepcopy__(self, _: Any) -> _AfterStep:
+        return self
+
+
+class _Limits:
+    """Thresholds of one event as numbers of the run's type; times in the run's unit.
+
+    From the sizes S of the expression and S' of its rate and sqrt(eps): a contact is a value below
+    sqrt(eps) min(S, S') at an extremum; a slope below S'/256 is looked at twice.
+    """
+
+    def __init__(self, found: Size, number: NumberType, eps: Fraction, steering: bool) -> None:
+        value, rate = exactly(found.value) or Fraction(1), exactly(found.rate) or Fraction(1)
+        half = Fraction(2) ** -(((1 / eps).numerator.bit_length() - 1) // 2)
+
+        def typed(x: Fraction) -> Any:
+            return heyoka_numbers.scalar(x, number)
+
+        noise = 256 * number.eps * value
+        self.zero = typed(ZERO)
+        self.noise = typed(noise)
+        self.steep = typed(rate / 256)
+        self.flat = typed(half * rate + noise)
+        self.contact = typed(half * min(value, rate) + noise)
+        small = Fraction(1) if steering else half
+        self.damping = typed(small * Fraction(2) ** -_exponent(max(value, rate)))
+        self.converged = typed(Fraction(2) ** -(number.bits // 2 + 6))
+        self.nearby = typed(Fraction(2) ** -(number.bits // 3))
+        self.widest = typed(Fraction(1, 16))
+
+
+def _exponent(x: Fraction) -> int:
+    mantissa, exponent = exact.rounded(x, 8)
+    return exponent + mantissa.bit_length()

@@ -1,0 +1,139 @@
+"""heyoka's numbers, arrays and options in the four number types, and its cache of compiled code.
+
+heyoka folds constants of its own making in double, so every constant that enters there is computed
+exactly, rounded once to the run's type, and handed over typed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from contextlib import contextmanager
+from fractions import Fraction
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+
+from polhode.numbers import exact
+from polhode.numbers.convert import exactly, to_double, to_extended
+from polhode.numbers.exact import Number, sign
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Functions
+
+#: The scalar functions of heyoka's expressions.
+EXPRESSIONS = Functions(hy.expression(0.0), hy.sin, hy.cos, hy.sqrt)
+
+# heyoka logs on stdout, the place for results.  What it has to say is known from elsewhere: a cache
+# that cannot be used costs compiling again and shows in :func:`cache`; a multiple zero that it
+# gives up on is found through the derivative, or shows in ``EventTimes.complete``.
+hy.set_logger_level_critical()
+
+_SMALLEST_DOUBLE = 2.0**-1022
+
+
+class OutOfRange(ValueError):
+    """A number that the run's type cannot hold to its full precision."""
+
+
+def scalar(x: Number, number: NumberType) -> Any:
+    """The number of heyoka's type for ``number`` nearest to x; raises OutOfRange."""
+    if number.name == "double":
+        value = to_double(x)
+        if not (_SMALLEST_DOUBLE <= abs(value) < math.inf or (value == 0 and sign(x) == 0)):
+            raise OutOfRange(f"10**{exact.log10(x):.0f} is outside the range of double")
+        return value
+    if number.name == "extended":
+        if x != 0 and abs(exact.log10(x)) > 4900:
+            raise OutOfRange(f"10**{exact.log10(x):.0f} is outside the range of extended")
+        return to_extended(x)
+    bits = number.bits
+    mantissa, exponent = exact.rounded(x, bits)
+    real = hy.real(mantissa, bits) * hy.real(2, bits) ** exponent
+    return hy.real128(real) if number.name == "quad" else real
+
+
+def scalars(values: Sequence[Number], number: NumberType) -> list[Any]:
+    """The numbers of heyoka's type nearest to each; raises OutOfRange."""
+    if number.name == "double":
+        try:
+            found = [
+                x.numerator / x.denominator if isinstance(x, Fraction) else 0.0 for x in values
+            ]
+        except OverflowError:
+            found = [0.0]
+        if all(abs(x) >= _SMALLEST_DOUBLE for x in found):  # else a zero, or out of range
+            return found
+    return [scalar(x, number) for x in values]
+
+
+def flat(number: NumberType) -> bool:
+    """Whether numpy holds numbers of the type as they are."""
+    return number.name in ("double", "extended")
+
+
+def numbers(row: Any, number: NumberType) -> Any:
+    """A row of heyoka's numbers as a trajectory holds them: an array, or mpf above extended."""
+    if flat(number):
+        return row
+    import mpmath
+
+    with mpmath.workprec(number.bits):
+        return [mpmath.mpf(str(x)) for x in row]
+
+
+_TYPES: dict[str, Callable[[NumberType], dict[str, Any]]] = {
+    "double": lambda _: {},
+    "extended": lambda _: {"fp_type": np.longdouble},
+    "quad": lambda _: {"fp_type": hy.real128, "compact_mode": True},
+    "mp": lambda number: {"fp_type": hy.real, "prec": number.bits, "compact_mode": True},
+}
+
+
+def type_options(number: NumberType) -> dict[str, Any]:
+    """heyoka's options that choose a number type, for integrators and compiled functions."""
+    return _TYPES[number.name](number)
+
+
+def array(values: list[Any], number: NumberType) -> Any:
+    """Numbers of heyoka's type as the array that it takes."""
+    if flat(number):
+        return np.array(values, dtype=np.float64 if number.name == "double" else np.longdouble)
+    return np.array(values)
+
+
+def as_fraction(value: Any, number: NumberType) -> Fraction:
+    """The exact value of a number of heyoka's."""
+    if flat(number):
+        return exactly(value)
+    import mpmath
+
+    with mpmath.workprec(number.bits):
+        return exactly(mpmath.mpf(str(value)))
+
+
+def cache() -> dict[str, Any]:
+    """heyoka's disk cache of compiled code: whether it is on, where, its size, or what is wrong."""
+    state = hy.llvm_state
+    enabled = bool(state.get_diskcache_enabled())
+    try:
+        return {
+            "enabled": enabled,
+            "path": str(state.get_diskcache_path()),
+            "bytes": int(state.get_diskcache_size()),
+        }
+    except (RuntimeError, ValueError) as fault:  # damaged, full, read-only, no folder, no home
+        return {"enabled": enabled, "path": None, "bytes": None, "fault": str(fault)}
+
+
+@contextmanager
+def disk_cache(number: NumberType) -> Any:
+    """heyoka's disk cache, switched off where it never hits and only grows."""
+    if number.name != "mp" or not hy.llvm_state.get_diskcache_enabled():
+        yield
+        return
+    hy.llvm_state.set_diskcache_enabled(False)
+    try:
+        yield
+    finally:
+        hy.llvm_state.set_diskcache_enabled(True)

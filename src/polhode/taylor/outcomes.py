@@ -1,0 +1,106 @@
+"""How a run ended, and what events and corrections left behind.  Immutable."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+from typing import Any
+
+from polhode.numbers.decimals import decimal_in_full
+
+
+class Outcome(Enum):
+    """How a run ended; ``cause`` says what happened and ``advice`` what to do."""
+
+    REACHED_END = "reached end"
+    STOPPED_AT_EVENT = "stopped at event"
+    NON_FINITE = "non-finite"
+    STEP_UNDERFLOW = "step underflow"
+    STEP_LIMIT = "step limit"
+    SINGULAR = "singular set"
+    INTERRUPTED = "interrupted"
+    NOT_RUN = "not run"
+
+    @property
+    def cause(self) -> str:
+        """What happened."""
+        return _CAUSES[self.value][0]
+
+    @property
+    def advice(self) -> str:
+        """What to do about it."""
+        return _CAUSES[self.value][1]
+
+    @property
+    def done(self) -> bool:
+        """Whether the run did what was asked of it."""
+        return self in (Outcome.REACHED_END, Outcome.STOPPED_AT_EVENT)
+
+
+_CAUSES = {
+    "reached end": ("all output times were reached", ""),
+    "stopped at event": ("an event that stops the run was met", ""),
+    "non-finite": (
+        "a state or a step became infinite or undefined",
+        "ask for fewer outputs (angles are singular at theta = 0 and pi), for events that stay "
+        "finite, or for a shorter run",
+    ),
+    "step underflow": (
+        "the step became too short to change the time",
+        "use a number type with more digits (--digits), or a shorter run",
+    ),
+    "step limit": (
+        "the end needs more steps than the limit allows",
+        "raise the limit (--max-steps), loosen --tol, or ask for a shorter run",
+    ),
+    "singular set": (
+        "the form of the equations met its singular set",
+        "use a form without one there, such as principal (--form)",
+    ),
+    "interrupted": ("the run was interrupted", "run again, or ask for a shorter run"),
+    "not run": ("the sweep was interrupted before this member was done", "run it again"),
+}
+
+
+@dataclass(frozen=True)
+class EventTimes:
+    """When one event of a scene happened, in order of integration, and the states then.
+
+    ``times``: rounded to the run's type.  ``states``: rows as in a trajectory, taken at the event
+    itself: on the section to the type's precision, even where the time has no digits left for it.
+    ``grazing``: whether rounding decides if there is a zero at all, or two.  ``complete``: whether
+    rising and falling zeros alternate, as they do unless one was lost or a pole was passed.
+    """
+
+    name: str
+    times: tuple[Fraction, ...]
+    states: Any
+    grazing: tuple[bool, ...]
+    complete: bool = True
+
+    def time_strings(self) -> list[str]:
+        """The times, every digit."""
+        return [decimal_in_full(t) for t in self.times]
+
+
+@dataclass(frozen=True)
+class Projection:
+    """What putting a run back on its first integrals took.
+
+    ``onto``: the integrals' names.  ``every``: steps between two corrections.  ``largest`` and
+    ``sum``: of the corrections' lengths, w measured in the run's own unit, in which the fastest
+    rate at the start is of order 1.
+    """
+
+    onto: tuple[str, ...]
+    every: int
+    count: int
+    largest: float
+    sum: float
+
+    def __str__(self) -> str:
+        return (
+            f"onto {', '.join(self.onto)} {self.count} times: largest correction "
+            f"{self.largest:.1e}, sum {self.sum:.1e}"
+        )

@@ -1,0 +1,266 @@
+"""Projection onto the first integrals: the running state put back on the exact scene's values.
+
+Rounding makes the integrals of a run wander, and the phase error follows at t^1.5.  Every so many
+steps the state x is therefore moved by the least-norm Newton step
+
+    dx = J^T (J J^T + lambda D)^-1 (I* - I(x)),    D = diag(J J^T),
+
+I the integrals (polhode.equations.integrals), J their Jacobian, I* the exact scene's values.  One
+compiled function does all of it in the next wider number type, and x + dx is rounded once.
+
+Components that the equations keep at exactly zero stay there: off an unstable plane or axis
+no motion comes back.
+
+It steps aside by itself.  Where gradients are parallel or vanish (permanent rotations, steady
+precession, degenerate motions) lambda takes the step to zero along what the integrals do not
+determine: a residual is known to the wider type's rounding, so directions in which it would be
+magnified to a rounding of x itself are left alone.  A step that is not finite, or too large to be
+rounding, is not made.  Next to an event's zero the step waits: no correction carries an event's
+expression over zero, nor more than a quarter of the way there.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from fractions import Fraction
+from functools import lru_cache, partial
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+
+from polhode.equations.forms import principal
+from polhode.equations.integrals import FirstIntegrals, exact_values, first_integrals
+from polhode.numbers import exact
+from polhode.numbers.exact import ZERO, Number, sign
+from polhode.numbers.number_types import EXTENDED, QUAD, NumberType, extended_here
+from polhode.numbers.scalars import Functions
+from polhode.scenes.scene import Scene
+from polhode.taylor import heyoka_numbers
+from polhode.taylor.outcomes import Projection
+
+#: Numbers among which nothing cancels by accident, and functions for exact numbers.
+_GENERIC = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47)
+_EXACTLY = Functions(ZERO, exact.sin, exact.cos, exact.sqrt)
+
+#: Steps that a correction waits for an event beside it to pass, before it is given up.
+_MOST_WAITS = 16
+
+
+class Projector:
+    """The corrections of one run, compiled when the first one is made.
+
+    ``seconds``: the time spent on compiling.
+    """
+
+    def __init__(self, scene: Scene, number: NumberType, every: int) -> None:
+        self.scene, self.number, self.every = scene, number, every
+        self.integrals = first_integrals(scene)
+        self.columns = len(scene.columns)
+        self.limit = 2.0 ** -(number.bits * 2 // 3)
+        self.count = self.waits = 0
+        self.largest = self.sum = self.seconds = 0.0
+        self._step: Any = None
+        self._none: dict[int, Any] = {}
+        self._rests: dict[int, Any] = {}  # what was rounded off components that stand still
+
+    def found(self) -> Projection:
+        """What was corrected so far."""
+        return Projection(self.integrals.onto, self.every, self.count, self.largest, self.sum)
+
+    def memory(self) -> tuple[Any, ...]:
+        """What the next correction takes from those before, for ``recall``."""
+        return self.waits, dict(self._rests)
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Stand where another projector of the same run stood."""
+        if self._step is None:
+            self._compile()
+        self.waits, rests = memory
+        self._rests = self._none | rests
+
+    def correct(self, integrator: Any) -> bool:
+        """Correct the state of a polhode.taylor.Taylor; False where it shall be tried again."""
+        if self._step is None:
+            self._compile()
+        state = integrator.state[: self.columns]
+        self._load(self._before, state)
+        self._step(self._before, outputs=self._after)
+        size = float(self._after[-1])
+        if not size < self.limit:  # not finite, or no rounding: not to be mended like this
+            return True
+        for i, rest in self._rests.items():
+            self._after[i] += rest
+        moved = self._rounded(self._after[:-1])
+        watch = integrator.watch
+        if watch is not None and watch.disturbed(integrator, moved):
+            self.waits = (self.waits + 1) % _MOST_WAITS
+            return self.waits == 0
+        for i in self._rests:
+            self._rests[i] = self._after[i] - self._widened(moved[i])
+        state[:] = moved
+        self.waits = 0
+        self.count += 1
+        self.sum += size
+        self.largest = max(self.largest, size)
+        return True
+
+    def _compile(self) -> None:
+        began = time.perf_counter()
+        wide = _wider(self.number)
+        self._load, self._rounded, self._widened = _conversions(self.number, wide)
+        known, held = self.integrals, frozenset(kept_at_zero(self.scene))
+        names = tuple(sorted(known.coefficients))
+        constants = [known.coefficients[name] for name in names]
+        constants += exact_values(self.scene, known)
+        step = _newton_step(self.scene.columns, known.onto, known.order, names, held, self.number)
+        used = constants[: step.nparams]
+        pars = heyoka_numbers.array([heyoka_numbers.scalar(x, wide) for x in used], wide)
+        self._step = partial(step, pars=pars)
+        zero = heyoka_numbers.scalar(ZERO, wide)
+        self._before = heyoka_numbers.array([zero] * self.columns, wide)
+        self._after = heyoka_numbers.array([zero] * (self.columns + 1), wide)
+        self._none = dict.fromkeys(_constant_columns(self.scene), zero)
+        self._rests = dict(self._none)
+        self.seconds += time.perf_counter() - began
+
+
+@lru_cache(maxsize=64)
+def _newton_step(
+    columns: tuple[str, ...],
+    onto: tuple[str, ...],
+    order: tuple[int, int, int],
+    names: tuple[str, ...],
+    held: frozenset[int],
+    number: NumberType,
+) -> Any:
+    """The state after a correction and the size of that, compiled.
+
+    Parameters: the integrals' coefficients of these names, then the exact scene's values.  So one
+    function serves all scenes that have the same integrals.  An integral that depends on nothing
+    but what is held at zero drops out, and its value with it: the last may not be asked for.
+    """
+    wide = _wider(number)
+    variables = hy.make_vars(*columns)
+    pars = [hy.par[i] for i in range(len(names) + len(onto))]
+    k = dict(zip(names, pars, strict=False))
+    values = FirstIntegrals(onto, order, {}).values(variables, k, heyoka_numbers.EXPRESSIONS.zero)
+    residuals = [target - value for target, value in zip(pars[len(names) :], values, strict=True)]
+
+    def constant(x: Number) -> Any:
+        return hy.expression(heyoka_numbers.scalar(x, wide))
+
+    none = constant(ZERO)
+    jacobian = [
+        [none if i in held else hy.diff(value, x) for i, x in enumerate(variables)]
+        for value in values
+    ]
+    damping = constant(1 + Fraction(2) ** (-2 * (wide.bits - number.bits - 2)))
+    floor = constant(Fraction(2) ** (-4 * wide.bits))
+    step = least_norm(jacobian, residuals, damping, floor, none)
+    size = hy.sqrt(sum((d * d for d in step[1:]), step[0] * step[0]))
+    moved = [x + d for x, d in zip(variables, step, strict=True)]
+    with heyoka_numbers.disk_cache(wide):
+        return hy.cfunc([*moved, size], vars=variables, **heyoka_numbers.type_options(wide))
+
+
+def least_norm(
+    jacobian: Sequence[Sequence[Any]],
+    residuals: Sequence[Any],
+    damping: Any,
+    floor: Any,
+    zero: Any,
+) -> list[Any]:
+    """dx = J^T y with (J J^T + (damping - 1) D + floor) y = residuals, by L D L^T, any scalar."""
+    n = len(residuals)
+    gram = [
+        [_sum((a * b for a, b in zip(u, v, strict=True)), zero) for v in jacobian] for u in jacobian
+    ]
+    lower: list[list[Any]] = [[] for _ in range(n)]
+    pivots: list[Any] = []
+    y: list[Any] = []
+    for i in range(n):
+        for j in range(i):
+            inner = _sum((lower[i][k] * lower[j][k] * pivots[k] for k in range(j)), zero)
+            lower[i].append((gram[i][j] - inner) / pivots[j])
+        inner = _sum((lower[i][k] * lower[i][k] * pivots[k] for k in range(i)), zero)
+        pivots.append(gram[i][i] * damping + floor - inner)
+        y.append(residuals[i] - _sum((lower[i][k] * y[k] for k in range(i)), zero))
+    y = [value / pivot for value, pivot in zip(y, pivots, strict=True)]
+    for i in reversed(range(n)):
+        y[i] = y[i] - _sum((lower[k][i] * y[k] for k in range(i + 1, n)), zero)
+    return [_sum((jacobian[i][k] * y[i] for i in range(n)), zero) for k in range(len(jacobian[0]))]
+
+
+def _sum(terms: Iterable[Any], zero: Any) -> Any:
+    """A sum that does not start from 0 unless it is empty."""
+    first, *rest = terms if (terms := [*terms]) else [zero]
+    return sum(rest, first)
+
+
+def kept_at_zero(scene: Scene) -> set[int]:
+    """Components of the state that vanish at the start, and whose rates vanish as long as they do.
+
+    Of the coordinate planes through the start that the motion never leaves, the smallest.
+    """
+    state = [*scene.body.axes.components(scene.omega)]
+    state += scene.body.axes.components(scene.gamma) if scene.gamma is not None else ()
+    held = {i for i, x in enumerate(state) if sign(x) == 0}
+    generic = iter(_GENERIC)
+    k = {name: Fraction(next(generic)) for name in principal.coefficients(scene.body)}
+    others = [Fraction(next(generic)) for _ in state]
+    while held:
+        point = [ZERO if i in held else x for i, x in enumerate(others)]
+        rates = principal.field(point, k, _EXACTLY)
+        if not (leaving := {i for i in held if rates[i] != 0}):
+            break
+        held -= leaving
+    return held
+
+
+def _constant_columns(scene: Scene) -> list[int]:
+    """The components of w that the equations themselves keep: the spin of a symmetric body.
+
+    Nothing else rounds them, so their own rounding would act in one direction all along the run.
+    What a correction rounds off is added to the next one instead: on average they are exact.
+    """
+    moving = {name[0] for name in principal.coefficients(scene.body)}
+    return [i for i, name in enumerate("pqr") if name not in moving]
+
+
+def _wider(number: NumberType) -> NumberType:
+    """The type in which corrections of a run in ``number`` are computed."""
+    if number.name == "double" and extended_here():
+        return EXTENDED
+    if number.name in ("double", "extended"):
+        return QUAD
+    return NumberType("mp", number.bits + 64)
+
+
+_Conversions = tuple[Callable[[Any, Any], None], Callable[[Any], Any], Callable[[Any], Any]]
+
+
+def _conversions(number: NumberType, wide: NumberType) -> _Conversions:
+    """Ways between the two types: a state into an array, an array to a state, one number."""
+    if wide.name == "extended":
+        return np.copyto, lambda row: row.astype(np.float64), np.longdouble
+    bits = number.bits
+
+    def widened(x: Any) -> Any:
+        return hy.real128(x) if wide.name == "quad" else hy.real(x, wide.bits)
+
+    def narrowed(x: Any) -> Any:
+        if number.name == "double":
+            return float(x)
+        if number.name == "extended":
+            high = float(x)
+            return np.longdouble(high) + np.longdouble(float(x - hy.real128(high)))
+        rounded = hy.real(x, bits)
+        return hy.real128(rounded) if number.name == "quad" else rounded
+
+    def load(into: Any, row: Any) -> None:
+        for i, x in enumerate(row):
+            into[i] = widened(x)
+
+    return load, lambda row: heyoka_numbers.array([narrowed(x) for x in row], number), widened

@@ -1,0 +1,189 @@
+"""The regression itself: it passes, and it fails when anything is corrupted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+import polhode
+from polhode.checks import printed, regression
+from polhode.closed_forms.euler import top
+from polhode.equations.forms import principal
+from polhode.numbers import number_types
+from polhode.scenes import library
+from polhode.scenes.scene import Published
+
+CHANGE = 1 + Fraction(1, 10**20)  # a relative change far below anything a double shows
+
+
+def test_every_case_loads_and_expects_something():
+    names = library.names()
+    assert len(names) >= 45
+    for name in names:
+        scene = polhode.load(name)
+        assert scene.expect, name
+        assert scene.title, name
+        assert scene.times, name
+        if name.startswith("published/"):
+            assert scene.published, name
+            assert scene.cite, name
+
+
+def test_every_regime_of_the_euler_top_has_a_case():
+    regimes = {polhode.reference(n).regime for n in library.names() if n.startswith("euler/")}
+    for wanted in (
+        *("rest", "sphere", "separatrix", "largest-moment", "smallest-moment", "middle-moment"),
+        *("oblate", "prolate", "polhode", "permanent"),
+    ):
+        assert any(wanted in regime for regime in regimes), wanted
+
+
+def test_every_regime_of_the_lagrange_top_and_the_pendulum_has_a_case():
+    truths = [polhode.reference(name) for name in library.names()]
+    regimes = {truth.regime for truth in truths if truth.kind in ("lagrange", "pendulum")}
+    assert regimes >= {
+        *("nutation", "cusped", "looping", "hanging", "homoclinic to the sleeping top"),
+        *("steady precession, slow", "steady precession, fast", "spherical pendulum"),
+        *("sleeping, stable", "sleeping, unstable", "sleeping, critical spin"),
+        *("through the upper pole", "through the lower pole"),
+        *("planar pendulum, librating", "planar pendulum, rotating", "planar pendulum, separatrix"),
+        *("pendulum, librating", "pendulum, rotating", "pendulum, separatrix"),
+        *("rest, hanging", "rest, upright"),
+    }
+
+
+def test_every_type_and_class_of_the_kovalevskaya_top_has_a_case():
+    truths = [polhode.reference(n) for n in library.names() if n.startswith("kovalevskaya/")]
+    assert {truth.kind for truth in truths} == {"kovalevskaya"}
+    assert {truth.regime for truth in truths} >= {
+        *("-e+ (complex pair)", "-eee+", "e-+ (complex pair)", "e-ee+", "ee-e+", "eee-+"),
+        *("Delaunay", "Appelrot, special motion", "Bobylev-Steklov"),
+        *("pendulum about an equatorial axis", "pendulum about the axis of symmetry"),
+        *("degenerate curve, quasi-periodic", "degenerate curve, asymptotic"),
+        "multiply degenerate curve",
+    }
+
+
+@pytest.mark.parametrize("which", ["p.qr", "q.rp", "p.gamma2", "q.gamma1"])
+def test_a_corrupted_equation_of_the_lagrange_top_fails(which, monkeypatch):
+    honest = principal.coefficients
+
+    def corrupted(body, time_unit=0):
+        k = honest(body, time_unit)
+        return k | {which: k[which] * CHANGE}
+
+    monkeypatch.setattr(principal, "coefficients", corrupted)
+    report = next(regression.check(["lagrange/nutation"], ["quad"]))
+    assert not report.passed
+
+
+@pytest.mark.slow
+def test_the_whole_library_passes():
+    failed = [report.scene.name for report in regression.check() if not report.passed]
+    assert not failed
+
+
+@pytest.mark.parametrize("name", ["euler/largest-axis", "published/nasa-brick", "euler/sphere"])
+def test_a_case_passes(name):
+    assert next(regression.check([name])).passed
+
+
+@pytest.mark.parametrize("which", ["p.qr", "q.rp", "r.pq"])
+def test_a_corrupted_equation_of_motion_fails(which, monkeypatch):
+    honest = principal.coefficients
+
+    def corrupted(body, time_unit=0):
+        k = honest(body, time_unit)
+        return k | {which: k[which] * CHANGE}
+
+    monkeypatch.setattr(principal, "coefficients", corrupted)
+    report = next(regression.check(["euler/largest-axis"]))
+    assert not report.passed
+    bad = {line.number for line in report.lines if not line.passed}
+    assert bad == {"quad", "mp"}  # 1e-20 is below what a double or an extended can show
+
+
+def exact_numbers() -> dict[str, object]:
+    scene = polhode.load("euler/largest-axis")
+    return top.EulerTop(scene.body.moments, scene.omega, scene.gamma)._numbers
+
+
+@pytest.mark.parametrize("which", sorted(exact_numbers()))
+def test_each_corrupted_number_of_the_closed_form_fails(which, monkeypatch):
+    """Every exact number that the Euler top's closed form uses, changed by 1e-20 of itself."""
+    honest = top.exact_numbers
+
+    def corrupted(*arguments):
+        numbers = honest(*arguments)
+        return numbers | {which: numbers[which] * CHANGE}
+
+    monkeypatch.setattr(top, "exact_numbers", corrupted)
+    report = next(regression.check(["euler/largest-axis"]))
+    assert not report.passed
+
+
+def test_digits_above_the_band_fail_too():
+    scene = polhode.load("euler/largest-axis")
+    slack = replace(scene, expect={"double": (1.0, 9.0)})
+    report = regression.check_scene(slack)
+    assert not report.passed
+    assert report.lines[0].verdict == "more digits than the case can have"
+
+
+def test_a_run_that_does_not_reach_its_end_fails():
+    scene = polhode.load("euler/largest-axis").at((Fraction(10) ** 30,))
+    report = regression.check_scene(replace(scene, expect={"double": (1.0, 9.0)}))
+    assert not report.passed
+    assert report.lines[0].verdict == "step limit"
+
+
+def test_an_unknown_number_type_is_refused():
+    with pytest.raises(polhode.BadInput, match="double"):
+        list(regression.check(["euler/sphere"], ["dobule"]))
+
+
+# -- published figures ------------------------------------------------------------------------
+
+
+def figure(value: str, right: int | None = None, quantity: str = "p") -> printed.Figure:
+    scene = replace(
+        polhode.load("published/orekit"),
+        published=(Published(Fraction(20), quantity, value, "by hand", right),),
+    )
+    return printed.figures(scene, polhode.reference(scene))[0]
+
+
+def test_a_printed_figure_stands_if_rounded_or_cut_off_from_ours():
+    """3.3256121802383088253058...: rounded and cut off stand, a unit further does not."""
+    assert figure("3.3256121802383088").passed
+    assert figure("3.32561218023830882531").passed
+    assert figure("3.32561218023830882530").passed
+    assert not figure("3.32561218023830882532").passed
+    assert not figure("3.32561218023830882529").passed
+    assert not figure("3.3256121802383086").passed
+    assert figure("3.32561218023830882530588").ours == "3.3256121802383088253058840"
+
+
+def test_right_counts_digits_from_below_and_from_above():
+    assert figure("3.3256121999", right=8).passed
+    assert not figure("3.3256121999", right=9).passed
+    assert not figure("3.3256121999", right=7).passed
+    assert figure("3.3256121999", right=8).verdict == "8 of 11 digits right"
+    assert "differs by" in figure("3.4").verdict
+
+
+def test_quantities_are_expressions_in_the_columns():
+    assert figure("11.059769", quantity="p*p").verdict.startswith(("all", "differs"))
+    ours = float(figure("1", quantity="sqrt(p**2 + q**2 + r**2)").ours)
+    row = polhode.reference("published/orekit").at([20], 20)[0]
+    assert abs(ours - float(sum(x * x for x in row[:3]) ** 0.5)) < 0.05
+
+
+def test_published_digits_need_no_integration_to_the_same_time():
+    """The reference is asked at the figure's own time, whatever the run's times are."""
+    scene = replace(polhode.load("published/orekit"), times=(Fraction(1),))
+    shown = printed.figures(scene, polhode.reference(scene))
+    assert all(f.passed for f in shown)
+    assert number_types.bits_for(20) > 60

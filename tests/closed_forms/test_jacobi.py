@@ -1,0 +1,83 @@
+"""Jacobi's functions and theta quotients against mpmath's own, which use other algorithms."""
+
+import mpmath
+import pytest
+from mpmath import mpf
+
+from polhode.closed_forms.functions.jacobi import MP, jacobi, numpy_functions, quotient
+
+PARAMETERS = ["0", "1e-20", "0.3", "0.5", "0.7", "0.999", "1"]
+ARGUMENTS = ["0", "0.3", "-1.7", "7.3"]
+
+
+@pytest.fixture(autouse=True)
+def sixty_digits():
+    with mpmath.workdps(60):
+        yield
+
+
+@pytest.mark.parametrize("k2", PARAMETERS)
+@pytest.mark.parametrize("v", ARGUMENTS)
+def test_sn_cn_dn(k2, v):
+    k2, v = mpf(k2), mpf(v)
+    j = jacobi(k2, 1 - k2)
+    waves = j.waves(v, MP)
+    sn, cn, dn = j.functions(waves)
+    sign = (-1) ** waves.turns
+    for name, value in (("sn", sign * sn), ("cn", sign * cn), ("dn", dn)):
+        assert abs(value - mpmath.ellipfun(name, v, m=k2)) < 20 * mpmath.eps
+
+
+@pytest.mark.parametrize(("k2", "kc2"), [("1e-200", "1"), ("1", "1e-200")])
+def test_a_complement_of_1e_200_costs_nothing(k2, kc2):
+    j = jacobi(mpf(k2), mpf(kc2))
+    with mpmath.workdps(280):  # 1 - k^2 is formed here, with digits to lose
+        small = min(mpf(k2), mpf(kc2))
+        long = mpmath.ellipk(1 - small)
+    assert abs(max(j.K, j.Kc) / long - 1) < 10 * mpmath.eps
+
+
+@pytest.mark.parametrize("k2", PARAMETERS)
+def test_numpy_takes_the_same_lines(k2):
+    np = pytest.importorskip("numpy")
+    k2 = mpf(k2)
+    j = jacobi(k2, 1 - k2)
+    v = np.linspace(-900, 900, 23)
+    waves = j.floats().waves(v, numpy_functions())
+    rows = j.floats().functions(waves)
+    for i, x in enumerate(v):
+        exact = j.functions(j.waves(mpf(x), MP))
+        for row, value in zip(rows, exact, strict=True):
+            assert abs(row[i] - value) < 1000 * 16 * 2.0**-53
+
+
+@pytest.mark.parametrize("k2", ["1e-20", "0.3", "0.8", "0.99999"])
+@pytest.mark.parametrize("part", ["0.05", "0.5", "0.97"])
+@pytest.mark.parametrize("shifted", [False, True])
+def test_quotient_from_either_end_of_its_range(k2, part, shifted):
+    """Theta(v + i a) exp(i L v), L = (pi/2K) dlog theta_{1 or 2}(i w)/dw, DLMF 20.2."""
+    k2 = mpf(k2)
+    j = jacobi(k2, 1 - k2)
+    q, a = mpmath.exp(-mpmath.pi * j.Kc / j.K), mpf(part) * j.Kc
+    w = mpmath.pi * a / 2 / j.K
+    kind, odd = (3, 2) if shifted else (4, 1)
+    slope = 1j * mpmath.jtheta(odd, 1j * w, q, 1) / mpmath.jtheta(odd, 1j * w, q)
+    rate = mpmath.pi / 2 / j.K * slope.real
+
+    def direct(v):
+        z = mpmath.pi * (v + 1j * a) / (2 * j.K)
+        return mpmath.jtheta(kind, z, q) * mpmath.expj(rate * v)
+
+    for from_end in (False, True):
+        h = quotient(j, j.Kc - a if from_end else a, from_end=from_end, shifted=shifted)
+
+        def found(v, h=h):
+            waves = j.waves(v, MP)
+            x, y = h.at(waves)
+            assert x > 0
+            return mpmath.mpc(x, y) * mpmath.expj(h.rate * v + h.jump * waves.turns)
+
+        for v in map(mpf, ("0.7", "5.1", "-2.2")):
+            ratio = direct(v) / direct(0) / (found(v) / found(mpf(0)))
+            # Arguments only: the two differ by a positive factor.
+            assert abs(ratio / abs(ratio) - 1) < 2000 * mpmath.eps

@@ -1,0 +1,143 @@
+"""Relative equilibria stand still, whatever their stability, to the last digit."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+import polhode
+from polhode.cli import main
+from polhode.equations import equilibrium
+from polhode.numbers import convert, number_types
+from polhode.numbers.exact import sqrt
+from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
+from polhode.scenes.scene import Event
+from polhode.taylor.outcomes import Outcome
+
+NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
+F = Fraction
+CENTRE = (F(2, 7), F(3, 7), F(6, 7))  # of length 1
+
+
+def body(*moments: int) -> polhode.Body:
+    return polhode.Body.of_moments(moments or (3, 4, 5), CENTRE, 1)
+
+
+def staude() -> polhode.Scene:
+    """A permanent rotation of angular velocity sqrt(3) about a unit vector e.
+
+    gamma_i = Mg r0_i/(om² A_i - mu) (Staude) with mu = 0: r0_i = om² A_i e_i.
+    """
+    square, e = F(3), (F(1, 3), F(2, 3), F(2, 3))
+    moments = (1, 2, 2)
+    centre = tuple(square * a * x for a, x in zip(moments, e, strict=True))
+    heavy = polhode.Body.of_moments(moments, centre, 1)
+    root = sqrt(square)
+    return polhode.Scene(heavy, tuple(root * x for x in e), e, name="staude")
+
+
+RESTS = {
+    "upright": polhode.Scene(body(), (0, 0, 0), CENTRE),
+    "hanging": polhode.Scene(body(), (0, 0, 0), tuple(-x for x in CENTRE)),
+    "staude": staude(),
+    "free, along its axis": polhode.Scene(
+        polhode.Body.of_moments((1, 2, 3)), (0, F(11, 10), 0), (0, 1, 0)
+    ),
+    "free, without gamma": polhode.Scene(polhode.Body.of_moments((1, 2, 3)), (0, F(11, 10), 0)),
+    "a sphere": polhode.Scene(polhode.Body.of_moments((1, 1, 1)), CENTRE, CENTRE),
+    "free, at rest": polhode.Scene(polhode.Body.of_moments((1, 2, 3)), (0, 0, 0), CENTRE),
+    "sleeping": replace(polhode.load("lagrange/sleeping-unstable"), outputs=()),
+    "turned": replace(polhode.load("euler/turned-permanent"), gamma=None, outputs=()),
+}
+
+
+@pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
+@pytest.mark.parametrize("name", RESTS)
+def test_a_relative_equilibrium_stands_still(name, number):
+    scene = RESTS[name].at((F(0), F(1), F(1000), F(10) ** 9))
+    assert equilibrium.stands_still(scene)
+    run = polhode.integrate(scene, number)
+    assert run.outcome is Outcome.REACHED_END
+    assert run.reached == 10**9
+    assert run.steps == 0
+    assert run.projection is None
+    assert all(list(row) == list(run.states[0]) for row in run.states)
+    for x, exact in zip(run.states[0], scene.start, strict=True):
+        error = abs(convert.exactly(x) - number_types.mp(100).rounded(exact))
+        assert error <= number.eps * 2
+
+
+@pytest.mark.parametrize("name", ["upright", "staude", "sleeping", "free, along its axis"])
+def test_a_hair_off_is_a_motion(name):
+    scene = RESTS[name]
+    p, q, r = scene.omega
+    off = replace(scene, omega=(p + F(1, 10**30), q, r + F(1, 10**30)))
+    assert not equilibrium.stands_still(off)
+    assert equilibrium.name(off) is None
+
+
+@pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
+@pytest.mark.parametrize("end", [500, -500])
+def test_a_permanent_rotation_turns_uniformly(number, end):
+    """psi grows like |w| t; the quaternion keeps its length, and gamma is the one it says."""
+    import mpmath
+
+    scene = replace(staude(), psi=F(1, 3), outputs=("angles", "attitude"))
+    run = polhode.integrate(scene, number, at=[0, end])
+    with mpmath.workprec(number.bits + 64):
+        rate = mpmath.sqrt(3)
+        psi, theta, phi = (convert.to_mpf(convert.exactly(x), 400) for x in run.angles[1])
+        assert abs(psi - (mpmath.mpf(1) / 3 + rate * end)) <= 1000 * mpmath.mpf(2) ** -number.bits
+        assert [float(theta), float(phi)] == [float(x) for x in run.angles[0][1:]]
+        q0, q1, q2, q3 = (convert.to_mpf(convert.exactly(x), 400) for x in run.attitude[1])
+        # psi + phi = 2 arg(q0 + i q3), psi - phi = 2 arg(q1 + i q2)
+        for whole, half in (
+            (psi + phi, mpmath.atan2(q3, q0)),
+            (psi - phi, mpmath.atan2(q2, q1)),
+        ):
+            turns = (whole / 2 - half) / mpmath.pi
+            assert abs(turns - mpmath.nint(turns)) <= 1000 * mpmath.mpf(2) ** -number.bits
+
+
+def test_the_attitude_of_a_case_is_that_of_its_closed_form():
+    scene = replace(polhode.load("lagrange/sleeping-stable"), outputs=("attitude",))
+    run = polhode.integrate(scene, at=[1, 100, 10_000])
+    truth = polhode.reference(scene).attitude(run.times, 30)
+    for mine, exact in zip(run.attitude, truth, strict=True):
+        assert max(abs(x - float(y)) for x, y in zip(mine, exact, strict=True)) < 2e-16
+
+
+@pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
+def test_events_of_the_time_still_happen(number):
+    events = (
+        Event("level", "gamma1 - 1/2"),
+        Event("alarm", "t - 3"),
+        Event("wave", "sin(t) * gamma1"),
+        Event("end", "t**2 - 49", stop=True),
+    )
+    scene = RESTS["upright"].at(tuple(F(k) for k in range(11)))
+    run = polhode.integrate(replace(scene, events=events), number)
+    assert run.outcome is Outcome.STOPPED_AT_EVENT
+    assert [len(e.times) for e in run.events] == [0, 1, 2, 1]
+    assert run.events[1].times == (3,)
+    assert abs(run.reached - 7) <= 8 * number.eps
+    assert list(run.times)[:7] == list(range(7))
+    assert len(run.times) <= 8
+    assert list(run.events[1].states[0]) == list(run.states[0])
+
+
+def test_an_event_that_is_always_zero_is_refused():
+    scene = replace(RESTS["upright"], events=(Event("still", "p"),))
+    with pytest.raises(polhode.BadInput, match="not zero all along"):
+        polhode.integrate(scene, at=[1])
+
+
+def test_show_names_it(capsys):
+    for name, kind in (("pendulum/upright", "rest"), ("lagrange/sleeping-stable", "permanent")):
+        assert main(["show", name, "--json"]) == 0
+        assert json.loads(capsys.readouterr().out)["motion"].startswith(kind)
+    assert main(["show", "lagrange/nutation", "--json"]) == 0
+    assert "motion" not in json.loads(capsys.readouterr().out)

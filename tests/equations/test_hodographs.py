@@ -1,0 +1,248 @@
+"""Hodographs of omega in body and space: shape, digits, the rolling condition, classic facts."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import polhode
+from polhode.cli import main
+from polhode.equations import hodographs
+from polhode.judging import rolling
+from polhode.numbers import number_types
+from polhode.numbers.convert import exactly, to_extended, to_mpf
+from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
+
+NUMBERS = ("double", "extended", "quad", "mp")
+TOPS = ("euler/largest-axis", "lagrange/turned-axes", "kovalevskaya/generic", "pendulum/librating")
+COMPONENT = st.floats(-10, 10, allow_subnormal=False)
+
+
+def scene_of(name, outputs=("hodographs",), step=Fraction(1, 200), count=60, **changes):
+    scene = polhode.load(name)
+    times = tuple(step * k for k in range(count))
+    return replace(scene, outputs=tuple(outputs), times=times, events=(), **changes)
+
+
+def exact_rotation(q, v):
+    """R(q) v by the matrix of the quaternion, in fractions."""
+    a, b, c, d = q
+    square = a * a + b * b + c * c + d * d
+    matrix = (
+        (a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)),
+        (2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)),
+        (2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d),
+    )
+    return [sum(x * y for x, y in zip(row, v, strict=True)) / square for row in matrix]
+
+
+# -- the space vector ---------------------------------------------------------------------------
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.tuples(*[COMPONENT] * 4).filter(lambda q: max(map(abs, q)) > 1e-3),
+    st.tuples(*[COMPONENT] * 3),
+    st.sampled_from([DOUBLE, EXTENDED, QUAD, mp(50)]),
+)
+def test_a_vector_is_turned_exactly_and_rounded_once(q, v, number):
+    """Against fractions: half an ulp of the largest component, whatever the quaternion's length."""
+    if number.name == "double":
+        rows = np.array([q]), np.array([v])
+    elif number.name == "extended":
+        rows = tuple(np.array([[to_extended(exactly(x)) for x in r]]) for r in (q, v))
+    else:
+        rows = tuple([[to_mpf(exactly(x), number.bits) for x in r]] for r in (q, v))
+    exact = exact_rotation([exactly(x) for x in q], [exactly(x) for x in v])
+    largest = max(abs(x) for x in exact)
+    for found, true in zip(hodographs.in_space(*rows, number)[0], exact, strict=True):
+        assert abs(exactly(found) - true) <= largest * number.eps * Fraction(51, 100)
+
+
+def test_where_long_double_is_no_wider_the_space_vector_still_is(monkeypatch):
+    run = polhode.integrate(scene_of("kovalevskaya/generic", count=5))
+    monkeypatch.setattr(hodographs, "extended_here", lambda: False)
+    assert np.array_equal(
+        hodographs.hodographs(run.states, run.attitude, run.number).space, run.hodographs.space
+    )
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_a_runs_hodographs_are_those_of_the_closed_form(number):
+    scene = scene_of("lagrange/nutation", step=Fraction(1, 2), count=9)
+    run = polhode.integrate(scene, number)
+    found = polhode.reference(scene).hodographs(run.times, 60)
+    worst = 0
+    with mpmath.workprec(220):
+        for mine, true in zip(run.hodographs, found, strict=True):
+            for row, exact in zip(mine, true, strict=True):
+                for x, y in zip(row, exact, strict=True):
+                    worst = max(worst, abs(to_mpf(exactly(x), 220) - y) / 5)
+    eps = float(run.number.eps)
+    assert eps / 20 < worst < 60 * eps
+    assert found.body == [row[:3] for row in polhode.reference(scene).at(run.times, 60)]
+
+
+def test_the_body_hodograph_is_the_states_own_numbers():
+    run = polhode.integrate(scene_of("kovalevskaya/generic", count=5))
+    assert np.array_equal(run.hodographs.body, run.states[:, :3])
+    assert run.hodographs.space.dtype == np.float64
+    wide = polhode.integrate(scene_of("kovalevskaya/generic", count=2), "extended")
+    assert wide.hodographs.space.dtype == np.longdouble
+
+
+# -- rolling ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("name", TOPS)
+def test_the_hodographs_roll_on_each_other(name, number):
+    """Common tangent and equal arcs, to what rounding leaves of differences over 1/200."""
+    run = polhode.integrate(scene_of(name), number)
+    found, eps = rolling.rolling(run), float(run.number.eps)
+    floor = 1e-45 if number == "mp" else 0.0  # what the differences leave
+    assert eps < found.tangent < 3000 * eps + floor
+    assert found.arc < 30 * eps + floor
+
+
+def test_a_curve_that_slips_is_seen():
+    """An attitude that turns a millionth too fast about the vertical breaks the condition."""
+    run = polhode.integrate(scene_of("kovalevskaya/generic"))
+    half = np.array([float(t) for t in run.times]) * 0.5e-6
+    a, b, c, d = run.attitude.T
+    slipping = np.array([a - half * d, b - half * c, c + half * b, d + half * a]).T
+    found = rolling.rolling(replace(run, attitude=slipping))
+    assert 1e-7 < found.tangent < 1e-5
+    assert rolling.rolling(run).tangent < 1e-11
+
+
+def test_the_rolling_condition_needs_hodographs_and_samples():
+    few = polhode.integrate(scene_of("kovalevskaya/generic", count=5))
+    without = polhode.integrate(scene_of("kovalevskaya/generic", outputs=("attitude",)))
+    for run in (few, without):
+        with pytest.raises(ValueError, match="25 times"):
+            rolling.rolling(run)
+
+
+def test_omega_rate_is_the_form_that_is_integrated():
+    from polhode.equations.forms import principal
+    from polhode.numbers.scalars import Functions
+
+    scene = polhode.load("general/asymmetric-chaotic")
+    state = [Fraction(k, 7) for k in (3, -2, 5, 1, 4, -6)]
+    fn = Functions(Fraction(0), None, None, None)
+    ours = principal.field(state, principal.coefficients(scene.body), fn)[:3]
+    given_mpf = [to_mpf(x, 120) for x in state]
+    vectors = rolling.omega_rate(scene.body, given_mpf[:3], given_mpf[3:], 120)
+    for x, y in zip(vectors, ours, strict=True):
+        assert abs(exactly(x) - y) < Fraction(1, 2**112)
+
+
+# -- classic facts ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("name", ["euler/largest-axis", "euler/separatrix", "euler/turned-axes"])
+def test_the_herpolhode_lies_in_the_invariable_plane(name, number):
+    """omega·G = 2h with G fixed in space: the plane in which Poinsot's ellipsoid rolls."""
+    scene = scene_of(name, step=Fraction(1, 4), count=40)
+    run = polhode.integrate(scene, number)
+    bits = run.number.bits + 32
+    with mpmath.workprec(bits):
+        inertia = mpmath.matrix([[to_mpf(x, bits) for x in row] for row in scene.body.inertia])
+        momenta = []
+        for state, q in zip(run.states, run.attitude, strict=True):
+            momentum = inertia * mpmath.matrix([to_mpf(exactly(x), bits) for x in state[:3]])
+            quaternion = [to_mpf(exactly(x), bits) for x in q]
+            momenta.append(hodographs.turned(quaternion, list(momentum)))
+        twice = 2 * to_mpf(scene.integrals.energy, bits)
+        heights = [
+            mpmath.fdot([to_mpf(exactly(x), bits) for x in row], momenta[0])
+            for row in run.hodographs.space
+        ]
+        off = max(abs(h - twice) for h in heights) / twice
+        turned = max(abs(a - b) for g in momenta for a, b in zip(g, momenta[0], strict=True))
+    eps = float(run.number.eps)
+    assert 0 < off < 200 * eps
+    assert 0 < turned < 600 * eps
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_the_apex_path_of_a_top_is_its_precession_and_nutation(number):
+    """R e3 = (sin theta sin psi, -sin theta cos psi, cos theta); the vertical leads back to z."""
+    scene = scene_of("lagrange/looping", ("angles", "attitude"), Fraction(1, 2), 9)
+    run = polhode.integrate(scene, number)
+    bits, bound = run.number.bits + 16, 60 * float(run.number.eps)
+    paths = hodographs.path(run.attitude, (0, 0, 1), run.number)
+    upward = hodographs.in_space(run.attitude, [row[3:] for row in run.states], run.number)
+    with mpmath.workprec(bits):
+        for (psi, theta, _), apex, up in zip(run.angles, paths, upward, strict=True):
+            psi, theta = (to_mpf(exactly(x), bits) for x in (psi, theta))
+            sine = mpmath.sin(theta)
+            true = (sine * mpmath.sin(psi), -sine * mpmath.cos(psi), mpmath.cos(theta))
+            for x, y in zip(apex, true, strict=True):
+                assert abs(to_mpf(exactly(x), bits) - y) < bound
+            for x, y in zip(up, (0, 0, 1), strict=True):
+                assert abs(to_mpf(exactly(x), bits) - y) < bound
+
+
+# -- what is printed ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("verb", ["run", "reference"])
+def test_json_shows_hodographs_and_only_what_was_asked_for(verb, tmp_path, capsys):
+    scene = tmp_path / "top.toml"
+    text = (
+        "schema = 1\n[body]\nmoments = [1, 1, 0.5]\ncentre = [0, 0, 1]\nweight = 1\n[start]\n"
+        "omega = [0.1, 0, 4]\ngamma = [0.6, 0, 0.8]\n[run]\nat = [1, 2]\noutputs = %s\n"
+    )
+    scene.write_text(text % '["hodographs"]')
+    assert main([verb, str(scene), "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert "attitude" not in answer
+    assert sorted(answer["hodographs"]) == ["body", "space"]
+    assert answer["hodographs"]["body"] == [row[:3] for row in answer["states"]]
+    assert [len(row) for row in answer["hodographs"]["space"]] == [3, 3]
+    lengths = [
+        [sum(Fraction(x) ** 2 for x in row) for row in answer["hodographs"][name]]
+        for name in ("body", "space")
+    ]
+    assert all(abs(a - b) < a * Fraction(1, 10**14) for a, b in zip(*lengths, strict=True))
+    scene.write_text(text % '["hodographs", "attitude"]')
+    assert main([verb, str(scene), "--json"]) == 0
+    assert "attitude" in json.loads(capsys.readouterr().out)
+
+
+def test_a_trajectory_file_holds_the_space_hodograph(tmp_path, capsys):
+    path = tmp_path / "x.csv"
+    asked = ["run", "kovalevskaya/generic", "--at", "1,2", "--outputs", "hodographs"]
+    assert main([*asked, "-o", str(path)]) == 0
+    header, *rows = csv.reader(path.read_text().splitlines())
+    assert header[7:] == ["omega_x", "omega_y", "omega_z"]
+    assert "hodographs" not in json.loads(path.with_suffix(".json").read_text())
+    run = polhode.integrate(scene_of("kovalevskaya/generic").at((Fraction(1), Fraction(2))))
+    assert [[float(x) for x in row[7:]] for row in rows] == run.hodographs.space.tolist()
+    capsys.readouterr()
+    assert main(["compare", str(path), "kovalevskaya/generic"]) == 0
+    assert "column omega_x was not judged" in capsys.readouterr().out
+
+
+def test_hodographs_need_a_vertical():
+    with pytest.raises(polhode.BadInput, match=r"start\.gamma"):
+        replace(polhode.load("euler/no-gamma"), outputs=("hodographs",))
+
+
+def test_asking_for_hodographs_changes_no_attitude_and_no_angles():
+    every = polhode.integrate(scene_of("euler/attitude", ("angles", "hodographs"), count=9))
+    asked = polhode.integrate(scene_of("euler/attitude", ("angles", "attitude"), count=9))
+    assert np.array_equal(every.attitude, asked.attitude)
+    assert every.angles == asked.angles
+    assert number_types.DOUBLE is every.number

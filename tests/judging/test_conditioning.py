@@ -1,0 +1,448 @@
+"""Kappa against differences of perturbed motions; Lyapunov exponents; what they say of digits."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import polhode
+from polhode import cli
+from polhode.equations.forms import principal
+from polhode.equations.system import System, system
+from polhode.judging import foreign, limits
+from polhode.judging import table as table_
+from polhode.judging.conditioning import Conditioning, conditioning
+from polhode.judging.digits import rate_scale
+from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
+from polhode.runs.run import Run
+from polhode.scenes.body import Body
+from polhode.scenes.scene import Scene
+
+
+def asymmetric(spin: str, times: list[object]) -> Scene:
+    """The asymmetric body of the hard cases: regular with spin 3, chaotic with 1.1."""
+    body = Body.of_moments(["2", "1.5", "1"], ["0.3", "0.2", "0.5"], 1)
+    return Scene(body, ("0.3", "0.2", spin), ("0.6", 0, "0.8"), times=tuple(times))
+
+
+# -- kappa against motions of perturbed inputs ------------------------------------------------
+
+
+def states(scene: Scene, k: dict, start: list, times: list[Fraction], number) -> np.ndarray:
+    """States in scene axes and units from coefficients and a start, in a wide type."""
+    plain = system(scene, ())
+    what = System(plain.form, plain.names, (), k, tuple(start))
+    unit = Fraction(2) ** scene.time_unit
+    rows, _ = Run(scene, number).integrator(what).chunk([t / unit for t in times], 10**6)
+    with mpmath.workprec(number.bits + 20):
+        axes = [[mpmath.mpf(x.numerator) / x.denominator for x in row] for row in body_axes(scene)]
+        found = []
+        for row in rows:
+            turned = [
+                sum(axes[i][j] * row[k + i] for i in range(3)) for k in (0, 3) for j in range(3)
+            ]
+            found.append([x / unit.numerator * unit.denominator for x in turned[:3]] + turned[3:])
+        return np.array(found)
+
+
+def body_axes(scene: Scene) -> tuple:
+    """The principal axes as rows; these scenes have rational ones."""
+    return scene.body.axes.rows
+
+
+def differences(scene: Scene, number=QUAD, step: Fraction = Fraction(1, 10**15)) -> list[float]:
+    """Kappa at the scene's times: each input that is not zero changed by ``step`` of itself."""
+    body, unit = scene.body, scene.time_unit
+    plain, times = system(scene, ()), list(scene.times)
+    honest = states(scene, dict(plain.coefficients), list(plain.start), times, number)
+    total = np.zeros(honest.shape)
+    with mpmath.workprec(number.bits + 20):
+        for j, x in enumerate(plain.start):
+            if x != 0:
+                start = list(plain.start)
+                start[j] = x * (1 + step)
+                moved = states(scene, dict(plain.coefficients), start, times, number)
+                total = total + abs(moved - honest) / mpmath.mpf(step.denominator) ** -1
+        arm = body.axes.components(body.torque)
+        inputs = [*body.moments, *arm]
+        for j, x in enumerate(inputs):
+            if x != 0:
+                changed = list(inputs)
+                changed[j] = x * (1 + step)
+                other = Body.of_moments(changed[:3], changed[3:], 1)
+                k = principal.coefficients(other, unit)
+                moved = states(scene, k, list(plain.start), times, number)
+                total = total + abs(moved - honest) / mpmath.mpf(step.denominator) ** -1
+    scale = rate_scale(honest, scene, number.bits)
+    return [float(max(*(row[:3] / scale), *row[3:])) for row in total]
+
+
+SCENES = {
+    "Euler": lambda: polhode.load("euler/largest-axis"),
+    "Lagrange": lambda: polhode.load("lagrange/nutation"),
+    "Kovalevskaya": lambda: polhode.load("kovalevskaya/generic"),
+    "hanging by its weight": lambda: polhode.load("lagrange/negative-weight"),
+    "chaotic": lambda: asymmetric("1.1", [10, 40]),
+    "backward": lambda: asymmetric("3", [-2, -9]),
+    "in units of 2**-40": lambda: fast(),
+}
+
+
+def fast() -> Scene:
+    """The asymmetric body with its unit of time scaled by 2**40."""
+    body = Body.of_moments(["2", "1.5", "1"], ["0.3", "0.2", "0.5"], 4**40)
+    omega = tuple(Fraction(x) * 2**40 for x in ("0.3", "0.2", "3"))
+    return Scene(body, omega, ("0.6", 0, "0.8"), times=(Fraction(7, 2**40),))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_kappa_is_that_of_perturbed_motions(name):
+    scene = SCENES[name]()
+    if len(scene.times) > 3:
+        scene = scene.at(scene.times[:: len(scene.times) // 2][1:])
+    found, expected = conditioning(scene).kappa, differences(scene)
+    assert np.allclose(found, expected, rtol=1e-6), (found, expected)
+
+
+def test_kappa_in_turned_axes_is_judged_on_the_components_of_the_scene():
+    """The same motion in other body axes: another largest component, by sqrt(3) at most."""
+    own = polhode.load("euler/largest-axis").at((Fraction(10),))
+    turned = polhode.load("euler/turned-axes").at((Fraction(10),))
+    expected = differences(turned)
+    assert np.allclose(conditioning(turned).kappa, expected, rtol=1e-6)
+    assert conditioning(own).kappa != conditioning(turned).kappa
+
+
+def test_kappa_beyond_what_a_double_can_follow_is_the_scenes_own():
+    """kappa 1.2e15 at t = 300: the motion in double is another one by then."""
+    scene = asymmetric("1.1", [200, 300])
+    found = conditioning(scene, number="quad")
+    expected = differences(scene, QUAD, Fraction(1, 10**18))
+    assert np.allclose(found.log10_kappa, np.log10(expected), atol=0.01)
+    assert found.log10_kappa[1] > 15
+    in_double = conditioning(scene)
+    assert np.allclose(in_double.log10_kappa[0], math.log10(expected[0]), atol=0.01)
+
+
+def test_kappa_of_a_free_body_is_that_of_its_closed_form():
+    """w alone: each of p q r A B C changed, the closed form asked."""
+    scene = polhode.load("euler/no-gamma")
+    t, step = scene.times[-1], Fraction(1, 10**20)
+
+    def at(moments: list, omega: list) -> list:
+        other = replace(scene, body=Body.of_moments(moments), omega=tuple(omega))
+        return polhode.reference(other).at([t], 60)[0]
+
+    inputs = [*scene.body.moments, *scene.omega]
+    honest = at(inputs[:3], inputs[3:])
+    with mpmath.workdps(60):
+        total = [mpmath.mpf(0)] * 3
+        for j, x in enumerate(inputs):
+            changed = list(inputs)
+            changed[j] = x * (1 + step)
+            moved = at(changed[:3], changed[3:])
+            total = [s + abs(a - b) for s, a, b in zip(total, moved, honest, strict=True)]
+        scale = rate_scale(polhode.reference(scene).at(scene.times, 20), scene, 80)
+        expected = float(max(total) / scale * step.denominator)
+    assert math.isclose(conditioning(scene).kappa[-1], expected, rel_tol=1e-6)
+
+
+def test_kappa_of_the_asymmetric_body_grows_with_time_or_exponentially():
+    """Spin 3: in proportion to t, |monodromy| 5.6e2 at t = 1000; 1.1: 1e5 at 100, 3e9 at 200."""
+    early, late = (envelope(asymmetric("3", []), t) for t in (100, 800))
+    assert abs(late / early / 8 - 1) < 0.25
+    assert 560 < conditioning(asymmetric("3", [1000])).kappa[0] < 12 * 560
+    chaotic = conditioning(asymmetric("1.1", [100, 200])).kappa
+    assert 1e5 < chaotic[0] < 5e5
+    assert 3e9 < chaotic[1] < 12e9
+
+
+def envelope(scene: Scene, t: int) -> float:
+    """The largest kappa between t and 1.5 t."""
+    return max(conditioning(scene, [t * (1 + Fraction(k, 100)) for k in range(51)]).kappa)
+
+
+def test_the_monodromy_is_the_one_known():
+    from polhode.taylor.variations import Variations
+
+    for spin, end, size in (("3", 1000, 5.6e2), ("1.1", 100, 1e5)):
+        scene = asymmetric(spin, [end])
+        start = np.array([float(Fraction(x)) for x in scene.start])
+        plain = principal.coefficients(scene.body, 0)
+        flow = Variations(plain, start, np.hstack([np.eye(6), np.zeros((6, 6))]), [{}] * 6)
+        assert flow.to(float(end), 10**6)
+        assert math.isclose(np.max(np.abs(flow.tangents)), size, rel_tol=0.5)
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    st.integers(-60, 60),
+    st.integers(-60, 60),
+    st.tuples(*[st.integers(-20, 20)] * 3),
+    st.integers(1, 30),
+)
+def test_kappa_does_not_depend_on_units(mass, time, omega, t):
+    """Scaling by powers of two changes no bit of it."""
+
+    def kappa(mass: int, time: int) -> tuple:
+        m, rate = Fraction(2) ** mass, Fraction(2) ** -time
+        body = Body.of_moments([4 * m, 3 * m, 2 * m], [m / 3, m / 2, m], rate**2)
+        spin = tuple(rate * w / 8 for w in omega)
+        return conditioning(Scene(body, spin, ("0.6", 0, "0.8"), times=(t / rate,))).kappa
+
+    assert kappa(mass, time) == kappa(0, 0)
+
+
+# -- what is said of it -----------------------------------------------------------------------
+
+
+def test_at_the_start_each_component_is_as_uncertain_as_itself():
+    scene = polhode.load("euler/largest-axis").at((Fraction(0), Fraction(1)))
+    w = math.sqrt(sum(float(x) ** 2 for x in scene.omega))
+    largest = max(w, math.sqrt(sum(float(x) ** 2 for x in polhode.reference(scene).at([1])[0][:3])))
+    expected = max(*(abs(float(x)) / largest for x in scene.omega), *map(abs, scene.gamma))
+    assert math.isclose(conditioning(scene).kappa[0], expected, rel_tol=1e-12)
+
+
+def test_a_body_at_rest_upright_stays_the_scenes_own():
+    """Kappa grows at the unstable rate, out of a double's range; the state itself stays."""
+    scene = polhode.load("pendulum/upright")
+    far = scene.at((Fraction(1000), Fraction(2000)))
+    found = conditioning(far, number=mp(1000))
+    assert found.kappa == (math.inf, math.inf) or found.kappa[0] > 1e300
+    a, b = found.log10_kappa
+    rate = (b - a) * math.log(10) / 1000
+    assert math.isclose(rate, math.sqrt(1 / 1.07), rel_tol=0.2)
+    assert conditioning(far).lost_after < 45
+    assert conditioning(far).digits_possible() == (0.0, 0.0)
+
+
+def test_no_digits_left_is_said_where_kappa_eats_them_all():
+    scene = asymmetric("1.1", [100, 280, 320, 360])
+    found = conditioning(scene)
+    assert found.lost == f"no digits left after t = {found.lost_after:.3g}"
+    assert 280 < found.lost_after < 320
+    assert found.kappa[2:] == (None, None)
+    assert found.digits_possible()[2:] == (0.0, 0.0)
+    assert found.digits_possible("quad")[2:] == (None, None)  # not asked of this computation
+    assert str(found).endswith(found.lost)
+    assert "360" not in str(found)
+    wider = conditioning(scene, number="quad")
+    assert wider.lost == ""
+    assert all(12 < d < 30 for d in wider.digits_possible())
+    assert math.isclose(wider.lost_after or 0, 0)
+
+
+def test_the_digits_possible_are_those_of_rounded_inputs_and_rounded_time():
+    scene = asymmetric("3", [Fraction(1), Fraction(2**20) + Fraction(1, 2)])
+
+    def digits(log10_kappa, log10_rate, number=DOUBLE):
+        both = (log10_kappa,) * 2, (log10_rate,) * 2
+        return Conditioning(scene, scene.times, DOUBLE, *both, None, "").digits_possible(number)
+
+    eps = 52 * math.log10(2)
+    assert digits(3.0, -99.0) == pytest.approx((eps - 3, eps - 3))
+    assert digits(-99.0, 0.0) == pytest.approx((eps, eps - 20 * math.log10(2)))
+    assert digits(0.0, 0.0)[0] == pytest.approx(eps - math.log10(2))
+    assert digits(0.0, -99.0, EXTENDED)[0] == pytest.approx(63 * math.log10(2))
+    assert digits(99.0, 0.0) == (0.0, 0.0)
+    assert digits(-99.0, -99.0) == (DOUBLE.most_digits,) * 2
+
+
+def test_a_motion_too_long_for_the_steps_allowed_has_no_kappa():
+    scene = asymmetric("3", [10, 10**6])
+    found = conditioning(scene, max_steps=500)
+    assert found.kappa[0] is not None
+    assert found.kappa[1] is None
+    assert found.digits_possible()[1] is None
+    assert "kappa not computed" in found.note
+    assert "500 steps" in str(found)
+
+
+def test_a_run_is_limited_by_what_its_problem_allows():
+    """On the separatrix the motion does it; a loose tolerance, a fast spin: the method."""
+    apart = polhode.compare(polhode.integrate("euler/separatrix"))
+    assert apart.limit == "conditioning"
+    shares = apart.attribution
+    assert shares.digits == apart.worst
+    assert shares.possible - 1 < shares.digits
+    assert shares.reference == math.inf
+    loose = polhode.compare(polhode.integrate("euler/largest-axis", at=[10], tol=1e-7))
+    assert loose.limit == "method (tolerance 1.0e-07)"
+    assert abs(loose.attribution.method - loose.worst) < 0.01
+    assert loose.attribution.possible > loose.worst + 3
+
+
+def test_a_run_past_its_digits_is_given_no_number():
+    judged = polhode.compare(polhode.integrate("euler/separatrix", at=[20, 40, 300]))
+    assert judged.lost == f"no digits left after t = {judged.conditioning.lost_after:.3g}"
+    assert 95 < judged.conditioning.lost_after < 105
+    assert judged.limit == "conditioning"
+    lines = str(judged).splitlines()
+    assert "none left" in lines[4]
+    assert "worst" not in str(judged)
+
+
+@pytest.mark.slow
+def test_a_chaotic_run_past_its_digits_is_given_no_number():
+    judged = polhode.compare(polhode.integrate(asymmetric("1.1", [100, 200, 500])))
+    assert judged.lost.startswith("no digits left after t = 30")
+    assert judged.limit == "conditioning"
+    assert "worst" not in str(judged)
+
+
+@pytest.mark.parametrize(
+    ("digits", "possible", "reference", "name"),
+    [
+        (15.5, None, math.inf, "rounding"),
+        (14.0, 14.4, math.inf, "rounding"),
+        (12.2, 13.0, math.inf, "conditioning"),
+        (12.9, 12.2, math.inf, "conditioning"),
+        (11.9, 13.0, math.inf, "method (of it)"),
+        (11.9, None, math.inf, "method (of it)"),
+        (11.9, 13.0, 12.0, "reference"),
+        (0.1, 0.0, 30.0, "conditioning"),
+    ],
+)
+def test_the_limit_has_a_name(digits, possible, reference, name):
+    assert limits.limit(digits, DOUBLE.most_digits, possible, reference, "of it") == name
+
+
+# -- files of other programs ------------------------------------------------------------------
+
+
+def table(tmp_path, scene: Scene, times: list, places: int | None):
+    path = tmp_path / "other.csv"
+    run = {
+        s: polhode.integrate(scene, at=sorted((t for t in times if t * s >= 0), key=abs))
+        for s in (1, -1)
+        if any(t * s > 0 for t in times)
+    }
+    with path.open("w", newline="") as file:
+        out = csv.writer(file)
+        out.writerow(["t", *scene.columns])
+        for found in run.values():
+            for t, row in zip(found.times, found.states, strict=True):
+                shown = [repr(float(x)) if places is None else f"{x:.{places}e}" for x in row]
+                out.writerow([float(t), *shown])
+    return path
+
+
+def test_a_file_is_judged_by_the_yardstick_of_a_double(tmp_path):
+    scene = asymmetric("3", [])
+    path = table(tmp_path, scene, [0, 1, 40, -40], None)
+    verdict = foreign.judge(table_.read_table(path, None), polhode.reference(scene), None)
+    assert verdict.yardstick == DOUBLE
+    assert verdict.limit in ("conditioning", "rounding")
+    expected = conditioning(scene, [40]).digits_possible()[0]
+    assert verdict.digits_possible[2] == pytest.approx(expected, abs=0.2)
+    assert len(verdict.digits_possible) == 5 - (verdict.table.times.count(0) == 1)
+
+
+def test_few_printed_digits_are_named(tmp_path):
+    scene = asymmetric("3", [])
+    path = table(tmp_path, scene, [1, 10], 7)
+    verdict = foreign.judge(table_.read_table(path, None), polhode.reference(scene), None)
+    assert verdict.limit == "rounding (of the printed digits)"
+
+
+def test_compare_prints_the_limit_and_no_number_where_none_is_left(tmp_path, capsys):
+    path = table(tmp_path, polhode.load("euler/separatrix"), [20, 300], None)
+    assert cli.main(["compare", str(path), "euler/separatrix"]) == 0
+    out = capsys.readouterr().out
+    assert "none left" in out
+    assert "no digits left after t = 100; limited by conditioning" in out
+    assert "worst" not in out
+    assert cli.main(["compare", str(path), "euler/separatrix", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["correct_digits"][1] is None
+    assert answer["worst"] is None
+    assert answer["digits_possible"][1] == 0
+    assert answer["limit"] == "conditioning"
+    assert 95 < answer["no_digits_left_after"] < 105
+
+
+# -- regular or chaotic -----------------------------------------------------------------------
+
+
+def test_a_chaotic_motion_is_told_from_a_regular_one():
+    """Spin 1.1: 3e9 at t = 200 and 1e50 at 1000 are exponents of 0.109 and 0.115."""
+    chaotic = polhode.lyapunov(asymmetric("1.1", [1]), 10_000)
+    assert chaotic.verdict == "chaotic"
+    assert 0.09 < chaotic.exponent < 0.12
+    assert chaotic.uncertainty < 0.01
+    regular = polhode.lyapunov(asymmetric("3", [1]), 10_000)
+    assert regular.verdict == "regular"
+    assert abs(regular.exponent) < regular.uncertainty < 1e-3
+    assert regular.growth == pytest.approx(math.log(2), abs=0.1)
+
+
+def test_too_short_a_look_decides_nothing():
+    assert polhode.lyapunov(asymmetric("1.1", [1]), 20).verdict == "undecided"
+    assert polhode.lyapunov(asymmetric("3", [1]), 20).verdict == "undecided"
+
+
+def test_an_end_at_the_start_is_refused():
+    with pytest.raises(polhode.BadInput, match="other than 0"):
+        polhode.lyapunov("euler/largest-axis", 0)
+
+
+def test_the_exponent_is_per_unit_of_the_scenes_time():
+    slow, quick = polhode.lyapunov(asymmetric("1.1", [1]), 2000), polhode.lyapunov(chaotic_fast())
+    assert slow.verdict == quick.verdict == "chaotic"
+    assert quick.exponent / 2**40 == pytest.approx(slow.exponent, rel=0.3)
+
+
+def chaotic_fast() -> Scene:
+    body = Body.of_moments(["2", "1.5", "1"], ["0.3", "0.2", "0.5"], 4**40)
+    omega = tuple(Fraction(x) * 2**40 for x in ("0.3", "0.2", "1.1"))
+    return Scene(body, omega, ("0.6", 0, "0.8"))
+
+
+@pytest.mark.parametrize("name", ["euler/largest-axis", "lagrange/nutation", "euler/no-gamma"])
+def test_motions_of_integrable_tops_are_regular(name):
+    found = polhode.lyapunov(name)
+    assert found.verdict == "regular"
+    assert abs(found.exponent) < found.uncertainty
+    scene = polhode.load(name)
+    assert abs(envelope(scene, 800) / envelope(scene, 100) / 8 - 1) < 0.25  # in proportion to t
+
+
+def test_a_kovalevskaya_motion_is_regular_though_other_moments_make_it_another_top():
+    """A tangent grows like t; kappa faster, as a change of A, B, C alone leaves the tori."""
+    found = polhode.lyapunov("kovalevskaya/generic")
+    assert found.verdict == "regular"
+    assert found.growth == pytest.approx(math.log(2), abs=0.2)
+    scene = polhode.load("kovalevskaya/generic")
+    assert 1 < envelope(scene, 800) / envelope(scene, 100) / 8 < 8
+
+
+@pytest.mark.parametrize(
+    "name", ["pendulum/separatrix", "euler/separatrix", "lagrange/sleeping-unstable"]
+)
+def test_unstable_regular_motions_are_called_regular_and_unstable(name):
+    found = polhode.lyapunov(name)
+    assert found.verdict == "regular"
+    assert "unstable" in found.reason
+    assert found.exponent > 10 * found.uncertainty > 0
+    assert "unstable" in str(found)
+
+
+def test_the_exponent_of_a_sleeping_top_is_its_unstable_rate():
+    """Upright: lambda² = Mg z0/A - (C r/2A)², by the linear equations of the sleeping top."""
+    scene = polhode.load("lagrange/sleeping-unstable")
+    a, _, c = (float(x) for x in scene.body.moments)
+    weight, r = float(scene.body.torque[2]), float(scene.omega[2])
+    rate = math.sqrt(weight / a - (c * r / (2 * a)) ** 2)
+    found = polhode.lyapunov(scene)
+    assert abs(found.exponent - rate) < found.uncertainty
+    assert math.isclose(found.exponent, rate, rel_tol=1e-3)

@@ -1,0 +1,250 @@
+"""Correct digits, drift, references: definitions checked by hand-made errors."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+
+import polhode
+from polhode.equations import integrals
+from polhode.judging import digits as correct_digits
+from polhode.judging.reference import Reference, TwoPrecisions
+from polhode.numbers import exact, number_types
+from polhode.numbers.number_types import DOUBLE
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes import scene_file
+from polhode.taylor.outcomes import Outcome
+
+TIMES = (Fraction(0), Fraction(1), Fraction(2), Fraction(5))
+
+
+def exact_run(name: str, number=DOUBLE) -> Trajectory:
+    """A trajectory whose states are the closed form's, rounded to the type: no integrator."""
+    scene = polhode.load(name).at(TIMES)
+    rows = polhode.reference(scene).at(TIMES, 60)
+    states = rows if number.bits > 64 else np.array([[float(x) for x in row] for row in rows])
+    return Trajectory(scene, number, TIMES, states, Outcome.REACHED_END, 1, TIMES[-1], 0.0)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1e-8, 1e-12])
+@pytest.mark.parametrize("column", range(6))
+def test_digits_are_those_of_an_error_put_in_by_hand(size, column):
+    """An error of known size in one component at one time gives -log10(size / scale) there."""
+    run = exact_run("euler/largest-axis")
+    run.states[2, column] += size
+    judged = polhode.compare(run)
+    rows = polhode.reference(run.scene).at(TIMES, 30)
+    largest = max(math.sqrt(sum(float(x) ** 2 for x in row[:3])) for row in rows)
+    expected = -math.log10(size / (largest if column < 3 else 1))
+    assert abs(judged.worst - expected) < 1e-3
+    assert judged.worst_time == 2
+    assert min(d for k, d in enumerate(judged.digits) if k != 2) > 15
+
+
+def test_digits_never_exceed_what_the_type_has():
+    judged = polhode.compare(exact_run("euler/largest-axis"))
+    assert judged.worst <= DOUBLE.most_digits
+    assert judged.worst > DOUBLE.most_digits - 0.7
+    assert judged.limit == "rounding"
+
+
+def test_pointwise_digits_are_relative_to_the_rate_at_the_same_time():
+    scene = scene_file.parse(
+        "schema = 1\n[body]\nmoments = [1, 2, 3]\n[start]\nomega = [1e-3, 0, 0]\n"
+        "gamma = [0, 0, 1]\n[run]\nat = [1]\n"
+    )
+    run = polhode.integrate(scene)
+    judged = polhode.compare(run)
+    assert len(judged.pointwise) == len(judged.digits) == 1
+
+
+def test_the_scale_of_a_body_at_rest_is_the_pendulums_rate_then_one():
+    heavy = scene_file.parse(
+        "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0, 0, 3]\nweight = 3\n"
+        "[start]\nomega = [0, 0, 0]\ngamma = [0, 0, 1]\n"
+    )
+    free = replace(heavy, body=replace(heavy.body, weight=Fraction(0)))
+    zero = [[mpmath.mpf(0)] * 6]
+    assert correct_digits.rate_scale(zero, heavy, 80) == mpmath.mpf(3) / 2
+    assert correct_digits.rate_scale(zero, free, 80) == 1
+
+
+def test_a_state_that_is_not_finite_has_no_digits():
+    assert correct_digits.digits_of(mpmath.inf, 16) == 0
+    assert correct_digits.digits_of(mpmath.nan, 16) == 0
+    assert correct_digits.digits_of(mpmath.mpf(3), 16) == 0
+
+
+def test_drift_is_that_of_an_error_put_in_by_hand():
+    """h moves by A p dp, f by A dp gamma1, relative to T(0) + Mg|r0| and |G(0)|."""
+    run = exact_run("euler/largest-axis")
+    clean = run.drift
+    assert max(clean) < 4 * float(DOUBLE.eps)
+    moved = exact_run("euler/largest-axis")
+    size = 1e-6
+    moved.states[1, 0] += size
+    a = float(run.scene.body.moments[0])
+    p, g1 = run.states[1, 0], run.states[1, 3]
+    values = run.scene.integrals
+    assert math.isclose(
+        moved.drift.h,
+        abs(a * p * size + a * size**2 / 2) / float(values.energy_scale),
+        rel_tol=1e-8,
+    )
+    assert math.isclose(
+        moved.drift.f,
+        abs(a * size * g1)
+        / float(exact.rounded(values.area_scale, 53)[0])
+        / 2.0 ** exact.rounded(values.area_scale, 53)[1],
+        rel_tol=1e-8,
+    )
+
+
+def test_drift_of_quad_states_is_seen_below_the_doubles_eps():
+    run = polhode.integrate("euler/largest-axis", "quad", at=[10])
+    assert 0 < run.drift.h < 1e-31
+    assert 0 < run.drift.gamma < 1e-31
+
+
+def test_a_start_from_rest_has_a_drift_all_the_same():
+    scene = scene_file.parse(
+        "schema = 1\n[body]\nmoments = [1, 2, 2.5]\ncentre = [0.1, 0.2, 0.3]\nweight = 3\n"
+        "[start]\nomega = [0, 0, 0]\ngamma = [0.6, 0, 0.8]\n[run]\nend = 5\n"
+    )
+    drift = polhode.integrate(scene).drift
+    assert 0 < drift.f < 1e-13
+    assert integrals.scales(scene)[1] > 0
+
+
+def test_rounding_the_inputs_alone_is_told_from_the_steps():
+    """On a fast top the steps cost digits; on the separatrix the rounded inputs do."""
+    fast = polhode.compare(polhode.integrate("euler/fast-spin", project=False))
+    assert fast.input_rounding > fast.worst + 1
+    assert fast.limit == "method (rounding in the steps)"
+    assert fast.attribution.method < fast.worst + 0.5
+    apart = polhode.compare(polhode.integrate("euler/separatrix"))
+    assert abs(apart.input_rounding - apart.worst) < 0.7
+
+
+def test_a_loose_tolerance_is_named_as_the_limit():
+    judged = polhode.compare(polhode.integrate("euler/largest-axis", at=[10], tol=1e-7))
+    assert judged.limit == "method (tolerance 1.0e-07)"
+    assert "limited by method (tolerance" in str(judged)
+
+
+def test_a_run_is_judged_against_the_exact_scene_not_its_rounded_inputs():
+    """One double of rounding in w leaves at most 16 digits: the closed form is not fed doubles."""
+    scene = polhode.load("euler/largest-axis").at((Fraction(100),))
+    rounded = replace(scene, omega=tuple(DOUBLE.rounded(x) for x in scene.omega))
+    one, two = (polhode.reference(s).at([100], 40)[0] for s in (scene, rounded))
+    with mpmath.workprec(150):
+        difference = max(abs(x - y) for x, y in zip(one, two, strict=True))
+    assert 1e-17 < difference < 1e-12
+    run = polhode.integrate(scene)
+    assert polhode.compare(run).reference.scene.omega == scene.omega
+
+
+# -- references -------------------------------------------------------------------------------
+
+
+def test_a_closed_form_and_two_integrations_agree_where_both_exist():
+    scene = polhode.load("euler/largest-axis").at((Fraction(20),))
+    closed = polhode.reference(scene)
+    twice = polhode.reference(replace(scene, reference="two-precisions"))
+    assert isinstance(closed, Reference)
+    assert isinstance(twice, TwoPrecisions)
+    rows = [truth.at([20], 40)[0] for truth in (closed, twice)]
+    assert twice.agreement >= 40
+    with mpmath.workprec(200):
+        difference = max(abs(x - y) for x, y in zip(*rows, strict=True))
+    assert difference < mpmath.mpf(10) ** -40
+
+
+def test_two_precisions_says_how_far_it_agrees_on_a_chaotic_motion():
+    truth = polhode.reference("general/asymmetric-chaotic")
+    assert truth.kind == "two-precisions"
+    assert not truth.is_closed_form
+    truth.at([30], 25)
+    assert 25 <= truth.agreement < 60
+
+
+def test_a_closed_form_that_does_not_fit_is_refused():
+    scene = replace(polhode.load("general/near-upright"), reference="euler")
+    with pytest.raises(polhode.BadInput, match="two-precisions, which fits"):
+        polhode.reference(scene)
+
+
+def test_times_are_taken_exactly_whatever_their_kind():
+    truth = polhode.reference("euler/largest-axis")
+    kinds = [[Fraction(1, 2)], [0.5], ["0.5"], ["1/2"], [mpmath.mpf(0.5)]]
+    rows = [truth.at(times, 30)[0] for times in kinds]
+    assert all(row == rows[0] for row in rows)
+    assert truth.at([0.1], 30) != truth.at(["0.1"], 30)  # the double 0.1 is another number
+
+
+@pytest.mark.parametrize("digits", [15, 50, 120])
+def test_the_closed_form_gives_the_digits_asked_for_and_not_many_more(digits):
+    truth = polhode.reference("euler/largest-axis")
+    few, many = truth.at(["12.5"], digits)[0], truth.at(["12.5"], digits + 60)[0]
+    with mpmath.workprec(number_types.bits_for(digits + 80)):
+        error = max(abs(x - y) for x, y in zip(few, many, strict=True))
+    assert digits < -mpmath.log10(error) < digits + 8
+
+
+@pytest.mark.parametrize(
+    ("body", "kind"),
+    [
+        ("moments = [2, 2, 1]\ncentre = [0, 0, 1]\nweight = 1", "Lagrange top"),
+        ("moments = [2, 1, 2]\ncentre = [0, 1, 0]\nweight = 1", "Lagrange top"),
+        (
+            "moments = [1, 1, 1]\ncentre = [1, 2, 3]\nweight = 1",
+            "Lagrange top (three equal moments)",
+        ),
+        ("moments = [2, 2, 1]\ncentre = [1, 1, 0]\nweight = 1", "Kovalevskaya top"),
+        ("moments = [1, 2, 2]\ncentre = [0, 1, 1]\nweight = 1", "Kovalevskaya top"),
+        ("moments = [4, 4, 1]\ncentre = [1, 0, 0]\nweight = 1", None),
+        (
+            "moments = [2, 2, 1]\ncentre = [1, 0, 1]\nweight = 1",
+            "heavy symmetric body, centre of mass off its axis",
+        ),
+        ("moments = [3, 2, 2.5]\ncentre = [1, 0, 1]\nweight = 1", "heavy asymmetric body"),
+        ("moments = [3, 2, 2.5]\ncentre = [1, 0, 1]\nweight = 0", "Euler top"),
+    ],
+)
+def test_bodies_are_named_by_their_exact_structure(body, kind):
+    from polhode.scenes.tops import kind_of_body
+
+    text = f"schema = 1\n[body]\n{body}\n[start]\nomega = [1, 2, 3]\ngamma = [0, 0, 1]\n"
+    if kind is None:
+        assert kind_of_body(scene_file.parse(text).body) == "Goryachev-Chaplygin body"
+    else:
+        assert kind_of_body(scene_file.parse(text).body) == kind
+
+
+@pytest.mark.parametrize("name", ["euler/separatrix", "lagrange/cusped", "kovalevskaya/type-e-ee"])
+@pytest.mark.parametrize("digits", [20, 50])
+def test_the_error_estimate_bounds_the_true_error_and_is_not_slack(name, digits):
+    truth = polhode.reference(name)
+    estimate = truth.error([1, 7], digits)
+    rows, finer = truth.at([1, 7], digits), truth.at([1, 7], digits + 30)
+    scale = correct_digits.rate_scale(finer, truth.scene, 300)
+    true = max(correct_digits.errors(rows, finer, scale, 300))
+    assert true <= estimate * (1 + mpmath.mpf(10) ** -6)
+    assert mpmath.mpf(10) ** (-digits - 12) < estimate < mpmath.mpf(10) ** -digits
+
+
+def test_the_curve_of_a_kovalevskaya_top_is_shown():
+    from polhode.output.description import described
+
+    facts = described(polhode.load("kovalevskaya/type-e-ee"))
+    assert facts["regime"] == "e-ee+"
+    assert len(facts["curve"]["e"]) == 3
+    assert len(facts["curve"]["tau"]) == 3
+    assert set(facts["frequencies"]) == {"period", "s1", "s2"}
+    assert described(polhode.load("kovalevskaya/delaunay"))["curve"]["tau"] is None
+    assert "curve" not in described(polhode.load("lagrange/cusped"))

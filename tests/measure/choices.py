@@ -1,0 +1,435 @@
+"""What is chosen for the user, measured.
+
+    python tests/measure/choices.py [PART...] > src/polhode/choices.md
+
+Processor time of one thread, least of several; builds without the disk cache.  Nothing here passes
+or fails.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterable
+from contextlib import contextmanager
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+
+import polhode
+from polhode.common.provenance import cpu, versions
+from polhode.equations.forms import principal
+from polhode.equations.system import system
+from polhode.judging.digits import errors as state_errors
+from polhode.judging.digits import rate_scale
+from polhode.numbers import number_types
+from polhode.numbers.convert import exactly
+from polhode.runs import sweep as ensemble
+from polhode.runs import workers as crew
+from polhode.runs.run import Run
+from polhode.scenes import library, scene_file
+from polhode.studies.long_run import rows as long_run
+from polhode.taylor import batches, heyoka_numbers, integrator
+
+SCENE = (
+    "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
+    'omega = [0.3, 0.4, {spin}]\ngamma = ["2/7", "3/7", "6/7"]\n[run]\nend = {end}\n'
+)
+TYPES = {
+    "double": number_types.DOUBLE,
+    "extended": number_types.EXTENDED,
+    "quad": number_types.QUAD,
+    "mp": number_types.mp(),
+}
+
+
+def heavy(end: Any, spin: str = "3") -> polhode.Scene:
+    return scene_file.parse(SCENE.format(end=end, spin=spin), "heavy")
+
+
+def least(job: Callable[[], Any], rounds: int, clock: Callable[[], float] = time.thread_time):
+    """The least seconds of a job, and what it gave."""
+    best = float("inf")
+    for _ in range(rounds):
+        began = clock()
+        found = job()
+        best = min(best, clock() - began)
+    return best, found
+
+
+def table(header: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
+    header = list(header)
+    print("| " + " | ".join(header) + " |")
+    print("|" + "---|" * len(header))
+    for row in rows:
+        print("| " + " | ".join(str(x) for x in row) + " |")
+    print()
+
+
+@contextmanager
+def no_disk_cache():
+    hy.llvm_state.set_diskcache_enabled(False)
+    hy.llvm_state.clear_memcache()
+    yield
+    hy.llvm_state.set_diskcache_enabled(True)
+
+
+def built(scene: polhode.Scene, number: Any, **options: Any) -> Any:
+    """heyoka's integrator of a scene with options of its own, and the seconds of its build."""
+    what = system(scene, ())
+    variables = hy.make_vars(*what.names)
+    k = {
+        name: hy.expression(heyoka_numbers.scalar(x, number))
+        for name, x in what.coefficients.items()
+    }
+    rates = what.field(variables, k, heyoka_numbers.EXPRESSIONS)
+    start = heyoka_numbers.array([heyoka_numbers.scalar(x, number) for x in what.start], number)
+    chosen = heyoka_numbers.type_options(number) | options
+    equations = list(zip(variables, rates, strict=True))
+    with no_disk_cache():
+        return least(lambda: hy.taylor_adaptive(equations, start, **chosen), 1)
+
+
+def tolerances() -> None:
+    print("## Tolerance of a step: the type's eps (2⁻⁵² in double)\n")
+    print(
+        "`--tol` loosens it. Heavy top, double, t = 1000; the error of the state against a "
+        "quad run of the same rounded inputs, median of seven starts. Below eps more work "
+        "buys no digit, so that is refused.\n"
+    )
+    end = [Fraction(1000)]
+    scenes = [heavy(1000, f"1.{k}1") for k in range(7)]
+    true = [
+        Run(scene, number_types.QUAD, inputs=number_types.DOUBLE).to(end, None)[1][0]
+        for scene in scenes
+    ]
+    rows = []
+    for name, tol in [
+        ("eps/1000", number_types.DOUBLE.eps / 1000),
+        ("eps/10", number_types.DOUBLE.eps / 10),
+        ("**eps**", number_types.DOUBLE.eps),
+        ("10 eps", number_types.DOUBLE.eps * 10),
+        ("1e-14", Fraction(1, 10**14)),
+        ("1e-12", Fraction(1, 10**12)),
+        ("1e-10", Fraction(1, 10**10)),
+        ("1e-8", Fraction(1, 10**8)),
+    ]:
+        best, errors = float("inf"), []
+        for scene, exact in [*zip(scenes, true, strict=True), *[(scenes[0], true[0])] * 14]:
+            run = Run(scene, number_types.DOUBLE, tol)
+            row = run.to(end, None)[1][0]
+            pairs = zip(row, exact, strict=True)
+            errors.append(max(abs(float(exactly(a) - exactly(b))) for a, b in pairs))
+            if scene is scenes[0]:
+                steps, seconds = run.steps, run.seconds - run.build_seconds
+                best = min(best, seconds)
+        rows.append([name, steps, f"{best * 1e3:.2f}", f"{np.median(errors[:7]):.1e}"])
+    table(["tolerance", "steps", "ms", "error"], rows)
+
+
+def compact() -> None:
+    print("## Compact mode: for quad and mp\n")
+    print("Code unrolled (default) against loops over functions (compact).\n")
+    rows = []
+    steps = {"double": 20_000, "extended": 2_000, "quad": 60, "mp": 12}
+    for name, number in TYPES.items():
+        for mode in (False, True):
+            if name == "mp" and not mode:
+                rows.append([name, "unrolled", "does not end", "", ""])
+                continue
+            build, ta = built(heavy(1), number, compact_mode=mode)
+            far = heyoka_numbers.scalar(10**6, number)
+            n = steps[name]
+            seconds, _ = least(lambda ta=ta, n=n, far=far: ta.propagate_until(far, max_steps=n), 7)
+            default = {"quad": True, "mp": True}.get(name, False)
+            mark = "**chosen**" if mode == default else ""
+            cells = ["compact" if mode else "unrolled", f"{build * 1e3:.0f}"]
+            rows.append([name, *cells, f"{seconds / n * 1e6:.3g}", mark])
+    table(["type", "mode", "build, ms", "µs a step", ""], rows)
+
+
+def digits() -> None:
+    print("## Number type and guard from `--digits`\n")
+    print(
+        "The cheapest type that holds the digits wanted and ceil(log10(|w|·|end|)) guard digits; "
+        "mp takes 1.5 of these and 3. Digits that are correct, by the closed form, at the end of "
+        "regular motions of 100 radians and of 1000 (Lagrange, Euler, Kovalevskaya tops).\n"
+    )
+    cases = ["lagrange/nutation", "euler/largest-axis", "kovalevskaya/generic"]
+    rows = []
+    for wanted in (8, 12, 15, 18, 25, 33, 50):
+        for angle in (100, 1000):
+            if wanted == 50 and angle == 1000:
+                continue
+            cells = []
+            chosen = ""
+            for case in cases:
+                scene = library.load(case)
+                end = Fraction(round(angle * 10**-scene.log10_rate * 2**20), 2**20)
+                scene = scene.at((end,))
+                run = polhode.integrate(scene, digits=wanted)
+                chosen = f"{run.number.name} ({run.number.bits})"
+                judged = polhode.compare(run, polhode.reference(scene))
+                short = " (short)" if judged.worst < wanted else ""
+                cells.append(f"{judged.worst:.1f}{short}")
+            rows.append([wanted, angle, chosen, *cells])
+    table(["wanted", "radians", "type (bits)", *cases], rows)
+
+
+def chunks() -> None:
+    print("## Chunk length: a fifth of a second of steps, by type\n")
+    print(
+        "Between chunks a run looks at the keyboard, reports progress and puts its clock back to "
+        "0. Double, t = 100 000, against chunks of 200 000 steps.\n"
+    )
+    scene = heavy(100_000)
+    rows, base = [], 0.0
+    chosen = integrator.chunk_steps
+    for steps in (200_000, 20_000, 2_000, 200, 20):
+        integrator.chunk_steps = lambda _, steps=steps: steps  # type: ignore[assignment]
+
+        def job() -> float:
+            run = polhode.integrate(scene)
+            return run.provenance["seconds"]["run"]
+
+        best = min(job() for _ in range(5))
+        base = base or best
+        wait = steps * 0.6e-3
+        rows.append([f"{steps}", f"{best / base:.2f}", f"{wait:.3g}"])
+    integrator.chunk_steps = chosen
+    rows[0][0] = f"**{rows[0][0]}**"
+    table(["steps a chunk", "time", "wait for Ctrl-C, ms"], rows)
+    print(", ".join(f"{n}: {chosen(t)} steps" for n, t in TYPES.items()) + ".\n")
+
+
+def cadences() -> None:
+    print("## Steps between two projections onto the first integrals, by type\n")
+    print(
+        "`--project-every N` sets them, `--no-project` turns projection off; quad and mp are not "
+        "projected unless asked. Median error over eight starts a top, and time, against runs that "
+        "are not projected: double to t = 10 000, extended to t = 1000.\n"
+    )
+    for name, end, chosen in (("double", 10_000, 320), ("extended", 1000, 32)):
+        rows: dict[str, list[str]] = {}
+        for top in long_run.TOPS:
+            scenes = [long_run.Start(top, k, (Fraction(end),), ()).scene for k in range(8)]
+            truths = [polhode.reference(scene).at(scene.times, 30) for scene in scenes]
+            plain, slow = projected(scenes, truths, name, False)
+            for every in (8, 32, 80, 160, 320, 640):
+                error, seconds = projected(scenes, truths, name, every)
+                label = f"**{every}**" if every == chosen else str(every)
+                cells = [f"1/{plain / error:.0f}", f"{seconds / slow:.2f}"]
+                rows.setdefault(label, []).extend(cells)
+        print(f"{name}:\n")
+        tops = [f"{top}, {what}" for top in long_run.TOPS for what in ("error", "time")]
+        table(["steps", *tops], [[label, *cells] for label, cells in rows.items()])
+
+
+def projected(scenes: Any, truths: Any, name: str, project: Any) -> tuple[float, float]:
+    """The median error at the end, and the least seconds of the first run."""
+    errors = []
+    for scene, truth in zip(scenes, truths, strict=True):
+        run = polhode.integrate(scene, name, project=project)
+        scale = rate_scale(truth, scene, 120)
+        errors.append(float(state_errors(run.states, truth, scale, 120)[-1]))
+    seconds, _ = least(lambda: polhode.integrate(scenes[0], name, project=project), 7)
+    return float(np.median(errors)), seconds
+
+
+def lanes() -> None:
+    print(f"## Batch width of a sweep: what heyoka recommends, {batches.width(TYPES['double'])}\n")
+    print(
+        "The same top in every lane, 20 000 steps each; scalar code with constants and with "
+        "parameters for comparison.\n"
+    )
+    scene, n = heavy(1), 20_000
+    what = system(scene, ())
+    names = sorted(what.coefficients)
+    values = [float(what.coefficients[name]) for name in names]
+    variables = hy.make_vars(*what.names)
+    k = {name: hy.par[i] for i, name in enumerate(names)}
+    equations = list(
+        zip(variables, what.field(variables, k, heyoka_numbers.EXPRESSIONS), strict=True)
+    )
+    start = np.array([float(x) for x in what.start])
+    rows = []
+    build, ta = built(scene, number_types.DOUBLE)
+    seconds, _ = least(lambda: ta.propagate_until(1e9, max_steps=n), 9)
+    rows.append(["scalar, constants", f"{build * 1e3:.0f}", f"{seconds / n * 1e6:.3f}", ""])
+    with no_disk_cache():
+        build, ta = least(lambda: hy.taylor_adaptive(equations, start, pars=values), 1)
+    scalar, _ = least(lambda: ta.propagate_until(1e9, max_steps=n), 9)
+    rows.append(["scalar, parameters", f"{build * 1e3:.0f}", f"{scalar / n * 1e6:.3f}", "1"])
+    for width in (2, 4, 8, 16):
+        states, pars = (np.tile(np.array(x)[:, None], width) for x in (start, values))
+        with no_disk_cache():
+            build, many = least(
+                lambda s=states, p=pars: hy.taylor_adaptive_batch(equations, s, pars=p), 1
+            )
+        seconds, _ = least(
+            lambda m=many, w=width: m.propagate_until(np.full(w, 1e9), max_steps=n), 9
+        )
+        each = seconds / n / width
+        name = f"**{width}**" if width == batches.width(TYPES["double"]) else str(width)
+        cells = [f"{build * 1e3:.0f}", f"{each * 1e6:.3f}", f"{scalar / n / each:.2f}"]
+        rows.append([name, *cells])
+    table(["lanes", "build, ms", "µs a step and lane", "times scalar"], rows)
+
+
+def sweeps() -> None:
+    print("## A sweep against a loop\n")
+    print(
+        "1000 starts of the heavy top, spins 0.5 to 1.5. The loop: heyoka's scalar integrator, "
+        "compiled once, coefficients as parameters, starts ready as doubles, states kept; nothing "
+        "of polhode. The sweep: everything, exact scenes and states in scene axes included, in "
+        "one thread; *steps alone*: without these two.\n"
+    )
+    given = {"start.omega[3]": "0.5:1.5:1000"}
+    rows = []
+    for end in (100, 1000, 10_000):
+        scene = heavy(end)
+        plan = ensemble._plan(scene, given, None, None, None, None)
+        lanes_ = [
+            (
+                np.array([float(x) for x in lane.coefficients]),
+                np.array([float(x) for x in lane.start]),
+                np.array([0.0, end / 2.0**lane.time_unit]),
+            )
+            for lane in plan.lanes
+        ]
+        variables = hy.make_vars(*scene.columns)
+        k = {name: hy.par[i] for i, name in enumerate(plan.names)}
+        rates = principal.field(variables, k, heyoka_numbers.EXPRESSIONS)
+        ta = hy.taylor_adaptive(
+            list(zip(variables, rates, strict=True)), lanes_[0][1], pars=lanes_[0][0]
+        )
+
+        def loop(ta: Any = ta, lanes_: Any = lanes_) -> Any:
+            kept = np.empty((len(lanes_), 6))
+            for i, (pars, start, grid) in enumerate(lanes_):
+                ta.pars[:], ta.state[:], ta.time = pars, start, 0.0
+                kept[i] = ta.propagate_grid(grid)[-1][-1]
+            return kept
+
+        def sweep(workers: int, scene: polhode.Scene = scene) -> Any:
+            return polhode.integrate_many(scene, given, workers=workers)
+
+        polhode.integrate_many(scene, given, at=[1])  # builds
+        rounds = 2 if end == 10_000 else 7
+        least_of: dict[str, float] = {}
+        for _ in range(rounds):
+            timed = {
+                "loop": least(loop, 1)[0],
+                "sweep": least(lambda: sweep(1), 1, time.process_time)[0],
+                "steps": least(lambda plan=plan: _solved(plan), 1)[0],
+            }
+            least_of = {k: min(x, least_of.get(k, x)) for k, x in timed.items()}
+        single, whole, bare = (least_of[name] for name in ("loop", "sweep", "steps"))
+        steps = sum(sweep(1).steps)
+        cells = [f"{steps / 1000:.0f}", f"{single:.3f}", f"{whole:.3f}"]
+        cells += [f"{single / whole:.2f}", f"{single / bare:.2f}"]
+        rows.append([end, *cells])
+    table(["t", "steps a member", "loop, s", "sweep, s", "times", "steps alone, times"], rows)
+    one, two = (
+        min(
+            polhode.integrate_many(heavy(1000), given, workers=n).provenance["seconds"]["run"]
+            for _ in range(12)
+        )
+        for n in (1, 2)
+    )
+    print(
+        f"Two threads on this machine of {crew.cores()} cores, by the wall clock, steps alone, "
+        f"t = 1000: {one / two:.2f} times one (load average {os.getloadavg()[0]:.0f}; it means "
+        "little above 1).\n"
+    )
+
+
+def _solved(plan: Any) -> None:
+    size = batches.width(plan.number)
+    order = sorted(plan.lanes, key=lambda lane: -lane.rate)
+    for k in range(0, len(order), size):
+        batches.solve(
+            batches.Job(
+                plan.names,
+                6,
+                plan.number,
+                None,
+                plan.max_steps,
+                plan.times,
+                tuple(order[k : k + size]),
+            )
+        )
+
+
+def start_up() -> None:
+    print("## Start-up: heyoka's disk cache, off for mp\n")
+    print(
+        "`polhode run` in a process of its own, processor time (all threads) and wall clock, "
+        "warm cache; *first*: a body that no run has seen. Target: 2.5 times the imports of "
+        "numpy and heyoka alone.\n"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        here = Path(folder)
+        environment = dict(os.environ, HEYOKA_CACHE_DIR=str(here / "cache"))
+
+        def seconds(*command: str) -> tuple[float, float]:
+            def used() -> float:
+                spent = resource.getrusage(resource.RUSAGE_CHILDREN)
+                return spent.ru_utime + spent.ru_stime
+
+            began, before = time.perf_counter(), used()
+            subprocess.run(
+                [sys.executable, *command],
+                env=environment,
+                cwd=here,
+                check=True,
+                capture_output=True,
+            )
+            return used() - before, time.perf_counter() - began
+
+        (here / "s.toml").write_text(SCENE.format(end=10, spin=3))
+        commands = {"imports alone": ("-c", "import numpy, heyoka")}
+        for name in TYPES:
+            commands[name] = ("-m", "polhode", "run", "s.toml", "--number", name)
+        found: dict[str, list[tuple[float, float]]] = {name: [] for name in commands}
+        found["double, first"] = []
+        for k in range(11):
+            for name, command in commands.items():
+                found[name].append(seconds(*command))
+            text = SCENE.format(end=10, spin=3).replace("[2, 3, 4]", f"[2.{k:02d}1, 3, 4]")
+            (here / "f.toml").write_text(text)
+            found["double, first"].append(seconds("-m", "polhode", "run", "f.toml"))
+        least_of = {n: [min(x) for x in zip(*rows[1:], strict=True)] for n, rows in found.items()}
+        base = least_of["imports alone"]
+        table(
+            ["", "processor, s", "of the imports", "wall, s", "of the imports"],
+            (
+                [name, f"{c:.2f}", f"{c / base[0]:.2f}", f"{w:.2f}", f"{w / base[1]:.2f}"]
+                for name, (c, w) in least_of.items()
+            ),
+        )
+
+
+def main() -> None:
+    print("# What is chosen for the user\n")
+    found = ", ".join(f"{name} {version}" for name, version in versions().items())
+    print(
+        f"Made by `python tests/measure/choices.py` ({found}; {cpu()}). "
+        "The choice is in **bold** type.\n"
+    )
+    parts = (tolerances, compact, digits, chunks, cadences, lanes, sweeps, start_up)
+    for part in (p for p in parts if p.__name__ in sys.argv[1:] or len(sys.argv) == 1):
+        began = time.perf_counter()
+        part()
+        print(f"{part.__name__}: {time.perf_counter() - began:.0f} s", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,205 @@
+"""Exact numbers: correct rounding, signs by the named rule, no answer that depends on history."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from operator import add, mul, sub, truediv
+
+import mpmath
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from polhode.numbers import exact
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import (
+    EQUAL_BITS,
+    Irrational,
+    arctan2,
+    cos,
+    log10,
+    pi,
+    power,
+    rounded,
+    sign,
+    sin,
+)
+from polhode.numbers.exact import sqrt as root
+
+TWO, THREE, SIX = Fraction(2), Fraction(3), Fraction(6)
+BITS = [1, 2, 8, 24, 53, 64, 113, 333]
+
+fractions = st.fractions(max_denominator=10**30)
+positive = st.fractions(min_value=Fraction(1, 10**12), max_value=10**12, max_denominator=10**15)
+
+
+def value(pair: tuple[int, int]) -> Fraction:
+    mantissa, exponent = pair
+    return mantissa * Fraction(2) ** exponent
+
+
+def by_mpmath(x: mpmath.mpf) -> Fraction:
+    negative, mantissa, exponent, _ = mpmath.mpf(x)._mpf_
+    return (-1) ** negative * int(mantissa) * Fraction(2) ** int(exponent)
+
+
+@settings(deadline=None)
+@given(fractions)
+def test_rational_rounds_as_python_does(x: Fraction) -> None:
+    assert value(rounded(x, 53)) == Fraction(float(x))
+
+
+@settings(deadline=None)
+@given(st.integers(), st.integers(-400, 400), st.sampled_from(BITS))
+def test_rounding_is_nearest_with_ties_to_even(top: int, exponent: int, bits: int) -> None:
+    x = Fraction(top) * Fraction(2) ** exponent / 3 if top % 2 else Fraction(top, 2)
+    mantissa, e = rounded(x, bits)
+    assert abs(mantissa) <= 1 << bits
+    assert x == 0 or abs(mantissa) >= 1 << (bits - 1)
+    off = abs(x - value((mantissa, e)))
+    assert off <= Fraction(2) ** e / 2
+    if off == Fraction(2) ** e / 2:
+        assert mantissa % 2 == 0
+
+
+@pytest.mark.parametrize("x", [Fraction(2**53 + 1), Fraction(2**53 + 3), Fraction(-(2**54) - 2)])
+def test_ties_go_to_even(x: Fraction) -> None:
+    assert value(rounded(x, 53)) == int(float(x))
+
+
+@settings(deadline=None)
+@given(positive, st.sampled_from(BITS))
+def test_irrational_rounds_as_mpmath_at_high_precision(x: Fraction, bits: int) -> None:
+    with mpmath.workprec(3000):
+        high = mpmath.mpf(x.numerator) / x.denominator
+        for ours, theirs in (
+            (root(x), mpmath.sqrt(high)),
+            (sin(x), mpmath.sin(high)),
+            (cos(x), mpmath.cos(high)),
+            (power(x, Fraction(2, 3)), mpmath.cbrt(high) ** 2),
+            (pi() / x, mpmath.pi / high),
+        ):
+            assert rounded(ours, bits) == rounded(by_mpmath(theirs), bits)
+
+
+@settings(deadline=None)
+@given(positive, positive, st.sampled_from([add, sub, mul, truediv]), st.sampled_from(BITS))
+def test_arithmetic_of_roots_rounds_as_mpmath(a: Fraction, b: Fraction, op, bits: int) -> None:
+    ours = op(root(a) + 1, root(b) + 1)
+    with mpmath.workprec(3000):
+        theirs = op(*(mpmath.sqrt(mpmath.mpf(x.numerator) / x.denominator) + 1 for x in (a, b)))
+        if sign(ours) == 0:
+            assert abs(theirs) < mpmath.mpf(2) ** -2900
+        else:
+            assert rounded(ours, bits) == rounded(by_mpmath(theirs), bits)
+
+
+def test_a_tie_that_only_the_rule_can_see_goes_to_even() -> None:
+    for odd in (2**53 + 1, 2**53 + 3):
+        tie = odd + (root(TWO) * root(THREE) - root(SIX))
+        assert isinstance(tie, Irrational)
+        assert value(rounded(tie, 53)) == int(float(odd))
+
+
+@pytest.mark.parametrize(
+    "zero",
+    [
+        root(TWO) * root(THREE) - root(SIX),
+        sin(pi()),
+        cos(pi() / 2),
+        sin(pi() * 10**200),
+        root(TWO + root(THREE)) - (root(SIX) + root(TWO)) / 2,
+        power(power(TWO, Fraction(1, 3)), THREE) - 2,
+        arctan2(Fraction(1), Fraction(1)) * 4 - pi(),
+    ],
+    ids=lambda x: "",
+)
+def test_zero_by_the_rule(zero: exact.Exact) -> None:
+    assert sign(zero) == 0
+    assert zero == 0
+    assert rounded(zero, 53) == (0, 0)
+    assert log10(zero) == -math.inf
+    with pytest.raises(ZeroDivisionError):
+        1 / zero
+
+
+@pytest.mark.parametrize("places", [20, 100, 1000, 1200])
+def test_a_small_difference_is_not_zero(places: int) -> None:
+    small = root(TWO) + Fraction(1, 10**places) - root(TWO)
+    assert sign(small) == 1
+    assert sign(-small) == -1
+    assert value(rounded(small, 53)) == value(rounded(Fraction(1, 10**places), 53))
+
+
+def test_the_rule_does_not_depend_on_what_was_asked_before() -> None:
+    x, minus_x = root(TWO), -root(TWO)
+    y = x + Fraction(1, 1 << (2 * EQUAL_BITS))
+    assert sign(y + minus_x) == 0
+    for part in (x, minus_x, y):
+        rounded(part, 4 * EQUAL_BITS)
+    assert sign(y + minus_x) == 0
+
+
+@pytest.mark.parametrize("angle", [Fraction(10) ** 400, -(Fraction(10) ** 4000), pi() * 10**900])
+def test_an_angle_too_large_to_reduce_is_refused_not_called_zero(angle: exact.Exact) -> None:
+    for function in (sin, cos):
+        with pytest.raises(ValueError, match="too large"):
+            function(angle)
+
+
+def test_a_deep_sum_needs_no_deep_stack() -> None:
+    total: exact.Exact = root(TWO)
+    for _ in range(20_000):
+        total = total + root(TWO)
+    assert sign(total) == 1
+    assert float(total) == pytest.approx(20_001 * math.sqrt(2), rel=4 * 2.0**-53)
+
+
+@settings(deadline=None)
+@given(st.integers(-50, 50), st.integers(-50, 50), st.booleans())
+def test_arctan2_in_all_quadrants(y: int, x: int, irrational: bool) -> None:
+    if x == y == 0:
+        with pytest.raises(ValueError, match="length zero"):
+            arctan2(Fraction(0), Fraction(0))
+        return
+    factor = root(TWO) if irrational else Fraction(1)
+    found = arctan2(y * factor, x * factor)
+    with mpmath.workprec(300):
+        assert rounded(found, 113) == rounded(by_mpmath(mpmath.atan2(y, x)), 113)
+
+
+@pytest.mark.parametrize("power_of_ten", [-4000, -400, -1, 0, 1, 400, 4000])
+def test_log10_at_any_magnitude(power_of_ten: int) -> None:
+    size = Fraction(10) ** power_of_ten
+    one_ulp = max(1, abs(power_of_ten)) * 2.0**-50
+    assert log10(size) == pytest.approx(power_of_ten, abs=one_ulp)
+    assert log10(-size) == log10(size)
+    assert log10(size * root(TWO)) == pytest.approx(power_of_ten + math.log10(2) / 2, abs=one_ulp)
+
+
+@settings(deadline=None)
+@given(positive, positive)
+def test_comparisons_mix_rational_and_irrational(a: Fraction, b: Fraction) -> None:
+    assert (root(a) < root(b)) == (a < b)
+    assert (root(a) <= root(b)) == (a <= b)
+    assert (root(a) > root(b)) == (a > b)
+    assert (root(a) == root(b)) == (a == b)
+    assert (root(a) < b) == (a < b * b)
+    assert (a < root(b)) == (a * a < b)
+
+
+@settings(deadline=None)
+@given(fractions)
+def test_the_root_of_a_square_is_rational(x: Fraction) -> None:
+    assert root(x * x) == abs(x)
+    assert isinstance(root(x * x), Fraction)
+    if not isinstance(found := root(abs(x)), Fraction):
+        assert found * found == abs(x)
+        assert isinstance(found * found, Fraction)
+
+
+@pytest.mark.parametrize("big", [root(TWO) * 10**4000, root(TWO) / 10**4000])
+def test_a_number_beyond_doubles_can_be_shown(big: Irrational) -> None:
+    assert "* 2**" in repr(big)
+    assert "4000" in shown(big)

@@ -1,0 +1,216 @@
+"""Number types: lossless conversions, decimal strings that round-trip, the ladder of digits."""
+
+from __future__ import annotations
+
+import decimal
+import math
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from polhode.numbers import convert, exact, number_types
+from polhode.numbers.convert import exactly
+from polhode.numbers.decimals import decimal_in_full, decimal_string
+from polhode.numbers.expression import decimal as read_decimal
+from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType, for_digits
+
+TYPES = [DOUBLE, EXTENDED, QUAD, number_types.mp(1), number_types.mp(50), NumberType("mp", 1000)]
+wide = pytest.mark.skipif(np.finfo(np.longdouble).nmant != 63, reason="no 80-bit long double here")
+
+fractions = st.builds(
+    lambda top, bottom, power: Fraction(top, bottom) * Fraction(10) ** power,
+    st.integers(-(10**30), 10**30),
+    st.integers(1, 10**30),
+    st.integers(-350, 350),
+)
+
+
+@pytest.mark.parametrize("number", TYPES, ids=lambda n: f"{n.bits} bits")
+@given(x=fractions)
+def test_decimal_strings_round_trip(number: NumberType, x: Fraction) -> None:
+    held = number.rounded(x)
+    text = decimal_string(held, number.printed_digits)
+    assert number.rounded(read_decimal(text)) == held
+    assert number.rounded(held) == held
+
+
+@settings(deadline=None)
+@given(fractions, st.integers(1, 60))
+def test_decimal_string_rounds_correctly(x: Fraction, digits: int) -> None:
+    context = decimal.Context(prec=digits, rounding=decimal.ROUND_HALF_EVEN)
+    expected = context.divide(decimal.Decimal(x.numerator), decimal.Decimal(x.denominator))
+    assert read_decimal(decimal_string(x, digits)) == Fraction(expected)
+
+
+@settings(deadline=None)
+@given(st.integers(1, 10**12), st.integers(-20, 20), st.integers(1, 8))
+def test_decimal_string_ties_go_to_even(n: int, power: int, digits: int) -> None:
+    tie = Fraction(10 * n + 5) * Fraction(10) ** power
+    digits = len(str(n)) if digits % 2 else min(digits, len(str(n)))
+    context = decimal.Context(prec=digits, rounding=decimal.ROUND_HALF_EVEN)
+    expected = context.plus(decimal.Decimal(10 * n + 5).scaleb(power))
+    assert read_decimal(decimal_string(tie, digits)) == Fraction(expected)
+
+
+@pytest.mark.parametrize(
+    ("x", "digits", "text"),
+    [
+        (Fraction(0), 5, "0"),
+        (Fraction(1), 3, "1.00"),
+        (Fraction(-1, 3), 3, "-0.333"),
+        (Fraction(999999), 3, "1.00e+06"),
+        (Fraction(9995, 10), 3, "1.00e+03"),
+        (Fraction(123), 3, "123"),
+        (Fraction(1, 10**5), 2, "0.000010"),
+        (Fraction(1, 10**6), 2, "1.0e-06"),
+        (Fraction(7), 1, "7"),
+        (Fraction(99), 1, "1e+02"),
+        (Fraction(10) ** 4000, 2, "1.0e+4000"),
+        (Fraction(10) ** -4000, 2, "1.0e-4000"),
+    ],
+)
+def test_decimal_string_is_positional_where_short(x: Fraction, digits: int, text: str) -> None:
+    assert decimal_string(x, digits) == text
+
+
+@settings(deadline=None)
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_decimal_in_full_has_every_digit_of_a_double(x: float) -> None:
+    text = decimal_in_full(Fraction(x))
+    assert Fraction(decimal.Decimal(text)) == Fraction(x)
+    assert not text.startswith("-0") or "." in text
+    assert "." not in text or not text.endswith("0")
+
+
+@settings(deadline=None)
+@given(st.integers(-(2**400), 2**400), st.integers(-3000, 1000))
+def test_decimal_in_full_has_every_digit_of_any_binary_number(top: int, power: int) -> None:
+    x = top * Fraction(2) ** power
+    assert Fraction(decimal.Decimal(decimal_in_full(x))) == x
+
+
+def test_decimal_in_full_prints_more_digits_than_python_would() -> None:
+    x = Fraction(2) ** 50_000 + Fraction(1, 2**50_000)
+    head, tail = decimal_in_full(x).split(".")
+    assert (len(head), len(tail)) == (math.ceil(50_000 * math.log10(2)), 50_000)
+    assert head.startswith(str(mpmath.nstr(mpmath.mpf(2) ** 50_000, 12)[0]))
+    with pytest.raises(ValueError, match="binary"):
+        decimal_in_full(Fraction(1, 3))
+
+
+@settings(deadline=None)
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_exactly_takes_doubles_as_they_are(x: float) -> None:
+    assert exactly(x) == exactly(np.float64(x)) == exactly(mpmath.mpf(x)) == Fraction(x)
+
+
+@wide
+@settings(deadline=None)
+@given(st.integers(-(2**64) + 1, 2**64 - 1), st.integers(-16_000, 16_000))
+def test_exactly_takes_extended_numbers_as_they_are_at_any_magnitude(top: int, power: int) -> None:
+    x = top * Fraction(2) ** power
+    if abs(x) < Fraction(2) ** 16_384:
+        held = np.ldexp(np.longdouble(abs(top) >> 32), power + 32)
+        held = held + np.ldexp(np.longdouble(abs(top) & 0xFFFFFFFF), power)
+        assert exactly(held if top >= 0 else -held) == x
+
+
+@wide
+@settings(deadline=None)
+@given(fractions)
+def test_to_extended_is_the_nearest_80_bit_number(x: Fraction) -> None:
+    assert exactly(convert.to_extended(x)) == EXTENDED.rounded(x)
+
+
+@settings(deadline=None)
+@given(fractions, st.sampled_from([24, 113, 333]))
+def test_to_mpf_is_the_nearest_of_so_many_bits(x: Fraction, bits: int) -> None:
+    assert exactly(convert.to_mpf(x, bits)) == NumberType("mp", bits).rounded(x)
+
+
+@settings(deadline=None)
+@given(st.fractions(min_value=Fraction(1, 10**9), max_value=10**9))
+def test_to_double_is_the_nearest_double_of_an_irrational(x: Fraction) -> None:
+    found = convert.to_double(exact.sqrt(x) * exact.pi())
+    with mpmath.workprec(500):
+        assert found == float(mpmath.sqrt(mpmath.mpf(x.numerator) / x.denominator) * mpmath.pi)
+
+
+def test_to_double_beyond_the_range() -> None:
+    assert convert.to_double(Fraction(10) ** 400) == math.inf
+    assert convert.to_double(exact.sqrt(Fraction(2)) * 10**400) == math.inf
+    assert convert.to_double(Fraction(10) ** -400) == 0
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        math.inf,
+        -math.inf,
+        math.nan,
+        np.longdouble("inf"),
+        np.longdouble("nan"),
+        np.float64("nan"),
+        mpmath.inf,
+        -mpmath.inf,
+        mpmath.nan,
+        np.float32("inf"),
+        "1.5",
+        None,
+        1j,
+    ],
+    ids=repr,
+)
+def test_exactly_refuses_what_is_not_a_finite_number(value: object) -> None:
+    with pytest.raises(ValueError, match="finite"):
+        exactly(value)
+
+
+def test_exactly_takes_other_exact_numbers() -> None:
+    assert exactly(3) == 3
+    assert exactly(Fraction(1, 3)) == Fraction(1, 3)
+    assert exactly(np.float32(0.1)) == Fraction(float(np.float32(0.1)))
+    assert exactly(decimal.Decimal("0.1")) == Fraction(1, 10)
+    assert convert.exact_number("1/10") == Fraction(1, 10)
+
+
+@pytest.mark.parametrize(
+    ("digits", "log10_angle", "name"),
+    [
+        (1, 0, "double"),
+        (15, 0, "double"),
+        (16, 0, "extended"),
+        (18, 0, "extended"),
+        (19, 0, "quad"),
+        (33, 0, "quad"),
+        (34, 0, "mp"),
+        (15, 0.1, "extended"),
+        (12, 3, "double"),
+        (12, 3.2, "extended"),
+        (30, 3.2, "mp"),
+        (10_000, 0, "mp"),
+    ],
+)
+def test_the_ladder_of_digits(digits: int, log10_angle: float, name: str) -> None:
+    chosen = for_digits(digits, log10_angle)
+    assert chosen.name == name
+    assert chosen.most_digits >= digits + log10_angle
+
+
+@settings(deadline=None)
+@given(st.integers(1, 3000), st.floats(0, 300))
+def test_more_digits_or_a_longer_run_never_chooses_fewer_bits(digits: int, angle: float) -> None:
+    bits = for_digits(digits, angle).bits
+    assert for_digits(digits + 1, angle).bits >= bits
+    assert for_digits(digits, angle + 1).bits >= bits
+
+
+@pytest.mark.parametrize("number", TYPES, ids=lambda n: f"{n.bits} bits")
+def test_eps_is_the_gap_above_one(number: NumberType) -> None:
+    assert number.rounded(1 + number.eps) == 1 + number.eps
+    assert number.rounded(1 + number.eps / 2) == 1
+    assert number.rounded(1 + number.eps * Fraction(3, 4)) == 1 + number.eps

@@ -1,0 +1,83 @@
+"""Angles and attitude of runs against closed forms, for every case that asks for them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import mpmath
+import pytest
+
+import polhode
+from polhode.numbers import convert
+from polhode.numbers.convert import exactly
+from polhode.scenes import library
+from polhode.taylor import integrator
+
+CASES = [
+    name
+    for name in library.names()
+    if polhode.load(name).outputs and polhode.reference(name).is_closed_form
+]
+
+
+def worst_error(mine, exact) -> float:
+    """The largest difference; a value that one side leaves undefined must be so on both."""
+    worst = mpmath.mpf(0)
+    with mpmath.workprec(200):
+        for row, true in zip(mine, exact, strict=True):
+            for x, y in zip(row, true, strict=True):
+                assert (x is None) == (y is None)
+                if x is not None:
+                    worst = max(worst, abs(convert.to_mpf(exactly(x), 200) - y))
+        return float(worst)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_outputs_of_a_run_are_those_of_the_closed_form(name):
+    """In quad at a few times: absolute errors as small as those of the state allow."""
+    scene = polhode.load(name)
+    truth = polhode.reference(scene)
+    end = min(abs(scene.end), 10) * (1 if scene.end > 0 else -1)
+    scene = replace(scene, times=tuple(end * Fraction(k, 7) for k in range(8)))
+    run = polhode.integrate(scene, "quad")
+    state = 10.0 ** -polhode.compare(run, truth).worst
+    bound = 1e4 * max(state, 1e-33)
+    if run.attitude is not None:
+        assert worst_error(run.attitude, truth.attitude(run.times, 40)) < bound
+    if run.angles is not None:
+        assert worst_error(run.angles, truth.angles(run.times, 40)) < bound
+
+
+@pytest.mark.parametrize("project", [False, None])
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_angles_that_grow_loosen_no_step(number, project, monkeypatch):
+    """phi of a fast top grows to thousands of radians, and steps are as accurate as the largest
+    variable asks: its state would lose as many digits.  Chunks end between two set-backs."""
+    monkeypatch.setattr(integrator, "chunk_steps", lambda _: 1000)
+    scene = polhode.load("hard/fast-top").at((Fraction(1, 2), Fraction(1)))
+    alone = polhode.integrate(replace(scene, outputs=()), number, project=project)
+    along = polhode.integrate(scene, number, project=project)
+    assert along.steps >= alone.steps > 5000
+    truth = polhode.reference(scene)
+    digits = [polhode.compare(run, truth).worst for run in (along, alone)]
+    assert digits[0] > digits[1] - 0.5
+    assert abs(along(along.times)[1] - along.states[1])[3:].max() < 1e4 * along.number.eps
+    for row, true in zip(along.angles, truth.angles(along.times, 40), strict=True):
+        ulp = float(true[2]) * float(along.number.eps)
+        assert float(abs(convert.to_mpf(exactly(row[2]), 200) - true[2])) < 4 * ulp
+        assert float(abs(convert.to_mpf(exactly(row[0]), 200) - true[0])) < 100 * float(
+            along.number.eps
+        )
+
+
+@pytest.mark.parametrize("number", ["quad", "mp"])
+def test_angles_keep_their_whole_in_wide_types(number):
+    """Several set-backs of the angles, an end before the start, psi not 0 at the start."""
+    scene = replace(polhode.load("lagrange/looping"), psi=Fraction(22, 7))
+    scene = scene.at((Fraction(-3), Fraction(-6)))
+    run = polhode.integrate(scene, number)
+    assert run.steps > 16
+    assert worst_error(run.angles, polhode.reference(scene).angles(run.times, 70)) < 1e3 * float(
+        run.number.eps
+    )

@@ -1,0 +1,279 @@
+"""Bodies: principal axes recognised exactly after any rational rotation, and what no body has."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import mpmath
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from polhode.numbers import exact
+from polhode.numbers.exact import ONE, ZERO, Exact, sign
+from polhode.numbers.expression import number
+from polhode.scenes.body import OWN_AXES, Body, Matrix, UnphysicalBody, Vector, cross, diagonal, dot
+
+small = st.integers(-6, 6)
+entries = st.fractions(min_value=-3, max_value=3, max_denominator=12)
+
+
+@st.composite
+def rotations(draw: st.DrawFn) -> Matrix:
+    """The rotation of a rational quaternion: rows of rational numbers, exactly orthonormal."""
+    w, x, y, z = (Fraction(draw(small)) for _ in range(4))
+    n = w * w + x * x + y * y + z * z
+    assume(n)
+    return (
+        ((w * w + x * x - y * y - z * z) / n, 2 * (x * y - w * z) / n, 2 * (x * z + w * y) / n),
+        (2 * (x * y + w * z) / n, (w * w - x * x + y * y - z * z) / n, 2 * (y * z - w * x) / n),
+        (2 * (x * z - w * y) / n, 2 * (y * z + w * x) / n, (w * w - x * x - y * y + z * z) / n),
+    )
+
+
+@st.composite
+def three_moments(draw: st.DrawFn) -> Vector:
+    """Moments of a cloud of points, so physical; some of the points may lie in one plane."""
+    x, y, z = (draw(st.fractions(0, 5, max_denominator=9)) for _ in range(3))
+    assume(x + y and y + z and z + x)
+    return y + z, z + x, x + y
+
+
+def applied(matrix: Matrix, v: Vector) -> Vector:
+    a, b, c = (dot(row, v) for row in matrix)
+    return a, b, c
+
+
+def transposed(matrix: Matrix) -> Matrix:
+    a, b, c = zip(*matrix, strict=True)
+    return a, b, c
+
+
+def turned(moments: Vector, rotation: Matrix) -> Matrix:
+    """R·diag(moments)·Rᵀ: the inertia matrix whose axes are the columns of R."""
+    scaled = transposed(
+        tuple(tuple(m * x for x in c) for m, c in zip(moments, transposed(rotation), strict=True))
+    )
+    a, b, c = (applied(rotation, row) for row in scaled)
+    return a, b, c
+
+
+def vector(*entries: int | str) -> Vector:
+    a, b, c = (number(str(x)) for x in entries)
+    return a, b, c
+
+
+def assert_principal(body: Body) -> None:
+    """Right-handed orthonormal axes, and the matrix rebuilt from moments and axes."""
+    rows = body.axes.rows
+    for i in range(3):
+        for j in range(3):
+            assert dot(rows[i], rows[j]) == (1 if i == j else 0)
+            rebuilt = sum((m * u[i] * u[j] for m, u in zip(body.moments, rows, strict=True)), ZERO)
+            assert rebuilt == body.inertia[i][j]
+    assert all(x == y for x, y in zip(cross(rows[0], rows[1]), rows[2], strict=True))
+
+
+@settings(max_examples=40, deadline=None)
+@given(three_moments(), rotations())
+def test_rational_moments_are_found_exactly_after_any_rotation(
+    moments: Vector, rotation: Matrix
+) -> None:
+    body = Body(turned(moments, rotation), (ZERO, ZERO, ZERO), ZERO)
+    assert all(isinstance(m, Fraction) for m in body.moments)
+    assert sorted(body.moments) == sorted(moments)
+    assert_principal(body)
+
+
+@settings(max_examples=40, deadline=None)
+@given(three_moments(), rotations())
+def test_equal_moments_are_recognised_and_the_axis_of_symmetry_is_the_third(
+    moments: Vector, rotation: Matrix
+) -> None:
+    single, equal = moments[0], moments[1]
+    assume(single != equal and single <= 2 * equal)
+    body = Body(turned((single, equal, equal), rotation), (ZERO, ZERO, ZERO), ZERO)
+    if not body.axes.trivial:
+        assert body.moments == (equal, equal, single)
+    assert sorted(body.moments) == sorted((single, equal, equal))
+    assert_principal(body)
+
+
+@settings(max_examples=40, deadline=None)
+@given(three_moments(), rotations(), st.integers(0, 2), entries)
+def test_a_centre_on_an_axis_is_recognised_exactly(
+    moments: Vector, rotation: Matrix, axis: int, height: Fraction
+) -> None:
+    assume(height and len(set(moments)) > 1)
+    along = transposed(rotation)[axis]
+    centre = (height * along[0], height * along[1], height * along[2])
+    body = Body(turned(moments, rotation), centre, ONE)
+    # A matrix that is diagonal already keeps its axes: with two equal moments any across would do.
+    assume(len(set(moments)) == 3 or not body.axes.trivial)
+    found = body.axes.components(body.centre)
+    assert sum(sign(x) != 0 for x in found) == 1
+    assert dot(found, found) == height * height
+    moment = next(m for m, x in zip(body.moments, found, strict=True) if sign(x))
+    assert moment == moments[axis]
+
+
+@settings(max_examples=30, deadline=None)
+@given(rotations(), entries, entries)
+def test_with_two_equal_moments_the_second_axis_is_across_the_centre(
+    rotation: Matrix, x: Fraction, z: Fraction
+) -> None:
+    assume(x and z)
+    centre = applied(rotation, (x, ZERO, z))
+    body = Body(turned((Fraction(2), Fraction(2), ONE), rotation), centre, ONE)
+    assume(not body.axes.trivial)
+    found = body.axes.components(centre)
+    assert sign(found[1]) == 0
+    assert abs(found[0]) == abs(x)
+    assert abs(found[2]) == abs(z)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(entries, min_size=6, max_size=6))
+def test_any_symmetric_matrix_has_axes_or_is_refused(six: list[Fraction]) -> None:
+    a, b, c, d, e, f = six
+    inertia: Matrix = ((abs(a), d, e), (d, abs(b), f), (e, f, abs(c)))
+    with mpmath.workdps(40):
+        values = mpmath.eigsy(
+            mpmath.matrix([[mpmath.mpf(x.numerator) / x.denominator for x in r] for r in inertia]),
+            eigvals_only=True,
+        )
+        low, middle, high = sorted(values)
+        tiny = mpmath.mpf(10) ** -30
+        physical = low > tiny and low + middle > high + tiny
+        unphysical = low < -tiny or low + middle < high - tiny
+    try:
+        body = Body(inertia, (ZERO, ZERO, ZERO), ZERO)
+    except UnphysicalBody:
+        assert not physical
+        return
+    assert not unphysical
+    assert_principal(body)
+    if not body.axes.trivial:
+        assert list(body.moments) == sorted(body.moments) or body.moments[0] == body.moments[1]
+    with mpmath.workdps(40):
+        for ours, theirs in zip(sorted(body.moments), (low, middle, high), strict=True):
+            high_part = (
+                mpmath.mpf(exact.rounded(ours, 120)[0])
+                * mpmath.mpf(2) ** exact.rounded(ours, 120)[1]
+            )
+            assert abs(high_part - theirs) < tiny
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        (
+            ("sqrt(2)", "sqrt(3)/9", "sin(1)/9"),
+            ("sqrt(3)/9", "pi/2", "1/7"),
+            ("sin(1)/9", "1/7", 2),
+        ),
+        ((2, "sqrt(2)/10", 0), ("sqrt(2)/10", 2, 0), (0, 0, 2)),
+        (("2e600", "1e599", "1e590"), ("1e599", "2.5e600", 0), ("1e590", 0, "3e600")),
+    ],
+    ids=["transcendental", "roots", "huge"],
+)
+def test_irrational_and_huge_matrices_are_rebuilt_by_the_rule(rows: tuple) -> None:
+    a, b, c = (vector(*row) for row in rows)
+    assert_principal(Body((a, b, c), (ZERO, ZERO, ZERO), ZERO))
+
+
+def test_equal_moments_of_an_irrational_matrix_are_recognised() -> None:
+    cosine, sine = number("sqrt(3)/2"), number("1/2")
+    rotation: Matrix = ((cosine, ZERO, -sine), (ZERO, ONE, ZERO), (sine, ZERO, cosine))
+    moments = vector("sqrt(2)", "sqrt(2)", "sqrt(3)/2")
+    body = Body(turned(moments, rotation), applied(rotation, vector(0, 0, "pi")), ONE)
+    assert body.moments[0] == body.moments[1] == moments[0]
+    assert body.moments[2] == moments[2]
+    x, y, z = body.axes.components(body.centre)
+    assert (sign(x), sign(y)) == (0, 0)
+    assert z * z == number("pi**2")
+
+
+def test_a_diagonal_matrix_keeps_its_own_axes_and_order() -> None:
+    body = Body(diagonal(vector(3, 2, 4)), vector(1, 2, 3), ONE)
+    assert body.axes is OWN_AXES
+    assert body.moments == vector(3, 2, 4)
+    assert body.axes.components(body.centre) == body.centre
+
+
+@pytest.mark.parametrize(
+    ("rows", "reason"),
+    [
+        ((((2, 1, 0), (0, 3, 0), (0, 0, 4))), "symmetric"),
+        ((((2, 0, "1e-1000"), (0, 3, 0), (0, 0, 4))), "symmetric"),
+        ((((2, 9, 0), (9, 3, 0), (0, 0, 4))), "positive"),
+        ((((0, 0, 0), (0, 0, 0), (0, 0, 0))), "positive"),
+        ((((1, 1, 1), (1, 1, 1), (1, 1, 1))), "positive"),
+        ((((-2, 0, 0), (0, 3, 0), (0, 0, 4))), "positive"),
+        ((((0, 0, 0), (0, 1, 0), (0, 0, 1))), "positive"),
+        ((((1, 0, 0), (0, 2, 0), (0, 0, "3+1e-1000"))), "sum"),
+        ((((5, "1/100", 0), ("1/100", 2, 0), (0, 0, 2))), "sum"),
+        ((((1, 0, 0), (0, "sqrt(2)", 0), (0, 0, "1+sqrt(2)+1e-900"))), "sum"),
+    ],
+)
+def test_what_no_body_has_is_refused(rows: tuple, reason: str) -> None:
+    a, b, c = (vector(*row) for row in rows)
+    with pytest.raises(UnphysicalBody, match=reason):
+        Body((a, b, c), (ZERO, ZERO, ZERO), ZERO)
+
+
+@settings(max_examples=20, deadline=None)
+@given(rotations())
+def test_a_flat_body_is_accepted_in_any_axes(rotation: Matrix) -> None:
+    flat = vector("1/3", "2/7", "13/21")
+    body = Body(turned(flat, rotation), (ZERO, ZERO, ZERO), ZERO)
+    assert sorted(body.moments) == sorted(flat)
+
+
+def test_a_flat_body_of_irrational_moments_is_accepted() -> None:
+    Body(diagonal(vector("sqrt(2)", "sqrt(3)", "sqrt(5+2*sqrt(6))")), (ZERO, ZERO, ZERO), ZERO)
+
+
+@settings(max_examples=40, deadline=None)
+@given(three_moments(), rotations(), st.tuples(entries, entries, entries))
+def test_momentum_and_omega_are_inverse(moments: Vector, rotation: Matrix, w: Vector) -> None:
+    body = Body(turned(moments, rotation), (ZERO, ZERO, ZERO), ZERO)
+    assert body.omega(body.momentum(w)) == w
+    assert body.momentum(body.omega(w)) == w
+
+
+@pytest.mark.parametrize(
+    ("centre", "weight", "free"),
+    [
+        ((0, 0, 0), 1, True),
+        ((1, 2, 3), 0, True),
+        ((1, 2, 3), "sqrt(2)*sqrt(3)-sqrt(6)", True),
+        (("sin(pi)", 0, 0), 5, True),
+        (("1e-1000", 0, 0), "1e-200", False),
+        ((0, 0, -1), -1, False),
+    ],
+)
+def test_torque_free_is_decided_exactly(centre: tuple, weight: object, free: bool) -> None:
+    weighed: Exact = number(str(weight))
+    body = Body(diagonal(vector(2, 3, 4)), vector(*centre), weighed)
+    assert body.torque_free is free
+    assert not free or body.torque == (ZERO, ZERO, ZERO)
+
+
+def test_numbers_of_any_kind_are_taken_exactly():
+    """Ints, decimal strings, expressions, Fractions; a float is the binary number that it is."""
+    import numpy as np
+
+    from polhode import BadInput, Body, Scene, integrate
+
+    body = Body.of_moments([2, "1.5", Fraction(1)], centre=("0.1", 0, 0), weight=np.float64(2))
+    assert body.moments == (2, Fraction(3, 2), 1)
+    assert body.torque == (Fraction(1, 5), 0, 0)
+    assert Body.of_moments([1, 1, 1], (0.1, 0, 0), 1).centre[0] == Fraction(0.1) != Fraction(1, 10)
+    scene = Scene(body, omega=(0, "1/3", 1), gamma=("sqrt(1/2)", "sqrt(1/2)", 0), times=(1, "2.5"))
+    assert integrate(scene).times == (1, Fraction(5, 2))
+    for wrong in (None, True, [1], "one", float("nan")):
+        with pytest.raises(ValueError):  # noqa: PT011  # the kind is what is tested
+            Body.of_moments([1, 1, wrong])
+    with pytest.raises(BadInput):
+        Scene(body, omega=(0, 0, 1), gamma=(0.6, 0, 0.8))  # doubles are not of length 1

@@ -1,0 +1,132 @@
+"""The study long-run: starts, growth, exponents, its page and figure."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from polhode.judging.reference import reference
+from polhode.scenes.body import dot
+from polhode.studies.long_run import figure, growth, page
+from polhode.studies.long_run import rows as long_run
+from polhode.studies.page.blocks import markdown
+
+TIMES = [100.0, 316.0, 1000.0, 3162.0, 10000.0]
+
+
+# exponents
+
+
+@pytest.mark.parametrize("slope", [0.5, 1.0, 1.5])
+def test_an_exact_power_law_gives_its_exponent(slope):
+    members = [[c * t**slope for t in TIMES] for c in (1e-16, 2e-16, 3e-16)]
+    found = growth.exponent(TIMES, members, 100.0)
+    assert found.value == pytest.approx(slope, abs=1e-9)
+    assert found.uncertainty < 1e-9
+    assert found.last_decade == pytest.approx(slope, abs=1e-9)
+
+
+def test_the_uncertainty_covers_what_noise_does():
+    """Random walks have 1/2: over 40 ensembles the pulls have a spread of about one."""
+    dice = np.random.default_rng(5)
+    pulls = []
+    for _ in range(40):
+        walks = np.abs(np.cumsum(dice.normal(size=(16, 10_000)), axis=1))
+        members = [[walk[int(t) - 1] for t in TIMES] for walk in walks]
+        found = growth.exponent(TIMES, members, 100.0)
+        pulls.append((found.value - 0.5) / found.uncertainty)
+    assert abs(np.mean(pulls)) < 0.6
+    assert 0.5 < np.std(pulls) < 1.8
+
+
+def test_what_cannot_be_fitted_is_not():
+    assert growth.exponent(TIMES, [[0.0] * 5] * 3, 100.0) is None
+    assert growth.exponent(TIMES, [[1.0] * 5] * 3, 3000.0) is None
+    assert growth.medians([[1.0, 5.0], [2.0, 3.0], [9.0, 4.0]]) == [2.0, 4.0]
+
+
+# starts
+
+
+def test_half_decades():
+    assert [int(t) for t in long_run.half_decades(2, 4)] == [100, 316, 1000, 3162, 10000]
+    assert long_run.half_decades(2, 6)[-1] == 10**6
+
+
+@pytest.mark.parametrize("top", long_run.TOPS)
+def test_starts_are_exact_alike_every_time_and_all_different(top):
+    scenes = [long_run.Start(top, k, (Fraction(1),), ()).scene for k in range(long_run.STARTS)]
+    again = [long_run.Start(top, k, (Fraction(1),), ()).scene for k in range(long_run.STARTS)]
+    assert [s.start for s in scenes] == [s.start for s in again]
+    assert len({s.start for s in scenes}) == long_run.STARTS >= 16
+    for scene in scenes:
+        assert dot(scene.gamma, scene.gamma) == 1
+        truth = reference(scene)
+        assert truth.is_closed_form
+        assert truth.kind == top
+
+
+def test_one_member_followed():
+    start = long_run.Start("kovalevskaya", 3, (Fraction(10), Fraction(50)), ("double",))
+    found = long_run.follow(start)
+    assert list(found.errors) == ["double"]
+    assert all(1e-18 < error < 1e-12 for error in found.errors["double"])
+    assert all(drift < 1e-14 for drift in found.drift)
+    assert found.projection is None
+
+
+# the study
+
+
+@pytest.fixture(scope="module")
+def small():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(long_run, "TOPS", {"euler": long_run.TOPS["euler"]})
+        tops = list(long_run.ensembles((1, 2), 3, workers=1))
+    return {
+        "study": long_run.NAME,
+        "question": long_run.QUESTION,
+        "quick": True,
+        "brouwer": long_run.BROUWER,
+        "tops": tops,
+        "at": long_run.far(50, quick=True),
+    }
+
+
+def test_a_small_study(small):
+    assert json.loads(json.dumps(small)) == small
+    (top,) = small["tops"]
+    assert top["times"] == [10, 32, 100]
+    assert top["starts"] == 3
+    assert top["reference_error"] < 1e-20
+    assert not top["wall"]
+    plain = top["methods"][0]
+    assert plain["method"] == "double"
+    assert len(plain["error"]["median"]) == len(plain["drift"]["largest"]) == 3
+    assert all(1e-17 < x < 1e-12 for x in plain["error"]["median"])
+    for row in small["at"]["tops"]:
+        rows = {m["method"]: m for m in row["methods"]}
+        assert rows["polhode double"]["digits"] > 12
+        assert rows["heyoka alone"]["digits"] > 12
+        assert rows["SciPy DOP853"]["status"] == "not run"
+
+
+def test_page_and_figure_are_made_from_the_json_alone(small):
+    text = markdown(page.TITLE, page.blocks(small))
+    assert "| euler | double | error |" in text
+    assert "no wall" in text
+    assert "SciPy DOP853: not run (" in text
+    assert figure.svg(small) == figure.svg(json.loads(json.dumps(small)))
+
+
+@pytest.mark.slow
+def test_unprojected_runs_obey_brouwers_law():
+    for top in long_run.ensembles((2, 4), long_run.STARTS):
+        plain = top["methods"][0]
+        for name, law in long_run.BROUWER.items():
+            fitted = plain[name]
+            assert abs(fitted["exponent"] - law) < 4 * fitted["uncertainty"], (top["top"], name)
+            assert fitted["uncertainty"] < 0.2

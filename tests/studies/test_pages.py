@@ -1,0 +1,178 @@
+"""Pages: Markdown's subset, and one HTML page that needs nothing else."""
+
+from __future__ import annotations
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from polhode.studies import report
+from polhode.studies.page import html
+from polhode.studies.page.blocks import Figure, Heading, Items, Table, Text, markdown
+
+COMMITTED = Path(__file__).parents[2] / "reports"
+VOID = {"meta", "br", "wbr", "hr", "img", "link", "input"}
+
+SVG = """<?xml version="1.0" encoding="utf-8"?>
+<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd">
+<svg xmlns:xlink="http://www.w3.org/1999/xlink" width="72pt" height="36pt" viewBox="0 0 72 36" \
+xmlns="http://www.w3.org/2000/svg" version="1.1">
+ <metadata><rdf:RDF xmlns:dc="http://purl.org/dc/elements/1.1/"></rdf:RDF></metadata>
+ <defs><path id="m1" d="M 0 0"/><clipPath id="c1"><rect width="1" height="1"/></clipPath></defs>
+ <g clip-path="url(#c1)"><use xlink:href="#m1" x="1" y="2"/></g>
+</svg>
+"""
+BLOCKS = (
+    Text("A < B & *C*: `a<b` at [the source](https://example.org/x?a=1&b=2)"),
+    Heading("Numbers of `double`"),
+    Items(("one", "p*q - q*p stays as it is")),
+    Table(("case", "digits"), (("a|b", "13.5"), ("`x < y`", "–")), "lr"),
+    Figure("one", 'What it "shows"'),
+    Figure("two", "The same again"),
+    Heading("More"),
+    Text("See [published](published.md) and [elsewhere](other.md)."),
+)
+SECTIONS = (
+    html.Section("first", "First <study>", BLOCKS, {"one": SVG, "two": SVG}),
+    html.Section("published", "Second", (Text("text"),), {}),
+)
+
+
+class Page(HTMLParser):
+    """A page taken apart: every element closed, in order."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.ids: list[str] = []
+        self.references: list[tuple[str, str, str]] = []
+        self.tags: dict[str, int] = {}
+        self.text = ""
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self._element(tag, attrs)
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self._element(tag, attrs)
+
+    def _element(self, tag, attrs):
+        self.tags[tag] = self.tags.get(tag, 0) + 1
+        for name, value in attrs:
+            if name == "id":
+                self.ids.append(value)
+            if name.split(":")[-1] in ("href", "src", "srcset", "data", "action", "poster"):
+                self.references.append((tag, name, value))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data
+
+
+def check(text: str) -> Page:
+    """A page that is well formed, names each thing once and asks the network for nothing."""
+    page = Page(text)
+    assert page.open == []
+    assert len(page.ids) == len(set(page.ids))
+    assert not {"script", "link", "iframe", "object", "embed", "img", "base"} & set(page.tags)
+    for tag, _, value in page.references:
+        if value.startswith("#"):
+            assert value[1:] in page.ids, value
+        else:
+            assert tag == "a", (tag, value)
+            assert value.startswith(("https://", "http://"))
+    for name in re.findall(r"url\(#([^)]+)\)", text):
+        assert name in page.ids
+    assert "@import" not in text
+    assert not re.search(r"url\((?!#)", text)
+    return page
+
+
+def test_the_page_is_whole_and_needs_nothing_else():
+    text = html.page("A title & more", SECTIONS)
+    page = check(text)
+    assert page.tags["table"] == 1
+    assert page.tags["svg"] == page.tags["figure"] == 2
+    assert {"first", "published", "first-1", "first-2", "one-m1", "two-m1", "two-c1"} <= {*page.ids}
+    assert "First <study>" in page.text
+    assert "metadata" not in text
+    assert "<!DOCTYPE svg" not in text
+
+
+def test_everything_is_escaped_and_markdown_translated():
+    text = html.page("t", SECTIONS)
+    assert "A &lt; B &amp; <em>C</em>: <code>a&lt;b</code>" in text
+    assert '<a href="https://example.org/x?a=1&amp;b=2">the source</a>' in text
+    assert "p*q - q*p stays as it is" in text
+    assert "<td>a|b</td>" in text
+    assert 'aria-label="What it &quot;shows&quot;"' in text
+    assert '<td class="r">–</td>' in text
+
+
+@pytest.mark.parametrize(
+    ("line", "made"),
+    [
+        ("2*x*y", "2*x*y"),
+        ("*two words* and `a*b*c`", "<em>two words</em> and <code>a*b*c</code>"),
+        ("**two**", "**two**"),
+        ("1e-3 * 2 * x", "1e-3 * 2 * x"),
+        ("[a](javascript:alert)", "a"),
+        ("<script>alert()</script>", "&lt;script&gt;alert()&lt;/script&gt;"),
+        ("*a `b*` c*", "*a <code>b*</code> c*"),
+    ],
+)
+def test_one_line_of_markdown(line, made):
+    assert html.inline(line) == made
+
+
+def test_links_to_studies_lead_into_the_page_and_to_other_files_nowhere():
+    text = html.page("t", SECTIONS)
+    assert '<a href="#published">published</a>' in text
+    assert "other.md" not in text
+
+
+def test_wide_things_scroll_in_boxes_of_their_own():
+    text = html.page("t", SECTIONS)
+    assert text.count('<div class="wide"><table>') == 1
+    assert text.count('<div class="wide"><svg') == 2
+    assert '<meta name="viewport"' in text
+    assert "@media print" in text
+    svg = re.findall(r"<svg[^>]*>", text)[0]
+    assert "width=" not in svg.replace("stroke-width", "")
+    assert 'viewBox="0 0 72 36"' in svg
+
+
+def test_a_row_of_another_length_than_its_header_is_an_error():
+    broken = html.Section("x", "x", (Table(("a", "b"), (("1",),)),), {})
+    with pytest.raises(ValueError, match="zip"):
+        html.page("t", [broken])
+
+
+def test_markdown_of_the_same_blocks():
+    text = markdown("First", BLOCKS)
+    assert text.startswith("# First\n\n")
+    assert "| a\\|b | 13.5 |" in text
+    assert "|---|--:|" in text
+    assert '![What it "shows"](one.svg)' in text
+
+
+def test_the_committed_page_holds_every_table_and_figure():
+    text = (COMMITTED / report.PAGE).read_text()
+    page = check(text)
+    tables = figures = 0
+    for name in report.STUDIES:
+        found = report.results(COMMITTED, name)
+        assert found is not None
+        assert name in page.ids
+        blocks = tuple(report.blocks(found))
+        tables += sum(isinstance(block, Table) for block in blocks)
+        figures += sum(isinstance(block, Figure) for block in blocks)
+    assert page.tags["table"] == tables
+    assert page.tags["svg"] == figures >= len(report.STUDIES)

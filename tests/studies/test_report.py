@@ -1,0 +1,224 @@
+"""The report: whole, resumed where it stopped, and the committed one is today's."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from polhode.common.errors import BadInput
+from polhode.common.provenance import digest
+from polhode.scenes import library
+from polhode.studies import report
+from polhode.studies.accuracy import rows as accuracy
+from polhode.studies.page.blocks import Figure, Table
+from polhode.studies.published import rows as published
+
+COMMITTED = Path(__file__).parents[2] / "reports"
+#: Studies whose quick form takes longer than a test may.
+SLOW = ("stability", "events")
+#: Studies that a test can hold against the committed ones; those of timings are not among them.
+COMPARED = ("accuracy", "published", *SLOW)
+
+
+def committed(name: str) -> dict[str, Any]:
+    found = report.results(COMMITTED, name)
+    assert found is not None, name
+    return found
+
+
+# -- the committed report ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", report.STUDIES)
+def test_every_study_is_committed_with_its_page_and_figures(name):
+    found = committed(name)
+    assert not found["quick"]
+    page = report.page(found)
+    assert (COMMITTED / f"{name}.md").read_text() == page
+    for figure in [b for b in report.blocks(found) if isinstance(b, Figure)]:
+        assert (COMMITTED / f"{figure.name}.svg").read_text().startswith("<?xml")
+    assert f'<section id="{name}">' in (COMMITTED / report.PAGE).read_text()
+
+
+def test_the_committed_report_covers_every_case_as_it_is():
+    found = committed("accuracy")
+    assert [case["case"] for case in found["cases"]] == library.names()
+    for case in [*found["cases"], *committed("stability")["cases"]]:
+        assert case["sha256"] == digest(library.load(case["case"]).source), case["case"]
+
+
+@pytest.mark.parametrize("name", ["accuracy", "stability", "published"])
+def test_every_case_stands_in_a_table_of_the_page(name):
+    found = committed(name)
+    tables = [block for block in report.blocks(found) if isinstance(block, Table)]
+    cells = {cell for table in tables for row in table.rows for cell in row}
+    page = report.page(found)
+    for case in found["cases"]:
+        assert case["case"] in cells or f"`{case['case']}`" in page, case["case"]
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in COMPARED]
+)
+def test_a_quick_study_agrees_with_the_committed_one(name, tmp_path):
+    """Digits within one across machines and versions; outcomes, counts and verdicts the same."""
+    report.write_study(name, tmp_path, quick=True)
+    today = report.results(tmp_path, name)
+    assert today is not None
+    assert today["quick"]
+    assert differences(today, committed(name)) == []
+
+
+DIGITS = {"correct_digits", "digits_possible", "digits_right", "digits", "reference_digits"}
+SAME = {
+    *("outcome", "regime", "reference", "verdict", "printed", "ours", "lost", "stands", "changed"),
+    *("true", "found", "grazing", "complete", "touches", "cusps", "as_expected", "exit_code"),
+    *("rests", "sha256", "target", "within"),
+}
+IDS = ("case", "number", "zero", "quantity", "t", "cite", "shift", "limit", "end", "reference")
+UNCOMPARED = {"provenance", "kinds", "cost", "samples", "lines"}
+
+
+def _name(row: dict[str, Any]) -> tuple[str, ...]:
+    """What tells a row from its neighbours."""
+    return tuple(str(row[key]) for key in IDS if row.get(key) is not None)
+
+
+def differences(today: Any, before: Any, where: str = "") -> list[str]:
+    """Where two results of one study differ by a digit or in words; rows are matched by name."""
+    found: list[str] = []
+    for key, value in today.items():
+        here, old = f"{where}/{key}", before.get(key)
+        if key in UNCOMPARED:
+            continue
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            rows = {_name(row): row for row in old}
+            for row in value:
+                label = f"{here}[{', '.join(_name(row))}]"
+                if _name(row) in rows:
+                    found += differences(row, rows[_name(row)], label)
+                else:
+                    found.append(f"{label} is new")
+        elif isinstance(value, dict):
+            found += differences(value, old, here)
+        elif key in DIGITS:
+            if (value is None) != (old is None) or (old is not None and abs(value - old) >= 1):
+                found.append(f"{here}: {old} was, {value} is")
+        elif key in SAME and value != old:
+            found.append(f"{here}: {old!r} was, {value!r} is")
+    return found
+
+
+def test_differences_are_seen():
+    def row(case: str, digits: float, outcome: str = "reached end") -> dict[str, Any]:
+        return {"case": case, "correct_digits": digits, "outcome": outcome}
+
+    before = {"cases": [row("a", 14.2), row("b", 3.0)]}
+    assert differences({"cases": [row("b", 3.9)]}, before) == []
+    assert differences({"cases": [row("b", 4.0)]}, before)
+    assert differences({"cases": [row("b", 3.0, "step limit")]}, before)
+    assert differences({"cases": [row("c", 3.0)]}, before)
+
+
+def test_a_study_is_deterministic():
+    one, two = (accuracy._case(library.load("euler/separatrix")) for _ in range(2))
+    assert one == two
+    found = published.rows(quick=True)
+    assert report.figures(found) == report.figures(found)
+
+
+# -- writing and resuming ---------------------------------------------------------------------
+
+
+class Studies:
+    """Two small studies in place of the real ones; counts how often each is run."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.runs: list[str] = []
+        self.interrupted = False
+        monkeypatch.setattr(report, "STUDIES", {"published": "published", "accuracy": "accuracy"})
+        honest = published.rows(quick=True)
+
+        def first(quick: bool, tick: Any) -> dict[str, Any]:
+            self.runs.append("published")
+            return honest | {"quick": quick}
+
+        def second(quick: bool, tick: Any) -> dict[str, Any]:
+            if self.interrupted:
+                raise KeyboardInterrupt
+            self.runs.append("accuracy")
+            tick("accuracy: half")
+            cases = [accuracy._case(library.load("euler/rest"))]
+            return {"study": "accuracy", "question": "?", "quick": quick, "cases": cases}
+
+        monkeypatch.setattr(published, "rows", first)
+        monkeypatch.setattr(accuracy, "rows", second)
+
+
+def test_a_report_that_was_killed_goes_on_where_it_stopped(tmp_path, monkeypatch):
+    studies, said = Studies(monkeypatch), []
+    studies.interrupted = True
+    with pytest.raises(KeyboardInterrupt):
+        report.write_report(tmp_path, tick=said.append)
+    assert [p.name for p in tmp_path.iterdir()] == ["published.json"]  # whole, and nothing else
+    studies.interrupted = False
+    paths = report.write_report(tmp_path, tick=said.append)
+    assert studies.runs == ["published", "accuracy"]
+    assert "2 of 2: accuracy: half" in said
+    assert sorted(tmp_path.iterdir()) == sorted(paths)
+    assert {p.suffix for p in paths} == {".json", ".md", ".svg", ".html"}
+    report.write_report(tmp_path, tick=said.append)
+    assert studies.runs == ["published", "accuracy"]
+
+
+@pytest.mark.parametrize("change", ["fresh", "quick", "text", "cut short", "code"])
+def test_results_that_are_not_todays_are_made_again(change, tmp_path, monkeypatch):
+    studies = Studies(monkeypatch)
+    report.write_report(tmp_path, tick=print)
+    path = tmp_path / "published.json"
+    if change == "text":
+        path.write_text(path.read_text().replace('"key": "', '"key": "0'))
+    elif change == "cut short":
+        path.write_text(path.read_text()[:1000])
+    elif change == "code":
+        key = report.key
+        monkeypatch.setattr(report, "key", lambda name, quick: "new" + key(name, quick))
+    report.write_report(tmp_path, quick=change == "quick", fresh=change == "fresh", tick=print)
+    every = change in ("fresh", "quick", "code")
+    assert studies.runs == ["published", "accuracy", "published"] + ["accuracy"] * every
+
+
+def test_pages_are_made_from_the_results_alone(tmp_path, monkeypatch):
+    Studies(monkeypatch)
+    paths = report.write_report(tmp_path, tick=print)
+    texts = {path: path.read_text() for path in paths}
+    for path in paths:
+        if path.suffix != ".json":
+            path.unlink()
+    assert report.write_pages(tmp_path) == paths
+    assert {path: path.read_text() for path in paths} == texts
+
+
+def test_one_study_leaves_the_others_as_they_are(tmp_path, monkeypatch):
+    studies = Studies(monkeypatch)
+    report.write_report(tmp_path, tick=print)
+    before = (tmp_path / "accuracy.json").read_text()
+    report.write_study("published", tmp_path, quick=True)
+    assert studies.runs == ["published", "accuracy", "published"]
+    assert (tmp_path / "accuracy.json").read_text() == before
+    assert json.loads((tmp_path / "published.json").read_text())["quick"]
+    assert "--quick" in (tmp_path / "published.md").read_text()
+
+
+def test_a_folder_that_is_missing_is_refused_before_the_work(tmp_path):
+    for write in (report.write_report, lambda folder: report.write_study("accuracy", folder)):
+        with pytest.raises(BadInput, match="an existing folder"):
+            write(tmp_path / "nowhere")
+
+
+def test_an_unknown_study_is_refused_with_the_nearest_name(tmp_path):
+    with pytest.raises(BadInput, match="did you mean 'stability'"):
+        report.write_study("stabilty", tmp_path)

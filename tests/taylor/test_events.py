@@ -1,0 +1,391 @@
+"""Events: located to the last digits, each once, and never sure where rounding decides."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from dataclasses import replace
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+
+import polhode
+from polhode.numbers import number_types
+from polhode.numbers.convert import exactly, to_mpf
+from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
+from polhode.scenes import columns, scene_file
+from polhode.scenes.scene import Event
+from polhode.taylor import integrator
+from polhode.taylor.outcomes import Outcome
+
+NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
+BITS = 240
+
+EULER = "euler/largest-axis"
+#: Of that case, moments 2, 3, 4: q² = (2hC - G²)/(B(C - B)) where p = 0, its largest value.
+LARGEST_Q = "sqrt(7/25)"
+
+
+def watched(name: str, *events: str | Event, **changes: object) -> polhode.Scene:
+    every = tuple(e if isinstance(e, Event) else Event("event", e) for e in events)
+    return replace(polhode.load(name), events=every, **changes)
+
+
+def true_time(scene: polhode.Scene, text: str, near: Fraction) -> Fraction:
+    """The zero of an expression along the closed form, to 60 digits, from a time near it."""
+    truth = polhode.reference(replace(scene, events=()))
+
+    def value(t):
+        row = dict(zip(scene.columns, truth.at([t], 65)[0], strict=True), t=t)
+        return columns.value(text, row, BITS)
+
+    with mpmath.workprec(BITS):
+        guess = to_mpf(near, BITS)
+        around = (guess, guess * (1 + mpmath.mpf(10) ** -12))
+        return exactly(mpmath.findroot(value, around, solver="secant", verify=False, maxsteps=9))
+
+
+def ulp(t: Fraction, bits: int) -> Fraction:
+    return Fraction(2) ** (math.floor(math.log2(abs(t))) - bits + 1)
+
+
+# -- where and how often ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
+@pytest.mark.parametrize(
+    ("name", "end", "texts"),
+    [
+        (EULER, 12, ("q", "gamma3 - 2/3", "gamma1 + t/100")),
+        ("euler/turned-axes", 20, ("gamma1", "p*gamma2 - q*gamma1")),
+        ("euler/huge-units", 12 * 10**6, ("q", "gamma3 - 2/3")),
+        ("euler/tiny-units", 12, ("q", "sin(3*t) - gamma1")),
+        ("euler/backward", -5, ("p*gamma2 - q*gamma1", "t*q + 1/7")),
+    ],
+)
+def test_event_times_are_those_of_the_closed_form_to_four_ulps(number, name, end, texts):
+    """Four ulps, of which two are the run's own error; states to twenty eps of their size."""
+    run = polhode.integrate(watched(name, *texts), number, at=[end])
+    assert all(event.times for event in run.events)
+    for text, event in zip(texts, run.events, strict=True):
+        assert event.complete
+        assert not any(event.grazing)
+        for t, row in list(zip(event.times, event.states, strict=True))[:4]:
+            true = true_time(run.scene, text, t)
+            assert abs(t - true) <= 4 * ulp(t, number.bits)
+            state = [exactly(x) for x in polhode.reference(polhode.load(name)).at([true], 65)[0]]
+            for part in (slice(0, 3), slice(3, 6)):
+                size = max(abs(x) for x in state[part])
+                error = max(
+                    abs(exactly(x) - y) for x, y in zip(row[part], state[part], strict=True)
+                )
+                assert error <= 20 * number.eps * size
+
+
+def test_every_half_period_is_counted_once_to_t_1e4():
+    run = polhode.integrate(watched(EULER, "q"), at=[10_000])
+    (event,) = run.events
+    half = exactly(polhode.reference(run.scene).period) / 2
+    first = true_time(run.scene, "q", event.times[0])
+    assert len(event.times) == 1 + math.floor((10_000 - first) / half)
+    assert event.complete
+    errors = [abs(t - first - k * half) for k, t in enumerate(event.times)]
+    assert max(errors) < Fraction(1, 10**9)  # the drift of a double run, not of its events
+    # A state is taken at the event itself: on the section, though an ulp of t is 1.8e-12 there.
+    assert np.max(np.abs(event.states[:, 1])) < 4e-16
+
+
+def test_nutation_of_a_heavy_top_against_bisection_on_a_quad_run():
+    """theta' changes sign within five ulps of each time found, and nowhere else."""
+    scene = watched("general/asymmetric-regular", Event("nutation"))
+    run = polhode.integrate(scene, at=[10])
+    times = run.events[0].times
+    around = [x for t in times for x in (t - 5 * ulp(t, 53), t + 5 * ulp(t, 53))]
+    fine = polhode.integrate(replace(scene, events=()), "quad", at=around)
+    signs = [mpmath.sign(p * g2 - q * g1) for p, q, _, g1, g2, _ in fine.states]
+    assert len(times) == 5
+    assert all(a == -b for a, b in zip(signs[::2], signs[1::2], strict=True))
+    assert all(a == b for a, b in zip(signs[1::2], signs[2::2], strict=False))
+    quad = polhode.integrate(scene, "quad", at=[10]).events[0].times
+    assert len(quad) == len(times)
+
+
+def test_ready_made_names_need_no_zero():
+    scene = watched(
+        "euler/turned-axes",
+        *(Event(name) for name in ("nutation", "equator", "flip", "section:p - 1/10")),
+    )
+    spelt = watched("euler/turned-axes", "p*gamma2 - q*gamma1", "gamma3", "q", "p - 1/10")
+    run, other = (polhode.integrate(s, at=[40]) for s in (scene, spelt))
+    for k in (0, 1, 3):
+        assert run.events[k].times == other.events[k].times
+    # The components of w along the middle axis of the turned body, at its flips, vanish.
+    middle = [float(x) for x in scene.body.axes.rows[1]]
+    assert len(run.events[2].times) > 1
+    assert np.max(np.abs(run.events[2].states[:, :3] @ middle)) < 1e-15
+
+
+def test_rising_and_falling_are_meant_as_t_grows_in_backward_runs_too():
+    events = tuple(Event(d, "q", d) for d in ("any", "rising", "falling"))
+    for end in (40, -40):
+        run = polhode.integrate(watched(EULER, *events), at=[end])
+        every, rising, falling = (event.times for event in run.events)
+        assert [abs(t) for t in every] == sorted(abs(t) for t in every)
+        assert sorted(rising + falling) == sorted(every)
+        # q' = (C - A)/B r p
+        assert all(row[0] * row[2] > 0 for row in run.events[1].states)
+        assert all(row[0] * row[2] < 0 for row in run.events[2].states)
+
+
+@pytest.mark.parametrize("number", NUMBERS[:3], ids=lambda n: n.name)
+@pytest.mark.parametrize("steps", [1, 2, 5])
+def test_chunk_boundaries_neither_lose_nor_repeat_an_event(number, steps, monkeypatch):
+    scene = watched(EULER, "q", "gamma3 - 2/3", "sin(t) - q")
+    whole = polhode.integrate(scene, number, at=[30])
+    monkeypatch.setattr(integrator, "chunk_steps", lambda _: steps)
+    cut = polhode.integrate(scene, number, at=[30])
+    for one, two in zip(whole.events, cut.events, strict=True):
+        assert len(one.times) == len(two.times) > 0
+        near = 4 * ulp(Fraction(30), number.bits)
+        assert all(abs(s - t) <= near for s, t in zip(one.times, two.times, strict=True))
+
+
+def test_output_times_change_no_event():
+    scene = watched("general/asymmetric-chaotic", Event("nutation"))
+    few = polhode.integrate(scene, at=[20])
+    many = polhode.integrate(scene, at=[*range(20), Fraction(39, 2), 20])
+    assert few.events[0].times == many.events[0].times
+    assert np.array_equal(few.events[0].states, many.events[0].states)
+
+
+@pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
+def test_events_do_not_steer_the_steps(number):
+    """The same steps as without; the last bits may differ, where terms are shared."""
+    name = "general/asymmetric-regular"
+    bare = polhode.integrate(polhode.load(name), number, at=[5])
+    run = polhode.integrate(watched(name, Event("nutation"), "q", "t - 3"), number, at=[5])
+    assert run.steps == bare.steps
+    for x, y in zip(run.states[0], bare.states[0], strict=True):
+        assert abs(exactly(x) - exactly(y)) <= 100 * number.eps
+
+
+def test_an_expression_faster_than_the_motion_shortens_the_steps_and_is_found():
+    run = polhode.integrate(watched(EULER, "sin(1000*t)"), at=[2])
+    assert len(run.events[0].times) == math.floor(2000 / math.pi)
+
+
+def test_an_event_that_never_happens_has_no_times():
+    run = polhode.integrate(watched(EULER, "p - 1000", "3", Event("still", "p - 7", stop=True)))
+    assert [event.times for event in run.events] == [(), (), ()]
+    assert run.outcome is Outcome.REACHED_END
+    assert run.events[0].states.shape == (0, 6)
+
+
+def test_events_are_found_once_where_angles_are_led_over_a_pole():
+    scene = replace(
+        watched("euler/attitude", "t - 1/10", "t - 2"),
+        gamma=(Fraction(0), Fraction(0), Fraction(1)),
+        outputs=("angles",),
+    )
+    run = polhode.integrate(scene, at=[3])
+    assert [len(event.times) for event in run.events] == [1, 1]
+    stopped = replace(scene, events=(Event("early", "t - 1/10", stop=True),))
+    run = polhode.integrate(stopped, at=[0, 3])
+    assert run.outcome is Outcome.STOPPED_AT_EVENT
+    assert abs(run.reached - Fraction(1, 10)) < Fraction(1, 10**15)
+    assert len(run.times) == 1
+
+
+# -- grazing ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
+def test_an_exact_tangency_is_one_grazing_event(number):
+    """q touches its largest value once a period; rounding decides on 0, 1 or 2 zeros."""
+    end = {"double": 1000, "extended": 200}.get(number.name, 40)
+    run = polhode.integrate(watched(EULER, f"q - {LARGEST_Q}"), number, at=[end])
+    (event,) = run.events
+    period = exactly(polhode.reference(run.scene).period)
+    touches = 1 + math.floor((end - event.times[0]) / period)
+    assert len(event.times) == touches
+    assert all(event.grazing)
+    first = true_time(run.scene, "p", event.times[0])
+    near = Fraction(2) ** -(number.bits // 4)
+    assert all(abs(t - first - k * period) < near for k, t in enumerate(event.times))
+
+
+@pytest.mark.parametrize(
+    ("shift", "zeros", "grazing"),
+    [("1e-6", 2, 0), ("-1e-6", 0, 0), ("1e-10", 1, 1), ("-1e-10", 1, 1), ("1e-30", 1, 1)],
+)
+def test_what_rounding_decides_is_called_grazing_and_nothing_else(shift, zeros, grazing):
+    """In double within sqrt(eps) = 1.5e-8 of a touch; two crossings 6e-3 apart are sure."""
+    run = polhode.integrate(watched(EULER, f"q - {LARGEST_Q} + {shift}"), at=[98])
+    (event,) = run.events
+    assert len(event.times) == 10 * zeros
+    assert sum(event.grazing) == 10 * grazing
+
+
+def test_a_grazing_contact_does_not_stop_a_run():
+    event = Event("touch", f"q - {LARGEST_Q}", "falling", True)
+    run = polhode.integrate(watched(EULER, event), at=[10])
+    assert run.outcome is Outcome.REACHED_END
+    assert run.events[0].grazing == (True,)
+
+
+# -- stopping ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_run_stops_at_its_event(number, way):
+    scene = watched(
+        EULER, Event("all", "q"), Event("stop", "q", "falling", stop=True), Event("late", "t**2-81")
+    )
+    times = [way * Fraction(k, 2) for k in range(41)]
+    run = polhode.integrate(scene, number, at=times)
+    assert run.outcome is Outcome.STOPPED_AT_EVENT
+    assert run.outcome.done
+    every, stop, late = run.events
+    assert stop.times == (run.reached,)
+    assert every.times[-1] == run.reached
+    assert late.times == ()
+    assert list(run.times) == [t for t in times if abs(t) <= abs(run.reached)]
+    bare = polhode.integrate(replace(scene, events=()), number, at=times[: len(run.times)])
+    error = max(
+        abs(exactly(x) - exactly(y))
+        for a, b in zip(run.states, bare.states, strict=True)
+        for x, y in zip(a, b, strict=True)
+    )
+    assert error <= 50 * number.eps
+
+
+def test_a_zero_at_the_start_is_no_event_and_does_not_stop_the_run():
+    start = (Fraction(3, 10), Fraction(0), Fraction(11, 10))
+    for end in (30, -30):
+        scene = watched(EULER, Event("q", "q"), Event("stop", "q", stop=True), omega=start)
+        run = polhode.integrate(scene, at=[end])
+        half = polhode.reference(scene).period / 2
+        assert run.outcome is Outcome.STOPPED_AT_EVENT
+        assert run.events[0].times == run.events[1].times == (run.reached,)
+        assert abs(abs(float(run.reached)) - float(half)) < 1e-14
+
+
+def test_a_touch_at_the_start_is_no_event():
+    scene = watched(EULER, "q - 1/2", omega=(Fraction(0), Fraction(1, 2), Fraction(1)))
+    run = polhode.integrate(scene, at=[1])
+    assert run.events[0].times == ()
+
+
+# -- refusals ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "zero", "words"),
+    [
+        (EULER, "p - p", "zero everywhere"),
+        (EULER, "sin(q)**2 + cos(q)**2 - 1", "zero everywhere"),
+        (EULER, "gamma1**2 + gamma2**2 + gamma3**2 - 1", "zero all along the motion"),
+        (EULER, "2*p**2 + 3*q**2 + 4*r**2 - 5.5", "zero all along the motion"),
+        ("euler/permanent-middle", "p", "zero all along the motion"),
+        (EULER, "1/(p - 3/10)", "division by zero"),
+        (EULER, "sqrt(p - 1)", "negative"),
+        (EULER, "gama1", "did you mean 'gamma1'"),
+        ("euler/no-gamma", "gamma1", "known are p, q, r, t"),
+    ],
+)
+def test_expressions_that_cannot_be_watched_are_refused_in_one_line(name, zero, words):
+    with pytest.raises(polhode.BadInput) as caught:
+        polhode.integrate(watched(name, "r - t", zero), at=[1])
+    text = str(caught.value)
+    assert text.startswith(f"{name}: events[2].zero = {zero}: expected ")
+    assert words in text
+    assert "\n" not in text
+
+
+def test_an_expression_that_leaves_zero_slowly_is_not_refused():
+    """r' = 5e-31 at t = 0: zero in double for as long as it is looked at, but not to 200 digits."""
+    omega = (Fraction(1, 10**30), Fraction(1), Fraction(0))
+    run = polhode.integrate(watched(EULER, "r", omega=omega), at=[1])
+    assert run.outcome is Outcome.REACHED_END
+
+
+def test_a_flip_needs_a_middle_axis():
+    with pytest.raises(polhode.BadInput, match=r"events.name = flip: .* three different moments"):
+        polhode.integrate(watched("euler/prolate", Event("flip")), at=[1])
+
+
+# -- files and the command line ---------------------------------------------------------------
+
+FILE = """schema = 1
+[body]
+moments = [2, 3, 4]
+weight = 0
+[start]
+omega = [0.3, 0, 1.1]
+gamma = ["2/7", "3/7", "6/7"]
+[run]
+at = [1, 4, 30]
+[[events]]
+name = "nutation"
+direction = "rising"
+[[events]]
+name = "flip"
+stop = true
+[[events]]
+name = "section:gamma3 - 0.9"
+"""
+
+
+def test_scene_files_may_leave_the_zero_of_a_ready_made_event_out():
+    scene = scene_file.parse(FILE)
+    assert [event.expression for event in scene.events] == [
+        *("p*gamma2 - q*gamma1", None, "gamma3 - 0.9")
+    ]
+    own = scene_file.parse(FILE.replace('"flip"', '"flip"\nzero = "p"'))
+    assert own.events[1].expression == "p"
+    with pytest.raises(polhode.BadInput, match=r"events\[2\].zero: .*mean 'flip'"):
+        scene_file.parse(FILE.replace('"flip"', '"flop"'))
+    with pytest.raises(polhode.BadInput, match=r"events\[3\].name = gama: .*'gamma3'"):
+        scene_file.parse(FILE.replace("section:gamma3 - 0.9", "section:gama"))
+
+
+def run_command(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "polhode", "run", *arguments]
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+def test_the_command_line_prints_events_and_a_stop_is_success(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(FILE)
+    done = run_command(str(path), "--json")
+    assert done.returncode == 0
+    answer = json.loads(done.stdout)
+    assert answer["outcome"] == "stopped at event"
+    assert answer["times"] == ["1", "4"]
+    names = [event["name"] for event in answer["events"]]
+    assert names == ["nutation", "flip", "section:gamma3 - 0.9"]
+    for event in answer["events"]:
+        assert set(event) == {"name", "times", "states", "grazing", "complete"}
+        assert len(event["times"]) == len(event["states"]) == len(event["grazing"])
+        assert all(isinstance(x, str) for row in event["states"] for x in row)
+    assert answer["reached"] == answer["events"][1]["times"][0]
+    assert Fraction(answer["reached"]) == Fraction(float(answer["reached"]))
+    notes = run_command(str(path)).stderr
+    assert "event flip: 1 at t = 4.99370553165105" in notes
+    path.write_text(FILE.replace('"flip"\nstop = true', '"e"\nzero = "p - p"'))
+    done = run_command(str(path))
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "events[2].zero = p - p" in done.stderr
+
+
+def test_a_step_limit_keeps_the_events_up_to_it():
+    run = polhode.integrate(watched(EULER, "q"), at=[1000], max_steps=50)
+    assert run.outcome is Outcome.STEP_LIMIT
+    assert run.events[0].times
+    assert run.events[0].times[-1] <= run.reached

@@ -1,0 +1,99 @@
+"""Compiled integrators taken up again: the same bits, never shared, never too many."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.taylor import integrator, projection
+from polhode.taylor.pool import Idle
+
+NAME = "lagrange/nutation"
+
+
+@pytest.fixture
+def built(monkeypatch) -> list:
+    """The integrators that are built from now on, none being idle."""
+    monkeypatch.setattr(integrator, "_IDLE", Idle())
+    made: list = []
+    build = integrator.Taylor._built
+
+    def counted(self, *arguments):
+        made.append(build(self, *arguments))
+        return made[-1]
+
+    monkeypatch.setattr(integrator.Taylor, "_built", counted)
+    return made
+
+
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_a_second_run_builds_nothing_and_has_the_same_bits(built, number):
+    one, other = (polhode.integrate(NAME, number) for _ in range(2))
+    assert len(built) == 1
+    assert np.array_equal(one.states, other.states)
+    assert one.steps == other.steps
+    back = polhode.integrate(NAME, number, at=[-1, -7])
+    assert len(built) == 1
+    assert np.array_equal(back.states, polhode.integrate(NAME, number, at=[-1, -7]).states)
+
+
+def test_another_start_of_the_body_takes_the_same_integrator(built):
+    scene = polhode.load(NAME)
+    first = polhode.integrate(scene)
+    other = polhode.Scene(scene.body, (1, 2, 3), scene.gamma, times=scene.times)
+    if other.time_unit == scene.time_unit:
+        fresh = polhode.integrate(other).states
+        assert len(built) == 1
+        integrator._IDLE = Idle()
+        assert np.array_equal(polhode.integrate(other).states, fresh)
+    assert np.array_equal(polhode.integrate(scene).states, first.states)
+
+
+def test_what_differs_in_type_tolerance_outputs_or_body_is_built(built):
+    polhode.integrate(NAME)
+    polhode.integrate(NAME, "extended")
+    polhode.integrate(NAME, tol="1e-9")
+    polhode.integrate("lagrange/cusped")
+    scene = polhode.load(NAME)
+    polhode.integrate(polhode.Scene(scene.body, scene.omega, scene.gamma, times=scene.times[-1:]))
+    with_angles = polhode.Scene(
+        scene.body, scene.omega, scene.gamma, times=(1,), outputs=("angles",)
+    )
+    polhode.integrate(with_angles)
+    count = len(built)
+    assert count >= 4
+    polhode.integrate(with_angles)
+    assert len(built) == count
+
+
+def test_threads_never_share_an_integrator(built):
+    wanted = polhode.integrate(NAME).states
+    with ThreadPoolExecutor(4) as pool:
+        found = [*pool.map(lambda _: polhode.integrate(NAME).states, range(12))]
+    assert all(np.array_equal(states, wanted) for states in found)
+
+
+def test_a_run_that_ended_badly_leaves_nothing(built):
+    polhode.integrate(NAME, max_steps=3)
+    polhode.integrate(NAME)
+    assert len(built) == 2
+
+
+def test_the_oldest_goes_first():
+    idle = Idle(most=2)
+    for key in "abc":
+        idle.put(key, key.upper())
+    assert [idle.take(key) for key in "abcc"] == [None, "B", "C", None]
+
+
+def test_one_correction_serves_all_starts_of_a_kind(monkeypatch):
+    projection._newton_step.cache_clear()
+    scene = polhode.load(NAME)
+    polhode.integrate(scene, project=20)
+    before = projection._newton_step.cache_info().misses
+    other = polhode.Scene(scene.body, (1, 2, 3), scene.gamma, times=scene.times)
+    polhode.integrate(other, project=20)
+    assert projection._newton_step.cache_info().misses == before == 1

@@ -1,0 +1,180 @@
+"""`polhode sweep`: what it prints, writes, refuses, and how it exits."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode import cli
+
+HEAVY = (
+    "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
+    'omega = [0.3, 0.4, 1.1]\ngamma = ["2/7", "3/7", "6/7"]\n[run]\nend = 20\nsamples = 3\n'
+)
+
+
+@pytest.fixture
+def scene(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "heavy.toml").write_text(HEAVY)
+    return "heavy.toml"
+
+
+def run(capsys, *arguments):
+    code = cli.main(["sweep", *arguments])
+    told = capsys.readouterr()
+    return code, told.out, told.err
+
+
+def test_every_combination_as_json(scene, capsys):
+    varied = ["--vary", "start.omega[1]=0.1:0.3:3", "--vary", "body.weight=1,sqrt(2)"]
+    code, out, err = run(capsys, scene, *varied, "--json")
+    answer = json.loads(out)
+    assert (code, err) == (0, "")
+    assert answer["varied"] == ["start.omega[1]", "body.weight"]
+    assert answer["projected"] is False
+    assert answer["interrupted"] is False
+    assert answer["times"] == ["0", "10", "20"]
+    values = [member["values"] for member in answer["members"]]
+    assert values[:3] == [["0.1", "1"], ["0.1", "1.4142135623730950"], ["0.2", "1"]]
+    member = answer["members"][4]
+    single = polhode.integrate(
+        polhode.integrate_many(scene, {"start.omega[1]": ["0.3"], "body.weight": [1]})[0].scene
+    )
+    assert np.allclose(
+        np.array(member["states"], dtype=float), single.states, rtol=0, atol=128 * 2.0**-52
+    )
+    assert set(member) == {"values", "outcome", "reached", "steps", "drift", "states"}
+    assert set(member["drift"]) == {"h", "f", "gamma", "fourth"}
+
+
+def test_a_table_on_stdout_and_a_note_on_stderr(scene, capsys):
+    code, out, err = run(capsys, scene, "--vary", "body.weight=0:1:3")
+    lines = out.splitlines()
+    assert code == 0
+    assert lines[0].split()[:5] == ["member", "body.weight", "outcome", "steps", "t"]
+    assert len(lines) == 4
+    assert err == ("heavy.toml: 3 members, double (53 bits), not projected; 3 reached end\n")
+
+
+@pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
+def test_npz(scene, capsys, tmp_path, number):
+    varied = ["--vary", "body.weight=0:1:2"]
+    code, out, _ = run(capsys, scene, *varied, "--number", number, "-o", "x.npz")
+    assert (code, out) == (0, "")
+    with np.load(tmp_path / "x.npz", allow_pickle=False) as held:
+        many = polhode.integrate_many(scene, {"body.weight": [0, 1]}, number=number)
+        if number in ("double", "extended"):
+            assert np.array_equal(held["states"], many.states)
+        else:
+            from polhode.numbers.decimals import strings
+
+            assert held["states"][1].tolist() == strings(many[1].states, many.number)
+        assert held["states"].shape == (2, 3, 6)
+        assert held["values"].tolist() == [[0], [1]]
+        assert held["varied"].tolist() == ["body.weight"]
+        assert held["outcomes"].tolist() == ["reached end"] * 2
+        about = json.loads(str(held["about"]))
+        assert (about["number"], about["projected"]) == (number, False)
+    assert [p.name for p in tmp_path.iterdir()] != []
+    assert {p.name for p in tmp_path.iterdir()} == {"heavy.toml", "x.npz"}
+
+
+def test_csv(scene, capsys, tmp_path):
+    code, out, _ = run(capsys, scene, "--vary", "start.omega[2]=1/3,1", "-o", "x.csv")
+    assert (code, out) == (0, "")
+    lines = (tmp_path / "x.csv").read_text().splitlines()
+    assert lines[0] == "member,start.omega[2],t,p,q,r,gamma1,gamma2,gamma3"
+    assert len(lines) == 1 + 2 * 3
+    assert lines[1].startswith("1,1/3,0,0.2999")
+    beside = json.loads((tmp_path / "x.json").read_text())
+    assert [m["outcome"] for m in beside["members"]] == ["reached end"] * 2
+    assert "states" not in beside["members"][0]
+
+
+def test_a_member_that_fails_is_told_and_written(scene, capsys, tmp_path):
+    varied = ["--vary", "body.weight=1,1e6", "--max-steps", "300", "-o", "x.npz"]
+    code, _, err = run(capsys, scene, *varied)
+    assert code == 3
+    assert "1 reached end, 1 step limit" in err
+    assert "member 2 (body.weight = 1000000): the end needs more steps than the limit" in err
+    with np.load(tmp_path / "x.npz", allow_pickle=False) as held:
+        assert held["outcomes"].tolist() == ["reached end", "step limit"]
+        assert np.isnan(held["states"][1, -1]).all()
+
+
+def test_outputs_are_left_out_and_that_is_said(scene, capsys, tmp_path):
+    (tmp_path / "heavy.toml").write_text(HEAVY + 'outputs = ["angles"]\n')
+    code, _, err = run(capsys, scene, "--vary", "body.weight=1")
+    assert code == 0
+    assert "not projected; angles left out; 1 reached end" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--vary", "body.weight=1:2:0"], "body.weight = 1:2:0: expected FROM:TO:N with N from 1"),
+        (["--vary", "body.wieght=1"], "did you mean 'body.weight'?"),
+        (["--vary", "body.weight"], "--vary = body.weight: expected KEY=FROM:TO:N or KEY=a,b,c"),
+        (["--vary", "body.weight=1", "--vary", "body.weight=2"], "expected body.weight once"),
+        (["--vary", "body.moments[3]=1:6:2"], "member 2 (body.moments[3] = 6): body.moments"),
+        (["--vary", "body.weight=1", "--number", "single"], "number = single: expected double"),
+        (["--vary", "body.weight=1", "-o", "x.txt"], "expected a name that ends in .npz or .csv"),
+        (["--vary", "body.weight=1", "-o", "no/x.npz"], "expected an existing folder no"),
+        (["--vary", "body.weight=1", "--tol", "0.5"], "expected between eps"),
+        ([], "the following arguments are required: --vary"),
+        (["--vary", "body.weight=1", "--workers", "0"], "1 or more, not 0"),
+    ],
+)
+def test_bad_input(scene, capsys, tmp_path, arguments, message):
+    arguments = arguments if "-o" in arguments else [*arguments, "-o", "x.npz"]
+    code, out, err = run(capsys, scene, *arguments)
+    assert (code, out) == (2, "")
+    assert message in err
+    assert err.count("\n") == 1
+    assert {p.name for p in tmp_path.iterdir()} == {"heavy.toml"}
+
+
+def test_help_says_that_steps_are_bare():
+    command = [sys.executable, "-m", "polhode", "sweep", "--help"]
+    told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert "not projected" in " ".join(told.split())
+
+
+def test_ctrl_c_writes_what_is_finished(scene, tmp_path):
+    """A sweep of half a minute, interrupted: a whole file, its unfinished members marked."""
+    command = [
+        sys.executable,
+        "-m",
+        "polhode",
+        "sweep",
+        scene,
+        "--vary",
+        "start.omega[3]=0.5:1:400",
+    ]
+    command += ["--at", "20000", "-o", "x.npz"]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
+    ) as sweep:
+        time.sleep(2.5)
+        os.kill(sweep.pid, signal.SIGINT)
+        began = time.monotonic()
+        out, err = sweep.communicate(timeout=60)
+        waited = time.monotonic() - began
+    if sweep.returncode == 130 and "not run" in err:
+        with np.load(tmp_path / "x.npz", allow_pickle=False) as held:
+            outcomes = held["outcomes"].tolist()
+            assert json.loads(str(held["about"]))["interrupted"] is True
+        assert 0 < outcomes.count("reached end") < 400
+        assert out == ""
+        assert waited < 30
+    else:  # a machine so slow, or so fast, that it was not under way
+        assert sweep.returncode in (0, 130)
