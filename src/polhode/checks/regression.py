@@ -108,5 +108,5 @@ def _line(scene: Scene, truth: Remembered, number: str, known: Conditioning | No
     )
     if not run.outcome.done:
         return Line(scene.name, number, 0.0, band, None, run.outcome.value)
-    judged = compare(run, truth, known)
+    judged = compare(run, truth, known=known)
     return Line(scene.name, number, judged.worst, band, judged, run.outcome.value)

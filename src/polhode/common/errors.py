@@ -4,13 +4,25 @@ from __future__ import annotations
 
 
 class BadInput(ValueError):
-    """Input that cannot be used: where it stands, the value met, and what was expected."""
+    """Input that cannot be used: where it stands, the value met, and what was expected.
+
+    A ValueError of one line, with these as ``source``, ``key``, ``value`` and ``expected``.
+
+    >>> import polhode
+    >>> polhode.integrate("euler/sphere", "long")
+    Traceback (most recent call last):
+    ...
+    polhode.common.errors.BadInput: euler/sphere: number = long: expected double, extended, quad, mp
+    """
 
     def __init__(self, source: str, key: str, value: object, expected: str) -> None:
         self.source, self.key, self.value, self.expected = source, key, value, expected
         shown = "" if value is None else f" = {_short(value)}"
         where = f"{_short(source, 200)}: {_short(key, 80)}"
         super().__init__(f"{where}{shown}: expected {_short(expected, 600)}")
+
+    def __reduce__(self) -> tuple[type, tuple[str, str, object, str]]:
+        return type(self), (self.source, self.key, self.value, self.expected)
 
 
 def nearest(word: str, known: list[str]) -> str:

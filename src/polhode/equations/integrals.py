@@ -49,6 +49,10 @@ class Drift(NamedTuple):
     gamma: float | None
     fourth: float | None = None
 
+    def __str__(self) -> str:
+        told = self._asdict().items()
+        return ", ".join(f"{name} {value:.3e}" for name, value in told if value is not None)
+
 
 @dataclass(frozen=True)
 class FirstIntegrals:

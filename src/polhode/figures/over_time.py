@@ -15,8 +15,8 @@ from polhode.common.errors import BadInput
 from polhode.equations.integrals import drift
 from polhode.figures.samples import Samples
 from polhode.judging.digits import errors, rate_scale
-from polhode.judging.foreign import reference_rows
 from polhode.judging.reference import Reference, TwoPrecisions
+from polhode.judging.reference import rows as reference_rows
 from polhode.judging.table import Table
 from polhode.numbers.convert import to_double, to_mpf
 from polhode.numbers.number_types import NumberType
@@ -45,7 +45,7 @@ def errors_of_table(
     most = number.most_digits if number else table.printed + 2
     digits = math.ceil(min(most, 1000)) + SPARE_DIGITS
     order = in_order(table)
-    rows = reference_rows(truth.at, table, digits)
+    rows = reference_rows(truth.at, table.times, digits)
     states = [[table.columns[n][k] if n in there else None for n in scene.columns] for k in order]
     logs = _errors(states, [rows[k] for k in order], scene, digits)
     return _samples(table.name, [table.times[k] for k in order], logs, scene, number)

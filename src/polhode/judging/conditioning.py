@@ -36,7 +36,7 @@ _EXACTLY = Functions(exact.ZERO, exact.sin, exact.cos, exact.sqrt)
 _FLOATS = Functions(0.0, math.sin, math.cos, math.sqrt)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Conditioning:
     """kappa at each time, as far as it was computed.
 
@@ -44,6 +44,11 @@ class Conditioning:
     ``log10_rates``: log10 of |state'|, scaled alike, per unit of the scene's time.  ``lost_after``:
     the time at which kappa·eps of ``number`` reached 1, None where it did not; later times were not
     computed.  ``note``: why others were not, else empty.
+
+    >>> import polhode
+    >>> found = polhode.conditioning("euler/separatrix", [10, 120])
+    >>> found.digits_possible("double")[1], found.lost
+    (0.0, 'no digits left after t = 100')
     """
 
     scene: Scene
@@ -80,6 +85,11 @@ class Conditioning:
             found.append(min(number.most_digits, max(0.0, -_log10_sum(inputs, clock))))
         return tuple(found)
 
+    def __repr__(self) -> str:
+        known = [x for x in self.log10_kappa if x is not None]
+        largest = f"kappa up to {_power(max(known)):.3g}" if known else "kappa not computed"
+        return f"<Conditioning of {self.scene.name}: {largest}>"
+
     def __str__(self) -> str:
         rows = zip(self.times, self.log10_kappa, self.digits_possible(), strict=True)
         lines = [f"{'t':>14}  {'kappa':>9}  digits possible in {self.number.name}"]
@@ -106,6 +116,12 @@ def conditioning(
     It is followed until kappa·eps of ``number`` reaches 1, and is right to two digits and more:
     where the motion in double is no longer the scene's, it is led along one in a wider type than
     ``number``.  ``max_steps``: beyond so many, "kappa not computed".
+
+    >>> import polhode
+    >>> print(polhode.conditioning("euler/separatrix", [10, 20]))
+                 t      kappa  digits possible in double
+                10       41.2  14.0
+                20   1.52e+03  12.5
     """
     if not isinstance(scene, Scene):
         scene = library.load(scene)
@@ -139,10 +155,6 @@ def conditioning(
         None if lost is None else lost * float(unit),
         "" if lost is not None else note,
     )
-
-
-#: The same under a name of its own, for the package's front door.
-conditioning_of = conditioning
 
 
 class Look(NamedTuple):

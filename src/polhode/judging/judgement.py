@@ -1,194 +1,360 @@
-"""A trajectory judged against a reference: correct digits over time, drift, what limits them."""
+"""Digits judged against a reference: of a run, of somebody's file, of an array of states."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeAlias
 
+from polhode.common.errors import BadInput
+from polhode.common.text import aligned, few
+from polhode.common.values import ByValue
 from polhode.equations.integrals import Drift
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.digits import digits_of, errors, rate_scale
-from polhode.judging.limits import Attribution, is_lost, limit, shown_digits, shown_possible
+from polhode.judging.limits import is_lost, limit, shown_digits, shown_possible
 from polhode.judging.lyapunov import Lyapunov, lyapunov
-from polhode.judging.reference import Reference, Remembered, TwoPrecisions, reference
+from polhode.judging.omega_alone import OmegaAlone, omega_alone
+from polhode.judging.reference import Reference, Remembered, TwoPrecisions, by_sign, reference, rows
+from polhode.judging.subject import Subject, of_run, of_table
+from polhode.judging.table import Table, read_table, table_of_rows
 from polhode.numbers.convert import exactly, to_mpf
-from polhode.numbers.decimals import decimal_string
-from polhode.numbers.number_types import wider
+from polhode.numbers.decimals import decimal_string, in_full
+from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import NumberType, wider
 from polhode.runs.integrate import integrate
+from polhode.runs.request import choose_number
 from polhode.runs.trajectory import Trajectory
+from polhode.scenes.library import load
+from polhode.scenes.scene import Scene
+from polhode.scenes.words import STATE
 
-SPARE_DIGITS = 6  # of the reference beyond what the trajectory's type holds
+SPARE_DIGITS = 6  # of the reference beyond what can be told
+MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
+MOST_ASKED = 20  # times at which a run is held against the digits asked for
+SHOWN = 11  # times that are printed
+_SHORT = 24  # characters of a time that is printed with all its digits
+
+AnyReference: TypeAlias = Reference | TwoPrecisions | Remembered
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """Correct digits of a trajectory at each of its times, and what they say.
+@dataclass(frozen=True, eq=False, repr=False)
+class Judgement(ByValue):
+    """Correct digits of a run or a table at each of its times, and what limits them.
 
-    ``digits[k]`` belongs to ``times[k]``; errors of w are relative to the largest |w| of the
-    reference over all times.  ``pointwise`` relates them to |w| at the same time instead.
-    ``known``: kappa at the scene's times, where it is known already.
+    ``subject``: what was judged.  ``reference``: what against.  ``known``: kappa at the scene's
+    times, where it is known already.  ``digits[k]`` belongs to ``times[k]``: -log10 of the larger
+    of the error of omega over the largest |omega| of the reference, and the error of gamma.
+    Printed, it is what ``polhode compare`` says.
+
+    >>> import polhode
+    >>> found = polhode.compare(polhode.integrate("euler/separatrix", at=[1, 20]))
+    >>> 12.5 < found.worst < 14.5, found.worst_time, found.limit
+    (True, Fraction(20, 1), 'conditioning')
     """
 
-    run: Trajectory
-    reference: Reference | TwoPrecisions | Remembered
-    digits: tuple[float, ...]
-    pointwise: tuple[float, ...]
-    known: Conditioning | None = None
+    subject: Subject
+    reference: AnyReference
+    known: Conditioning | None = field(default=None, compare=False)
 
     @property
     def times(self) -> tuple[Fraction, ...]:
         """The times judged."""
-        return self.run.times
+        return self.subject.times
+
+    @cached_property
+    def digits(self) -> tuple[float, ...]:
+        """Correct digits of the state at each time; empty where no column of it is there."""
+        return self._digits(self.subject.states) if self.subject.columns else ()
 
     @property
     def worst(self) -> float:
-        """The fewest correct digits."""
+        """The fewest correct digits of the state; ValueError where no column of it is there."""
         return min(self.digits)
 
     @property
     def worst_time(self) -> Fraction:
-        """The first time at which the digits are fewest."""
+        """The first time at which the digits are fewest; ValueError likewise."""
         return self.times[self.digits.index(self.worst)]
 
     @property
-    def drift(self) -> Drift:
-        """Drift of the integrals over the run."""
-        return self.run.drift
+    def asked(self) -> int | None:
+        """The digits that the run was asked for, None where none were."""
+        return None if self.subject.run is None else self.subject.run.digits
+
+    @property
+    def reached(self) -> bool | None:
+        """Whether the digits asked for were reached; None where none were asked for."""
+        return None if self.asked is None else self.worst >= self.asked
 
     @cached_property
-    def conditioning(self) -> Conditioning:
-        """Kappa at the run's times."""
+    def conditionings(self) -> tuple[Conditioning, ...]:
+        """Kappa at the times judged: from t = 0 ahead, and from t = 0 back."""
         if self.known is not None:
-            return self.known
-        return conditioning(self.run.scene.at(self.run.times), number=self.run.number)
+            return (self.known,)
+        scene, number = self.reference.scene, self.subject.number
+        return tuple(conditioning(scene, times, number) for times in by_sign(self.times))
 
     @cached_property
     def digits_possible(self) -> tuple[float | None, ...]:
-        """The digits that kappa leaves at each time; None where it was not computed."""
-        return self.conditioning.digits_possible(self.run.number)[: len(self.times)]
+        """The digits that kappa leaves in the subject's type at each time; None where unknown."""
+        number = self.subject.number
+        if not self.digits:
+            return ()
+        if self.known is not None:
+            return self.known.digits_possible(number)[: len(self.times)]
+        found: dict[Exact, float | None] = {}
+        for part in self.conditionings:
+            found |= dict(zip(part.times, part.digits_possible(number), strict=True))
+        return tuple(found[t] for t in self.times)
 
-    @cached_property
-    def motion(self) -> Lyapunov:
-        """Whether the scene's motion is regular or chaotic, and its Lyapunov exponent."""
-        return lyapunov(self.run.scene)
+    @property
+    def lost_after(self) -> float | None:
+        """The time after which kappa leaves no digits; None where it leaves some throughout."""
+        after = [part.lost_after for part in self.conditionings if part.lost_after is not None]
+        return min(after, key=abs, default=None)
 
     @property
     def lost(self) -> str:
         """That no digits are left, and after which time; empty where some are left throughout."""
         gone = any(map(is_lost, self.digits, self.digits_possible))
-        return self.conditioning.lost if gone else ""
+        return next((part.lost for part in self.conditionings if gone and part.lost), "")
 
     @cached_property
-    def input_rounding(self) -> float:
-        """Correct digits of the exact motion of the rounded inputs: what rounding them once costs.
-
-        The same rounded start and coefficients, integrated in a wider type.
-        """
-        judged = _digits(self._replay, self.run, self.reference, self.run.number.most_digits)
-        return min(judged[0])
-
-    @cached_property
-    def _replay(self) -> Any:
-        run = self.run
-        return integrate(run.scene.at(run.times), wider(run.number), inputs=run.number).states
+    def motion(self) -> Lyapunov:
+        """Whether the scene's motion is regular or chaotic, as far as a moment's work tells."""
+        return lyapunov(self.reference.scene, max_steps=MOTION_STEPS)
 
     @cached_property
     def limit(self) -> str:
-        """What limits the digits: rounding, conditioning, method or reference, and why."""
-        run, truth, held = self.run, self.reference, self.run.number.most_digits
-        steps = "rounding in the steps"
-        if not run.at_full_tolerance:
-            steps = f"tolerance {run.tolerance:.1e}"
-        if limit(self.worst, held, None, truth.agreement, steps) in ("rounding", "reference"):
-            return limit(self.worst, held, None, truth.agreement, steps)  # needs no kappa
-        possible = self._possible
+        """What limits the digits: rounding, conditioning, method or reference; empty unjudged."""
+        if not self.digits:
+            return ""
+        about, agreement, worst = self.subject, self.reference.agreement, self.worst
+        if about.printed is not None and worst >= about.printed - 1:
+            return "rounding (of the printed digits)"
+        held, steps = min(about.held, about.number.most_digits), about.steps
+        cheap = limit(worst, held, None, agreement, steps)
+        if cheap in ("rounding", "reference"):  # needs no kappa
+            return cheap
+        possible = self.digits_possible[self.digits.index(worst)]
         if possible is None:
-            possible, steps = self.input_rounding, f"{steps}; kappa not computed"
-        return limit(self.worst, held, possible, truth.agreement, steps)
+            steps += "; kappa not computed"
+            possible = None if about.run is None else self.input_rounding
+        return limit(worst, held, possible, agreement, steps)
 
     @cached_property
-    def attribution(self) -> Attribution:
-        """What the problem allows, what the method added, and what the reference is good for.
+    def input_rounding(self) -> float:
+        """Correct digits of the exact motion of a run's rounded inputs: what rounding them costs.
 
-        The method's share is the run's distance from the motion of its rounded inputs.
+        The same rounded start and coefficients, integrated in a wider type.
         """
-        run, at = self.run, self.times.index(self.worst_time)
-        held = run.number.most_digits
-        bits = wider(run.number).bits + 32
-        rows = [[to_mpf(exactly(x), bits) for x in row] for row in self._replay]
-        scale = rate_scale(rows, run.scene, bits)
-        method = digits_of(errors([run.states[at]], [rows[at]], scale, bits)[0], held)
-        return Attribution(self.worst, held, self._possible, method, self.reference.agreement)
+        run = self.subject.run
+        if run is None:
+            raise ValueError("only of a run is it known how its inputs were rounded")
+        scene, number = run.scene.at(run.times), wider(run.number)
+        return min(self._digits(integrate(scene, number, inputs=run.number).states))
 
     @property
-    def _possible(self) -> float | None:
-        return self.digits_possible[self.digits.index(self.worst)]
+    def parts(self) -> dict[str, float]:
+        """Correct digits of angles and attitude over all times, by absolute error."""
+        return {name: found for name, found in self._parts.items() if isinstance(found, float)}
+
+    @property
+    def drift(self) -> Drift | None:
+        """Drift of the integrals; None where it says nothing, see ``notes``."""
+        return self._drift if isinstance(self._drift, Drift) else None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was not judged, and why."""
+        unjudged = [
+            f"{name} were not judged: {found}"
+            for name, found in self._parts.items()
+            if isinstance(found, str)
+        ]
+        if isinstance(self._drift, str):
+            unjudged.append(f"drift of the integrals was not judged: {self._drift}")
+        return (*self.subject.notes, *unjudged)
+
+    @cached_property
+    def omega_alone(self) -> OmegaAlone | None:
+        """What omega says of gamma, where gamma is not there."""
+        scene, omega = self.reference.scene, self.subject.states
+        if self.subject.columns != STATE[:3] or len(scene.columns) == 3:
+            return None
+        if any(None in row[:3] for row in omega):
+            return None
+        given = [[to_mpf(x, self._bits) for x in row[:3]] for row in omega]
+        return omega_alone(scene, self.times, given, self._rows, self._bits)
 
     def __str__(self) -> str:
-        run, truth = self.run, self.reference
-        shown, possible = few(len(self.times), 9), self.digits_possible
-        lines = [
-            f"{run.scene.name}: {run.number.name} ({run.number.bits} bits) against {truth.kind}"
-            + ("" if truth.is_closed_form else f" (agree to {truth.agreement:.1f} digits)"),
-            f"  {'t':>14}  correct digits  possible",
-            *(
-                f"  {_short(self.times[k]):>14}  {shown_digits(self.digits[k], possible[k]):<14}"
-                f"  {shown_possible(possible[k])}"
-                for k in shown
-            ),
-            f"  {self.lost or f'worst {self.worst:.1f} at t = {_short(self.worst_time)}'};"
-            f" limited by {self.limit}",
-        ]
-        projected = f"projected {run.projection}" if run.projected else ""
-        lines.append("  " + (projected or "drift " + drift_line(self.drift)))
-        return "\n".join(lines)
+        return _wording(self)
+
+    def __repr__(self) -> str:
+        told = f"{self.worst:.2f} correct digits" if self.digits else "no state judged"
+        return f"<Judgement of {self.subject.name} against {self.reference.kind}: {told}>"
+
+    @property
+    def _wanted(self) -> int:
+        return math.ceil(self.subject.held) + SPARE_DIGITS
+
+    @property
+    def _bits(self) -> int:
+        return math.ceil(self._wanted * math.log2(10)) + 32
+
+    @cached_property
+    def _rows(self) -> list[Any]:
+        """The reference's states."""
+        return rows(self.reference.at, self.times, self._wanted)
+
+    def _digits(self, states: Any) -> tuple[float, ...]:
+        scale = rate_scale(self._rows, self.reference.scene, self._bits)
+        found = errors(states, self._rows, scale, self._bits)
+        return tuple(digits_of(error, self.subject.held) for error in found)
+
+    @cached_property
+    def _drift(self) -> Drift | str:
+        return self.subject.drift(self.reference.scene, self._bits)
+
+    @cached_property
+    def _parts(self) -> dict[str, float | str]:
+        """Digits of angles and attitude, or why there are none."""
+        found: dict[str, float | str] = {}
+        for name in ("angles", "attitude"):
+            own = getattr(self.subject, name)
+            if own is None:
+                continue
+            try:
+                true = rows(getattr(self.reference, name), self.times, self._wanted)
+            except ValueError as fault:  # BadInput is one
+                found[name] = str(fault)
+                continue
+            signs = (1, -1) if name == "attitude" else (1,)  # a quaternion may have either
+            found[name] = max(self._part_digits(own, true, s) for s in signs)
+        return found
+
+    def _part_digits(self, own: Any, true: list[Any], side: int) -> float:
+        import mpmath
+
+        worst = self.subject.held
+        with mpmath.workprec(self._bits):
+            for mine, right in zip(own, true, strict=True):
+                for x, y in zip(mine, right, strict=True):
+                    if x is not None and y is not None:
+                        error = abs(side * to_mpf(exactly(x), self._bits) - y)
+                        worst = min(worst, digits_of(error, self.subject.held))
+        return worst
 
 
 def compare(
-    run: Trajectory,
-    exact: Reference | TwoPrecisions | Remembered | None = None,
+    what: Trajectory | Table | str | Path | Sequence[Any],
+    against: AnyReference | Scene | str | Path | None = None,
+    *,
+    number: str | NumberType | None = None,
+    digits: int | None = None,
+    at: Sequence[Any] | None = None,
+    columns: Sequence[str] | None = None,
     known: Conditioning | None = None,
 ) -> Judgement:
-    """Judge a trajectory against a reference (the scene's own unless one is given).
+    """Judge a run, a trajectory file or an array of states against a reference.
 
-    ``known``: the scene's conditioning, to spare its computation.
+    ``what``: a Trajectory; the path of a CSV file with a column t and any of p q r gamma1 gamma2
+    gamma3 psi theta phi q0 q1 q2 q3; or rows of numbers, which hold at the times ``at`` and have
+    the columns ``columns`` (those of the scene unless given).  ``against``: a reference, or the
+    scene whose reference it is; of a run its own scene unless given.  ``number`` (and ``digits`` of
+    mp): the type whose rounded values a file's decimals, or the rows, are; rows of doubles are
+    known as such.  ``known``: the scene's conditioning, to spare its computation.
+
+    Raises BadInput for what cannot be read or judged.
+
+    >>> import polhode
+    >>> scene = polhode.load("lagrange/nutation").at((1,))
+    >>> rows = [[float(x) for x in polhode.reference(scene).at([1], 20)[0]]]
+    >>> found = polhode.compare(rows, scene, at=[1], number="double")
+    >>> 15.4 < found.worst <= 16, found.limit
+    (True, 'rounding')
+    >>> rows[0][0] += 1e-6  # in p, where the largest |omega| is that at t = 1
+    >>> 6 < polhode.compare(rows, scene, at=[1]).worst < 7
+    True
     """
-    truth = exact if exact is not None else reference(run.scene)
-    digits, pointwise = _digits(run.states, run, truth, run.number.most_digits)
-    return Judgement(run, truth, digits, pointwise, known)
+    if against is None:
+        if not isinstance(what, Trajectory):
+            raise BadInput("compare", "against", None, "a reference, or a scene")
+        against = what.scene
+    if isinstance(against, (Scene, str, Path)):
+        scene = against if isinstance(against, Scene) else load(against)
+        against = reference(scene)
+    if isinstance(what, Trajectory):
+        found = Judgement(of_run(what), against, known)
+    else:
+        scene = against.scene
+        kind = None if number is None else choose_number(scene, number, digits)
+        if isinstance(what, (str, Path)):
+            what = read_table(Path(what), kind)
+        elif not isinstance(what, Table):
+            what = table_of_rows(what, at, columns or scene.columns, kind)
+        found = Judgement(of_table(what, scene), against, known)
+    _ = found.digits  # what cannot be judged is refused here
+    return found
 
 
-def _digits(
-    states: Any, run: Trajectory, truth: Reference | TwoPrecisions | Remembered, cap: float
-) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    wanted = math.ceil(cap) + SPARE_DIGITS
-    bits = math.ceil(wanted * math.log2(10)) + 32
-    rows = truth.at(run.times, wanted)
-    scale = rate_scale(rows, run.scene, bits)
-    digits = tuple(digits_of(e, cap) for e in errors(states, rows, scale, bits))
-    pointwise = []
-    for row, true in zip(states, rows, strict=True):
-        here = rate_scale([true], run.scene, bits)
-        pointwise.append(digits_of(errors([row], [true], here, bits)[0], cap))
-    return digits, tuple(pointwise)
+def compare_as_asked(run: Trajectory, against: AnyReference) -> Judgement:
+    """The judgement of a run at a few of its times: whether it has the digits asked for."""
+    kept = few(len(run.times), MOST_ASKED)
+    part = replace(
+        run,
+        times=tuple(run.times[k] for k in kept),
+        states=[run.states[k] for k in kept],
+        angles=None,
+        attitude=None,
+    )
+    return compare(part, against)
 
 
-def drift_line(drift: Drift) -> str:
-    """Drift in one line."""
-    names = ("h", "f", "|gamma|^2", "fourth integral")
-    shown = zip(names, drift, strict=True)
-    return ", ".join(f"{name} {value:.1e}" for name, value in shown if value is not None)
+def _wording(found: Judgement) -> str:
+    """A judgement in words."""
+    against = found.reference
+    how = "" if against.is_closed_form else f", which agree to {against.agreement:.1f} digits"
+    lines = [
+        f"{found.subject.name} against {against.kind} of {against.scene.name} ({against.regime})"
+        + how
+    ]
+    if found.digits:
+        shown, possible = few(len(found.digits), SHOWN), found.digits_possible
+        header = ["t", "correct digits", f"possible in {found.subject.number.name}"]
+        rows = [
+            [
+                _time(found.times[k]),
+                shown_digits(found.digits[k], possible[k]),
+                shown_possible(possible[k]),
+            ]
+            for k in shown
+        ]
+        lines += aligned(header, rows)
+        if len(rows) < len(found.digits):
+            lines.append(f"({len(rows)} of {len(found.digits)} times; all of them with --json)")
+        worst = f"worst {found.worst:.2f} correct digits at t = {_short(found.worst_time)}"
+        lines.append(f"{found.lost or worst}; limited by {found.limit}")
+    lines.append(f"motion {found.motion}")
+    lines += [f"{name}: {digits:.2f} correct digits" for name, digits in found.parts.items()]
+    if found.omega_alone is not None:
+        lines.append(str(found.omega_alone))
+    if found.drift is not None:
+        lines.append(f"drift {found.drift}")
+    lines += [f"not judged: {note}" for note in found.notes]
+    return "\n".join(lines)
+
+
+def _time(t: Fraction) -> str:
+    """Every digit of a time, where they are few."""
+    text = in_full(t)
+    return text if len(text) <= _SHORT else decimal_string(t, 17)
 
 
 def _short(t: Fraction) -> str:
-    return f"{float(t):g}" if abs(t) < 10**300 else decimal_string(exactly(t), 6)
-
-
-def few(count: int, most: int) -> list[int]:
-    """At most ``most`` of the indices below ``count``, evenly spread, first and last among them."""
-    if count <= most:
-        return list(range(count))
-    return sorted({round(k * (count - 1) / (most - 1)) for k in range(most)})
+    return f"{float(t):g}" if abs(t) < 10**300 else decimal_string(t, 6)

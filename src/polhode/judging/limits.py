@@ -2,38 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 WITHIN = 1.0  # digits: kappa·eps bounds an error, which seldom comes nearer to it
 KAPPA_TAKES = 2.0  # digits: what the problem takes before it is named
 
 
-@dataclass(frozen=True)
-class Attribution:
-    """The digits that each share of an error would leave by itself, at the worst time.
-
-    ``digits``: those that are correct.  ``held``: the most that the number type holds.
-    ``possible``: those that the problem allows, None where kappa was not computed.  ``method``:
-    those that truncation and rounding of the steps leave.
-    ``reference``: those that the reference is good for, inf for a closed form.
-    """
-
-    digits: float
-    held: float
-    possible: float | None
-    method: float
-    reference: float
-
-    def __str__(self) -> str:
-        return (
-            f"{self.digits:.2f} correct digits: possible {shown_possible(self.possible)}, "
-            f"by the method {self.method:.2f}, the reference {self.reference:.2f}"
-        )
-
-
 def limit(digits: float, held: float, possible: float | None, reference: float, steps: str) -> str:
-    """The name of what limits so many correct digits, see Attribution.
+    """The name of what limits so many correct digits.
 
+    ``held``: the most that the number type holds.  ``possible``: those that the problem allows.
+    ``reference``: those that the reference is good for, inf for a closed form.
     *reference*: it is not good for more.  *rounding*: these are the type's own last digits, or
     rounding the inputs and the time leaves no more.  *conditioning*: likewise, and it is the
     motion that makes these few.  *method*: the problem would allow more; ``steps`` says what the

@@ -33,13 +33,17 @@ REGULAR, CHAOTIC = 2.0, 6.0  # growth of ln |tangent| in the second half: below,
 _DOUBLES_TRUE = 12 * math.log(10)  # ln of the growth up to which a double follows the motion
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Lyapunov:
     """The largest exponent per unit of time, and the verdict on the motion up to ``end``.
 
     ``exponent`` is the mean growth of ln |tangent| over the second half of the time;
     ``uncertainty`` its standard error over blocks, and for what a power law would show as well.
     ``growth``: of ln |tangent| over that half.  ``verdict``: "regular", "chaotic" or "undecided".
+
+    >>> import polhode
+    >>> polhode.lyapunov("euler/largest-axis", 1000).verdict
+    'regular'
     """
 
     scene: Scene
@@ -49,6 +53,9 @@ class Lyapunov:
     end: float
     verdict: str
     reason: str
+
+    def __repr__(self) -> str:
+        return f"<Lyapunov of {self.scene.name}: {self}>"
 
     def __str__(self) -> str:
         return (
@@ -63,6 +70,11 @@ def lyapunov(scene: Scene | str | Path, end: Any = None, max_steps: int = MAX_ST
     ``end``: the time to follow it to; unless given the scene's own end, or 2000 units of the slower
     of its spin and its pendulum's swing if that is longer.  "undecided" where the time is too short
     to tell; BadInput for an end at 0.
+
+    >>> import polhode
+    >>> found = polhode.lyapunov("general/asymmetric-chaotic", 2000)
+    >>> found.verdict, 0.06 < found.exponent < 0.14
+    ('chaotic', True)
     """
     import numpy as np
 

@@ -6,8 +6,9 @@ Both answer the same questions; ``kind`` says which it is, and nothing else is e
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -29,14 +30,31 @@ class Reference:
     """The closed form of a scene.
 
     ``kind``: which closed form; ``regime``: the kind of motion; answers in the scene's body axes.
+
+    >>> import polhode
+    >>> exact = polhode.reference("euler/largest-axis")
+    >>> print(exact.at([1], digits=20)[0][0])  # p at t = 1, an mpf
+    0.447808688218415
     """
 
     is_closed_form = True
     agreement = math.inf  # no rounding enters that the digits asked for would show
+    __hash__ = None  # type: ignore[assignment]
 
     def __init__(self, scene: Scene, kind: str, motion: Motion) -> None:
         self.scene, self.kind, self._motion = scene, kind, motion
         self.regime = motion.regime
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Reference):
+            return NotImplemented
+        return self.kind == other.kind and self.scene == other.scene
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return reference, (self.scene,)  # what was computed so far is computed again
+
+    def __repr__(self) -> str:
+        return f"<Reference of {self.scene.name}: {self.kind}, {self.regime}>"
 
     def at(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
         """Rows p q r [gamma1 gamma2 gamma3] as mpf, right to so many digits.
@@ -107,11 +125,18 @@ class TwoPrecisions:
     It shares the integrator and the equations with the runs that it judges: evidence against
     rounding and truncation, not against a wrong equation.  ``agreement`` holds the correct digits
     to which the two integrations of the last request agree.
+
+    >>> import polhode
+    >>> twice = polhode.reference("general/asymmetric-regular")
+    >>> rows = twice.at([1], digits=20)
+    >>> 20 <= twice.agreement < 30
+    True
     """
 
     is_closed_form = False
     kind = "two-precisions"
     period = None
+    __hash__ = None  # type: ignore[assignment]
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -119,6 +144,15 @@ class TwoPrecisions:
         self.agreement = float("nan")
         self.frequencies: dict[str, Any] = {}
         self._known: dict[tuple[tuple[Exact, ...], int], tuple[Any, float]] = {}
+
+    def __eq__(self, other: object) -> bool:
+        return self.scene == other.scene if isinstance(other, TwoPrecisions) else NotImplemented
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return TwoPrecisions, (self.scene,)
+
+    def __repr__(self) -> str:
+        return f"<TwoPrecisions of {self.scene.name}: {self.regime}>"
 
     def at(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
         """Rows p q r gamma1 gamma2 gamma3 as mpf, to so many digits; see ``agreement``.
@@ -179,11 +213,25 @@ class Remembered:
         _, rows, self.agreement = self._kept[key]
         return rows
 
+    def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Rows q0 q1 q2 q3, not kept."""
+        return self._truth.attitude(times, digits)
+
+    def angles(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Rows psi theta phi, not kept."""
+        return self._truth.angles(times, digits)
+
 
 def reference(scene: Scene | str | Path) -> Reference | TwoPrecisions:
     """The reference of a scene: the closed form that fits, or two integrations where none does.
 
     Raises BadInput where the scene asks for a closed form that does not fit.
+
+    >>> import polhode
+    >>> polhode.reference("euler/separatrix")
+    <Reference of euler/separatrix: euler, separatrix>
+    >>> polhode.reference("general/asymmetric-regular")
+    <TwoPrecisions of general/asymmetric-regular: heavy asymmetric body>
     """
     if not isinstance(scene, Scene):
         scene = library.load(scene)
@@ -197,6 +245,22 @@ def reference(scene: Scene | str | Path) -> Reference | TwoPrecisions:
         fits = f"{other[0] if other else 'two-precisions'}, which fits body and start"
         raise BadInput(scene.name, "reference.kind", scene.reference, fits)
     return TwoPrecisions(scene)
+
+
+def rows(ask: Callable[..., list[Any]], times: Sequence[Fraction], digits: int) -> list[Any]:
+    """Rows of a reference in the order of ``times``; those of each sign are asked for together."""
+    found: dict[Fraction, Any] = {}
+    for part in by_sign(times):
+        found |= dict(zip(part, ask(part, digits), strict=True))
+    return [found[t] for t in times]
+
+
+def by_sign(times: Sequence[Fraction]) -> list[list[Fraction]]:
+    """The different times from 0 ahead, and those from 0 back, each in order; none empty."""
+    ahead, behind = ({t for t in times if s * t > 0} for s in (1, -1))
+    if 0 in times:
+        (ahead if ahead or not behind else behind).add(Fraction(0))
+    return [part for part in (sorted(ahead), sorted(behind, reverse=True)) if part]
 
 
 def _times(scene: Scene, times: Sequence[Any]) -> list[Exact]:

@@ -1,35 +1,80 @@
-"""A trajectory as a file: a CSV with any subset of the columns beside t."""
+"""Tables: trajectories of any origin, a CSV or rows, with any subset of the columns beside t."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+import json
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, nearest
 from polhode.numbers import expression
+from polhode.numbers.convert import exact_number, exactly
 from polhode.numbers.expression import ExpressionError
-from polhode.numbers.number_types import NumberType
+from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
 from polhode.scenes.words import ANGLES, ATTITUDE, SPACE, STATE
 
 MAX_BYTES = 1 << 30
-
-
 MAX_LINE = 1_000_000  # characters
+MOST_PRINTED = 60  # digits that rows of exact numbers are counted as
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Table:
-    """A trajectory as a file holds it: exact times, and columns by name (None where empty)."""
+    """A trajectory from outside: exact times, and columns by name (None where a cell is empty)."""
 
     name: str
     times: tuple[Fraction, ...]
     columns: dict[str, tuple[Fraction | None, ...]]
     ignored: tuple[str, ...]
     printed: int  # the most significant digits that any number beside t has
+    number: NumberType | None = None  # whose values the numbers are; None: exact decimals
+    projected: bool = False  # whether the integrals were, as the file beside it says
+
+    def __repr__(self) -> str:
+        return f"<Table {self.name}: {', '.join(self.columns)} at {len(self.times)} times>"
+
+    def rows(self, names: Sequence[str]) -> list[list[Fraction | None]] | None:
+        """Rows of these columns, None where a cell or a column is not there; None without any."""
+        there = [self.columns.get(name) for name in names]
+        if all(column is None for column in there):
+            return None
+        none = (None,) * len(self.times)
+        return [list(row) for row in zip(*(column or none for column in there), strict=True)]
+
+
+def table_of_rows(
+    states: Sequence[Any],
+    at: Sequence[Any] | None,
+    columns: Sequence[str],
+    number: NumberType | None = None,
+) -> Table:
+    """Rows of numbers as a table; raises BadInput.  ``number``: their type, where it is not plain.
+
+    An array of doubles or long doubles says so itself; other numbers without ``number`` are exact.
+    """
+    kinds = {"float64": DOUBLE, "longdouble": EXTENDED, "float128": EXTENDED}
+    number = number or kinds.get(str(getattr(states, "dtype", "")))
+    try:
+        times = tuple(exactly(exact_number(t)) for t in (() if at is None else at))
+        rows = [[exactly(exact_number(x)) for x in row] for row in states]
+    except (TypeError, ValueError) as fault:
+        raise BadInput("compare", "states", None, f"rows of finite numbers ({fault})") from None
+    if at is None or len(times) != len(rows) or not rows:
+        raise BadInput("compare", "at", len(times), f"a time for each of {len(rows)} rows")
+    known = (*STATE, *ANGLES, *ATTITUDE)
+    for name in columns:
+        if name not in known:
+            raise BadInput("compare", "columns", name, nearest(name, list(known)))
+    if any(len(row) != len(columns) for row in rows):
+        expected = f"{len(columns)} numbers in each row: {', '.join(columns)}"
+        raise BadInput("compare", "states", None, expected)
+    named = dict(zip(columns, zip(*rows, strict=True), strict=True))
+    printed = number.printed_digits if number else MOST_PRINTED
+    return Table("states", times, named, (), printed, number)
 
 
 def read_table(path: Path, number: NumberType | None) -> Table:
@@ -97,7 +142,19 @@ def _table(
     times = [t for t in found.pop("t") if t is not None]
     ignored = tuple(name for name in header if name not in known)
     columns = {name: tuple(values) for name, values in found.items()}
-    return Table(str(path), tuple(times), columns, ignored, printed)
+    return Table(str(path), tuple(times), columns, ignored, printed, number, _projected(path))
+
+
+def _projected(path: Path) -> bool:
+    """Whether the JSON that polhode wrote beside a file says that its integrals were projected."""
+    try:
+        found = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    projection = found.get("projection") if isinstance(found, dict) else None
+    if not isinstance(projection, dict):
+        return False
+    return bool(projection.get("count")) and "h" in projection.get("onto", ())
 
 
 def _significant(cell: str) -> int:

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from fractions import Fraction
+from functools import partial
 from typing import Any, TypeAlias
 
 EQUAL_BITS = 4096
@@ -89,7 +90,7 @@ class Irrational:
         return power(self, exact(exponent))
 
     def __neg__(self) -> Irrational:
-        return Irrational(lambda prec, a: _libmp().mpi_neg(a, prec), self, square=self.square)
+        return Irrational(_negative, self, square=self.square)
 
     def __abs__(self) -> Exact:
         return -self if sign(self) < 0 else self
@@ -141,7 +142,7 @@ def add(a: Exact, b: Exact) -> Exact:
         return b
     if isinstance(b, Fraction) and b == 0:
         return a
-    return Irrational(lambda prec, x, y: _libmp().mpi_add(x, y, prec), a, b)
+    return Irrational(_sum, a, b)
 
 
 def multiply(a: Exact, b: Exact) -> Exact:
@@ -156,7 +157,7 @@ def multiply(a: Exact, b: Exact) -> Exact:
                 return ZERO
             if one == 1:
                 return other
-    return Irrational(lambda prec, x, y: _libmp().mpi_mul(x, y, prec), a, b)
+    return Irrational(_product, a, b)
 
 
 def divide(a: Exact, b: Exact) -> Exact:
@@ -169,16 +170,7 @@ def divide(a: Exact, b: Exact) -> Exact:
         return ZERO
     if isinstance(b, Fraction):
         return multiply(a, 1 / b)
-
-    def rule(prec: int, x: Interval, y: Interval) -> Interval:
-        # While the divisor's enclosure is still too wide to exclude zero, nothing is known.
-        lib = _libmp()
-        if lib.mpf_sign(y[0]) * lib.mpf_sign(y[1]) <= 0:
-            return lib.fninf, lib.finf
-        quotient: Interval = lib.mpi_div(x, y, prec)
-        return quotient
-
-    return Irrational(rule, a, b)
+    return Irrational(_quotient, a, b)
 
 
 def total(terms: Iterable[Exact]) -> Exact:
@@ -199,14 +191,7 @@ def sqrt(x: Exact) -> Exact:
             return Fraction(top, bottom)
     elif sign(x) == 0:
         return ZERO
-
-    def rule(prec: int, a: Interval) -> Interval:
-        lib = _libmp()
-        low = lib.fzero if lib.mpf_sign(a[0]) < 0 else a[0]
-        root: Interval = lib.mpi_sqrt((low, a[1]), prec)
-        return root
-
-    return Irrational(rule, x, square=x)
+    return Irrational(_root, x, square=x)
 
 
 def sin(x: Exact) -> Exact:
@@ -214,7 +199,7 @@ def sin(x: Exact) -> Exact:
     _check_angle(x)
     if isinstance(x, Fraction) and x == 0:
         return ZERO
-    return Irrational(lambda prec, a: _libmp().mpi_sin(a, prec), x)
+    return Irrational(_sine, x)
 
 
 def cos(x: Exact) -> Exact:
@@ -222,7 +207,7 @@ def cos(x: Exact) -> Exact:
     _check_angle(x)
     if isinstance(x, Fraction) and x == 0:
         return ONE
-    return Irrational(lambda prec, a: _libmp().mpi_cos(a, prec), x)
+    return Irrational(_cosine, x)
 
 
 def arctan2(y: Exact, x: Exact) -> Exact:
@@ -233,24 +218,12 @@ def arctan2(y: Exact, x: Exact) -> Exact:
         raise ValueError("the angle of a vector of length zero")
     if sign(y) == 0 and sign(x) > 0:
         return ZERO
-
-    def rule(prec: int, a: Interval, b: Interval) -> Interval:
-        lib = _libmp()
-        low = lib.fzero if lib.mpf_sign(a[0]) < 0 else a[0]
-        found: Interval = lib.mpi_atan2((low, a[1]), b, prec)
-        return found
-
-    return Irrational(rule, y, x)
+    return Irrational(_angle, y, x)
 
 
 def pi() -> Irrational:
     """The number pi."""
-
-    def rule(prec: int) -> Interval:
-        lib = _libmp()
-        return lib.mpf_pi(prec, "f"), lib.mpf_pi(prec, "c")
-
-    return Irrational(rule)
+    return Irrational(_pi)
 
 
 def power(x: Exact, exponent: Exact) -> Exact:
@@ -267,15 +240,7 @@ def power(x: Exact, exponent: Exact) -> Exact:
         if exponent < 0:
             raise ZeroDivisionError("division by zero")
         return ZERO
-
-    def rule(prec: int, a: Interval, e: Interval) -> Interval:
-        lib = _libmp()
-        if lib.mpf_sign(a[0]) <= 0:
-            return lib.fzero, lib.finf
-        found: Interval = lib.mpi_exp(lib.mpi_mul(e, lib.mpi_log(a, prec), prec), prec)
-        return found
-
-    return Irrational(rule, x, exponent)
+    return Irrational(_power, x, exponent)
 
 
 def _integer_power(x: Exact, n: int) -> Exact:
@@ -289,7 +254,78 @@ def _integer_power(x: Exact, n: int) -> Exact:
         return x
     if n == 2 and x.square is not None:
         return x.square
-    return Irrational(lambda prec, a: _libmp().mpi_pow_int(a, n, prec), x)
+    return Irrational(partial(_integer_power_of, n), x)
+
+
+# The rules of Irrational.  Functions of the module, so that a number can be pickled.
+
+
+def _negative(prec: int, a: Interval) -> Interval:
+    found: Interval = _libmp().mpi_neg(a, prec)
+    return found
+
+
+def _sum(prec: int, a: Interval, b: Interval) -> Interval:
+    found: Interval = _libmp().mpi_add(a, b, prec)
+    return found
+
+
+def _product(prec: int, a: Interval, b: Interval) -> Interval:
+    found: Interval = _libmp().mpi_mul(a, b, prec)
+    return found
+
+
+def _quotient(prec: int, a: Interval, b: Interval) -> Interval:
+    # While the divisor's enclosure is still too wide to exclude zero, nothing is known.
+    lib = _libmp()
+    if lib.mpf_sign(b[0]) * lib.mpf_sign(b[1]) <= 0:
+        return lib.fninf, lib.finf
+    found: Interval = lib.mpi_div(a, b, prec)
+    return found
+
+
+def _root(prec: int, a: Interval) -> Interval:
+    found: Interval = _libmp().mpi_sqrt((_not_below_zero(a[0]), a[1]), prec)
+    return found
+
+
+def _sine(prec: int, a: Interval) -> Interval:
+    found: Interval = _libmp().mpi_sin(a, prec)
+    return found
+
+
+def _cosine(prec: int, a: Interval) -> Interval:
+    found: Interval = _libmp().mpi_cos(a, prec)
+    return found
+
+
+def _angle(prec: int, a: Interval, b: Interval) -> Interval:
+    found: Interval = _libmp().mpi_atan2((_not_below_zero(a[0]), a[1]), b, prec)
+    return found
+
+
+def _pi(prec: int) -> Interval:
+    lib = _libmp()
+    return lib.mpf_pi(prec, "f"), lib.mpf_pi(prec, "c")
+
+
+def _power(prec: int, a: Interval, e: Interval) -> Interval:
+    lib = _libmp()
+    if lib.mpf_sign(a[0]) <= 0:
+        return lib.fzero, lib.finf
+    found: Interval = lib.mpi_exp(lib.mpi_mul(e, lib.mpi_log(a, prec), prec), prec)
+    return found
+
+
+def _integer_power_of(n: int, prec: int, a: Interval) -> Interval:
+    found: Interval = _libmp().mpi_pow_int(a, n, prec)
+    return found
+
+
+def _not_below_zero(low: Any) -> Any:
+    """The lower end of an enclosure of what cannot be negative."""
+    lib = _libmp()
+    return lib.fzero if lib.mpf_sign(low) < 0 else low
 
 
 def sign(x: Number) -> int:

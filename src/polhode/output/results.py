@@ -33,7 +33,6 @@ _TABLE = ("times", "states", "angles", "attitude", "hodographs")
 
 if TYPE_CHECKING:  # a run needs none of these
     from polhode.equations.integrals import Drift
-    from polhode.judging.foreign import Verdict
     from polhode.judging.judgement import Judgement
     from polhode.judging.lyapunov import Lyapunov
     from polhode.judging.omega_alone import OmegaAlone
@@ -134,27 +133,6 @@ def of_reference(truth: Reference, times: Sequence[Exact], digits: int) -> dict[
     return answer
 
 
-def of_judgement(judged: Judgement) -> dict[str, Any]:
-    """Correct digits over time as a JSON object."""
-    truth = judged.reference
-    answer: dict[str, Any] = {
-        "scene": truth.scene.name,
-        "reference": truth.kind,
-        "regime": truth.regime,
-        "times": [decimal_in_full(t) for t in judged.times],
-        "correct_digits": [round(d, 2) for d in judged.digits],
-        "pointwise_digits": [round(d, 2) for d in judged.pointwise],
-        "digits_possible": [None if p is None else round(p, 2) for p in judged.digits_possible],
-        "worst": round(judged.worst, 2),
-        "worst_time": decimal_in_full(judged.worst_time),
-        "limit": judged.limit,
-        "drift": of_drift(judged.drift),
-    }
-    if not truth.is_closed_form:
-        answer["reference_digits"] = round(truth.agreement, 1)
-    return answer
-
-
 def sidecar(path: Path) -> Path:
     """The JSON file beside a trajectory's CSV."""
     return path.with_suffix(".json")
@@ -226,34 +204,34 @@ def rows_of(answer: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     ]
 
 
-def of_verdict(verdict: Verdict) -> dict[str, Any]:
+def of_judgement(judged: Judgement) -> dict[str, Any]:
     """The object that ``compare --json`` prints."""
-    truth, table = verdict.reference, verdict.table
+    reference, subject, told = judged.reference, judged.subject, bool(judged.digits)
     answer: dict[str, Any] = {
-        "file": table.name,
-        "scene": truth.scene.name,
-        "reference": truth.kind,
-        "regime": truth.regime,
-        "judged": list(verdict.judged),
-        "times": [in_full(t) for t in table.times],
+        "file": subject.name,
+        "scene": reference.scene.name,
+        "reference": reference.kind,
+        "regime": reference.regime,
+        "judged": [*subject.columns, *judged.parts],
+        "times": [in_full(t) for t in judged.times],
         "correct_digits": [
             None if is_lost(d, p) else round(d, 2)
-            for d, p in zip(verdict.digits, verdict.digits_possible, strict=True)
+            for d, p in zip(judged.digits, judged.digits_possible, strict=True)
         ],
-        "digits_possible": [None if p is None else round(p, 2) for p in verdict.digits_possible],
-        "worst": None if verdict.worst is None or verdict.lost else round(verdict.worst, 2),
-        "worst_time": None if verdict.worst_time is None else in_full(verdict.worst_time),
-        "limit": verdict.limit,
-        "motion": of_motion(verdict.motion),
-        "yardstick": verdict.yardstick.name,
-        "no_digits_left_after": verdict.lost_after if verdict.lost else None,
-        "parts": {name: round(d, 2) for name, d in verdict.parts.items()},
-        "drift": None if verdict.drift is None else of_drift(verdict.drift),
-        "omega_alone": of_omega_alone(verdict.omega_alone),
-        "not_judged": list(verdict.notes),
+        "digits_possible": [None if p is None else round(p, 2) for p in judged.digits_possible],
+        "worst": round(judged.worst, 2) if told and not judged.lost else None,
+        "worst_time": in_full(judged.worst_time) if told else None,
+        "limit": judged.limit or None,
+        "motion": of_motion(judged.motion),
+        "yardstick": subject.number.name,
+        "no_digits_left_after": judged.lost_after if judged.lost else None,
+        "parts": {name: round(d, 2) for name, d in judged.parts.items()},
+        "drift": None if judged.drift is None else of_drift(judged.drift),
+        "omega_alone": of_omega_alone(judged.omega_alone),
+        "not_judged": list(judged.notes),
     }
-    if not truth.is_closed_form:
-        answer["reference_digits"] = round(truth.agreement, 1)
+    if not reference.is_closed_form:
+        answer["reference_digits"] = round(reference.agreement, 1)
     return answer
 
 

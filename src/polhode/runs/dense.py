@@ -40,6 +40,10 @@ class Dense:
         self._kept: OrderedDict[int, list[Any]] = OrderedDict()
         self._ready: tuple[Any, Any] | None = None  # the leg taken up last, and its integrator
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without polynomials and integrator, which are made again when asked for."""
+        return {**vars(self), "_kept": OrderedDict(), "_ready": None}
+
     def __call__(self, t: Any) -> Any:
         """The state at t in the scene's axes and units, a row of the kind that ``.states`` has.
 

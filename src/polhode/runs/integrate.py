@@ -49,6 +49,13 @@ def integrate(
     The trajectory can be called at any time that it reached, see :class:`polhode.runs.dense.Dense`.
     Ctrl-C ends the run within a second; the trajectory then holds what was reached.  Raises
     BadInput for what cannot be integrated.
+
+    >>> import polhode
+    >>> run = polhode.integrate("kovalevskaya/generic", digits=30, at=[1, "7/3"])
+    >>> run
+    <Trajectory of kovalevskaya/generic: quad, 2 times to t = 2.3333333333333333, reached end>
+    >>> polhode.compare(run).reached
+    True
     """
     if not isinstance(scene, Scene):
         scene = library.load(scene)

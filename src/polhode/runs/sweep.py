@@ -13,9 +13,11 @@ from typing import Any
 
 from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
+from polhode.common.values import ByValue
 from polhode.equations.forms import principal
 from polhode.equations.readout import Readout
 from polhode.numbers.convert import exact_number, number_value
+from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.runs import workers as crew
@@ -33,9 +35,16 @@ Progress = Callable[[float, int], None]
 _JOBS = 256  # so many at most: each costs a fraction of a millisecond
 
 
-@dataclass(frozen=True)
-class Ensemble:
+@dataclass(frozen=True, eq=False, repr=False)
+class Ensemble(ByValue):
     """Members of a sweep at the same output times, states in the scene's body axes.
+
+    >>> import polhode
+    >>> many = polhode.integrate_many("lagrange/nutation", {"start.omega[3]": "2:4:3"}, at=[0, 1])
+    >>> many
+    <Ensemble of lagrange/nutation: 3 members in double, 2 times to t = 1, all reached the end>
+    >>> many.states.shape, len(many), many[2].outcome.value
+    ((3, 2, 6), 3, 'reached end')
 
     ``varied``: keys and exact values, a row a member.  ``states``: shape (members, times, columns),
     columns p q r [gamma1 gamma2 gamma3]; float64, longdouble, or objects (mpf) above extended; not
@@ -56,10 +65,18 @@ class Ensemble:
     tolerance: float
     digits: int | None = None
     projected: bool = False
-    provenance: Mapping[str, Any] = field(default_factory=dict)
+    provenance: Mapping[str, Any] = field(default_factory=dict, compare=False)
 
     def __len__(self) -> int:
         return len(self.members)
+
+    def __repr__(self) -> str:
+        count = sum(outcome.done for outcome in self.outcomes)
+        how = "all reached the end" if self.done else f"{count} of them reached the end"
+        return (
+            f"<Ensemble of {self.scene.name}: {len(self)} members in {self.number.name}, "
+            f"{len(self.times)} times to t = {shown(self.times[-1])}, {how}>"
+        )
 
     def __getitem__(self, index: int) -> Trajectory:
         """One member by itself, as far as it came."""
@@ -143,6 +160,13 @@ def integrate_many(
     States alone are kept: outputs that the scene asks for are left out.  Ctrl-C keeps the members
     that are finished; the others have the outcome NOT_RUN.  Raises BadInput, before anything is
     integrated, for a member that cannot be, a scene with events, or too much of it all.
+
+    >>> import polhode
+    >>> many = polhode.integrate_many(
+    ...     "lagrange/nutation", {"start.omega[3]": [2, 3], "body.weight": "1:2:3"}, at=[0, 1]
+    ... )
+    >>> len(many), many.varied.keys, many.done
+    (6, ('start.omega[3]', 'body.weight'), True)
     """
     began = time.perf_counter()
     if not isinstance(scene, Scene):

@@ -8,18 +8,28 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+from polhode.common.values import ByValue
 from polhode.equations.form import equations
 from polhode.equations.hodographs import Hodographs, hodographs
 from polhode.equations.integrals import Drift, drift
-from polhode.numbers.decimals import decimal_in_full, strings
+from polhode.numbers.decimals import decimal_in_full, shown, strings
 from polhode.numbers.number_types import NumberType
 from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import EventTimes, Outcome, Projection
 
 
-@dataclass(frozen=True)
-class Trajectory:
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(ByValue):
     """States of a scene at its output times, in body axes, as numbers of one type.
+
+    >>> import polhode
+    >>> run = polhode.integrate("euler/largest-axis", at=[0, 1])
+    >>> run
+    <Trajectory of euler/largest-axis: double, 2 times to t = 1, reached end>
+    >>> run.states.shape, run.columns[:3], run.outcome.done
+    ((2, 6), ('p', 'q', 'r'), True)
+    >>> [round(float(x), 12) for x in run("1/2")[:3]]  # the state at any time that was reached
+    [0.393669412155, -0.27086132721, 1.11466936938]
 
     ``times``: exact values of the times at which the states hold (already rounded to the type).
     ``states``: shape (len(times), 3 or 6), p q r [gamma1 gamma2 gamma3]: an ndarray for double and
@@ -41,7 +51,7 @@ class Trajectory:
     angles: Any = None
     events: tuple[EventTimes, ...] = ()
     projection: Projection | None = None
-    provenance: Mapping[str, Any] = field(default_factory=dict)
+    provenance: Mapping[str, Any] = field(default_factory=dict, compare=False)
     dense: Callable[[Any], Any] | None = field(default=None, repr=False, compare=False)
 
     def __call__(self, t: Any) -> Any:
@@ -54,6 +64,12 @@ class Trajectory:
         if self.dense is None:
             raise ValueError("states at the output times only: nothing was integrated here")
         return self.dense(t)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Trajectory of {self.scene.name}: {self.number.name}, {len(self.times)} times "
+            f"to t = {shown(self.reached)}, {self.outcome.value}>"
+        )
 
     @cached_property
     def drift(self) -> Drift:

@@ -104,8 +104,15 @@ class Body:
     """Inertia matrix I at the fixed point, centre of mass r0, weight Mg, in body axes.
 
     Numbers of any kind are taken exactly, see :func:`polhode.numbers.convert.exact_number`.
-    Raises UnphysicalBody unless I is symmetric with positive principal moments of which none
-    exceeds the sum of the other two.
+    Raises UnphysicalBody, a ValueError, unless I is symmetric with positive principal moments of
+    which none exceeds the sum of the other two.  Any consistent units.
+
+    >>> import polhode
+    >>> top = polhode.Body.of_moments([2, 2, 1], centre=[1, 0, 0], weight="3/2")
+    >>> top.torque  # Mg r0
+    (Fraction(3, 2), Fraction(0, 1), Fraction(0, 1))
+    >>> polhode.Body([[2, "1/2", 0], ["1/2", 2, 0], [0, 0, 3]]).moments
+    (Fraction(3, 2), Fraction(5, 2), Fraction(3, 1))
     """
 
     inertia: Matrix

@@ -22,7 +22,12 @@ def names() -> list[str]:
 
 
 def load(scene: str | Path) -> Scene:
-    """A scene by the name of a case that ships or by a path; raises BadInput."""
+    """A scene by the name of a case that ships or by a path; raises BadInput.
+
+    >>> import polhode
+    >>> polhode.load("lagrange/nutation")
+    <Scene lagrange/nutation: moments 1, 1, 1/2, 81 times to t = 40>
+    """
     from polhode.scenes import scene_file
 
     name = str(scene)

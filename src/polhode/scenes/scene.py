@@ -40,6 +40,13 @@ class Published(NamedTuple):
 class Event(NamedTuple):
     """An event: the zeros of an expression in p q r gamma1 gamma2 gamma3 t, in the scene's units.
 
+    >>> from dataclasses import replace
+    >>> import polhode
+    >>> event = polhode.Event("level", "gamma3 - 1/2", "rising", stop=True)
+    >>> scene = replace(polhode.load("lagrange/nutation"), events=(event,))
+    >>> polhode.integrate(scene).outcome.value
+    'stopped at event'
+
     ``zero`` may be empty where the name says it.  ``direction``: rising, falling or any, as t
     grows, in backward runs too.  ``stop``: the run ends at the first one.
     """
@@ -77,13 +84,22 @@ class Integrals(NamedTuple):
     area_scale: Exact
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scene:
     """What is to be integrated; see the module for frame and symbols.
 
     ``gamma`` None: a torque-free body of which only omega is asked.  ``times``: output times, all
     of one sign (0 may be the first), |t| increasing.  Numbers of any kind are taken exactly, a
     float as the binary number that it is.  Raises BadInput where a value cannot be.
+
+    >>> import polhode
+    >>> body = polhode.Body.of_moments([2, 2, 1], centre=[1, 0, 0], weight=1)
+    >>> start = {"omega": ("0.3", "0.2", "1.1"), "gamma": ("3/5", 0, "4/5")}
+    >>> scene = polhode.Scene(body, **start, times=(1, 2))
+    >>> scene
+    <Scene scene: moments 2, 2, 1, 2 times to t = 2>
+    >>> scene.integrals.energy, polhode.reference(scene).kind
+    (Fraction(267, 200), 'kovalevskaya')
     """
 
     body: Body
@@ -128,6 +144,11 @@ class Scene:
                 raise self._bad("run.outputs", output, nearest(output, [*OUTPUTS]))
         if self.form not in FORMS:
             raise self._bad("run.form", self.form, nearest(self.form, [*FORMS]))
+
+    def __repr__(self) -> str:
+        moments = ", ".join(shown(x) for x in self.body.moments)
+        until = f", {len(self.times)} times to t = {shown(self.end)}" if self.times else ""
+        return f"<Scene {self.name}: moments {moments}{until}>"
 
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)

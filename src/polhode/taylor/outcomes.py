@@ -7,11 +7,20 @@ from enum import Enum
 from fractions import Fraction
 from typing import Any
 
-from polhode.numbers.decimals import decimal_in_full
+from polhode.common.values import ByValue
+from polhode.numbers.decimals import decimal_in_full, shown
 
 
 class Outcome(Enum):
-    """How a run ended; ``cause`` says what happened and ``advice`` what to do."""
+    """How a run ended; ``cause`` says what happened and ``advice`` what to do.
+
+    >>> import polhode
+    >>> run = polhode.integrate("euler/long", max_steps=100)
+    >>> run.outcome, run.outcome.done
+    (<Outcome.STEP_LIMIT: 'step limit'>, False)
+    >>> run.outcome.cause
+    'the end needs more steps than the limit allows'
+    """
 
     REACHED_END = "reached end"
     STOPPED_AT_EVENT = "stopped at event"
@@ -63,14 +72,21 @@ _CAUSES = {
 }
 
 
-@dataclass(frozen=True)
-class EventTimes:
+@dataclass(frozen=True, eq=False, repr=False)
+class EventTimes(ByValue):
     """When one event of a scene happened, in order of integration, and the states then.
 
     ``times``: rounded to the run's type.  ``states``: rows as in a trajectory, taken at the event
     itself: on the section to the type's precision, even where the time has no digits left for it.
     ``grazing``: whether rounding decides if there is a zero at all, or two.  ``complete``: whether
     rising and falling zeros alternate, as they do unless one was lost or a pole was passed.
+
+    >>> from dataclasses import replace
+    >>> import polhode
+    >>> scene = replace(polhode.load("lagrange/nutation"), events=(polhode.Event("nutation"),))
+    >>> (found,) = polhode.integrate(scene, at=[10]).events
+    >>> len(found.times), round(float(found.times[0]), 12), found.grazing[0]
+    (6, 0.46599315847, False)
     """
 
     name: str
@@ -78,6 +94,10 @@ class EventTimes:
     states: Any
     grazing: tuple[bool, ...]
     complete: bool = True
+
+    def __repr__(self) -> str:
+        first = f", the first at t = {shown(self.times[0])}" if self.times else ""
+        return f"<EventTimes of {self.name}: {len(self.times)}{first}>"
 
     def time_strings(self) -> list[str]:
         """The times, every digit."""
@@ -91,6 +111,11 @@ class Projection:
     ``onto``: the integrals' names.  ``every``: steps between two corrections.  ``largest`` and
     ``sum``: of the corrections' lengths, w measured in the run's own unit, in which the fastest
     rate at the start is of order 1.
+
+    >>> import polhode
+    >>> found = polhode.integrate("kovalevskaya/generic", at=[1000]).projection
+    >>> found.onto, found.every, 1e-16 < found.largest < 1e-12
+    (('h', 'f', '|gamma|^2', 'K^2'), 320, True)
     """
 
     onto: tuple[str, ...]

@@ -56,6 +56,7 @@ def main(options: Namespace) -> int:
     """Integrate a scene."""
     from dataclasses import replace
 
+    from polhode.judging.judgement import compare_as_asked
     from polhode.judging.reference import reference
     from polhode.runs.integrate import integrate
     from polhode.taylor.outcomes import Outcome
@@ -84,7 +85,7 @@ def main(options: Namespace) -> int:
     answer = results.of_run(found, truth.regime)
     done = found.outcome.done
     if done and options.digits is not None and truth.is_closed_form:
-        answer["correct_digits"] = _judged(found, truth)
+        answer["correct_digits"] = round(compare_as_asked(found, truth).worst, 2)
     if path is not None and done:
         results.write_trajectory(path, answer)
     if options.json:
@@ -92,11 +93,10 @@ def main(options: Namespace) -> int:
     elif path is None:
         print_rows(answer)
     if not options.json:
-        drift = ", ".join(f"{k} {v}" for k, v in answer["drift"].items() if v is not None)
         note(
             f"{scene.name}: {answer['number']} ({answer['bits']} bits), {answer['regime']}; "
             f"{answer['outcome']}, {answer['steps']} steps; "
-            + (f"projected {found.projection}" if found.projected else f"drift {drift}")
+            + (f"projected {found.projection}" if found.projected else f"drift {found.drift}")
         )
         for event in found.events:
             note(_told(event))
@@ -110,21 +110,6 @@ def main(options: Namespace) -> int:
         f"{found.cause}{advice}{wrote}"
     )
     return INTERRUPTED if found.outcome is Outcome.INTERRUPTED else NOT_REACHED
-
-
-def _judged(found: Any, truth: Any) -> float:
-    """The fewest correct digits over a few of a run's times, by the closed form."""
-    from dataclasses import replace
-
-    from polhode.judging.judgement import compare, few
-
-    kept = few(len(found.times), 20)
-    part = replace(
-        found,
-        times=tuple(found.times[k] for k in kept),
-        states=[found.states[k] for k in kept],
-    )
-    return round(compare(part, truth).worst, 2)
 
 
 def _told(event: EventTimes) -> str:

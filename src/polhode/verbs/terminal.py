@@ -8,6 +8,7 @@ import time
 from typing import Any
 
 from polhode.common.errors import BadInput
+from polhode.common.text import aligned
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
@@ -59,9 +60,8 @@ def print_rows(answer: dict[str, Any]) -> None:
 
 def print_table(header: Any, rows: Any) -> None:
     """A table of strings in columns on stdout."""
-    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
-    for row in (header, *rows):
-        print("  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip())
+    for line in aligned(header, rows):
+        print(line)
 
 
 def note(text: str) -> None:

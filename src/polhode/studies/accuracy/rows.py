@@ -64,7 +64,7 @@ def _run(scene: Scene, truth: Remembered, name: str, known: Conditioning | None)
         "steps": run.steps,
     }
     if run.outcome.done:
-        judged = compare(run, truth, known)
+        judged = compare(run, truth, known=known)
         possible = judged.digits_possible[judged.digits.index(judged.worst)]
         found |= {
             "correct_digits": round(judged.worst, 2),
@@ -75,7 +75,7 @@ def _run(scene: Scene, truth: Remembered, name: str, known: Conditioning | None)
             "lost": judged.lost or None,
             "drift": {
                 key: None if value is None else float(f"{value:.2e}")
-                for key, value in judged.drift._asdict().items()
+                for key, value in run.drift._asdict().items()
             },
             "projection": projection(run),
             "reference_digits": None if truth.is_closed_form else round(truth.agreement, 1),

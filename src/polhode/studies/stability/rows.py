@@ -97,7 +97,7 @@ def _run(scene: Scene, truth: Remembered, known: Conditioning, name: str) -> dic
     }
     if not run.outcome.done:
         return found
-    judged = compare(run, truth, known)
+    judged = compare(run, truth, known=known)
     possible = judged.digits_possible[judged.digits.index(judged.worst)]
     behind = None if possible is None else possible - judged.worst
     late = behind is not None and behind > TARGET
@@ -111,7 +111,7 @@ def _run(scene: Scene, truth: Remembered, known: Conditioning, name: str) -> dic
         "input_rounding": round(judged.input_rounding, 2) if late else None,
         "drift": {
             key: None if value is None else float(f"{value:.2e}")
-            for key, value in judged.drift._asdict().items()
+            for key, value in run.drift._asdict().items()
         },
         "projection": projection(run),
         "reference_digits": None if truth.is_closed_form else round(truth.agreement, 1),

@@ -1,0 +1,98 @@
+"""Results as values: compared by what they hold, arrays included, and pickled without a loss."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any, ClassVar, NamedTuple
+
+
+class ByValue:
+    """A frozen dataclass (``eq=False``) that is compared field by field, arrays by their elements.
+
+    Fields marked ``compare=False`` are left out.  Such values are not hashable: what they hold may
+    be arrays.
+    """
+
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+
+    def __eq__(self, other: object) -> bool:
+        if type(self) is not type(other):
+            return NotImplemented
+        names = [f.name for f in fields(self) if f.compare]  # type: ignore[arg-type]
+        return all(same(getattr(self, name), getattr(other, name)) for name in names)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields alone: what was computed from them is computed again."""
+        return {f.name: packed(getattr(self, f.name)) for f in fields(self)}  # type: ignore[arg-type]
+
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        for name, value in state.items():
+            object.__setattr__(self, name, unpacked(value))
+
+
+def same(one: Any, other: Any) -> bool:
+    """Whether two values are equal; arrays, lists and mappings by their elements, nan as itself."""
+    if one is other:
+        return True
+    if hasattr(one, "dtype") or hasattr(other, "dtype"):
+        return _same_arrays(one, other)
+    if isinstance(one, (list, tuple)):
+        alike = type(one) is type(other) and len(one) == len(other)
+        return alike and all(map(same, one, other))
+    if isinstance(one, Mapping):
+        alike = isinstance(other, Mapping) and one.keys() == other.keys()
+        return alike and all(same(one[key], other[key]) for key in one)
+    return bool(one == other) or (one != one and other != other)
+
+
+class _Packed(NamedTuple):
+    """An mpf for pickling: mpmath would round it to the precision in force when it is read."""
+
+    raw: tuple[int, int, int, int]
+
+
+def packed(value: Any) -> Any:
+    """A value with every mpf in lists, tuples and arrays made ready for pickling."""
+    if (raw := getattr(value, "_mpf_", None)) is not None:
+        return _Packed(tuple(int(x) for x in raw))  # type: ignore[arg-type]
+    if type(value) in (list, tuple):
+        return type(value)(map(packed, value))
+    if hasattr(value, "dtype") and value.dtype.kind == "O":
+        return _PackedArray(value.shape, packed(value.ravel().tolist()))
+    return value
+
+
+class _PackedArray(NamedTuple):
+    """An array of objects for pickling."""
+
+    shape: tuple[int, ...]
+    values: list[Any]
+
+
+def unpacked(value: Any) -> Any:
+    """What was packed."""
+    if isinstance(value, _Packed):
+        from mpmath import mp
+
+        return mp.make_mpf(value.raw)
+    if isinstance(value, _PackedArray):
+        import numpy as np
+
+        held = np.empty(len(value.values), dtype=object)
+        held[:] = unpacked(value.values)
+        return held.reshape(value.shape)
+    if type(value) in (list, tuple):
+        return type(value)(map(unpacked, value))
+    return value
+
+
+def _same_arrays(one: Any, other: Any) -> bool:
+    import numpy as np
+
+    both = hasattr(one, "dtype") and hasattr(other, "dtype")
+    if not both or one.dtype != other.dtype or one.shape != other.shape:
+        return False
+    if one.dtype == object:
+        return all(map(same, one.ravel().tolist(), other.ravel().tolist()))
+    return bool(np.array_equal(one, other, equal_nan=one.dtype.kind == "f"))

@@ -1,0 +1,176 @@
+"""The front door: its names, their examples, and what comes out as a value."""
+
+from __future__ import annotations
+
+import copy
+import doctest
+import importlib
+import inspect
+import math
+import pickle
+import subprocess
+import sys
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.common.values import same
+
+PUBLIC = [name for name in polhode.__all__ if name != "__version__"]
+MODULES = ["", *sorted({getattr(polhode, name).__module__[len("polhode.") :] for name in PUBLIC})]
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_every_public_name_has_an_example(name):
+    assert ">>> " in (inspect.getdoc(getattr(polhode, name)) or "")
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_every_example_runs_and_prints_what_it_says(module):
+    found = doctest.testmod(importlib.import_module(f"polhode.{module}".rstrip(".")))
+    assert found.attempted > 0
+    assert found.failed == 0
+
+
+@pytest.mark.parametrize("name", [n for n in PUBLIC if inspect.isclass(getattr(polhode, n))])
+def test_every_public_member_says_what_it_is(name):
+    for key, member in vars(getattr(polhode, name)).items():
+        if not key.startswith("_") and (callable(member) or isinstance(member, property)):
+            assert (inspect.getdoc(member) or "").strip(), key
+
+
+def test_tab_completion_shows_the_api_and_nothing_else():
+    code = (
+        "import polhode; polhode.load('euler/sphere'); "
+        "assert dir(polhode) == sorted(polhode.__all__); print(polhode.__version__)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == polhode.__version__
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        getattr(polhode, "nothing")  # noqa: B009
+
+
+def results() -> dict[str, object]:
+    """One of everything that the front door gives back."""
+    event = polhode.Event("level", "gamma3 - 1/2")
+    scene = replace(polhode.load("lagrange/nutation"), events=(event,), outputs=("hodographs",))
+    run = polhode.integrate(scene, at=[1, 2])
+    chaotic = polhode.load("general/asymmetric-chaotic")
+    return {
+        "scene": scene,
+        "body": scene.body,
+        "run": run,
+        "quad": polhode.integrate("euler/sphere", "quad", at=[1]),
+        "mp": polhode.integrate("euler/sphere", "mp", at=[1]),
+        "many": polhode.integrate_many("euler/sphere", {"start.omega[1]": "0:1:3"}, at=[0, 1]),
+        "judged": polhode.compare(run),
+        "reference": polhode.reference(scene),
+        "twice": polhode.reference(chaotic),
+        "kappa": polhode.conditioning(scene, [1]),
+        "exponent": polhode.lyapunov(scene, 10),
+        "events": run.events[0],
+        "drift": run.drift,
+    }
+
+
+@pytest.fixture(scope="module")
+def made() -> tuple[dict[str, object], dict[str, object]]:
+    return results(), results()
+
+
+KINDS = [
+    *("scene", "body", "run", "quad", "mp", "many", "judged", "reference", "twice", "kappa"),
+    *("exponent", "events", "drift"),
+]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_results_compare_by_value_and_pickle(made, kind):
+    one, other = (part[kind] for part in made)
+    assert one == other
+    assert one != copy.copy(made[0]["scene" if kind != "scene" else "body"])
+    again = pickle.loads(pickle.dumps(one))
+    assert again == one
+    assert repr(again) == repr(one)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_results_print_short(made, kind):
+    assert "0x" not in repr(made[0][kind])
+    if kind != "body":
+        assert len(repr(made[0][kind])) < 250
+
+
+def test_a_large_ensemble_prints_short():
+    many = polhode.integrate_many("euler/sphere", {"start.omega[1]": "0:1:1000"}, at=[0, 1])
+    assert repr(many) == (
+        "<Ensemble of euler/sphere: 1000 members in double, 2 times to t = 1, all reached the end>"
+    )
+
+
+@pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
+def test_a_trajectory_that_was_called_pickles_and_is_callable_again(number):
+    run = polhode.integrate("lagrange/nutation", number, at=[1, 2])
+    before = run("3/2")
+    again = pickle.loads(pickle.dumps(run))
+    assert same(list(again("3/2")), list(before))
+    assert again == run
+
+
+def test_other_states_are_another_trajectory():
+    run = polhode.integrate("lagrange/nutation", at=[1, 2])
+    moved = np.array(run.states)
+    moved[1, 3] = np.nextafter(moved[1, 3], 2)
+    assert replace(run, states=moved) != run
+    assert replace(run, states=np.array(run.states)) == run
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(run)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "equal"),
+    [
+        (np.array([1.0, math.nan]), np.array([1.0, math.nan]), True),
+        (np.array([1.0]), np.array([1.0], dtype=np.longdouble), False),
+        (np.array([1.0]), np.array([[1.0]]), False),
+        (np.array([1.0]), [1.0], False),
+        (np.array([Fraction(1), None]), np.array([Fraction(1), None]), True),
+        (np.array([Fraction(1), None]), np.array([Fraction(2), None]), False),
+        ([1, [2]], [1, [2]], True),
+        ([1, [2]], [1, [3]], False),
+        ([1], (1,), False),
+        ({"a": [1]}, {"a": [1]}, True),
+        ({"a": [1]}, {"b": [1]}, False),
+        (math.nan, math.nan, True),
+        (math.nan, 1.0, False),
+    ],
+)
+def test_sameness_looks_into_arrays_lists_and_mappings(one, other, equal):
+    assert same(one, other) is equal
+    assert same(other, one) is equal
+
+
+def test_bad_input_crosses_to_other_processes():
+    fault = polhode.BadInput("x.toml", "body.weight", "one", "a number")
+    again = pickle.loads(pickle.dumps(fault))
+    assert str(again) == str(fault) == "x.toml: body.weight = one: expected a number"
+    assert (again.source, again.key) == ("x.toml", "body.weight")
+
+
+def test_a_reference_that_was_used_keeps_its_digits_when_pickled():
+    """mpmath reads an mpf back at the precision in force: constants kept so would be doubles."""
+    exact = polhode.reference("kovalevskaya/generic")
+    rows = exact.at([1], 50)
+    assert pickle.loads(pickle.dumps(exact)).at([1], 50) == rows
+
+
+def test_an_ensemble_above_extended_keeps_its_digits_when_pickled():
+    many = polhode.integrate_many(
+        "euler/sphere", {"start.omega[1]": ["1/3"]}, number="quad", at=[1]
+    )
+    again = pickle.loads(pickle.dumps(many))
+    assert again.states[0, 0, 0]._mpf_ == many.states[0, 0, 0]._mpf_
+    assert again.states.shape == many.states.shape
