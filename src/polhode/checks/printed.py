@@ -55,10 +55,10 @@ class Figure:
         return f"{self.published.right} of {shown} digits right"
 
 
-def figures(scene: Scene, truth: Reference | TwoPrecisions) -> list[Figure]:
+def figures(scene: Scene, reference: Reference | TwoPrecisions) -> list[Figure]:
     """Every published figure of a scene beside ours."""
     columns = {
-        (t, digits): _columns(scene, truth, t, digits)
+        (t, digits): _columns(scene, reference, t, digits)
         for t, digits in {(_key(p.t), _digits(p)): None for p in scene.published}
     }
     return [_figure(p, columns[_key(p.t), _digits(p)]) for p in scene.published]
@@ -109,12 +109,12 @@ def _leading_unit(x: Fraction) -> Fraction:
 
 
 def _columns(
-    scene: Scene, truth: Reference | TwoPrecisions, t: Fraction, digits: int
+    scene: Scene, reference: Reference | TwoPrecisions, t: Fraction, digits: int
 ) -> dict[str, Any]:
     """All columns that the scene's figures name, at one time."""
-    found = dict(zip(scene.columns, truth.at([t], digits)[0], strict=True))
+    found = dict(zip(scene.columns, reference.at([t], digits)[0], strict=True))
     used = " ".join(p.quantity for p in scene.published)
-    for names, ask in ((ANGLES, truth.angles), (ATTITUDE, truth.attitude)):
+    for names, ask in ((ANGLES, reference.angles), (ATTITUDE, reference.attitude)):
         if any(name in used for name in names):
             found |= dict(zip(names, ask([t], digits)[0], strict=True))
     return {name: found.get(name) for name in (*STATE, *ANGLES, *ATTITUDE) if name in found}

@@ -13,7 +13,8 @@ from polhode.checks.printed import Figure, figures
 from polhode.common.errors import BadInput, nearest
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.judgement import Judgement, compare
-from polhode.judging.reference import Remembered, reference
+from polhode.judging.reference import Remembered
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers import number_types
 from polhode.runs.integrate import integrate
 from polhode.scenes import library
@@ -92,21 +93,23 @@ def check(
 
 def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
     """The checks of one case."""
-    truth = reference(scene)
-    kept, wanted = Remembered(truth), [*(numbers or scene.expect)]
+    reference = reference_of(scene)
+    kept, wanted = Remembered(reference), [*(numbers or scene.expect)]
     widest = sorted(wanted, key=number_types.NAMES.index, reverse=True)
     known = conditioning(scene, number=number_types.named(widest[0])) if widest else None
     made = {number: _line(scene, kept, number, known) for number in widest}
     lines = [made[number] for number in wanted]
-    return Report(scene, truth.regime, truth.kind, tuple(lines), tuple(figures(scene, truth)))
+    return Report(
+        scene, reference.regime, reference.kind, tuple(lines), tuple(figures(scene, reference))
+    )
 
 
-def _line(scene: Scene, truth: Remembered, number: str, known: Conditioning | None) -> Line:
+def _line(scene: Scene, reference: Remembered, number: str, known: Conditioning | None) -> Line:
     band = scene.expect.get(number)
     run = integrate(
         scene, number, digits=number_types.DEFAULT_MP_DIGITS if number == "mp" else None
     )
     if not run.outcome.done:
         return Line(scene.name, number, 0.0, band, None, run.outcome.value)
-    judged = compare(run, truth, known=known)
+    judged = compare(run, reference, known=known)
     return Line(scene.name, number, judged.worst, band, judged, run.outcome.value)

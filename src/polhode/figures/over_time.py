@@ -27,25 +27,25 @@ SAMPLES = 501  # noise, not a curve
 SPARE_DIGITS = 6
 
 
-def errors_of_run(found: Trajectory, truth: Reference | TwoPrecisions) -> Samples:
+def errors_of_run(found: Trajectory, reference: Reference | TwoPrecisions) -> Samples:
     """Errors against a reference: of omega over its largest modulus, and of gamma."""
     digits = math.ceil(found.number.most_digits) + SPARE_DIGITS
-    logs = _errors(list(found.states), truth.at(found.times, digits), found.scene, digits)
+    logs = _errors(list(found.states), reference.at(found.times, digits), found.scene, digits)
     return _samples(found.scene.name, found.times, logs, found.scene, found.number)
 
 
 def errors_of_table(
-    table: Table, truth: Reference | TwoPrecisions, number: NumberType | None
+    table: Table, reference: Reference | TwoPrecisions, number: NumberType | None
 ) -> Samples:
     """The same of a file, as far as it has columns of the state."""
-    scene = truth.scene
+    scene = reference.scene
     there = [name for name in scene.columns if name in table.columns]
     if not there:
         raise BadInput(table.name, "header", None, f"a column of {', '.join(scene.columns)}")
     most = number.most_digits if number else table.printed + 2
     digits = math.ceil(min(most, 1000)) + SPARE_DIGITS
     order = in_order(table)
-    rows = reference_rows(truth.at, table.times, digits)
+    rows = reference_rows(reference.at, table.times, digits)
     states = [[table.columns[n][k] if n in there else None for n in scene.columns] for k in order]
     logs = _errors(states, [rows[k] for k in order], scene, digits)
     return _samples(table.name, [table.times[k] for k in order], logs, scene, number)

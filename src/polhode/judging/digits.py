@@ -29,16 +29,16 @@ def rate_scale(rows: Sequence[Sequence[Any]], scene: Scene, bits: int) -> Any:
         return to_mpf(exact.sqrt(fallback), bits) if sign(fallback) else mpmath.mpf(1)
 
 
-def errors(states: Any, truth: Sequence[Sequence[Any]], scale: Any, bits: int) -> list[Any]:
+def errors(states: Any, reference: Sequence[Sequence[Any]], scale: Any, bits: int) -> list[Any]:
     """For each time the larger of the scaled errors of w and of gamma, as mpf.
 
-    ``states``: rows as long as those of ``truth``; an entry None is not judged.
+    ``states``: rows as long as those of ``reference``; an entry None is not judged.
     """
     import mpmath
 
     with mpmath.workprec(bits):
         found = []
-        for row, true in zip(states, truth, strict=True):
+        for row, true in zip(states, reference, strict=True):
             worst = mpmath.mpf(0)
             for column, (x, y) in enumerate(zip(row, true, strict=True)):
                 if x is None:
@@ -64,8 +64,8 @@ def digits_of(error: Any, cap: float) -> float:
     )
 
 
-def worst_digits(states: Any, truth: Any, scene: Scene, cap: float) -> float:
+def worst_digits(states: Any, reference: Any, scene: Scene, cap: float) -> float:
     """The fewest correct digits over all rows."""
     bits = math.ceil(cap * math.log2(10)) + 64
-    scale = rate_scale(truth, scene, bits)
-    return min((digits_of(e, cap) for e in errors(states, truth, scale, bits)), default=cap)
+    scale = rate_scale(reference, scene, bits)
+    return min((digits_of(e, cap) for e in errors(states, reference, scale, bits)), default=cap)

@@ -48,12 +48,12 @@ def omega_alone(
     scene: Scene,
     times: Sequence[Fraction],
     omega: Sequence[Sequence[Any]],
-    truth: Sequence[Sequence[Any]],
+    reference: Sequence[Sequence[Any]],
     bits: int,
 ) -> OmegaAlone | None:
     """gamma from rows p q r at these times; None where the samples or the scene do not allow it.
 
-    ``truth``: the reference's states at these times.  Times need not be in order, but different.
+    ``reference``: its states at these times.  Times need not be in order, but different.
     """
     import mpmath
 
@@ -81,7 +81,7 @@ def omega_alone(
             )
             states.append([*omega[here], *near])
             off = max(off, *(abs(x - y) for x, y in zip(near, rough, strict=True)))
-            true = truth[here][3:]
+            true = reference[here][3:]
             worst = max(worst, *(abs(x - y) for x, y in zip(near, true, strict=True)))
     cap = bits * 0.3
     return OmegaAlone(digits_of(worst, cap), digits_of(off, cap), drift(scene, states, bits))

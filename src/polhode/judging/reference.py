@@ -198,28 +198,28 @@ class Remembered:
     For judging several runs of one scene, the one with the most digits first.
     """
 
-    def __init__(self, truth: Reference | TwoPrecisions) -> None:
-        self._truth = truth
+    def __init__(self, reference: Reference | TwoPrecisions) -> None:
+        self._asked = reference
         self._kept: dict[tuple[Any, ...], tuple[int, list[list[Any]], float]] = {}
-        self.scene, self.kind, self.regime = truth.scene, truth.kind, truth.regime
-        self.is_closed_form, self.agreement = truth.is_closed_form, truth.agreement
+        self.scene, self.kind, self.regime = reference.scene, reference.kind, reference.regime
+        self.is_closed_form, self.agreement = reference.is_closed_form, reference.agreement
 
     def at(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
         """Rows right to at least so many digits."""
         key = tuple(times)
         if key not in self._kept or self._kept[key][0] < digits:
-            rows = self._truth.at(times, digits)
-            self._kept[key] = digits, rows, self._truth.agreement
+            rows = self._asked.at(times, digits)
+            self._kept[key] = digits, rows, self._asked.agreement
         _, rows, self.agreement = self._kept[key]
         return rows
 
     def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
         """Rows q0 q1 q2 q3, not kept."""
-        return self._truth.attitude(times, digits)
+        return self._asked.attitude(times, digits)
 
     def angles(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
         """Rows psi theta phi, not kept."""
-        return self._truth.angles(times, digits)
+        return self._asked.angles(times, digits)
 
 
 def reference(scene: Scene | str | Path) -> Reference | TwoPrecisions:

@@ -6,7 +6,8 @@ from typing import Any
 
 from polhode.equations import equilibrium
 from polhode.equations.form import equations, source
-from polhode.judging.reference import Reference, reference
+from polhode.judging.reference import Reference
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers.decimals import shown
 from polhode.output import results
 from polhode.scenes.scene import Scene
@@ -15,7 +16,7 @@ from polhode.scenes.tops import kind_of_body
 
 def described(scene: Scene) -> dict[str, Any]:
     """The facts that ``polhode show`` prints, as a JSON object."""
-    truth = reference(scene)
+    reference = reference_of(scene)
     body = scene.body
     values = scene.integrals
     facts: dict[str, Any] = {
@@ -24,8 +25,8 @@ def described(scene: Scene) -> dict[str, Any]:
         "tags": list(scene.tags),
         "cite": list(scene.cite),
         "body": kind_of_body(body),
-        "regime": truth.regime,
-        "reference": truth.kind,
+        "regime": reference.regime,
+        "reference": reference.kind,
         "moments": [shown(x) for x in body.moments],
         "torque": [shown(x) for x in body.torque],
     }
@@ -34,10 +35,10 @@ def described(scene: Scene) -> dict[str, Any]:
     facts["integrals"] = {"h": shown(values.energy)}
     if values.area is not None:
         facts["integrals"] |= {"f": shown(values.area)}
-    if isinstance(truth, Reference):
-        facts["frequencies"] = results.frequencies(truth)
-        if truth.curve is not None:
-            facts["curve"] = _curve(truth.curve)
+    if isinstance(reference, Reference):
+        facts["frequencies"] = results.frequencies(reference)
+        if reference.curve is not None:
+            facts["curve"] = _curve(reference.curve)
     if (still := equilibrium.name(scene)) is not None:
         facts["motion"] = f"{still}: the state is constant"
     facts |= {

@@ -104,9 +104,9 @@ def of_drift(drift: Drift) -> dict[str, str | None]:
     }
 
 
-def of_reference(truth: Reference, times: Sequence[Exact], digits: int) -> dict[str, Any]:
+def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> dict[str, Any]:
     """The object that ``reference --json`` prints: the closed form to so many digits."""
-    scene = truth.scene
+    scene = reference.scene
     number = NumberType("mp", number_types.bits_for(digits + 1))
     # A decimal time is taken exactly; any other is rounded so far down that no digit notices.
     fine = NumberType("mp", number.bits + 32 + int(4 * scene.at(tuple(times)).log10_angle))
@@ -116,19 +116,19 @@ def of_reference(truth: Reference, times: Sequence[Exact], digits: int) -> dict[
         "number": "mp",
         "bits": number.bits,
         "digits": digits,
-        "form": truth.kind,
-        "regime": truth.regime,
-        "reference": truth.kind,
+        "form": reference.kind,
+        "regime": reference.regime,
+        "reference": reference.kind,
         "columns": list(scene.columns),
         "times": [in_full(exactly(t)) for t in held],
-        "states": strings(truth.at(held, digits + 1), number),
+        "states": strings(reference.at(held, digits + 1), number),
     }
     if "angles" in scene.outputs:
-        answer["angles"] = strings(truth.angles(held, digits + 1), number)
+        answer["angles"] = strings(reference.angles(held, digits + 1), number)
     if "attitude" in scene.outputs:
-        answer["attitude"] = strings(truth.attitude(held, digits + 1), number)
+        answer["attitude"] = strings(reference.attitude(held, digits + 1), number)
     if "hodographs" in scene.outputs:
-        answer["hodographs"] = of_hodographs(truth.hodographs(held, digits + 1), number)
+        answer["hodographs"] = of_hodographs(reference.hodographs(held, digits + 1), number)
     answer |= {"outcome": "reached end", "steps": 0, "provenance": provenance(scene.text)}
     return answer
 
@@ -170,10 +170,10 @@ def _json(value: Any, depth: int) -> str:
     return json.dumps(value, ensure_ascii=True, allow_nan=False)
 
 
-def frequencies(truth: Any, digits: int = 17) -> dict[str, str | None]:
+def frequencies(reference: Any, digits: int = 17) -> dict[str, str | None]:
     """Period and frequencies of a reference as decimal strings."""
     number = NumberType("mp", number_types.bits_for(digits))
-    found: dict[str, Any] = {"period": truth.period, **truth.frequencies}
+    found: dict[str, Any] = {"period": reference.period, **reference.frequencies}
     return {
         name: None if value is None else strings([[value]], number)[0][0]
         for name, value in found.items()

@@ -1,8 +1,8 @@
-"""Reports: each study's results as JSON, the truth; figures and pages are made from it alone.
+"""Reports: each study's results as JSON, from which alone its figures and its page are made.
 
-A study is three modules of one name: ``studies`` has NAME, QUESTION and ``rows(quick, tick)``, the
-JSON object; ``pages`` TITLE and ``blocks(found)``; ``figures`` ``svg(found)``, one figure with the
-study's name, or ``svgs(found)``, several by name.  Where a study's module tells its own
+A study is a folder beside this file: ``rows.py`` has NAME, QUESTION and ``rows(quick, tick)``, the
+JSON object; ``page.py`` TITLE and ``blocks(found)``; ``figure.py`` ``svg(found)``, one figure with
+the study's name, or ``svgs(found)``, several by name.  Where ``rows.py`` tells its own
 ``versions()``, they belong to its provenance.
 """
 
@@ -24,16 +24,8 @@ from polhode.scenes import library
 from polhode.studies.page import html
 from polhode.studies.page.blocks import Block, Heading, Text, markdown
 
-#: The studies by name, in the order of the report, and the name of their modules.
-STUDIES = {
-    "accuracy": "accuracy",
-    "speed": "speed",
-    "stability": "stability",
-    "long-run": "long_run",
-    "forms": "forms",
-    "events": "events",
-    "published": "published",
-}
+#: The studies in the order of the report; each is a folder of that name, with _ for -.
+STUDIES = ("accuracy", "speed", "stability", "long-run", "forms", "events", "published")
 PAGE = "report.html"
 #: What makes pages of results: a change there makes no result out of date.
 _PRESENTATION = {"page.py", "figure.py", "page", "figures", "verbs", "cli.py", "report.py"}
@@ -112,7 +104,7 @@ def results(folder: Path, name: str) -> dict[str, Any] | None:
 def figures(found: dict[str, Any]) -> dict[str, str]:
     """A study's figures as SVG by name, from its JSON object."""
     name = found["study"]
-    module = import_module(f"polhode.studies.{STUDIES[name]}.figure")
+    module = _module(name, "figure")
     drawn: dict[str, str] = (
         module.svgs(found) if hasattr(module, "svgs") else {name: module.svg(found)}
     )
@@ -121,7 +113,7 @@ def figures(found: dict[str, Any]) -> dict[str, str]:
 
 def title(name: str) -> str:
     """The title of a study's page."""
-    found: str = import_module(f"polhode.studies.{STUDIES[name]}.page").TITLE
+    found: str = _module(name, "page").TITLE
     return found
 
 
@@ -140,7 +132,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         f"Made by `{origin['command']}`{took}; to run it again: `{again} -o DIR`. "
         "No number here was edited by hand."
     )
-    yield from import_module(f"polhode.studies.{STUDIES[found['study']]}.page").blocks(found)
+    yield from _module(found["study"], "page").blocks(found)
     yield Heading("Provenance")
     packages = ", ".join(f"{name} {version}" for name, version in origin["versions"].items())
     key = f"; code, cases and versions `{origin['key']}`" if "key" in origin else ""
@@ -160,8 +152,13 @@ def key(name: str, quick: bool) -> str:
     return digest("\0".join([*parts, str(_versions(name)), cpu(), str(quick)]))
 
 
+def _module(study: str, part: str) -> Any:
+    """A part of a study: rows, page or figure; imported when it is asked for."""
+    return import_module(f"polhode.studies.{study.replace('-', '_')}.{part}")
+
+
 def _versions(name: str) -> dict[str, str]:
-    study = import_module(f"polhode.studies.{STUDIES[name]}.rows")
+    study = _module(name, "rows")
     return versions() | (study.versions() if hasattr(study, "versions") else {})
 
 
@@ -184,7 +181,7 @@ def _check(folder: Path, names: Iterable[str]) -> None:
 def _run(name: str, folder: Path, quick: bool, command: str, tick: Tick | None) -> None:
     """Run one study and write its JSON."""
     began, made_of = time.perf_counter(), key(name, quick)
-    found = import_module(f"polhode.studies.{STUDIES[name]}.rows").rows(quick, tick)
+    found = _module(name, "rows").rows(quick, tick)
     found["provenance"] = {
         "command": command,
         "key": made_of,

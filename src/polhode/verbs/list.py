@@ -17,21 +17,21 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """The cases that ship."""
-    from polhode.judging.reference import reference
+    from polhode.judging.reference import reference as reference_of
 
     rows = []
     for name in library.names():
         scene = library.load(name)
         if options.tag and options.tag not in scene.tags:
             continue
-        truth = reference(scene)
+        reference = reference_of(scene)
         rows.append(
             {
                 "name": name,
                 "title": scene.title,
                 "tags": [*scene.tags],
-                "regime": truth.regime,
-                "reference": truth.kind,
+                "regime": reference.regime,
+                "reference": reference.kind,
             }
         )
     if options.json:

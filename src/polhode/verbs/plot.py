@@ -76,7 +76,7 @@ def _is_file(name: str) -> bool:
 def _of_scene(options: Namespace) -> Samples | int:
     """What the figure of a scene shows; an exit code where the run did not get there."""
     from polhode.figures import over_time, samples
-    from polhode.judging.reference import reference
+    from polhode.judging.reference import reference as reference_of
 
     scene = library.load(options.what_of)
     if options.scene is not None:
@@ -86,7 +86,7 @@ def _of_scene(options: Namespace) -> Samples | int:
     end = None if options.end is None else _time(scene.name, options.end)
     long = options.what in OVER_TIME
     times = samples.shown_times(scene, end, over_time.SAMPLES if long else None)
-    truth = reference(scene) if options.what == "error" else None
+    reference = reference_of(scene) if options.what == "error" else None
     with Progress("plot") as progress:
         found = samples.run(
             scene,
@@ -109,8 +109,8 @@ def _of_scene(options: Namespace) -> Samples | int:
     apart = samples.radians_apart(scene, times)
     if not long and apart > 0.5:
         note(f"{scene.name}: {apart:.2g} radians between two samples: a shorter --end draws curves")
-    if truth is not None:
-        return over_time.errors_of_run(found, truth)
+    if reference is not None:
+        return over_time.errors_of_run(found, reference)
     return over_time.departures_of_run(found) if long else samples.of_run(found)
 
 
@@ -118,7 +118,7 @@ def _of_file(options: Namespace) -> Samples:
     """What the figure of a trajectory file shows."""
     from polhode.figures import over_time, samples
     from polhode.judging import table as table_
-    from polhode.judging.reference import reference
+    from polhode.judging.reference import reference as reference_of
     from polhode.runs.request import choose_number
 
     what, path = options.what, options.what_of
@@ -134,7 +134,7 @@ def _of_file(options: Namespace) -> Samples:
         number = choose_number(scene, options.number, options.digits)
     table = table_.read_table(Path(path), number)
     if what == "error" and scene is not None:
-        return over_time.errors_of_table(table, reference(scene), number)
+        return over_time.errors_of_table(table, reference_of(scene), number)
     if what == "integrals" and scene is not None:
         return over_time.departures_of_table(table, scene, number)
     found = samples.of_table(table, scene)

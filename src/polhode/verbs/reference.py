@@ -23,7 +23,7 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """The closed form alone."""
     from polhode.judging.reference import Reference
-    from polhode.judging.reference import reference as truth_of
+    from polhode.judging.reference import reference as reference_of
 
     scene = library.load(options.scene)
     times = scene.times if options.at is None else read_times(scene, options.at)
@@ -32,10 +32,10 @@ def main(options: Namespace) -> int:
     if not 1 <= options.digits <= number_types.MAX_DIGITS:
         expected = f"1 to {number_types.MAX_DIGITS}"
         raise BadInput(scene.name, "digits", options.digits, expected)
-    truth = truth_of(scene)
-    if not isinstance(truth, Reference):
-        raise BadInput(scene.name, "reference", truth.regime, "a scene with a closed form")
-    answer = results.of_reference(truth, times, options.digits)
+    reference = reference_of(scene)
+    if not isinstance(reference, Reference):
+        raise BadInput(scene.name, "reference", reference.regime, "a scene with a closed form")
+    answer = results.of_reference(reference, times, options.digits)
     if options.json:
         print_json(answer)
     else:

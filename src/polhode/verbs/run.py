@@ -57,7 +57,7 @@ def main(options: Namespace) -> int:
     from dataclasses import replace
 
     from polhode.judging.judgement import compare_as_asked
-    from polhode.judging.reference import reference
+    from polhode.judging.reference import reference as reference_of
     from polhode.runs.integrate import integrate
     from polhode.taylor.outcomes import Outcome
 
@@ -71,7 +71,7 @@ def main(options: Namespace) -> int:
     path = None if options.file is None else Path(options.file)
     if path is not None:
         results.check_paths(path)
-    truth = reference(scene)
+    reference = reference_of(scene)
     with Progress("run") as progress:
         found = integrate(
             scene,
@@ -82,10 +82,10 @@ def main(options: Namespace) -> int:
             project=False if options.no_project else options.project_every,
             progress=progress.show,
         )
-    answer = results.of_run(found, truth.regime)
+    answer = results.of_run(found, reference.regime)
     done = found.outcome.done
-    if done and options.digits is not None and truth.is_closed_form:
-        answer["correct_digits"] = round(compare_as_asked(found, truth).worst, 2)
+    if done and options.digits is not None and reference.is_closed_form:
+        answer["correct_digits"] = round(compare_as_asked(found, reference).worst, 2)
     if path is not None and done:
         results.write_trajectory(path, answer)
     if options.json:

@@ -8,7 +8,8 @@ from typing import Any
 from polhode.common.provenance import digest
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.judgement import compare
-from polhode.judging.reference import Remembered, reference
+from polhode.judging.reference import Remembered
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers import convert, decimals, number_types
 from polhode.runs.integrate import integrate
 from polhode.runs.trajectory import Trajectory
@@ -39,23 +40,25 @@ def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict
 
 
 def _case(scene: Scene) -> dict[str, Any]:
-    truth = reference(scene)
-    kept = Remembered(truth)
+    reference = reference_of(scene)
+    kept = Remembered(reference)
     fitting = [name for name in number_types.NAMES if 10**scene.log10_angle <= LONGEST[name]]
     known = conditioning(scene, number=number_types.named(fitting[-1])) if fitting else None
     runs = [_run(scene, kept, name, known) for name in reversed(fitting)][::-1]  # most digits first
     return {
         "case": scene.name,
         "title": scene.title,
-        "regime": truth.regime,
-        "reference": truth.kind,
+        "regime": reference.regime,
+        "reference": reference.kind,
         "end": decimals.decimal_string(convert.exactly(number_types.QUAD.rounded(scene.end)), 6),
         "sha256": digest(scene.text),
         "runs": runs,
     }
 
 
-def _run(scene: Scene, truth: Remembered, name: str, known: Conditioning | None) -> dict[str, Any]:
+def _run(
+    scene: Scene, reference: Remembered, name: str, known: Conditioning | None
+) -> dict[str, Any]:
     run = integrate(scene, name, digits=number_types.DEFAULT_MP_DIGITS if name == "mp" else None)
     found: dict[str, Any] = {
         "number": name,
@@ -64,7 +67,7 @@ def _run(scene: Scene, truth: Remembered, name: str, known: Conditioning | None)
         "steps": run.steps,
     }
     if run.outcome.done:
-        judged = compare(run, truth, known=known)
+        judged = compare(run, reference, known=known)
         possible = judged.digits_possible[judged.digits.index(judged.worst)]
         found |= {
             "correct_digits": round(judged.worst, 2),
@@ -78,7 +81,7 @@ def _run(scene: Scene, truth: Remembered, name: str, known: Conditioning | None)
                 for key, value in run.drift._asdict().items()
             },
             "projection": projection(run),
-            "reference_digits": None if truth.is_closed_form else round(truth.agreement, 1),
+            "reference_digits": None if reference.is_closed_form else round(reference.agreement, 1),
         }
     return found
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from polhode.judging.reference import Reference, reference
+from polhode.judging.reference import Reference
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers import decimals, exact, number_types
 from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.number_types import NumberType
@@ -87,7 +88,7 @@ def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
     }
 
 
-# -- the truth --------------------------------------------------------------------------------
+# -- the reference --------------------------------------------------------------------------------
 
 
 class Zeros:
@@ -97,10 +98,10 @@ class Zeros:
     """
 
     def __init__(self, scene: Scene, zero: str, samples: int = 64) -> None:
-        truth = reference(replace(scene, events=()))
-        assert isinstance(truth, Reference)
-        self._truth, self._zero, self._columns = truth, zero, scene.columns
-        self.period = exactly(truth.period)
+        reference = reference_of(replace(scene, events=()))
+        assert isinstance(reference, Reference)
+        self._reference, self._zero, self._columns = reference, zero, scene.columns
+        self.period = exactly(reference.period)
         times = [self.period * k / samples for k in range(samples + 1)]
         values = [exact.sign(v) for v in self._values(times, 20)]
         self.first: list[Fraction] = []
@@ -118,7 +119,7 @@ class Zeros:
 
     def _values(self, times: Sequence[Any], digits: int) -> list[Fraction]:
         found = []
-        for t, row in zip(times, self._truth.at(times, digits), strict=True):
+        for t, row in zip(times, self._reference.at(times, digits), strict=True):
             columns = dict(zip(self._columns, row, strict=True), t=to_mpf(exactly(t), BITS))
             value = exactly(columns_.value(self._zero, columns, BITS))
             found.append(value if abs(value) > Fraction(1, 10 ** (digits - 3)) else Fraction(0))
@@ -128,7 +129,7 @@ class Zeros:
         import mpmath
 
         def value(t: Any) -> Any:
-            row = self._truth.at([t], DIGITS)[0]
+            row = self._reference.at([t], DIGITS)[0]
             columns = dict(zip(self._columns, row, strict=True), t=t)
             return columns_.value(self._zero, columns, BITS)
 
@@ -211,8 +212,8 @@ def _grazing(name: str, shift: str) -> dict[str, Any]:
     scene = library.load(TOUCHING.case)
     end = 100 if name in ("double", "extended") else 40
     zeros = Zeros(scene, TOUCHES.zero)
-    truth = reference(scene)
-    touches = sum(truth.at([t], 10)[0][1] > 0 for t in zeros.until(end))
+    reference = reference_of(scene)
+    touches = sum(reference.at([t], 10)[0][1] > 0 for t in zeros.until(end))
     text = TOUCHING.zero if shift == "0" else f"{TOUCHING.zero} + {shift}"
     run = integrate(_watching(scene, text), name, at=[end])
     (event,) = run.events
@@ -231,13 +232,13 @@ def _grazing(name: str, shift: str) -> dict[str, Any]:
 def _cusps(name: str) -> dict[str, Any]:
     """psi' of the cusped top vanishes at each cusp and is positive else: a grazing contact each."""
     scene = library.load("lagrange/cusped")
-    truth = reference(scene)
+    reference = reference_of(scene)
     end = 100 if name in ("double", "extended") else 20
     run = integrate(_watching(scene, "p*gamma1 + q*gamma2"), name, at=[end])
     (event,) = run.events
     return {
         "number": name,
-        "cusps": math.floor(end / exactly(truth.period)),
+        "cusps": math.floor(end / exactly(reference.period)),
         "found": len(event.times),
         "grazing": sum(event.grazing),
     }

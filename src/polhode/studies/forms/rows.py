@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 from polhode.common.errors import BadInput
 from polhode.equations.form import source
 from polhode.judging.judgement import compare
-from polhode.judging.reference import Remembered, reference
+from polhode.judging.reference import Remembered
+from polhode.judging.reference import reference as reference_of
 from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.body import Body, Vector
@@ -64,23 +65,23 @@ def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict
 def _motion(motion: Motion, quick: bool) -> dict[str, Any]:
     scene = _reordered(library.load(motion.case), motion.order)
     scene = replace(scene, outputs=(), events=())
-    truth = Remembered(reference(scene))
+    reference = Remembered(reference_of(scene))
     runs = []
     for number in [*NUMBERS][:1] if quick else NUMBERS:
         part = scene.at(even_times(NUMBERS[number] * motion.end, 11))
-        runs += _runs(part, truth, number, 2 if quick else ROUNDS)
+        runs += _runs(part, reference, number, 2 if quick else ROUNDS)
     return {
         "case": motion.case,
         "what": motion.what,
         "axes": None if motion.order == (0, 1, 2) else "".join("xyz"[i] for i in motion.order),
         "end": motion.end,
-        "reference": truth.kind,
+        "reference": reference.kind,
         "runs": runs,
     }
 
 
-def _runs(scene: Scene, truth: Remembered, number: str, rounds: int) -> list[dict[str, Any]]:
-    found = [_run(replace(scene, form=form), truth, number) for form in FORMS]
+def _runs(scene: Scene, reference: Remembered, number: str, rounds: int) -> list[dict[str, Any]]:
+    found = [_run(replace(scene, form=form), reference, number) for form in FORMS]
     runs = {run["form"]: run for run in found if "seconds" in run}
     for _ in range(rounds - 1 if number == "double" else 0):
         for form, run in runs.items():
@@ -94,7 +95,7 @@ def _runs(scene: Scene, truth: Remembered, number: str, rounds: int) -> list[dic
     return found
 
 
-def _run(scene: Scene, truth: Remembered, number: str) -> dict[str, Any]:
+def _run(scene: Scene, reference: Remembered, number: str) -> dict[str, Any]:
     known: dict[str, Any] = {"form": scene.form, "number": number}
     try:
         run = integrate(scene, number)
@@ -103,7 +104,7 @@ def _run(scene: Scene, truth: Remembered, number: str) -> dict[str, Any]:
     known |= {"outcome": run.outcome.value, "steps": run.steps}
     if not run.outcome.done:
         return known | {"reason": run.cause, "reached": float(run.reached)}
-    digits = round(compare(run, truth).worst, 2)
+    digits = round(compare(run, reference).worst, 2)
     return known | {"seconds": dict(run.provenance["seconds"]), "correct_digits": digits}
 
 

@@ -20,7 +20,8 @@ from typing import Any, NamedTuple
 
 from polhode.equations.integrals import drift
 from polhode.judging.digits import errors, rate_scale
-from polhode.judging.reference import TwoPrecisions, reference
+from polhode.judging.reference import TwoPrecisions
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import DOUBLE, bits_for
 from polhode.runs.integrate import integrate
@@ -136,13 +137,13 @@ def half_decades(first: int, last: int) -> tuple[Fraction, ...]:
 def follow(start: Start) -> Member:
     """Integrate one start by every method and judge it at every time."""
     scene = start.scene
-    truth = reference(scene).at(scene.times, DIGITS)
+    reference = reference_of(scene).at(scene.times, DIGITS)
     bits = bits_for(DIGITS) + 32
-    scale = rate_scale(truth, scene, bits)
+    scale = rate_scale(reference, scene, bits)
     made, departures, taken = {}, [], None
     for method in start.methods:
         run = integrate(scene, "double", project=method == PROJECTED)
-        made[method] = [float(e) for e in errors(run.states, truth, scale, bits)]
+        made[method] = [float(e) for e in errors(run.states, reference, scale, bits)]
         if method == PROJECTED:
             put = run.projection
             assert put is not None
@@ -209,14 +210,14 @@ NOT_RUN = {
 
 
 def _judged(scene: Scene, curves: Sequence[tuple[Method, Curve]]) -> Iterator[dict[str, Any]]:
-    truth = reference(scene).at(scene.times, DIGITS)
+    reference = reference_of(scene).at(scene.times, DIGITS)
     bits = bits_for(DIGITS) + 32
-    scale = rate_scale(truth, scene, bits)
+    scale = rate_scale(reference, scene, bits)
     for method, curve in curves:
         found: dict[str, Any] = {"method": method.name, "status": curve.status}
         for tol, point in curve.points.items():
             if point.rows is not None:
-                worst = max(float(e) for e in errors(point.rows, truth, scale, bits))
+                worst = max(float(e) for e in errors(point.rows, reference, scale, bits))
                 found |= {"tol": tol, "error": _short(worst), "digits": _digits(worst)}
         yield found | {"reason": curve.reason}
 
@@ -264,10 +265,10 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
 
 def _reference_error(scene: Scene) -> float | None:
     """An estimate of the closed form's own error at the last time; None where there is none."""
-    truth = reference(scene)
-    if isinstance(truth, TwoPrecisions):
+    reference = reference_of(scene)
+    if isinstance(reference, TwoPrecisions):
         return None
-    return _short(float(truth.error(scene.times[-1:], DIGITS)))
+    return _short(float(reference.error(scene.times[-1:], DIGITS)))
 
 
 def _digits(error: float) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from polhode.checks.printed import Figure, figures, last_unit, significant_digits
-from polhode.judging.reference import reference
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers.decimals import decimal_string
 from polhode.scenes import library
 
@@ -27,13 +27,13 @@ def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict
             continue
         if tick is not None:
             tick(f"{NAME}: {name}")
-        truth = reference(scene)
-        found = [_row(figure) for figure in figures(scene, truth)]
+        reference = reference_of(scene)
+        found = [_row(figure) for figure in figures(scene, reference)]
         cases.append(
             {
                 "case": name,
                 "title": scene.title,
-                "reference": truth.kind,
+                "reference": reference.kind,
                 "cite": [*scene.cite],
                 "figures": found,
             }

@@ -11,7 +11,7 @@ from typing import Any
 
 from polhode.judging.conditioning import conditioning
 from polhode.judging.digits import digits_of, errors, rate_scale
-from polhode.judging.reference import reference
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers.number_types import DOUBLE, bits_for, named
 from polhode.scenes.scene import Scene
 from polhode.studies.processes import Curve, Method, Task, Tick, run_all
@@ -83,10 +83,10 @@ def motion_row(motion: Motion, scene: Scene, curves: Mapping[Method, Curve]) -> 
     """What all methods gave on one motion, judged, and the verdicts."""
     most = max(named(method.number).most_digits for method in curves)
     wanted = math.ceil(most) + SPARE_DIGITS
-    truth = reference(scene).at(scene.times, wanted)
+    reference = reference_of(scene).at(scene.times, wanted)
     digits = {
         method: {
-            tol: _digits(point.rows, truth, scene, named(method.number).most_digits)
+            tol: _digits(point.rows, reference, scene, named(method.number).most_digits)
             for tol, point in curve.points.items()
             if point.rows is not None
         }
@@ -215,10 +215,10 @@ def _method_row(method: Method, curve: Curve, digits: Mapping[float, float]) -> 
     }
 
 
-def _digits(rows: Any, truth: Any, scene: Scene, cap: float) -> float:
+def _digits(rows: Any, reference: Any, scene: Scene, cap: float) -> float:
     bits = bits_for(cap + SPARE_DIGITS) + 64
-    scale = rate_scale(truth, scene, bits)
-    return min(digits_of(error, cap) for error in errors(rows, truth, scale, bits))
+    scale = rate_scale(reference, scene, bits)
+    return min(digits_of(error, cap) for error in errors(rows, reference, scale, bits))
 
 
 def _limits(scene: Scene) -> tuple[float | None, float | None]:

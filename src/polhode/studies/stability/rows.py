@@ -9,7 +9,8 @@ from typing import Any
 from polhode.common.provenance import digest
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.judgement import compare
-from polhode.judging.reference import Remembered, reference
+from polhode.judging.reference import Remembered
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers import number_types
 from polhode.runs.integrate import integrate
 from polhode.scenes import library
@@ -41,7 +42,7 @@ def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
         say(f"{NAME}: {name}, {k + 1} of {len(chosen)}")
         scene = library.load(name)
         known = _conditioning(scene)
-        kept = Remembered(reference(scene))
+        kept = Remembered(reference_of(scene))
         cases.append(_case(scene, kept, known))
         back += _back(scene, kept, known)
         units += _units(scene)
@@ -70,15 +71,15 @@ def _conditioning(scene: Scene) -> Conditioning:
     return conditioning(scene, number=number_types.QUAD)
 
 
-def _case(scene: Scene, truth: Remembered, known: Conditioning) -> dict[str, Any]:
+def _case(scene: Scene, reference: Remembered, known: Conditioning) -> dict[str, Any]:
     fitting = [name for name in number_types.NAMES if 10**scene.log10_angle <= LONGEST[name]]
-    runs = [_run(scene, truth, known, name) for name in reversed(fitting)][::-1]
+    runs = [_run(scene, reference, known, name) for name in reversed(fitting)][::-1]
     kappas = [x for x in known.log10_kappa if x is not None]
     return {
         "case": scene.name,
         "title": scene.title,
-        "regime": truth.regime,
-        "reference": truth.kind,
+        "regime": reference.regime,
+        "reference": reference.kind,
         "end": float(scene.end),
         "log10_kappa": round(max(kappas), 2) if kappas else None,
         "kappa_note": known.note,
@@ -87,7 +88,7 @@ def _case(scene: Scene, truth: Remembered, known: Conditioning) -> dict[str, Any
     }
 
 
-def _run(scene: Scene, truth: Remembered, known: Conditioning, name: str) -> dict[str, Any]:
+def _run(scene: Scene, reference: Remembered, known: Conditioning, name: str) -> dict[str, Any]:
     run = integrate(scene, name, digits=number_types.DEFAULT_MP_DIGITS if name == "mp" else None)
     found: dict[str, Any] = {
         "number": name,
@@ -97,7 +98,7 @@ def _run(scene: Scene, truth: Remembered, known: Conditioning, name: str) -> dic
     }
     if not run.outcome.done:
         return found
-    judged = compare(run, truth, known=known)
+    judged = compare(run, reference, known=known)
     possible = judged.digits_possible[judged.digits.index(judged.worst)]
     behind = None if possible is None else possible - judged.worst
     late = behind is not None and behind > TARGET
@@ -114,7 +115,7 @@ def _run(scene: Scene, truth: Remembered, known: Conditioning, name: str) -> dic
             for key, value in run.drift._asdict().items()
         },
         "projection": projection(run),
-        "reference_digits": None if truth.is_closed_form else round(truth.agreement, 1),
+        "reference_digits": None if reference.is_closed_form else round(reference.agreement, 1),
     }
     return found
 
@@ -136,7 +137,7 @@ def _units(scene: Scene) -> list[dict[str, Any]]:
     ]
 
 
-def _back(scene: Scene, truth: Remembered, known: Conditioning) -> list[dict[str, Any]]:
+def _back(scene: Scene, reference: Remembered, known: Conditioning) -> list[dict[str, Any]]:
     """Errors of a run to the end and back to 0, beside what kappa of either way allows."""
     numbers = _symmetric(scene)
     if not numbers:
@@ -145,7 +146,7 @@ def _back(scene: Scene, truth: Remembered, known: Conditioning) -> list[dict[str
     times = [scene.end * Fraction(k, QUARTERS) for k in range(1, QUARTERS + 1)]
     ways = [
         symmetries.way_back(scene, t, state)
-        for t, state in zip(times, truth.at(times, SPARE_DIGITS), strict=True)
+        for t, state in zip(times, reference.at(times, SPARE_DIGITS), strict=True)
     ]
     backs = [conditioning(way, number=number_types.QUAD).log10_kappa[-1] for way in ways]
     back = max((x for x in backs if x is not None), default=None)
