@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from polhode.closed_forms.families import Motion, closed_form
+from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.errors import BadInput
 from polhode.equations.hodographs import Hodographs, hodographs
 from polhode.judging.digits import errors, rate_scale, worst_digits
@@ -34,7 +34,7 @@ class Reference:
     is_closed_form = True
     agreement = math.inf  # no rounding enters that the digits asked for would show
 
-    def __init__(self, scene: Scene, kind: str, motion: Motion) -> None:
+    def __init__(self, scene: Scene, kind: str, motion: ClosedForm) -> None:
         self.scene, self.kind, self._motion = scene, kind, motion
         self.regime = motion.regime
 
@@ -195,6 +195,8 @@ def reference(scene: Scene | str | Path) -> Reference | TwoPrecisions:
     if scene.reference != "auto":
         other = closed_form(scene)
         fits = f"{other[0] if other else 'two-precisions'}, which fits body and start"
+        if (why := misfit(scene, scene.reference)) is not None:
+            fits += f"; {scene.reference} needs {why}"
         raise BadInput(scene.name, "reference.kind", scene.reference, fits)
     return TwoPrecisions(scene)
 
