@@ -1,19 +1,33 @@
 """The closed form that fits a scene, asked in the scene's own axes.
 
 A closed form shares no code with the integrator: it reads the exact scene and nothing else.
+FAMILIES lists all that there are.  A new family is a folder beside this file, one row of the table,
+and one word in :data:`polhode.scenes.words.REFERENCES`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, Protocol
+from collections.abc import Iterator, Sequence
+from functools import cache
+from importlib import import_module
+from typing import Any, NamedTuple, Protocol
 
-from polhode.numbers.exact import Exact
+from polhode.closed_forms.principal_scene import PrincipalScene, in_principal_axes
+from polhode.numbers.decimals import decimal_string
+from polhode.numbers.exact import Exact, binary, rounded
+from polhode.scenes.body import Vector
 from polhode.scenes.scene import Scene
 
+Rows = tuple[tuple[Exact, ...], ...]
 
-class Motion(Protocol):
-    """What every closed form answers, in body axes, to any number of digits."""
+
+class ClosedForm(Protocol):
+    """What every closed form answers, in the scene's body axes and units, to any number of digits.
+
+    ``times`` are exact, of either sign and in any order; answers are mpf.  A question that the
+    closed form cannot answer (a time beyond what its turns can be counted to, digits lost to an
+    asymptotic motion) raises ValueError, numbers that contradict each other ArithmeticError.
+    """
 
     @property
     def regime(self) -> str:
@@ -21,15 +35,21 @@ class Motion(Protocol):
         ...
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[Any]]:
-        """Rows p q r [gamma1 gamma2 gamma3] as mpf."""
+        """Rows p q r [gamma1 gamma2 gamma3], one a time.
+
+        The error is below 10^-digits: of w relative to its largest modulus, of gamma absolute.
+        """
         ...
 
     def attitude(self, times: Sequence[Exact], digits: int) -> list[list[Any]]:
-        """Rows q0 q1 q2 q3: the unit quaternion body -> space, continuous in time."""
+        """Rows q0 q1 q2 q3: the unit quaternion body -> space (z up), scalar first.
+
+        q0 >= 0 at t = 0 (the first component that is not 0 is positive), then continuous in time.
+        """
         ...
 
     def angles(self, times: Sequence[Exact], digits: int) -> list[list[Any]]:
-        """Rows psi theta phi, continuous in time; psi and phi None at a pole."""
+        """Rows psi theta phi in radians, continuous in time; psi and phi None at a pole."""
         ...
 
     def period(self, digits: int) -> Any | None:
@@ -41,37 +61,107 @@ class Motion(Protocol):
         ...
 
 
-def closed_form(scene: Scene, kind: str = "auto") -> tuple[str, Motion] | None:
-    """The name and the motion of the first closed form that fits body and start, if any does.
+class Maker(Protocol):
+    """The class of a family: makes the closed form of one scene; raises ValueError unless it fits.
 
-    ``kind`` asks for one of them by name.
+    ``moments`` and ``torque`` (Mg r0) in principal axes; ``omega``, ``gamma`` and ``psi`` at t = 0
+    in the scene's body axes; ``axes[i]`` is the unit vector of principal axis i in the scene's
+    axes, right-handed, None for the same axes.
     """
-    # Each family is imported only where a scene may need it: a run pays for nothing else.
-    body = scene.body
-    axes = None if body.axes.trivial else body.axes.rows
-    if body.torque_free:
-        from polhode.closed_forms.euler.top import EulerTop
 
-        found = EulerTop(body.moments, scene.omega, scene.gamma, scene.psi, axes)
-        return ("euler", found) if kind in ("auto", "euler") else None
-    assert scene.gamma is not None
-    from polhode.closed_forms.lagrange import axes as lagrange_axes
+    def __call__(
+        self,
+        *,
+        moments: Vector,
+        torque: Vector,
+        omega: Vector,
+        gamma: Any,  # a Vector; None for a torque-free body of which only omega is asked
+        psi: Exact,
+        axes: Rows | None,
+    ) -> ClosedForm:
+        """The closed form of that body and start."""
+        ...
 
-    torque, omega, gamma = (
-        body.axes.components(v) for v in (body.torque, scene.omega, scene.gamma)
-    )
-    given = (body.moments, torque, scene.omega, scene.gamma, scene.psi, axes)
-    if kind in ("auto", "lagrange") and lagrange_axes.fits(body.moments, torque):
-        from polhode.closed_forms.lagrange.top import LagrangeTop
 
-        return "lagrange", LagrangeTop(*given)
-    from polhode.closed_forms.kovalevskaya import axes as kovalevskaya_axes
-    from polhode.closed_forms.pendulum import top
+class Misfit(NamedTuple):
+    """Why a scene does not belong to a family: the condition that fails, and by how much.
 
-    if kind in ("auto", "kovalevskaya") and kovalevskaya_axes.fits(body.moments, torque):
-        from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
+    ``condition``: as in "A = 2C".  ``off``: by how much its two sides differ, relative to the
+    size of what is compared; None for a condition that holds or does not, with nothing between.
+    """
 
-        return "kovalevskaya", KovalevskayaTop(*given)
-    if kind in ("auto", "pendulum") and top.fits(body.moments, torque, omega, gamma):
-        return "pendulum", top.Pendulum(*given)
+    condition: str
+    off: Exact | None = None
+
+    def __str__(self) -> str:
+        if self.off is None:
+            return self.condition
+        return f"{self.condition}, off by {decimal_string(binary(*rounded(self.off, 60)), 3)}"
+
+
+class Family(NamedTuple):
+    """One row of FAMILIES.  Code is named as ``module:name`` below this package, and imported only
+    when it is asked.
+
+    ``name``: the word of ``reference.kind`` in a scene file.  ``fits``: whether a PrincipalScene
+    belongs, by exact arithmetic alone.  ``closed_form``: the class, a Maker.  ``misfit``: the
+    Misfit of a PrincipalScene that does not belong; a family without one is refused by its name.
+    """
+
+    name: str
+    fits: str
+    closed_form: str
+    misfit: str | None = None
+
+
+#: In the order in which a scene is tried; the first that fits is its reference.
+FAMILIES = (
+    Family("euler", "euler.conditions:fits", "euler.top:EulerTop"),
+    Family("lagrange", "lagrange.axes:fits", "lagrange.top:LagrangeTop"),
+    Family("kovalevskaya", "kovalevskaya.axes:fits", "kovalevskaya.top:KovalevskayaTop"),
+    Family("pendulum", "pendulum.conditions:fits", "pendulum.top:Pendulum"),
+)
+
+
+def closed_form(scene: Scene, kind: str = "auto") -> tuple[str, ClosedForm] | None:
+    """The name and the closed form of the first family that fits body and start, if any does.
+
+    ``kind`` asks for one family by name.
+    """
+    return next(closed_forms(scene, kind), None)
+
+
+def closed_forms(scene: Scene, kind: str = "auto") -> Iterator[tuple[str, ClosedForm]]:
+    """Name and closed form of every family that fits body and start, in the order of FAMILIES."""
+    principal = in_principal_axes(scene)
+    for family in FAMILIES:
+        if kind in ("auto", family.name) and _code(family.fits)(principal):
+            yield family.name, _made(family, scene, principal)
+
+
+def misfit(scene: Scene, kind: str) -> Misfit | None:
+    """Why a scene does not belong to the family of that name, where that family can say it."""
+    for family in FAMILIES:
+        if family.name == kind and family.misfit is not None:
+            found: Misfit | None = _code(family.misfit)(in_principal_axes(scene))
+            return found
     return None
+
+
+def _made(family: Family, scene: Scene, principal: PrincipalScene) -> ClosedForm:
+    maker: Maker = _code(family.closed_form)
+    return maker(
+        moments=principal.moments,
+        torque=principal.torque,
+        omega=scene.omega,
+        gamma=scene.gamma,
+        psi=scene.psi,
+        axes=None if scene.body.axes.trivial else scene.body.axes.rows,
+    )
+
+
+@cache
+def _code(path: str) -> Any:
+    """What a row of FAMILIES names, imported when it is first asked."""
+    module, name = path.split(":")
+    return getattr(import_module(f"polhode.closed_forms.{module}"), name)

@@ -12,7 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from polhode.closed_forms.families import Motion, closed_form
+from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.errors import BadInput
 from polhode.equations.hodographs import Hodographs, hodographs
 from polhode.judging.digits import errors, rate_scale, worst_digits
@@ -41,7 +41,7 @@ class Reference:
     agreement = math.inf  # no rounding enters that the digits asked for would show
     __hash__ = None  # type: ignore[assignment]
 
-    def __init__(self, scene: Scene, kind: str, motion: Motion) -> None:
+    def __init__(self, scene: Scene, kind: str, motion: ClosedForm) -> None:
         self.scene, self.kind, self._motion = scene, kind, motion
         self.regime = motion.regime
 
@@ -243,6 +243,8 @@ def reference(scene: Scene | str | Path) -> Reference | TwoPrecisions:
     if scene.reference != "auto":
         other = closed_form(scene)
         fits = f"{other[0] if other else 'two-precisions'}, which fits body and start"
+        if (why := misfit(scene, scene.reference)) is not None:
+            fits += f"; {scene.reference} needs {why}"
         raise BadInput(scene.name, "reference.kind", scene.reference, fits)
     return TwoPrecisions(scene)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+#: What ``reference.kind`` may ask for: the first that fits, a closed form by the name of its family
+#: (polhode.closed_forms.families), or two integrations.
 REFERENCES = ("auto", "euler", "lagrange", "kovalevskaya", "pendulum", "two-precisions")
 
 

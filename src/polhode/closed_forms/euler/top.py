@@ -27,6 +27,7 @@ from polhode.closed_forms.euler.regimes import exact_numbers, is_permanent, regi
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened, vector
 from polhode.numbers.exact import Exact, sign
+from polhode.scenes.body import Vector, is_zero
 
 _ZERO = Fraction(0)
 _GUARD = 40  # bits beyond the digits asked for, the growth of phases and the spread of the moments
@@ -38,6 +39,7 @@ class EulerTop:
     ``moments`` are the principal moments, ``axes[i]`` the unit vector of principal axis i in the
     scene's body axes (right-handed; None for the same axes).  ``omega`` and ``gamma`` are given at
     t = 0 in the scene's axes, where all answers are too; without ``gamma`` only w is known.
+    ``torque`` = Mg r0 must be zero: ValueError.
 
     ``regime`` names the kind of motion; it is decided once, by exact arithmetic.
     """
@@ -49,7 +51,10 @@ class EulerTop:
         gamma: tuple[Exact, Exact, Exact] | None = None,
         psi: Exact = _ZERO,
         axes: tuple[tuple[Exact, ...], ...] | None = None,
+        torque: Vector = (_ZERO, _ZERO, _ZERO),
     ) -> None:
+        if not is_zero(torque):
+            raise ValueError("a body whose weight has a moment")
         self._gamma = gamma
         self._psi = psi
         self._axes, side = numbered_axes(axes, moments, omega)

@@ -24,13 +24,14 @@ from typing import Any
 import mpmath
 
 from polhode.closed_forms.functions.rounding import log2, number
+from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, binary, exact, rounded, sign, sqrt
 from polhode.scenes.body import Vector, is_zero
 
 
-def fits(moments: Vector, torque: Vector) -> bool:
-    """Whether the body is a Kovalevskaya top; ``torque`` = Mg r0 in principal axes."""
-    return not is_zero(torque) and third_axis(moments, torque) is not None
+def fits(scene: PrincipalScene) -> bool:
+    """Whether the body is a Kovalevskaya top."""
+    return third_axis(scene.moments, scene.torque) is not None
 
 
 def third_axis(moments: Vector, torque: Vector) -> int | None:

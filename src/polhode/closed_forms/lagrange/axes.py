@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from polhode.closed_forms.functions.rounding import number
+from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 from polhode.scenes import body
 from polhode.scenes.body import Vector, cross, dot, is_zero
@@ -19,12 +20,16 @@ from polhode.scenes.body import Vector, cross, dot, is_zero
 Matrix = list[list[Any]]
 
 
-def fits(moments: Vector, torque: Vector) -> bool:
-    """Whether the body is a Lagrange top; ``torque`` = Mg r0 in principal axes.
+def fits(scene: PrincipalScene) -> bool:
+    """Whether the body is a Lagrange top.
 
     Two moments are equal and the centre of mass is on the third axis, or all three are equal; a
     body without weight is none.
     """
+    return _is_top(scene.moments, scene.torque)
+
+
+def _is_top(moments: Vector, torque: Vector) -> bool:
     if is_zero(torque):
         return False
     return symmetry_axis(moments, torque) is not None or _spherical(moments)
@@ -83,7 +88,7 @@ def top_axes(
     moments: Vector, torque: Vector, rows: tuple[tuple[Exact, ...], ...] | None
 ) -> TopAxes:
     """The axes of the top; raises ValueError for a body that is none (:func:`fits`)."""
-    if not fits(moments, torque):
+    if not _is_top(moments, torque):
         raise ValueError("not a Lagrange top")
     k = symmetry_axis(moments, torque)
     if k is not None:

@@ -14,6 +14,7 @@ import mpmath
 from mpmath import mpf
 
 from polhode.closed_forms.functions.jacobi import MP, Jacobi, jacobi
+from polhode.closed_forms.pendulum.conditions import axis_of, momentum
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.scenes.body import Vector, cross, dot, is_zero
@@ -21,17 +22,6 @@ from polhode.scenes.body import Vector, cross, dot, is_zero
 HANGING, UPRIGHT = "rest, hanging", "rest, upright"
 LIBRATING, ROTATING = "pendulum, librating", "pendulum, rotating"
 SEPARATRIX = "pendulum, separatrix"
-
-
-def axis_of(torque: Vector, omega: Vector, gamma: Vector) -> Vector:
-    """A vector along n; zero in equilibrium at rest."""
-    return cross(torque, gamma) if is_zero(omega) else omega
-
-
-def momentum(moments: Vector, omega: Vector) -> Vector:
-    """I w in principal axes."""
-    a, b, c = (moment * x for moment, x in zip(moments, omega, strict=True))
-    return a, b, c
 
 
 def regime(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> str:

@@ -33,6 +33,7 @@ from polhode.closed_forms.attitude.quaternion import product
 from polhode.closed_forms.attitude.start import start_angles, start_quaternion, start_sign
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.pendulum.angles import Angles
+from polhode.closed_forms.pendulum.conditions import axis_of, fits
 from polhode.closed_forms.pendulum.motion import (
     HANGING,
     LIBRATING,
@@ -41,32 +42,17 @@ from polhode.closed_forms.pendulum.motion import (
     UPRIGHT,
     Swing,
     angle_between,
-    axis_of,
     exact_numbers,
-    momentum,
     regime,
     swing_of,
 )
+from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers import exact
 from polhode.numbers.exact import EQUAL_BITS, ZERO, Exact, sign
-from polhode.scenes.body import Vector, cross, dot, is_zero, scaled
+from polhode.scenes.body import Vector, cross, dot, scaled
 
 _GUARD = 40  # bits beyond the digits asked for and the growth of phases
 _SPARE = 8  # bits kept beyond the digits asked for
-
-
-def fits(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> bool:
-    """Whether the body swings about a horizontal axis, or is in equilibrium at rest.
-
-    All in principal axes.  The axis is that of w, or of the moment of the weight where w = 0; it
-    must be a principal axis (of a symmetric body, or of a sphere, there are more than three) and at
-    right angles to gamma and the torque Mg r0, which is not zero.
-    """
-    if is_zero(torque):
-        return False
-    n = axis_of(torque, omega, gamma)
-    turned = momentum(moments, n)
-    return is_zero(cross(n, turned)) and sign(dot(n, gamma)) == 0 and sign(dot(n, torque)) == 0
 
 
 class Pendulum:
@@ -90,7 +76,7 @@ class Pendulum:
     ) -> None:
         turn = Axes(axes)
         principal, vertical = _triple(turn.principal(omega)), _triple(turn.principal(gamma))
-        if not fits(moments, torque, principal, vertical):
+        if not fits(PrincipalScene(moments, torque, principal, vertical)):
             raise ValueError("a body that does not swing about a horizontal principal axis")
         self._omega, self._gamma, self._psi = omega, gamma, psi
         self.regime = regime(moments, torque, principal, vertical)

@@ -1,0 +1,33 @@
+"""Which scenes are a pendulum's: a heavy body that swings about a horizontal principal axis."""
+
+from __future__ import annotations
+
+from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.numbers.exact import sign
+from polhode.scenes.body import Vector, cross, dot, is_zero
+
+
+def fits(scene: PrincipalScene) -> bool:
+    """Whether the body swings about a horizontal axis, or is in equilibrium at rest.
+
+    The axis is that of w, or of the moment of the weight where w = 0; it must be a principal axis
+    (of a symmetric body, or of a sphere, there are more than three) and at right angles to gamma
+    and the torque Mg r0, which is not zero.
+    """
+    moments, torque, omega, gamma = scene
+    if is_zero(torque) or gamma is None:
+        return False
+    n = axis_of(torque, omega, gamma)
+    turned = momentum(moments, n)
+    return is_zero(cross(n, turned)) and sign(dot(n, gamma)) == 0 and sign(dot(n, torque)) == 0
+
+
+def axis_of(torque: Vector, omega: Vector, gamma: Vector) -> Vector:
+    """A vector along n; zero in equilibrium at rest."""
+    return cross(torque, gamma) if is_zero(omega) else omega
+
+
+def momentum(moments: Vector, omega: Vector) -> Vector:
+    """I w in principal axes."""
+    a, b, c = (moment * x for moment, x in zip(moments, omega, strict=True))
+    return a, b, c

@@ -1,0 +1,115 @@
+"""The table of closed forms: complete, walked in order, imported only where asked."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tomllib
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from polhode.closed_forms import families
+from polhode.closed_forms.families import FAMILIES, Family, Misfit, closed_form, closed_forms
+from polhode.closed_forms.principal_scene import in_principal_axes
+from polhode.common.errors import BadInput
+from polhode.judging.reference import reference
+from polhode.scenes import scene_file
+from polhode.scenes.words import REFERENCES
+
+TOP = Path(__file__).parents[2]
+
+
+def scene(moments="[2, 2, 1]", centre="[0, 0, 1]", omega="[1, 0, 3]", kind="auto"):
+    return scene_file.parse(
+        f"schema = 1\n[body]\nmoments = {moments}\ncentre = {centre}\nweight = 1\n"
+        f"[start]\nomega = {omega}\ngamma = ['3/5', 0, '4/5']\n[run]\nend = 1\n"
+        f"[reference]\nkind = '{kind}'\n"
+    )
+
+
+def test_table_words_and_contract_name_the_same_families():
+    assert ("auto", *(family.name for family in FAMILIES), "two-precisions") == REFERENCES
+    with (TOP / "pyproject.toml").open("rb") as file:
+        contracts = tomllib.load(file)["tool"]["importlinter"]["contracts"]
+    (independent,) = (c["modules"] for c in contracts if c["type"] == "independence")
+    folders = {family.closed_form.split(".")[0] for family in FAMILIES}
+    assert {name.removeprefix("polhode.closed_forms.") for name in independent} == folders
+    here = {p.name for p in (TOP / "src/polhode/closed_forms").iterdir() if (p / "top.py").exists()}
+    assert here == folders
+
+
+def test_every_row_names_code_that_is_there():
+    for family in FAMILIES:
+        for path in (family.fits, family.closed_form, family.misfit):
+            assert path is None or callable(families._code(path))
+
+
+def test_the_first_that_fits_is_the_reference_and_the_others_can_be_asked():
+    """A spherical pendulum that swings in a plane is a Lagrange top and a pendulum."""
+    plane = scene("[1, 1, 1]", "[0, 0, 1]", "[0, 2, 0]")
+    found = list(closed_forms(plane))
+    assert [name for name, _ in found] == ["lagrange", "pendulum"]
+    assert closed_form(plane)[0] == "lagrange"
+    one, other = (form.at([Fraction(7, 2)], 40)[0] for _, form in found)
+    assert max(abs(x - y) for x, y in zip(one, other, strict=True)) < 1e-40
+    assert [name for name, _ in closed_forms(plane, "pendulum")] == ["pendulum"]
+    assert closed_form(plane, "euler") is None
+
+
+def test_a_family_refused_by_name_says_what_fits():
+    with pytest.raises(BadInput) as refused:
+        reference(scene(kind="kovalevskaya"))
+    assert str(refused.value).endswith(
+        "reference.kind = kovalevskaya: expected lagrange, which fits body and start"
+    )
+
+
+def needs_a_slow_spin(principal):
+    spin = principal.omega[2]
+    return None if spin <= 1 else Misfit("r <= 1", (spin - 1) / spin)
+
+
+def test_a_family_that_says_why_is_refused_with_the_condition_and_by_how_much(monkeypatch):
+    """As a new family does: a row whose ``misfit`` names the condition that fails."""
+    code = {"slow:fits": lambda _: False, "slow:misfit": needs_a_slow_spin}
+    known = families._code
+    monkeypatch.setattr(families, "_code", lambda path: code.get(path) or known(path))
+    row = Family("slow", "slow:fits", "slow:Top", "slow:misfit")
+    monkeypatch.setattr(families, "FAMILIES", (*FAMILIES, row))
+    monkeypatch.setattr(scene_file, "REFERENCES", (*REFERENCES, "slow"))
+    with pytest.raises(BadInput) as refused:
+        reference(scene(omega="[1, 0, '1 + 1e-30']", kind="slow"))
+    assert str(refused.value).endswith(
+        "reference.kind = slow: expected lagrange, which fits body and start; "
+        "slow needs r <= 1, off by 1.00e-30"
+    )
+
+
+def test_body_and_start_stay_exact_in_turned_principal_axes():
+    """Rational data stay rational in the components along the axes, which are irrational."""
+    turned = scene_file.parse(
+        "schema = 1\n[body]\ninertia = [[4, 1, 0], [1, 4, 0], [0, 0, 6]]\n"
+        "[start]\nomega = [1, 1, 0]\ngamma = [0, 0, 1]\n[run]\nend = 1\n"
+    )
+    found = in_principal_axes(turned)
+    assert sorted(found.moments) == [3, 5, 6]
+    assert sum(x * x for x in found.omega) == 2
+    assert sum(a == 0 for a in found.omega) == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "loaded"),
+    [("euler/oblate", "euler"), ("kovalevskaya/generic", "kovalevskaya")],
+)
+def test_only_the_family_that_fits_is_made(name, loaded):
+    code = (
+        "import sys; from polhode.scenes import library; "
+        "from polhode.judging.reference import reference; "
+        f"reference(library.load({name!r})); "
+        "print(*(m for m in sys.modules if m.startswith('polhode.closed_forms.') "
+        "and m.endswith('.top')))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [f"polhode.closed_forms.{loaded}.top"]
