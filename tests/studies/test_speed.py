@@ -236,7 +236,7 @@ def test_a_reference_that_is_wrong_is_found_by_the_wall(monkeypatch, tmp_path):
     curves = processes.run_all([Task(m, scene) for m in asked], tmp_path, 1, 10.0, rounds=1)
     curves = dict(zip(asked, curves, strict=True))
     assert speed.motion_row(SHORT, scene, curves)["wall"] is None
-    true = speed.reference(scene)
+    true = speed.reference_of(scene)
 
     class Wrong:
         def at(self, times, digits):
