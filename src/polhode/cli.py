@@ -7,13 +7,13 @@ input, 3 the run could not reach its end, 130 interrupted.
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, StdoutFault
+from polhode.verbs import terminal
 from polhode.verbs.terminal import BAD_INPUT, DONE, INTERRUPTED
 
 VERBS = (
@@ -33,12 +33,12 @@ class _Parser(argparse.ArgumentParser):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one verb; the exit code."""
+    terminal.prepare()
     try:
         try:
             given = sys.argv[1:] if arguments is None else arguments
             options = _parser().parse_args(_joined(given))
             code: int = options.main(options)
-            sys.stdout.flush()
             return code
         except BadInput as fault:
             print(f"polhode: {fault}", file=sys.stderr)
@@ -46,11 +46,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except KeyboardInterrupt:
             print("polhode: interrupted", file=sys.stderr)
             return INTERRUPTED
-    except OSError as fault:  # stdout takes no more: what is left in its buffer goes nowhere
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        if isinstance(fault, BrokenPipeError):  # the reader had enough
+    except StdoutFault as full:
+        terminal.give_up_stdout()
+        if isinstance(full.fault, BrokenPipeError):  # the reader had enough
             return DONE
-        print(f"polhode: stdout: expected a place to write to ({fault.strerror})", file=sys.stderr)
+        print(f"polhode: stdout: expected a place to write to ({full})", file=sys.stderr)
+        return BAD_INPUT
+    except OSError as fault:
+        where = fault.filename or "the system"
+        print(f"polhode: {where}: expected to do its work ({fault.strerror})", file=sys.stderr)
         return BAD_INPUT
 
 

@@ -86,7 +86,7 @@ def left(folder: Path) -> set[str]:
         (["run", CASE, "-o", "nofolder/x.csv"], "existing folder"),
         (["run", CASE, "-o", "."], "not a folder"),
         (["run", CASE, "-o", ""], "not a folder"),
-        (["run", CASE, "-o", "x.json"], "x.csv"),
+        (["run", CASE, "-o", "x.json"], "a name that ends in .csv"),
         (["run", CASE, "-o", "no\nfolder/x.csv"], "no folder/x.csv"),
         (["reference", CASE, "--digits", "0"], "digits = 0"),
         (["reference", "general/asymmetric-regular", "--at", "1"], "closed form"),

@@ -25,6 +25,14 @@ class BadInput(ValueError):
         return type(self), (self.source, self.key, self.value, self.expected)
 
 
+class StdoutFault(Exception):
+    """Standard output takes no more; ``fault``: what the system said."""
+
+    def __init__(self, fault: OSError) -> None:
+        self.fault = fault
+        super().__init__(fault.strerror)
+
+
 def nearest(word: str, known: list[str]) -> str:
     """The words allowed, the nearest one first in mind: for the end of an error message."""
     from difflib import get_close_matches

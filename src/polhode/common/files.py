@@ -1,33 +1,98 @@
-"""Files are written whole or not at all."""
+"""How files are read and written: inputs whole and within a limit, outputs whole or not at all.
+
+Output goes to a temporary file beside its place, which is then renamed.  Links are followed, an
+input is never replaced, and what is no regular file (``-``, a FIFO, a device) is written to as a
+stream and stays what it is.
+"""
 
 from __future__ import annotations
 
+import errno
 import os
+import select
+import stat
+import sys
 import tempfile
-from collections.abc import Mapping
+import time
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, StdoutFault
+
+STDOUT = Path("-")
+_HANDLES = ("/dev/fd/", "/proc/self/fd/")  # names of what is open already
+PATIENCE = 10.0  # seconds to wait for the first byte of a pipe
+
+
+def read_whole(path: Path, most: int, what: str, name: str | None = None) -> bytes:
+    """The bytes of a file, a pipe or a device; raises BadInput for more than ``most`` of them.
+
+    ``what``: what was expected, such as "a readable scene file".  ``name``: what to call the file.
+    """
+    name = name or str(path)
+    try:
+        with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                return _streamed(file.fileno(), most, name, what)
+            found = file.read(most + 1)
+    except (OSError, ValueError) as error:
+        if isinstance(error, BadInput):
+            raise
+        reason = getattr(error, "strerror", None) or str(error)
+        raise BadInput(name, "file", None, f"{what} ({reason})") from None
+    if len(found) > most:
+        raise BadInput(name, "file", None, f"at most {most} bytes")
+    return found
+
+
+def _streamed(handle: int, most: int, name: str, what: str) -> bytes:
+    """What a pipe or a device gives until it ends; refused where nothing comes at all."""
+    found: list[bytes] = []
+    size = 0
+    asked = time.monotonic()
+    pipe = stat.S_ISFIFO(os.fstat(handle).st_mode)
+    while size <= most:
+        left = asked + PATIENCE - time.monotonic()
+        ready, _, _ = select.select([handle], [], [], max(0.0, left))
+        part = os.read(handle, 1 << 20) if ready else b""
+        if not part and left <= 0:
+            raise BadInput(name, "file", None, f"{what} (nothing came for {PATIENCE:g} seconds)")
+        if not part and (found or not pipe):
+            return b"".join(found)
+        if part:
+            found.append(part)
+            size += len(part)
+            asked = time.monotonic()
+        else:  # a pipe whose writer may still come
+            time.sleep(0.01)
+    raise BadInput(name, "file", None, f"at most {most} bytes")
 
 
 def write_whole(texts: Mapping[Path, str | bytes]) -> None:
     """Write files, text or bytes, that belong together; raises BadInput.
 
-    Each goes to a temporary file beside its place first; they are renamed once all are complete.
+    All are complete before the first one takes its place.
     """
     staged: dict[Path, str] = {}
     path = Path()
     try:
         for path, text in texts.items():
-            handle, staged[path] = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+            if is_stream(path):
+                continue
+            place = path.resolve()
+            handle, staged[place] = tempfile.mkstemp(dir=place.parent, prefix=f".{place.name}.")
             with os.fdopen(handle, "wb") as out:
-                out.write(text.encode() if isinstance(text, str) else text)
+                out.write(_bytes(text))
                 out.flush()
                 os.fsync(out.fileno())
-            os.chmod(staged[path], 0o666 & ~_umask())
-        for path in texts:
-            os.replace(staged[path], path)
-            del staged[path]
+            os.chmod(staged[place], _mode(place))
+        for path, text in texts.items():
+            if is_stream(path):
+                _stream(path, text)
+        for place in list(staged):
+            path = place
+            os.replace(staged[place], place)
+            del staged[place]
     except OSError as error:
         raise BadInput(str(path), "file", None, f"a place to write to ({error.strerror})") from None
     finally:
@@ -35,17 +100,86 @@ def write_whole(texts: Mapping[Path, str | bytes]) -> None:
             Path(temporary).unlink(missing_ok=True)
 
 
-def check_writable(path: Path) -> None:
-    """Refuse, before any work is done, a path that cannot be written; raises BadInput."""
+def check_writable(
+    path: Path, suffixes: Sequence[str] = (), inputs: Iterable[Path | None] = ()
+) -> None:
+    """Refuse, before any work is done, a path that cannot or must not be written.
+
+    ``suffixes``: what its name may end in, unless it is a stream.  ``inputs``: files that are read.
+    """
+    if is_stream(path):
+        return
+    place = path.resolve()
     if path.is_dir():
         raise BadInput(str(path), "file", None, "a file, not a folder")
-    if not path.parent.is_dir():
+    if suffixes and path.suffix.lower() not in suffixes:
+        raise BadInput(str(path), "-o", None, f"a name that ends in {' or '.join(suffixes)}")
+    if not place.parent.is_dir():
         raise BadInput(str(path), "file", None, f"an existing folder {path.parent}")
-    if not os.access(path.parent, os.W_OK):
+    if not os.access(place.parent, os.W_OK):
         raise BadInput(str(path), "file", None, "a folder that can be written to")
+    for source in inputs:
+        if source is not None and _same_file(place, source):
+            raise BadInput(str(path), "-o", None, "another file than the one that is read")
 
 
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+def is_stream(path: Path) -> bool:
+    """Whether a path is written to as a stream: ``-`` for stdout, or what is no regular file."""
+    if is_stdout(path) or os.path.abspath(path).startswith(_HANDLES):
+        return True
+    try:
+        mode = path.stat().st_mode
+    except OSError:
+        return False
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
+
+
+def is_stdout(path: Path) -> bool:
+    """Whether a path means this process's standard output."""
+    return path == STDOUT or os.path.abspath(path) in ("/dev/stdout", "/dev/fd/1")
+
+
+def write_stdout(text: str | bytes) -> None:
+    """Write to standard output; raises StdoutFault where it takes no more."""
+    try:
+        if isinstance(text, str):
+            sys.stdout.write(text)
+        else:
+            sys.stdout.flush()
+            sys.stdout.buffer.write(text)
+        sys.stdout.flush()
+    except OSError as fault:
+        raise StdoutFault(fault) from None
+
+
+def _stream(path: Path, text: str | bytes) -> None:
+    if is_stdout(path):
+        write_stdout(text)
+        return
+    with open(path, "wb", buffering=0) as out:
+        rest = memoryview(_bytes(text))
+        while rest:
+            rest = rest[out.write(rest) :]
+
+
+def _same_file(place: Path, source: Path) -> bool:
+    try:
+        return place.exists() and os.path.samefile(place, source)
+    except OSError as error:
+        if error.errno == errno.ENOENT:
+            return False
+        return place == source.resolve()
+
+
+def _bytes(text: str | bytes) -> bytes:
+    return text.encode() if isinstance(text, str) else text
+
+
+def _mode(place: Path) -> int:
+    """The permissions that a file keeps, or those of a new one."""
+    try:
+        return stat.S_IMODE(place.stat().st_mode)
+    except OSError:
+        mask = os.umask(0)
+        os.umask(mask)
+        return 0o666 & ~mask

@@ -27,6 +27,7 @@ from polhode.scenes.words import ANGLES, ATTITUDE, SPACE
 
 SAMPLES, MOST_SAMPLES = 2001, 8001
 WINDOW = 100  # radians at the fastest rate of the start: more turns make no clearer curve
+_FAR = 300.0  # log10 of an angle beyond any that is drawn
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ def shown_times(scene: Scene, end: Exact | None, samples: int | None = None) -> 
         raise BadInput(scene.name, "run.end", None, "an end other than 0, or one given with --end")
     if samples is not None:
         return even_times(last, samples)
-    angle = 10.0 ** scene.at((last,)).log10_angle
+    angle = 10.0 ** min(_FAR, scene.at((last,)).log10_angle)
     if end is None and angle > WINDOW:
         reach = Fraction(WINDOW) / Fraction(10.0**scene.log10_rate)
         places = 1 - math.floor(math.log10(reach))
@@ -73,7 +74,8 @@ def shown_times(scene: Scene, end: Exact | None, samples: int | None = None) -> 
 
 def radians_apart(scene: Scene, times: tuple[Exact, ...]) -> float:
     """How far the motion turns between two samples, at the fastest rate of its start."""
-    return float(10.0 ** (scene.log10_rate + exact.log10(times[-1])) / (len(times) - 1))
+    far = min(_FAR, scene.log10_rate + exact.log10(times[-1]))
+    return 10.0**far / (len(times) - 1)
 
 
 def run(

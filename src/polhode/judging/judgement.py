@@ -23,7 +23,7 @@ from polhode.judging.reference import Reference, Remembered, TwoPrecisions, by_s
 from polhode.judging.subject import Subject, of_run, of_table
 from polhode.judging.table import Table, read_table, table_of_rows
 from polhode.numbers.convert import exactly, to_mpf
-from polhode.numbers.decimals import decimal_string, in_full
+from polhode.numbers.decimals import brief, decimal_string, in_full
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType, wider
 from polhode.runs.integrate import integrate
@@ -338,7 +338,7 @@ def _wording(found: Judgement) -> str:
         lines += aligned(header, rows)
         if len(rows) < len(found.digits):
             lines.append(f"({len(rows)} of {len(found.digits)} times; all of them with --json)")
-        worst = f"worst {found.worst:.2f} correct digits at t = {_short(found.worst_time)}"
+        worst = f"worst {found.worst:.2f} correct digits at t = {brief(found.worst_time)}"
         lines.append(f"{found.lost or worst}; limited by {found.limit}")
     lines.append(f"motion {found.motion}")
     lines += [f"{name}: {digits:.2f} correct digits" for name, digits in found.parts.items()]
@@ -354,7 +354,3 @@ def _time(t: Fraction) -> str:
     """Every digit of a time, where they are few."""
     text = in_full(t)
     return text if len(text) <= _SHORT else decimal_string(t, 17)
-
-
-def _short(t: Fraction) -> str:
-    return f"{float(t):g}" if abs(t) < 10**300 else decimal_string(t, 6)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from polhode.common.errors import BadInput, nearest
+from polhode.common.files import read_whole
 from polhode.numbers import expression
 from polhode.numbers.convert import exact_number, exactly
 from polhode.numbers.expression import ExpressionError
@@ -79,18 +81,16 @@ def table_of_rows(
 
 def read_table(path: Path, number: NumberType | None) -> Table:
     """A CSV file as a table; raises BadInput.  ``number``: its decimals stand for numbers of it."""
+    found = read_whole(path, MAX_BYTES, "a readable CSV file")
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise BadInput(str(path), "file", None, f"at most {MAX_BYTES} bytes")
-        with path.open(encoding="utf-8-sig", newline="") as text:
-            rows = [
-                (k, [cell.strip() for cell in row])
-                for k, row in enumerate(csv.reader(_uncommented(text)), 1)
-                if any(cell.strip() for cell in row)
-            ]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or "not a CSV text"
-        raise BadInput(str(path), "file", None, f"a readable CSV file ({reason})") from None
+        text = io.StringIO(found.decode("utf-8-sig"), newline="")
+        rows = [
+            (k, [cell.strip() for cell in row])
+            for k, row in enumerate(csv.reader(_uncommented(text)), 1)
+            if any(cell.strip() for cell in row)
+        ]
+    except (UnicodeDecodeError, csv.Error):
+        raise BadInput(str(path), "file", None, "a readable CSV file (not a CSV text)") from None
     if not rows:
         raise BadInput(str(path), "file", None, "a header line that names the columns")
     header = rows[0][1]

@@ -5,17 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from operator import index
+from typing import Any
 
+from polhode.common.errors import plain
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, Number
 from polhode.numbers.expression import number
-from polhode.numbers.number_types import (
-    NumberType,
-)
-
-if TYPE_CHECKING:
-    pass
+from polhode.numbers.number_types import NumberType
 
 
 def mpf_row(row: Sequence[Any], bits: int) -> list[Any]:
@@ -66,6 +63,8 @@ def exactly(value: Any) -> Fraction:
         if isinstance(value, float):  # numpy.float64 is one
             return Fraction(value)
         raw = getattr(value, "_mpf_", None)
+        if hasattr(value, "__index__") and getattr(value, "ndim", 0) == 0:  # numpy's integers
+            return Fraction(index(value))
         if raw is not None:
             negative, mantissa, exponent, _ = raw
             if mantissa == 0 and exponent != 0:
@@ -88,5 +87,5 @@ def exact_number(value: Any) -> Exact:
     if isinstance(value, str):
         return number(value)
     if isinstance(value, bool) or not hasattr(value, "__float__"):
-        raise ValueError(f"not a number: {value!r}")
+        raise ValueError(f"not a number: {plain(value)}")
     return exactly(value)

@@ -5,33 +5,28 @@ from __future__ import annotations
 import decimal
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from polhode.numbers import exact
 from polhode.numbers.convert import exactly
-from polhode.numbers.exact import Exact, Number
-from polhode.numbers.number_types import (
-    LOG10_2,
-    NumberType,
-)
-
-if TYPE_CHECKING:  # a run needs none of these
-    pass
+from polhode.numbers.exact import Exact, Irrational, Number
+from polhode.numbers.number_types import LOG10_2, NumberType
 
 
-def strings(rows: Any, number: NumberType) -> list[list[str]]:
+def strings(rows: Any, number: NumberType) -> list[list[Any]]:
     """Rows of numbers of one type as decimal strings that round-trip; None stays None."""
-    if number.name == "double":
-        return [[_double_string(float(x)) for x in row] for row in rows]
     digits = number.printed_digits
+    if number.name == "double":
+        return [[_double_string(x) for x in row] for row in rows]
     return [
-        [None if x is None else decimal_string(exactly(x), digits) for x in row]  # type: ignore[misc]
-        for row in rows
+        [None if x is None else decimal_string(exactly(x), digits) for x in row] for row in rows
     ]
 
 
-def _double_string(x: float) -> str:
-    return f"{x:#.17g}" if x else "0"
+def _double_string(x: Any) -> str | None:
+    if x is None:
+        return None
+    return f"{float(x):#.17g}" if x else "0"
 
 
 def decimal_string(x: Fraction, digits: int) -> str:
@@ -61,9 +56,19 @@ def decimal_string(x: Fraction, digits: int) -> str:
 
 def shown(x: Number) -> str:
     """x for people: a short rational as it is, anything else to 17 digits."""
-    if isinstance(x, Fraction) and len(text := str(x)) <= 12:
-        return text
+    if isinstance(x, Fraction) and x.numerator.bit_length() + x.denominator.bit_length() < 48:
+        text = str(x)
+        if len(text) <= 12:
+            return text
     return decimal_string(exact.binary(*exact.rounded(x, 60)), 17)
+
+
+def brief(x: Number, digits: int = 6) -> str:
+    """x to a few digits, as ``%g`` prints it, also beyond the range of a double."""
+    near = exact.binary(*exact.rounded(x, 60)) if isinstance(x, Irrational) else Fraction(x)
+    if near == 0 or 10**-300 < abs(near) < 10**300:
+        return f"{float(near):.{digits}g}"
+    return decimal_string(near, digits)
 
 
 def decimal_in_full(x: Fraction) -> str:
@@ -97,7 +102,7 @@ def is_decimal(t: Exact) -> bool:
 def in_full(t: Fraction) -> str:
     """Every digit of a decimal number; any other as a fraction."""
     if not is_decimal(t):
-        return str(t)
+        return f"{'-' if t < 0 else ''}{_integer(abs(t.numerator))}/{_integer(t.denominator)}"
     prec = t.numerator.bit_length() + t.denominator.bit_length() + 1  # never fewer than its digits
     with decimal.localcontext(prec=prec):
         return f"{decimal.Decimal(t.numerator) / t.denominator:f}"

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.errors import BadInput
-from polhode.common.files import check_writable, write_whole
+from polhode.common.files import check_writable, is_stream, write_whole
 from polhode.common.provenance import provenance
 from polhode.equations.hodographs import Hodographs
 from polhode.judging.limits import is_lost
@@ -138,20 +137,24 @@ def sidecar(path: Path) -> Path:
     return path.with_suffix(".json")
 
 
-def check_paths(path: Path) -> None:
-    """Refuse a trajectory path that cannot be written, before the run."""
-    check_writable(path)
-    if sidecar(path) == path:
-        raise BadInput(str(path), "-o", None, "a name such as x.csv: x.json is written beside it")
-    check_writable(sidecar(path))
+def check_paths(path: Path, inputs: Sequence[Path | None] = ()) -> None:
+    """Refuse a table's path that cannot be written, before any work; ``inputs``: files read."""
+    check_writable(path, [".csv"], inputs)
+    if not is_stream(path):
+        check_writable(sidecar(path), [".json"], inputs)
 
 
 def write_trajectory(path: Path, answer: dict[str, Any]) -> None:
     """A trajectory as CSV, number type, bits, scene and provenance in a JSON file beside it."""
     header, rows = rows_of(answer)
-    text = "".join(",".join(row) + "\n" for row in (header, *rows))
     kept = {k: v for k, v in answer.items() if k not in _TABLE}
-    write_whole({path: text, sidecar(path): as_json(kept)})
+    write_table(path, (header, *rows), kept)
+
+
+def write_table(path: Path, rows: Iterable[Sequence[str]], beside: dict[str, Any]) -> None:
+    """Rows as CSV and what is not in them as JSON beside it; a stream has nothing beside it."""
+    texts = {path: "".join(",".join(row) + "\n" for row in rows)}
+    write_whole(texts if is_stream(path) else texts | {sidecar(path): as_json(beside)})
 
 
 def as_json(value: Any) -> str:

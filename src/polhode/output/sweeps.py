@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.errors import BadInput
 from polhode.common.files import check_writable, write_whole
 from polhode.equations.integrals import Drift
 from polhode.numbers import decimals
@@ -41,14 +40,12 @@ def of_ensemble(found: Ensemble) -> dict[str, Any]:
     }
 
 
-def check_path(path: Path) -> None:
+def check_path(path: Path, inputs: Sequence[Path | None] = ()) -> None:
     """Refuse a path that cannot be written, before anything is integrated; raises BadInput."""
-    if path.suffix == ".csv":
-        results.check_paths(path)
-    elif path.suffix == ".npz":
-        check_writable(path)
+    if path.suffix.lower() == ".csv":
+        results.check_paths(path, inputs)
     else:
-        raise BadInput(str(path), "-o", None, "a name that ends in .npz or .csv")
+        check_writable(path, [".npz", ".csv"], inputs)
 
 
 def write(path: Path, found: Ensemble) -> None:
@@ -57,7 +54,7 @@ def write(path: Path, found: Ensemble) -> None:
     ``.csv``: a row for each member and time, what the members have in common and how each ended in
     a JSON file beside it.  ``.npz``: arrays, see :func:`arrays`.
     """
-    if path.suffix == ".npz":
+    if path.suffix.lower() == ".npz":
         import numpy as np
 
         held = io.BytesIO()
@@ -67,8 +64,7 @@ def write(path: Path, found: Ensemble) -> None:
     beside = of_ensemble(found)
     for member in beside["members"]:
         del member["states"]
-    text = "".join(",".join(row) + "\n" for row in _rows(found))
-    write_whole({path: text, results.sidecar(path): results.as_json(beside)})
+    results.write_table(path, _rows(found), beside)
 
 
 def arrays(found: Ensemble) -> dict[str, Any]:

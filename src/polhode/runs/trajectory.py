@@ -86,6 +86,8 @@ class Trajectory(ByValue):
         """omega in the body and in space, if asked for."""
         if "hodographs" not in self.scene.outputs:
             return None
+        if not self.times:
+            return Hodographs([], [])
         return hodographs(self.states, self.attitude, self.number)
 
     @property

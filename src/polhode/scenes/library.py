@@ -43,6 +43,11 @@ def load(scene: str | Path) -> Scene:
     return scene_file.read(Path(scene))
 
 
+def path_of(scene: str | Path) -> Path | None:
+    """The path that a scene or a trajectory is read from; None for the name of a case."""
+    return None if str(scene) in names() else Path(scene)
+
+
 def matching(patterns: list[str]) -> list[str]:
     """Names and patterns such as ``euler/*``, expanded; a path stands for itself."""
     if not patterns:

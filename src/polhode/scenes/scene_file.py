@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from polhode.common.errors import BadInput, nearest, plain
+from polhode.common.files import read_whole
 from polhode.numbers import exact, expression
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.expression import ExpressionError
@@ -43,17 +44,11 @@ class _Literal(str):
 def read(path: Path, name: str | None = None) -> Scene:
     """The scene in a file; raises BadInput."""
     name = name or str(path)
+    found = read_whole(path, MAX_FILE, "a readable scene file", name)
     try:
-        with path.open("rb") as file:
-            found = file.read(MAX_FILE + 1)
-        if len(found) > MAX_FILE:
-            raise BadInput(name, "file", None, f"at most {MAX_FILE} bytes")
         text = found.decode("utf-8-sig").replace("\r\n", "\n")
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        if isinstance(error, BadInput):
-            raise
-        reason = getattr(error, "strerror", None) or "not UTF-8 text"
-        raise BadInput(name, "file", None, f"a readable scene file ({reason})") from None
+    except UnicodeDecodeError:
+        raise BadInput(name, "file", None, "a readable scene file (not UTF-8 text)") from None
     return parse(text, name)
 
 

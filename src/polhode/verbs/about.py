@@ -8,7 +8,7 @@ from typing import Any
 from polhode.common.provenance import cpu, versions
 from polhode.numbers import number_types
 from polhode.scenes import library
-from polhode.verbs.terminal import DONE, print_json
+from polhode.verbs.terminal import DONE, print_json, say
 
 HELP = "versions, number types, processor, caches"
 
@@ -35,15 +35,15 @@ def main(options: Namespace) -> int:
         print_json(facts)
         return DONE
     for name, version in facts["versions"].items():
-        print(f"{name:<10}{version}")
-    print(f"{'cpu':<10}{facts['cpu']}")
+        say(f"{name:<10}{version}")
+    say(f"{'cpu':<10}{facts['cpu']}")
     for name, held in facts["number_types"].items():
         size = "any number of bits" if name == "mp" else f"{held['bits']} bits"
-        print(f"{name:<10}{size}" + ("" if name == "mp" else f", {held['digits']} digits"))
+        say(f"{name:<10}{size}" + ("" if name == "mp" else f", {held['digits']} digits"))
     cache = facts["cache"]
-    print(f"{'cases':<10}{facts['cases']}")
+    say(f"{'cases':<10}{facts['cases']}")
     state = f"{cache['bytes']} bytes in {cache['path']}" if cache["enabled"] else "off"
     if "fault" in cache:
         state = f"none, every run compiles again ({' '.join(cache['fault'].split())})"
-    print(f"{'cache':<10}{state}")
+    say(f"{'cache':<10}{state}")
     return DONE

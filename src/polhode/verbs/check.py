@@ -7,7 +7,7 @@ from typing import Any
 
 from polhode.checks import results
 from polhode.numbers.decimals import shown
-from polhode.verbs.terminal import DONE, FAILED, Progress, print_json
+from polhode.verbs.terminal import DONE, FAILED, Progress, print_json, say
 
 HELP = "regression against references and published figures"
 
@@ -46,25 +46,25 @@ def main(options: Namespace) -> int:
         answer = {"passed": passed, "cases": [results.of_check(r) for r in reports]}
         print_json(answer | {"forms": [results.of_cross_check(c) for c in crossed]})
     else:
-        print(f"{sum(verdicts)} passed, {len(verdicts) - sum(verdicts)} failed")
+        say(f"{sum(verdicts)} passed, {len(verdicts) - sum(verdicts)} failed")
     return DONE if passed else FAILED
 
 
 def _print_cross_check(found: Any) -> None:
     mark = "ok  " if found.passed else "FAIL"
     digits = "" if found.digits is None else f"{found.digits:.1f} digits, "
-    print(f"{mark} {found.scene} in the form {found.form}: {digits}{found.note}")
+    say(f"{mark} {found.scene} in the form {found.form}: {digits}{found.note}")
 
 
 def _print_check(report: Any) -> None:
     mark = "ok  " if report.passed else "FAIL"
-    print(f"{mark} {report.scene.name} ({report.regime}, {report.reference})")
+    say(f"{mark} {report.scene.name} ({report.regime}, {report.reference})")
     for line in report.lines:
         band = "" if line.band is None else f" in [{line.band[0]:g}, {line.band[1]:g}]"
         why = line.limit and f", limited by {line.limit}"
-        print(f"     {line.number:<9}{line.digits:6.2f} digits{band}: {line.verdict}{why}")
+        say(f"     {line.number:<9}{line.digits:6.2f} digits{band}: {line.verdict}{why}")
     for figure in report.figures:
         p = figure.published
-        print(f"     {p.quantity} at t = {shown(p.t)}: {figure.verdict}  ({p.cite})")
-        print(f"         printed {p.value}")
-        print(f"         ours    {figure.ours}")
+        say(f"     {p.quantity} at t = {shown(p.t)}: {figure.verdict}  ({p.cite})")
+        say(f"         printed {p.value}")
+        say(f"         ours    {figure.ours}")

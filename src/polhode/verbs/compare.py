@@ -6,7 +6,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from polhode.output import results
-from polhode.verbs.terminal import DONE, print_json, whole
+from polhode.verbs.terminal import DONE, print_json, say, whole
 
 HELP = "judge a trajectory that some other program computed"
 
@@ -28,5 +28,5 @@ def main(options: Namespace) -> int:
     if options.json:
         print_json(results.of_judgement(judged))
     else:
-        print(judged)
+        say(str(judged))
     return DONE

@@ -9,11 +9,22 @@ from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
 from polhode.numbers import expression
+from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 from polhode.scenes import library
 from polhode.scenes.words import ANGLES, ATTITUDE, SPACE, STATE
-from polhode.verbs.terminal import DONE, INTERRUPTED, NOT_REACHED, Progress, note, print_json, whole
+from polhode.verbs.terminal import (
+    DONE,
+    INTERRUPTED,
+    NOT_REACHED,
+    Progress,
+    note,
+    print_json,
+    refuse_two_on_stdout,
+    say,
+    whole,
+)
 
 if TYPE_CHECKING:
     from polhode.figures.samples import Samples
@@ -42,26 +53,27 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Make one figure."""
-    from polhode.common.files import check_writable, write_whole
+    from polhode.common.files import check_writable, is_stdout, write_whole
     from polhode.figures import canvas
 
     path = Path(options.file)
-    if path.suffix not in canvas.SUFFIXES:
-        raise BadInput(str(path), "-o", None, f"a name that ends in {', '.join(canvas.SUFFIXES)}")
-    check_writable(path)
+    inputs = [library.path_of(name) for name in (options.what_of, options.scene) if name]
+    check_writable(path, canvas.SUFFIXES, inputs)
+    refuse_two_on_stdout(path, options.json)
     canvas.require()
     found = _of_file(options) if _is_file(options.what_of) else _of_scene(options)
     if isinstance(found, int):
         return found
     figure = import_module(f"polhode.figures.{options.what}")
     title = f"polhode: {options.what} of {found.name}"
-    write_whole({path: canvas.drawn(figure.draw, found, path.suffix, title)})
+    suffix = path.suffix.lower() if path.suffix.lower() in canvas.SUFFIXES else ".svg"  # a stream
+    write_whole({path: canvas.drawn(figure.draw, found, suffix, title)})
     t = found.columns["t"]
     if options.json:
         shown = {"file": str(path), "what": options.what, "of": found.name, "samples": len(t)}
         print_json(shown | {"from": float(t[0]), "to": float(t[-1])})
-    else:
-        print(path)
+    elif not is_stdout(path):
+        say(str(path))
     return DONE
 
 
@@ -103,7 +115,7 @@ def _of_scene(options: Namespace) -> Samples | int:
         return _not_reached(found)
     if abs(times[-1]) < abs(scene.end) and end is None:
         note(
-            f"{scene.name}: drawn to t = {float(times[-1]):g} of {float(scene.end):g}, "
+            f"{scene.name}: drawn to t = {brief(times[-1])} of {brief(scene.end)}, "
             f"{samples.WINDOW} radians; --end draws to another time"
         )
     apart = samples.radians_apart(scene, times)
@@ -172,7 +184,7 @@ def _not_reached(found: Trajectory) -> int:
 
     scene = found.scene
     note(
-        f"polhode: {scene.name}: reached t = {float(found.reached):g} of {float(scene.end):g}: "
+        f"polhode: {scene.name}: reached t = {brief(found.reached)} of {brief(scene.end)}: "
         f"{found.outcome.cause}; {found.outcome.advice}; nothing was written"
     )
     return INTERRUPTED if found.outcome is Outcome.INTERRUPTED else NOT_REACHED

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from polhode.verbs.terminal import DONE, Progress, print_json
+from polhode.verbs.terminal import DONE, Progress, print_json, say
 
 HELP = "run all studies and write them as JSON, Markdown and one HTML page"
 
@@ -26,5 +26,5 @@ def main(options: Namespace) -> int:
     if options.json:
         print_json({"written": [str(path) for path in written]})
     else:
-        print("\n".join(str(path) for path in written))
+        say("\n".join(str(path) for path in written))
     return DONE

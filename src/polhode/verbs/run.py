@@ -6,6 +6,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from polhode.numbers.decimals import brief
 from polhode.output import results
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -19,6 +20,7 @@ from polhode.verbs.terminal import (
     print_json,
     print_rows,
     read_times,
+    refuse_two_on_stdout,
     whole,
 )
 
@@ -70,7 +72,8 @@ def main(options: Namespace) -> int:
         scene = replace(scene, outputs=tuple(o for o in options.outputs.split(",") if o))
     path = None if options.file is None else Path(options.file)
     if path is not None:
-        results.check_paths(path)
+        results.check_paths(path, [library.path_of(options.scene)])
+        refuse_two_on_stdout(path, options.json)
     reference = reference_of(scene)
     with Progress("run") as progress:
         found = integrate(
@@ -106,7 +109,7 @@ def main(options: Namespace) -> int:
     advice = f"; {found.advice}" if found.advice else ""
     wrote = "" if path is None else f"; {path} was not written"
     note(
-        f"polhode: {scene.name}: reached t = {float(found.reached):g} of {float(scene.end):g}: "
+        f"polhode: {scene.name}: reached t = {brief(found.reached)} of {brief(scene.end)}: "
         f"{found.cause}{advice}{wrote}"
     )
     return INTERRUPTED if found.outcome is Outcome.INTERRUPTED else NOT_REACHED
@@ -115,7 +118,7 @@ def main(options: Namespace) -> int:
 def _told(event: EventTimes) -> str:
     """One line about an event: how often, and when first."""
     shown_times = [
-        f"{float(t):.17g}" + " (grazing)" * grazing
+        brief(t, 17) + " (grazing)" * grazing
         for t, grazing in zip(event.times[:10], event.grazing, strict=False)
     ]
     more = ", ..." * (len(event.times) > len(shown_times))

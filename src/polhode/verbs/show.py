@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 
 from polhode.scenes import library
-from polhode.verbs.terminal import DONE, print_json
+from polhode.verbs.terminal import DONE, print_json, say
 
 HELP = "body, regime, integrals, frequencies, what will be modelled"
 
@@ -29,5 +29,5 @@ def main(options: Namespace) -> int:
         elif isinstance(value, (tuple, list)):
             value = ", ".join(str(x) for x in value)
         if value not in (None, ""):
-            print(f"{key:<14}{value}")
+            say(f"{key:<14}{value}")
     return DONE

@@ -19,6 +19,7 @@ from polhode.verbs.terminal import (
     print_json,
     print_table,
     read_times,
+    refuse_two_on_stdout,
     whole,
 )
 
@@ -64,7 +65,8 @@ def main(options: Namespace) -> int:
         varied[key] = values
     path = None if options.file is None else Path(options.file)
     if path is not None:
-        sweeps.check_path(path)
+        sweeps.check_path(path, [library.path_of(options.scene)])
+        refuse_two_on_stdout(path, options.json)
     with Progress("sweep") as progress:
         found = integrate_many(
             scene,

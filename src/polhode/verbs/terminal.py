@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import errno
+import io
+import os
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
 from polhode.common.errors import BadInput
+from polhode.common.files import is_stdout, write_stdout
 from polhode.common.text import aligned
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact
@@ -16,6 +21,42 @@ from polhode.output import results
 from polhode.scenes.scene import Scene
 
 DONE, FAILED, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 1, 2, 3, 130
+
+
+class _Closed(io.TextIOBase):
+    """A stdout that the caller closed: the first result that goes there is refused."""
+
+    def write(self, text: str) -> int:
+        if text:
+            raise OSError(errno.EBADF, os.strerror(errno.EBADF))
+        return 0
+
+
+def prepare() -> None:
+    """Streams that are there, and that take any character."""
+    if sys.stdout is None:
+        sys.stdout = _Closed()
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def give_up_stdout() -> None:
+    """Let what is left in stdout's buffer go nowhere, so that leaving Python is no fault."""
+    if not isinstance(sys.stdout, _Closed):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def printable(text: str) -> str:
+    """Text in which no character can command a terminal; line ends stay."""
+    return "".join(c if c.isprintable() or c == "\n" else "?" for c in text)
+
+
+def say(text: str) -> None:
+    """A result for people, on stdout."""
+    write_stdout(printable(text) + "\n")
 
 
 def whole(text: str) -> int:
@@ -47,9 +88,15 @@ def read_times(scene: Scene, text: str) -> tuple[Exact, ...]:
     return tuple(times)
 
 
+def refuse_two_on_stdout(path: Path, json: bool) -> None:
+    """Refuse a file that is stdout beside results as JSON, which go there too."""
+    if json and is_stdout(path):
+        raise BadInput(str(path), "-o", None, "a file: the results as JSON go to stdout")
+
+
 def print_json(value: Any) -> None:
     """One JSON value on stdout."""
-    sys.stdout.write(results.as_json(value))
+    write_stdout(results.as_json(value))
 
 
 def print_rows(answer: dict[str, Any]) -> None:
@@ -61,12 +108,12 @@ def print_rows(answer: dict[str, Any]) -> None:
 def print_table(header: Any, rows: Any) -> None:
     """A table of strings in columns on stdout."""
     for line in aligned(header, rows):
-        print(line)
+        say(line)
 
 
 def note(text: str) -> None:
     """A line on stderr."""
-    print(text, file=sys.stderr)
+    print(printable(text), file=sys.stderr)
 
 
 class Progress:
@@ -89,7 +136,7 @@ class Progress:
     def say(self, text: str) -> None:
         """The line's new text."""
         if sys.stderr.isatty() and time.monotonic() - self.began > 1:
-            sys.stderr.write(f"\r\x1b[K{self.verb}: {text}")
+            sys.stderr.write(f"\r\x1b[K{self.verb}: {printable(text)}")
             sys.stderr.flush()
             self.shown = True
 
