@@ -75,7 +75,7 @@ def shown_times(scene: Scene, end: Exact | None, samples: int | None = None) -> 
 def radians_apart(scene: Scene, times: tuple[Exact, ...]) -> float:
     """How far the motion turns between two samples, at the fastest rate of its start."""
     far = min(_FAR, scene.log10_rate + exact.log10(times[-1]))
-    return 10.0**far / (len(times) - 1)
+    return float(10.0**far / (len(times) - 1))
 
 
 def run(

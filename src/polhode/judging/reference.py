@@ -97,11 +97,15 @@ class Reference:
     def curve(self) -> dict[str, Any] | None:
         """The algebraic curve of a Kovalevskaya top: H, K2, its roots e and period matrix tau."""
         curve = getattr(self._motion, "curve", None)
-        return None if curve is None else dict(curve(50))
+        return None if curve is None else dict(self._told(lambda: curve(50)))
 
     def _asked(self, question: Any, times: Sequence[Any], digits: int) -> Any:
+        return self._told(lambda: question(_times(self.scene, times), digits))
+
+    def _told(self, answer: Callable[[], Any]) -> Any:
+        """An answer of the closed form; raises BadInput where it has none."""
         try:
-            return question(_times(self.scene, times), digits)
+            return answer()
         except BadInput:
             raise
         except (ValueError, ArithmeticError) as fault:
@@ -111,12 +115,13 @@ class Reference:
     @property
     def period(self) -> Any | None:
         """The period of omega in the body, to 50 digits; None where there is none."""
-        return self._motion.period(50)
+        return self._told(lambda: self._motion.period(50))
 
     @property
     def frequencies(self) -> dict[str, Any]:
         """The motion's frequencies by name, radians per unit of time, to 50 digits."""
-        return self._motion.frequencies(50)
+        found: dict[str, Any] = self._told(lambda: self._motion.frequencies(50))
+        return found
 
 
 class TwoPrecisions:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from polhode.common.deadline import TooLong, within
+from polhode.common.errors import BadInput
 from polhode.equations import equilibrium
 from polhode.equations.form import equations, source
 from polhode.judging.reference import Reference
@@ -12,6 +14,8 @@ from polhode.numbers.decimals import shown
 from polhode.output import results
 from polhode.scenes.scene import Scene
 from polhode.scenes.tops import kind_of_body
+
+SECONDS = 1.0  # that frequencies may take
 
 
 def described(scene: Scene) -> dict[str, Any]:
@@ -36,9 +40,7 @@ def described(scene: Scene) -> dict[str, Any]:
     if values.area is not None:
         facts["integrals"] |= {"f": shown(values.area)}
     if isinstance(reference, Reference):
-        facts["frequencies"] = results.frequencies(reference)
-        if reference.curve is not None:
-            facts["curve"] = _curve(reference.curve)
+        facts |= _frequencies(reference)
     if (still := equilibrium.name(scene)) is not None:
         facts["motion"] = f"{still}: the state is constant"
     facts |= {
@@ -52,6 +54,21 @@ def described(scene: Scene) -> dict[str, Any]:
         "time_unit": f"2**{scene.time_unit}",
     }
     return facts
+
+
+def _frequencies(reference: Reference) -> dict[str, Any]:
+    """Period, frequencies and curve, as far as they are to be had in a moment."""
+    found: dict[str, Any] = {}
+    try:
+        with within(SECONDS):
+            found["frequencies"] = results.frequencies(reference)
+            if reference.curve is not None:
+                found["curve"] = _curve(reference.curve)
+    except TooLong:
+        found["not_told"] = f"frequencies take longer than {SECONDS:g} s here"
+    except BadInput as fault:
+        found["not_told"] = f"frequencies are not known here: {fault.expected}"
+    return found
 
 
 def _curve(found: dict[str, Any]) -> dict[str, Any]:
