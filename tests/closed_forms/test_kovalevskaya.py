@@ -14,14 +14,16 @@ import pytest
 from mpmath import mpc, mpf
 
 from polhode.closed_forms.functions import riemann_theta
+from polhode.closed_forms.kovalevskaya import axes as top_axes
 from polhode.closed_forms.kovalevskaya import generic
-from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop, fits
+from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers import exact
 from polhode.scenes.body import OWN_AXES, Axes, cross, dot
 from shared import series
-from shared.closed_form_checks import fractions, number
+from shared.closed_form_checks import belongs, fractions, number
 
 F = Fraction
+fits = belongs(top_axes.fits)
 BODY = (F(2), F(2), F(1))
 TORQUE = (F(1), F(0), F(0))
 DATA = Path(__file__).parents[1] / "data" / "closed-form-50-digits.json"

@@ -26,26 +26,13 @@ import mpmath
 from polhode.closed_forms.functions.rounding import log2, number
 from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, binary, exact, rounded, sign, sqrt
-from polhode.scenes.body import Vector, is_zero
+from polhode.scenes.body import Vector
+from polhode.scenes.tops import KOVALEVSKAYA, classical_top, with_last
 
 
 def fits(scene: PrincipalScene) -> bool:
     """Whether the body is a Kovalevskaya top."""
-    return third_axis(scene.moments, scene.torque) is not None
-
-
-def third_axis(moments: Vector, torque: Vector) -> int | None:
-    """The principal axis of the moment C with A = B = 2C and no part of the torque."""
-    for k in (2, 0, 1):
-        i, j = (k + 1) % 3, (k + 2) % 3
-        if (
-            sign(torque[k]) == 0
-            and moments[i] == moments[j]
-            and moments[i] == 2 * moments[k]
-            and not is_zero(torque)
-        ):
-            return k
-    return None
+    return classical_top(scene.moments, scene.torque).kind == KOVALEVSKAYA
 
 
 #: A direction in the space of states that no special motion is known to keep.
@@ -195,10 +182,10 @@ def top_axes(
     moments: Vector, torque: Vector, rows: tuple[tuple[Exact, ...], ...] | None
 ) -> TopAxes:
     """The axes of the top; raises ValueError for a body that is none (:func:`fits`)."""
-    k = third_axis(moments, torque)
-    if k is None:
+    kind, axis = classical_top(moments, torque)
+    if kind != KOVALEVSKAYA or axis is None:
         raise ValueError("not a Kovalevskaya top")
-    i, j = (k + 1) % 3, (k + 2) % 3
+    i, j, k = with_last(axis)
     X, Y = torque[i] / moments[k], torque[j] / moments[k]
     return TopAxes(rows, (i, j, k), (X, Y), sqrt(X * X + Y * Y))
 

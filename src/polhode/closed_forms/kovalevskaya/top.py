@@ -25,14 +25,12 @@ from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import number, rounded_up, shortened
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.attitude import MOST_PANELS, Attitude
-from polhode.closed_forms.kovalevskaya.axes import fits, placed, top_axes
+from polhode.closed_forms.kovalevskaya.axes import placed, top_axes
 from polhode.closed_forms.kovalevskaya.certified import CERTIFIED, Answers, Solution
 from polhode.closed_forms.kovalevskaya.curve import Curve, cubic_roots
 from polhode.closed_forms.kovalevskaya.generic import Generic
 from polhode.closed_forms.kovalevskaya.one_frequency import special
 from polhode.numbers.exact import Exact
-
-__all__ = ["KovalevskayaTop", "fits"]
 
 _ZERO = Fraction(0)
 _NODES = 0.22  # half of the Chebyshev intervals tried first, for each bit
@@ -45,7 +43,8 @@ class KovalevskayaTop:
     ``moments`` are the principal moments and ``torque`` = Mg r0 in principal axes; ``axes[i]`` is
     the unit vector of principal axis i in the scene's body axes (right-handed; None for the same
     axes).  ``omega`` and ``gamma`` are given at t = 0 in the scene's axes, where all answers are
-    too.  Raises ValueError for a body that is no Kovalevskaya top (:func:`fits`).
+    too.  Raises ValueError for a body that is no Kovalevskaya top
+    (:func:`polhode.closed_forms.kovalevskaya.axes.fits`).
 
     ``regime`` names the kind of motion, of a generic one the type of its curve; it is decided once,
     by exact arithmetic (:func:`polhode.closed_forms.kovalevskaya.regimes.regime`).

@@ -15,7 +15,8 @@ from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 from polhode.scenes import body
-from polhode.scenes.body import Vector, cross, dot, is_zero
+from polhode.scenes.body import Vector, cross, dot
+from polhode.scenes.tops import LAGRANGE, SPHERE, classical_top, with_last
 
 Matrix = list[list[Any]]
 
@@ -26,22 +27,7 @@ def fits(scene: PrincipalScene) -> bool:
     Two moments are equal and the centre of mass is on the third axis, or all three are equal; a
     body without weight is none.
     """
-    return _is_top(scene.moments, scene.torque)
-
-
-def _is_top(moments: Vector, torque: Vector) -> bool:
-    if is_zero(torque):
-        return False
-    return symmetry_axis(moments, torque) is not None or _spherical(moments)
-
-
-def symmetry_axis(moments: Vector, torque: Vector) -> int | None:
-    """The principal axis of symmetry that carries the centre of mass, if there is one."""
-    for k in (2, 0, 1):
-        i, j = (k + 1) % 3, (k + 2) % 3
-        if sign(torque[i]) == 0 == sign(torque[j]) and moments[i] == moments[j]:
-            return k
-    return None
+    return classical_top(scene.moments, scene.torque).kind in (LAGRANGE, SPHERE)
 
 
 @dataclass(frozen=True)
@@ -88,11 +74,11 @@ def top_axes(
     moments: Vector, torque: Vector, rows: tuple[tuple[Exact, ...], ...] | None
 ) -> TopAxes:
     """The axes of the top; raises ValueError for a body that is none (:func:`fits`)."""
-    if not _is_top(moments, torque):
+    found = classical_top(moments, torque)
+    if found.kind not in (LAGRANGE, SPHERE):
         raise ValueError("not a Lagrange top")
-    k = symmetry_axis(moments, torque)
-    if k is not None:
-        i, j = (k + 1) % 3, (k + 2) % 3
+    if found.axis is not None:
+        i, j, k = with_last(found.axis)
         up = sign(torque[k])
         return TopAxes(rows, (i, j, k), (1, up, up), None, (moments[i], moments[k]), abs(torque[k]))
     units = body.IDENTITY
@@ -116,7 +102,3 @@ def placed(matrix: Matrix, vector: Sequence[Any]) -> list[Any]:
             total = term if total is None else total + term
         found.append(total)
     return found
-
-
-def _spherical(moments: Vector) -> bool:
-    return moments[0] == moments[1] == moments[2]

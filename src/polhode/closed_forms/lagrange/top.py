@@ -23,7 +23,7 @@ from polhode.closed_forms.attitude.start import start_quaternion, start_sign
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.lagrange.attitude import Attitude, attitude, top_start
-from polhode.closed_forms.lagrange.axes import fits, placed, top_axes
+from polhode.closed_forms.lagrange.axes import placed, top_axes
 from polhode.closed_forms.lagrange.motion import (
     Motion,
     Nutating,
@@ -37,8 +37,6 @@ from polhode.closed_forms.lagrange.roots import gaps
 from polhode.numbers.exact import Exact
 from polhode.scenes.body import Vector
 
-__all__ = ["LagrangeTop", "fits"]
-
 _ZERO = Fraction(0)
 _GUARD = 40  # bits beyond the digits asked for and the growth of phases
 _SLACK = 24  # of these, what the set-up may use up; where it needs more it is made with more
@@ -51,7 +49,8 @@ class LagrangeTop:
     ``moments`` are the principal moments and ``torque`` = Mg r0 in principal axes; ``axes[i]`` is
     the unit vector of principal axis i in the scene's body axes (right-handed; None for the same
     axes).  ``omega`` and ``gamma`` are given at t = 0 in the scene's axes, where all answers are
-    too.  Raises ValueError for a body that is no Lagrange top (:func:`fits`).
+    too.  Raises ValueError for a body that is no Lagrange top
+    (:func:`polhode.closed_forms.lagrange.axes.fits`).
 
     ``regime`` names the kind of motion; it is decided once, by exact arithmetic
     (:func:`polhode.closed_forms.lagrange.regimes.regime`).
