@@ -11,17 +11,14 @@ two neighbours.  Units: any consistent set.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 import mpmath
 from mpmath import mpf
 
-from polhode.closed_forms.attitude.angles import angles
-from polhode.closed_forms.attitude.start import start_quaternion, start_sign
-from polhode.closed_forms.functions.jacobi import MP
+from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.functions.rounding import number, rounded_up, shortened
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.attitude import MOST_PANELS, Attitude
@@ -37,7 +34,7 @@ _NODES = 0.22  # half of the Chebyshev intervals tried first, for each bit
 _TURNING = 16  # bits that the sum over the panels may lose beyond the phase
 
 
-class KovalevskayaTop:
+class KovalevskayaTop(FromAttitude):
     """The motion of one Kovalevskaya top from one start.
 
     ``moments`` are the principal moments and ``torque`` = Mg r0 in principal axes; ``axes[i]`` is
@@ -59,8 +56,7 @@ class KovalevskayaTop:
         psi: Exact = _ZERO,
         axes: tuple[tuple[Exact, ...], ...] | None = None,
     ) -> None:
-        self._gamma = gamma
-        self._psi = psi
+        super().__init__(gamma, psi)
         self._axes = top_axes(moments, torque, axes)
         self._start = self._axes.start(omega, gamma)
         self.regime = regimes.regime(self._start)
@@ -77,38 +73,6 @@ class KovalevskayaTop:
         """
         rows, _ = self._rows(times, self._answers.base(digits))
         return [shortened(row, digits) for row in rows]
-
-    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """Unit quaternions q0, q1, q2, q3 of R, one a time: q0 >= 0 at t = 0, then continuous.
-
-        At t = 0, R = Rz(psi) Rx(theta) Rz(phi) with the psi given and phi = atan2(gamma1, gamma2).
-        Where q0 = 0 at t = 0, the first component that is not 0 is positive.  The work grows with
-        time: beyond a limit ValueError is raised.
-        """
-        bits = self._turning_bits(times, digits)
-        found = self._attitude(bits)
-        with mpmath.workprec(bits):
-            rows = [list(found.at(number(t, bits), MP)) for t in times]
-        return [shortened(row, digits) for row in rows]
-
-    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
-        """Rows psi, theta, phi, continuous in t; psi and phi None where gamma is along axis 3.
-
-        They start from the psi given and phi = atan2(gamma1, gamma2).  Passing through a pole, psi
-        and phi jump by pi, and one of psi + phi, psi - phi stays continuous.  The error is below
-        10^-digits.  The work grows with time: beyond a limit ValueError is raised.
-        """
-        bits = self._turning_bits(times, digits)
-        self._attitude(bits)
-        with mpmath.workprec(bits):
-            psi = number(self._psi, bits)
-            phi = mpmath.atan2(number(self._gamma[0], bits), number(self._gamma[1], bits))
-
-        def moment(t: Exact) -> Callable[[int], mpf]:
-            return lambda prec: number(t, prec)
-
-        rows = angles(self._attitude, [moment(t) for t in times], (psi, phi), self._sign, bits)
-        return [[shortened([x], digits, absolute=True)[0] for x in row] for row in rows]
 
     def error(self, digits: int, times: Sequence[Exact] = (_ZERO,)) -> mpf:
         """An estimate of the error of :meth:`at`: of w over its largest modulus, or of gamma.
@@ -179,7 +143,7 @@ class KovalevskayaTop:
         assert isinstance(solution, Generic)
         return solution.curve
 
-    def _turning_bits(self, times: Sequence[Exact], digits: int) -> int:
+    def _bits(self, times: Sequence[Exact], digits: int) -> int:
         """The precision of an attitude; refuses times that are too far."""
         phase = self._answers.phase(times)
         if phase > math.log2(MOST_PANELS) + 1:
@@ -204,16 +168,12 @@ class KovalevskayaTop:
                 row = self._placed(solution.at(mpmath.ldexp(t, exponent))[0], used)
             return row[:3], row[3:]
 
+        start = self._first_quaternion(bits)
         with mpmath.workprec(bits):
-            start = start_quaternion(self._gamma, self._psi, self._sign, bits)
             rate = mpmath.ldexp(self._start.fastest(bits), exponent)
             found = Attitude(state, start, rate, 2 * math.ceil(_NODES * bits))
         self._attitudes[bits] = solution, found
         return found
-
-    @cached_property
-    def _sign(self) -> int:
-        return start_sign(self._gamma, self._psi)
 
     def _rows(self, times: Sequence[Exact], base: int) -> tuple[list[list[mpf]], mpf]:
         """Rows right to ``base`` bits, and the estimate of their error."""

@@ -10,16 +10,14 @@ digits.  Units: any consistent set.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 import mpmath
 from mpmath import mpf
 
-from polhode.closed_forms.attitude.angles import angles
-from polhode.closed_forms.attitude.start import start_quaternion, start_sign
+from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.lagrange.attitude import Attitude, attitude, top_start
@@ -43,7 +41,7 @@ _SLACK = 24  # of these, what the set-up may use up; where it needs more it is m
 _TRIALS = 6  # of a set-up with more bits each time
 
 
-class LagrangeTop:
+class LagrangeTop(FromAttitude):
     """The motion of one Lagrange top from one start.
 
     ``moments`` are the principal moments and ``torque`` = Mg r0 in principal axes; ``axes[i]`` is
@@ -65,8 +63,7 @@ class LagrangeTop:
         psi: Exact = _ZERO,
         axes: tuple[tuple[Exact, ...], ...] | None = None,
     ) -> None:
-        self._gamma = gamma
-        self._psi = psi
+        super().__init__(gamma, psi)
         self._axes = top_axes(moments, torque, axes)
         self._top: tuple[Vector, Vector] = self._axes.top(omega), self._axes.top(gamma)
         self._constants = constants(*self._axes.moments, self._axes.torque, *self._top)
@@ -93,38 +90,6 @@ class LagrangeTop:
                 gamma = 2 * (b * c - a * d), 2 * (a * c + b * d), a * a + b * b - c * c - d * d
                 rows.append(placed(matrix, (p, q, motion.r)) + placed(matrix, gamma))
         return [shortened(row, digits) for row in rows]
-
-    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """Unit quaternions q0, q1, q2, q3 of R, one a time: q0 >= 0 at t = 0, then continuous.
-
-        At t = 0, R = Rz(psi) Rx(theta) Rz(phi) with the psi given and phi = atan2(gamma1, gamma2).
-        Where q0 = 0 at t = 0, the first component that is not 0 is positive.
-        """
-        bits = self._bits(times, digits)
-        found = self._attitude(bits)
-        with mpmath.workprec(bits):
-            rows = [found.at(number(t, bits), MP) for t in times]
-        return [shortened(row, digits) for row in rows]
-
-    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
-        """Rows psi, theta, phi; psi and phi continuous in t, None where gamma is along axis 3.
-
-        They start from the psi given and phi = atan2(gamma1, gamma2).  Passing through a pole, psi
-        and phi jump by pi, and one of psi + phi, psi - phi stays continuous.  The error is below
-        10^-digits.  Where axis 3 is not the axis of symmetry the turns may have to be counted: the
-        work then grows with time, and beyond a limit ValueError is raised.
-        """
-        bits = self._bits(times, digits)
-        self._attitude(bits)
-        with mpmath.workprec(bits):
-            psi = number(self._psi, bits)
-            phi = mpmath.atan2(number(self._gamma[0], bits), number(self._gamma[1], bits))
-
-        def moment(t: Exact) -> Callable[[int], mpf]:
-            return lambda prec: number(t, prec)
-
-        rows = angles(self._attitude, [moment(t) for t in times], (psi, phi), self._sign, bits)
-        return [[shortened([x], digits, absolute=True)[0] for x in row] for row in rows]
 
     def period(self, digits: int) -> mpf | None:
         """The period of theta; None where theta is constant or tends to the upper pole."""
@@ -187,16 +152,11 @@ class LagrangeTop:
         """The attitude as a function of time, its constants made once a precision."""
         if bits not in self._attitudes:
             motion = self._motion(bits)
+            start = self._first_quaternion(bits)
             with mpmath.workprec(bits):
-                start = start_quaternion(self._gamma, self._psi, self._sign, bits)
                 torque = number(self._constants.a, bits) / 2
                 self._attitudes[bits] = attitude(motion, torque, self._axes.matrix(bits), start)
         return self._attitudes[bits]
-
-    @cached_property
-    def _sign(self) -> int:
-        """Of the attitude against the Euler angles at t = 0."""
-        return start_sign(self._gamma, self._psi)
 
     def _bits(self, times: Sequence[Exact], digits: int) -> int:
         """Working precision: the digits, what phases cost, a guard.
