@@ -18,7 +18,7 @@ from polhode.closed_forms.kovalevskaya import axes as top_axes
 from polhode.closed_forms.kovalevskaya import generic
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers import exact
-from polhode.scenes.body import OWN_AXES, Axes, cross, dot
+from polhode.scenes.body import OWN_AXES, PrincipalAxes, cross, dot
 from shared import series
 from shared.closed_form_checks import belongs, fractions, number
 
@@ -277,7 +277,7 @@ def test_labellings_and_centres(third, torque):
 @pytest.mark.parametrize("rows", [RATIONAL, IRRATIONAL])
 def test_turned_axes(rows):
     a, b, _ = rows
-    axes = Axes((a, b, cross(a, b)), (dot(a, a), dot(b, b), dot(cross(a, b), cross(a, b))))
+    axes = PrincipalAxes((a, b, cross(a, b)), (dot(a, a), dot(b, b), dot(cross(a, b), cross(a, b))))
     omega, gamma = map(fractions, GENERIC["e-ee+"])
     top = KovalevskayaTop(BODY, TORQUE, turned(axes, omega), turned(axes, gamma), F(0), axes.rows)
     assert top.regime == "e-ee+"

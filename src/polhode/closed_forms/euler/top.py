@@ -18,9 +18,9 @@ from mpmath import mpf
 
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.attitude.quaternion import turned_back
-from polhode.closed_forms.euler.attitude import Attitude
+from polhode.closed_forms.euler.attitude import EulerAttitude
 from polhode.closed_forms.euler.axes import numbered_axes
-from polhode.closed_forms.euler.motion import Motion, permanent_rotation, polhode
+from polhode.closed_forms.euler.motion import EulerMotion, permanent_rotation, polhode
 from polhode.closed_forms.euler.regimes import exact_numbers, is_permanent, regime
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened, vector
@@ -61,8 +61,8 @@ class EulerTop(FromAttitude):
         self._moments = tuple(moments[i] for i in self._axes.order)
         self._omega = self._axes.numbered(omega)
         self._numbers = {} if self._permanent else exact_numbers(self._moments, self._omega)
-        self._motions: dict[int, Motion] = {}
-        self._attitudes: dict[int, Attitude] = {}
+        self._motions: dict[int, EulerMotion] = {}
+        self._attitudes: dict[int, EulerAttitude] = {}
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
         """Rows p, q, r [, gamma1, gamma2, gamma3], one a time.
@@ -114,12 +114,12 @@ class EulerTop(FromAttitude):
                     found["precession"] += motion.jump / half_period
         return {name: shortened([x], digits)[0] for name, x in found.items()}
 
-    def _motion(self, bits: int) -> Motion:
+    def _motion(self, bits: int) -> EulerMotion:
         """The constants at a precision, made once."""
         if bits not in self._motions:
             with mpmath.workprec(bits):
                 if self._permanent:
-                    made: Motion = permanent_rotation(vector(self._omega, bits))
+                    made: EulerMotion = permanent_rotation(vector(self._omega, bits))
                 else:
                     numbers = {name: number(x, bits) for name, x in self._numbers.items()}
                     s1, s3 = (1 if sign(self._omega[i]) >= 0 else -1 for i in (0, 2))
@@ -129,13 +129,13 @@ class EulerTop(FromAttitude):
             self._motions[bits] = made
         return self._motions[bits]
 
-    def _attitude(self, bits: int) -> Attitude:
+    def _attitude(self, bits: int) -> EulerAttitude:
         """The attitude as a function of time, its constants made once a precision."""
         if bits not in self._attitudes:
             start = self._first_quaternion(bits)
             with mpmath.workprec(bits):
                 axes = self._axes.mapped(lambda x: number(x, bits))
-                self._attitudes[bits] = Attitude(self._motion(bits), axes, start)
+                self._attitudes[bits] = EulerAttitude(self._motion(bits), axes, start)
         return self._attitudes[bits]
 
     def _bits(self, times: Sequence[Exact], digits: int) -> int:

@@ -43,7 +43,7 @@ _WAYS = (
 
 
 @dataclass(frozen=True)
-class Start:
+class KovalevskayaStart:
     """The state at t = 0 and the integrals, exact, in the top's axes; time in units of 1/unit.
 
     ``unit`` is the power of two nearest to n.
@@ -64,7 +64,7 @@ class Start:
         """a^2 - k^2."""
         return self.a2 - self.k2
 
-    def moved(self, share: Fraction, bits: int) -> Start:
+    def moved(self, share: Fraction, bits: int) -> KovalevskayaStart:
         """The start moved by ``share`` of a generic direction; both rounded to ``bits`` bits."""
         speed = Fraction(2) ** round(self.log2_scale)
         heavy = Fraction(2) ** round(log2(self.weight))
@@ -78,7 +78,7 @@ class Start:
         (p, q, r), (G1, G2, G3) = rows
         m = p * G1 + q * G2 + r * G3 / 2
         xi = p * p - q * q - G1, 2 * p * q - G2
-        return Start(
+        return KovalevskayaStart(
             omega=(p, q, r),
             G=(G1, G2, G3),
             H=p * p + q * q + r * r / 2 + G1,
@@ -117,7 +117,7 @@ class Start:
 
 
 @dataclass(frozen=True)
-class TopAxes:
+class KovalevskayaAxes:
     """The top's axes in principal ones, and the principal axes in the scene's (None: the same)."""
 
     rows: tuple[tuple[Exact, ...], ...] | None
@@ -134,7 +134,7 @@ class TopAxes:
         x, y, z = (v[i] for i in self.order)
         return x, y, z
 
-    def start(self, omega: Vector, gamma: Vector) -> Start:
+    def start(self, omega: Vector, gamma: Vector) -> KovalevskayaStart:
         """The start and the integrals; what is rational stays so where n^2 is not."""
         (p, q, r), (g1, g2, g3) = self.principal(omega), self.principal(gamma)
         X, Y = self.centre
@@ -151,7 +151,7 @@ class TopAxes:
         k2 = pi * pi + square * level - 2 * mixed
         if sign(k2) == 0:
             k2 = ZERO
-        return Start(
+        return KovalevskayaStart(
             omega=(along / n2 * over, across / n2 * over, r * over),
             G=(G1 * over2, G2 * over2, n2 * g3 * over2),
             H=(pi + r * r / 2 + G1) * over2,
@@ -180,14 +180,14 @@ class TopAxes:
 
 def top_axes(
     moments: Vector, torque: Vector, rows: tuple[tuple[Exact, ...], ...] | None
-) -> TopAxes:
+) -> KovalevskayaAxes:
     """The axes of the top; raises ValueError for a body that is none (:func:`fits`)."""
     kind, axis = classical_top(moments, torque)
     if kind != KOVALEVSKAYA or axis is None:
         raise ValueError("not a Kovalevskaya top")
     i, j, k = with_last(axis)
     X, Y = torque[i] / moments[k], torque[j] / moments[k]
-    return TopAxes(rows, (i, j, k), (X, Y), sqrt(X * X + Y * Y))
+    return KovalevskayaAxes(rows, (i, j, k), (X, Y), sqrt(X * X + Y * Y))
 
 
 def placed(matrix: Sequence[Sequence[Any]], vector: Sequence[Any]) -> list[Any]:

@@ -21,10 +21,10 @@ from mpmath import mpf
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.functions.rounding import number, rounded_up, shortened
 from polhode.closed_forms.kovalevskaya import regimes
-from polhode.closed_forms.kovalevskaya.attitude import MOST_PANELS, Attitude
+from polhode.closed_forms.kovalevskaya.attitude import MOST_PANELS, KovalevskayaAttitude
 from polhode.closed_forms.kovalevskaya.axes import placed, top_axes
-from polhode.closed_forms.kovalevskaya.certified import CERTIFIED, Answers, Solution
-from polhode.closed_forms.kovalevskaya.curve import Curve, cubic_roots
+from polhode.closed_forms.kovalevskaya.certified import CERTIFIED, Answers, KovalevskayaMotion
+from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, cubic_roots
 from polhode.closed_forms.kovalevskaya.generic import Generic
 from polhode.closed_forms.kovalevskaya.one_frequency import special
 from polhode.numbers.exact import Exact
@@ -62,7 +62,7 @@ class KovalevskayaTop(FromAttitude):
         self.regime = regimes.regime(self._start)
         self._answers = Answers(self._start, self.regime)
         self._matrices: dict[int, tuple[list[list[Any]], mpf]] = {}
-        self._attitudes: dict[int, tuple[Solution, Attitude]] = {}
+        self._attitudes: dict[int, tuple[KovalevskayaMotion, KovalevskayaAttitude]] = {}
         self._span: tuple[Exact, Exact] = (_ZERO, _ZERO)  # of the times of attitudes so far
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
@@ -134,7 +134,7 @@ class KovalevskayaTop(FromAttitude):
         found["tau"] = None if made is None else shortened(made.periods[2], digits)
         return found
 
-    def _curve(self, digits: int) -> Curve | None:
+    def _curve(self, digits: int) -> KovalevskayaCurve | None:
         """The curve of a generic motion, as certified by the start."""
         if not self._answers.generic:
             return None
@@ -155,7 +155,7 @@ class KovalevskayaTop(FromAttitude):
         self._span = min([self._span[0], *times]), max([self._span[1], *times])
         return rounded_up(self._answers.base(digits) + phase + _TURNING)
 
-    def _attitude(self, bits: int) -> Attitude:
+    def _attitude(self, bits: int) -> KovalevskayaAttitude:
         """The attitude as a function of time, its panels made once a precision."""
         solution, used, _, _ = self._answers.resolved(self._span, bits)
         known = self._attitudes.get(bits)
@@ -171,7 +171,7 @@ class KovalevskayaTop(FromAttitude):
         start = self._first_quaternion(bits)
         with mpmath.workprec(bits):
             rate = mpmath.ldexp(self._start.fastest(bits), exponent)
-            found = Attitude(state, start, rate, 2 * math.ceil(_NODES * bits))
+            found = KovalevskayaAttitude(state, start, rate, 2 * math.ceil(_NODES * bits))
         self._attitudes[bits] = solution, found
         return found
 

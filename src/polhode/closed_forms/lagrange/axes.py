@@ -18,7 +18,7 @@ from polhode.scenes import body
 from polhode.scenes.body import Vector, cross, dot
 from polhode.scenes.tops import LAGRANGE, SPHERE, classical_top, with_last
 
-Matrix = list[list[Any]]
+RowMatrix = list[list[Any]]
 
 
 def fits(scene: PrincipalScene) -> bool:
@@ -31,7 +31,7 @@ def fits(scene: PrincipalScene) -> bool:
 
 
 @dataclass(frozen=True)
-class TopAxes:
+class LagrangeAxes:
     """The top's axes in principal ones, and the principal axes in the scene's (None: the same).
 
     Axis n of the top is ``signs[n]`` times principal axis ``order[n]``, or row n of ``turned``.
@@ -40,7 +40,7 @@ class TopAxes:
     rows: tuple[tuple[Exact, ...], ...] | None
     order: tuple[int, int, int]
     signs: tuple[int, int, int]
-    turned: body.Axes | None
+    turned: body.PrincipalAxes | None
     moments: tuple[Exact, Exact]  # A, across the axis of symmetry, and C, about it
     torque: Exact  # Mg z0 > 0
 
@@ -55,7 +55,7 @@ class TopAxes:
         x, y, z = (s * v[i] for s, i in zip(self.signs, self.order, strict=True))
         return x, y, z
 
-    def matrix(self, bits: int) -> Matrix:
+    def matrix(self, bits: int) -> RowMatrix:
         """The top's axes as rows of components in the scene's axes, at the precision in force."""
         if self.turned is not None:
             turn = [[number(x, bits) for x in row] for row in self.turned.rows]
@@ -72,7 +72,7 @@ class TopAxes:
 
 def top_axes(
     moments: Vector, torque: Vector, rows: tuple[tuple[Exact, ...], ...] | None
-) -> TopAxes:
+) -> LagrangeAxes:
     """The axes of the top; raises ValueError for a body that is none (:func:`fits`)."""
     found = classical_top(moments, torque)
     if found.kind not in (LAGRANGE, SPHERE):
@@ -80,16 +80,18 @@ def top_axes(
     if found.axis is not None:
         i, j, k = with_last(found.axis)
         up = sign(torque[k])
-        return TopAxes(rows, (i, j, k), (1, up, up), None, (moments[i], moments[k]), abs(torque[k]))
+        return LagrangeAxes(
+            rows, (i, j, k), (1, up, up), None, (moments[i], moments[k]), abs(torque[k])
+        )
     units = body.IDENTITY
     across = max((cross(unit, torque) for unit in units), key=lambda v: dot(v, v))
     directions = across, cross(torque, across), torque
     a, b, c = (dot(v, v) for v in directions)
-    turned = body.Axes(directions, (a, b, c))
-    return TopAxes(rows, (0, 1, 2), (1, 1, 1), turned, (moments[0], moments[0]), sqrt(c))
+    turned = body.PrincipalAxes(directions, (a, b, c))
+    return LagrangeAxes(rows, (0, 1, 2), (1, 1, 1), turned, (moments[0], moments[0]), sqrt(c))
 
 
-def placed(matrix: Matrix, vector: Sequence[Any]) -> list[Any]:
+def placed(matrix: RowMatrix, vector: Sequence[Any]) -> list[Any]:
     """From the top's axes to the scene's; any scalars.  Entries 0 and 1 cost nothing."""
     found = []
     for column in range(3):

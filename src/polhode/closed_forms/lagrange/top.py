@@ -20,12 +20,12 @@ from mpmath import mpf
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
-from polhode.closed_forms.lagrange.attitude import Attitude, attitude, top_start
+from polhode.closed_forms.lagrange.attitude import LagrangeAttitude, attitude, top_start
 from polhode.closed_forms.lagrange.axes import placed, top_axes
 from polhode.closed_forms.lagrange.motion import (
-    Motion,
+    LagrangeMotion,
+    LagrangeStart,
     Nutating,
-    Start,
     equations,
     nutating,
     steady,
@@ -72,8 +72,8 @@ class LagrangeTop(FromAttitude):
         self._extra = 0  # bits that the set-up takes more, near a pole or a degenerate motion
         if not self._steady:
             self._extra = math.ceil(gaps(self._constants, 64).lost)
-        self._motions: dict[int, Motion] = {}
-        self._attitudes: dict[int, Attitude] = {}
+        self._motions: dict[int, LagrangeMotion] = {}
+        self._attitudes: dict[int, LagrangeAttitude] = {}
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
         """Rows p, q, r, gamma1, gamma2, gamma3, one a time.
@@ -123,7 +123,7 @@ class LagrangeTop(FromAttitude):
                 found["proper rotation"] = side * (one - other)
         return {name: shortened([x], digits)[0] for name, x in found.items()}
 
-    def _motion(self, bits: int) -> Motion:
+    def _motion(self, bits: int) -> LagrangeMotion:
         """The constants at a precision, made once.
 
         They are made with more bits until values and derivatives of al, bt and p + iq at t = 0
@@ -148,7 +148,7 @@ class LagrangeTop(FromAttitude):
             self._extra = lost
         raise ArithmeticError("the closed form does not reproduce the start")
 
-    def _attitude(self, bits: int) -> Attitude:
+    def _attitude(self, bits: int) -> LagrangeAttitude:
         """The attitude as a function of time, its constants made once a precision."""
         if bits not in self._attitudes:
             motion = self._motion(bits)
@@ -172,13 +172,13 @@ class LagrangeTop(FromAttitude):
         return bits
 
 
-def _period(motion: Motion) -> Any | None:
+def _period(motion: LagrangeMotion) -> Any | None:
     if not isinstance(motion, Nutating) or not mpmath.isfinite(motion.elliptic.K):
         return None
     return 2 * motion.elliptic.K / motion.rate
 
 
-def _defect(motion: Motion, start: Start, ratio: Any, torque: Any) -> Any:
+def _defect(motion: LagrangeMotion, start: LagrangeStart, ratio: Any, torque: Any) -> Any:
     """How far the motion is from the start at t = 0, and from its equations then and later.
 
     Relative to the sizes of al, bt and xi and to the fastest rate; the second time is a fraction
