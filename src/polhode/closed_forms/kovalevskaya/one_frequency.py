@@ -21,7 +21,7 @@ import mpmath
 from mpmath import mpc, mpf
 
 from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.functions.weierstrass import WeierstrassSolution, Quartic, solution
+from polhode.closed_forms.functions.weierstrass import Quartic, WeierstrassSolution, solution
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
