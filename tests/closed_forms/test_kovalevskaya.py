@@ -14,14 +14,16 @@ import pytest
 from mpmath import mpc, mpf
 
 from polhode.closed_forms.functions import riemann_theta
+from polhode.closed_forms.kovalevskaya import axes as top_axes
 from polhode.closed_forms.kovalevskaya import generic
-from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop, fits
+from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers import exact
-from polhode.scenes.body import OWN_AXES, Axes, cross, dot
+from polhode.scenes.body import OWN_AXES, PrincipalAxes, cross, dot
 from shared import series
-from shared.closed_form_checks import fractions, number
+from shared.closed_form_checks import belongs, fractions, number
 
 F = Fraction
+fits = belongs(top_axes.fits)
 BODY = (F(2), F(2), F(1))
 TORQUE = (F(1), F(0), F(0))
 DATA = Path(__file__).parents[1] / "data" / "closed-form-50-digits.json"
@@ -166,13 +168,16 @@ def test_one_frequency_motions(name):
     assert error == 0 if steady else in_band(error, 45)
     period = top.period(50)
     assert (period is None) == (steady or name.startswith("separatrix"))
-    if period is not None:
+    if period is None:
+        assert top.frequencies(40) == {}
+    else:
         with mpmath.workdps(60):
             start = [[number(x) for x in (*fractions(omega), *fractions(gamma))]]
         turned = exact.exact(F(*map(int, mpmath.libmp.to_rational(period._mpf_))))
         assert distance(top.at([turned], 45), start) < mpf(10) ** -44
-        frequency = top.frequencies(40)["body"]
-        assert abs(frequency * period - 2 * mpmath.pi) < 1e-14
+        with mpmath.workdps(60):
+            turn = top.frequencies(40)["body"] * period / (2 * mpmath.pi)
+            assert in_band(abs(turn - 1), 40, 10)
 
 
 @pytest.mark.parametrize("name", DEGENERATE)
@@ -275,7 +280,7 @@ def test_labellings_and_centres(third, torque):
 @pytest.mark.parametrize("rows", [RATIONAL, IRRATIONAL])
 def test_turned_axes(rows):
     a, b, _ = rows
-    axes = Axes((a, b, cross(a, b)), (dot(a, a), dot(b, b), dot(cross(a, b), cross(a, b))))
+    axes = PrincipalAxes((a, b, cross(a, b)), (dot(a, a), dot(b, b), dot(cross(a, b), cross(a, b))))
     omega, gamma = map(fractions, GENERIC["e-ee+"])
     top = KovalevskayaTop(BODY, TORQUE, turned(axes, omega), turned(axes, gamma), F(0), axes.rows)
     assert top.regime == "e-ee+"
@@ -319,6 +324,66 @@ def test_special_regimes_are_told_exactly_where_n_is_irrational():
         BODY, torque, (omega[0], omega[1] + F(1, 10**60), omega[2]), (side, F(0), g3)
     )
     assert moved.regime in GENERIC
+
+
+@pytest.mark.parametrize("name", GENERIC)
+def test_frequencies_are_those_of_the_periods_of_the_curve(name):
+    """From real integrals between branch points; the variables come back together.
+
+    ds1/w1 + ds2/w2 = 0 and s1 ds1/w1 + s2 ds2/w2 = dt: with P_i the integral of ds/w over the cycle
+    of s_i and Q_i that of s ds/w, n1 P1 = n2 P2 and n1 Q1 - n2 Q2 = t after n1 and n2 cycles.
+    """
+    top = top_of(*GENERIC[name])
+    found = top.frequencies(40)
+    with mpmath.workdps(55):
+        (P1, Q1), (P2, Q2) = (cycle_integrals(top._start, s) for s in variables(top._start))
+        unit = 2 * mpmath.pi * mpmath.ldexp(1, top._start.exponent) / abs(Q1 * P2 - Q2 * P1)
+        for rate, right in ((found["s1"], P2 * unit), (found["s2"], P1 * unit)):
+            assert in_band(abs(rate / right - 1), 40, 10)
+
+
+def variables(start):
+    """The separation variables s1, s2 of a start, roots of q^2 s^2 + R s/2 + R1/4."""
+    (p, q, _), _ = start.numbers(mpmath.mp.prec)
+    H, m, b = (number(x) for x in (start.H, start.m, start.b))
+    sg, pi = 2 * p, p * p + q * q
+    R = -pi * pi + 2 * H * pi - 2 * m * sg + b
+    R1 = -2 * H * pi * pi - b * sg * sg + 4 * m * pi * sg + 2 * H * b - 4 * m * m
+    root = mpmath.sqrt(R * R / 4 - q * q * R1)
+    return sorted((-R / 2 + side * root) / (2 * q * q) for side in (1, -1))
+
+
+def cycle_integrals(start, s):
+    """The integrals of ds/w and s ds/w over the cycle of s, w^2 = -2 (s^2 - k^2) S(s).
+
+    Between two branch points s = centre + half sin x, below the least one s = a - tan^2 x.
+    """
+    H, m, b, k2 = (number(x) for x in (start.H, start.m, start.b, start.k2))
+    cubic = mpmath.polyroots([H * b - 2 * m * m, b, H, 1], asc=True, maxsteps=500, extraprec=400)
+    points = [*cubic, mpmath.sqrt(k2), -mpmath.sqrt(k2)]
+    real = sorted(mpmath.re(a) for a in points if abs(mpmath.im(a)) < mpf(10) ** -30)
+    above = next(a for a in real if a > s)
+    below = max((a for a in real if a < s), default=None)
+    rest = [a for a in points if a not in (above, below)]
+    if below is None:
+        ends = 0, mpmath.pi / 4, mpmath.pi / 2
+
+        def place(x):
+            return above - mpmath.tan(x) ** 2, 2 * mpmath.sec(x) ** 2
+    else:
+        ends = -mpmath.pi / 2, 0, mpmath.pi / 2
+
+        def place(x):
+            return (above + below) / 2 + (above - below) / 2 * mpmath.sin(x), mpf(1)
+
+    def over_w(x):
+        s, slope = place(x)
+        return slope / mpmath.sqrt(2 * abs(mpmath.fprod(s - a for a in rest)))
+
+    return (
+        2 * mpmath.quad(over_w, ends),
+        2 * mpmath.quad(lambda x: place(x)[0] * over_w(x), ends),
+    )
 
 
 def test_frequencies_are_the_mean_rates_of_the_separation_variables():

@@ -17,11 +17,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mpf
 
+from polhode.closed_forms.lagrange import axes as top_axes
 from polhode.closed_forms.lagrange import motion as lagrange_motion
-from polhode.closed_forms.lagrange.top import LagrangeTop, fits
+from polhode.closed_forms.lagrange.top import LagrangeTop
 from polhode.numbers import exact
 from shared import series
 from shared.closed_form_checks import (
+    belongs,
     distance,
     error_of_1000_digits,
     fractions,
@@ -46,6 +48,7 @@ from shared.lagrange_motions import (
 )
 
 F = Fraction
+fits = belongs(top_axes.fits)
 DATA = Path(__file__).parents[1] / "data" / "closed-form-50-digits.json"
 CASES = [c for c in json.loads(DATA.read_text())["cases"] if c["group"] == "lagrange"]
 FAST = ["fast"]

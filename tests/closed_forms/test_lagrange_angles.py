@@ -8,7 +8,7 @@ import pytest
 from mpmath import mpf
 
 from polhode.closed_forms.attitude import angles as euler_angles
-from polhode.closed_forms.lagrange.attitude import Attitude
+from polhode.closed_forms.lagrange.attitude import LagrangeAttitude
 from polhode.closed_forms.lagrange.top import LagrangeTop
 from polhode.numbers import exact
 from shared import series
@@ -111,7 +111,7 @@ def test_counting_agrees_with_the_closed_form(name, turned, monkeypatch):
         omega, gamma = in_scene(omega, axes), in_scene(gamma, axes)
     times = [F(40), F(-3), F(300), F(-300)]
     closed = LagrangeTop(moments, torque, omega, gamma, PSI, axes).angles(times, 20)
-    monkeypatch.setattr(Attitude, "arguments", lambda *_: None)
+    monkeypatch.setattr(LagrangeAttitude, "arguments", lambda *_: None)
     counted = LagrangeTop(moments, torque, omega, gamma, PSI, axes).angles(times, 20)
     assert distance(closed, counted) < mpf(10) ** -20
 

@@ -16,13 +16,14 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mpf
 
+from polhode.closed_forms.pendulum import conditions
 from polhode.closed_forms.pendulum import top as pendulum
-from polhode.closed_forms.pendulum.top import Pendulum, fits
+from polhode.closed_forms.pendulum.top import Pendulum
 from polhode.numbers import exact
 from polhode.scenes.body import cross
 from shared import series
-from shared.closed_form_checks import distance as gap
 from shared.closed_form_checks import (
+    belongs,
     error_of_1000_digits,
     fractions,
     number,
@@ -30,8 +31,10 @@ from shared.closed_form_checks import (
     rotation,
     unwound,
 )
+from shared.closed_form_checks import distance as gap
 
 F = Fraction
+fits = belongs(conditions.fits)
 PSI = F(7, 10)
 DATA = Path(__file__).parents[1] / "data" / "closed-form-50-digits.json"
 TINY = F(1, 10**30)

@@ -6,6 +6,7 @@ from fractions import Fraction
 import mpmath
 from mpmath import mpf
 
+from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers import exact
 
 
@@ -16,6 +17,14 @@ def fractions(row):
 def number(x):
     """An exact number as mpf, at the precision in force."""
     return mpf(exact.rounded(x, mpmath.mp.prec))
+
+
+def belongs(fits):
+    """A family's ``fits`` as a function of moments, torque, omega and gamma in principal axes."""
+    at_rest = (0, 0, 0), (0, 0, 1)
+    return lambda moments, torque, omega=at_rest[0], gamma=at_rest[1]: fits(
+        PrincipalScene(moments, torque, omega, gamma)
+    )
 
 
 def distance(one, other, scale=1):

@@ -17,7 +17,7 @@ from polhode.numbers.scalars import Functions
 
 if TYPE_CHECKING:
     from polhode.numbers.exact import Exact
-    from polhode.scenes.body import Axes
+    from polhode.scenes.body import PrincipalAxes
     from polhode.scenes.scene import Scene
 
 
@@ -32,7 +32,7 @@ class Form(ABC):
     """
 
     scene: Scene
-    axes: Axes
+    axes: PrincipalAxes
     variables: tuple[str, ...]
     coefficients: Mapping[str, Exact]
     start: tuple[Exact, ...]

@@ -25,6 +25,7 @@ from polhode.numbers import exact
 from polhode.numbers.convert import exactly, to_extended, to_mpf
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.scalars import combination
+from polhode.scenes import tops
 from polhode.scenes.body import dot
 from polhode.scenes.scene import Scene
 
@@ -110,6 +111,16 @@ _FOURTH: dict[str, Callable[..., Any]] = {
 }
 
 
+#: The fourth integral of a classical top; Goryachev and Chaplygin's where f = 0 alone.
+_FOURTH_OF = {
+    tops.EULER: MOMENTUM,
+    tops.LAGRANGE: SPIN,
+    tops.SPHERE: SPIN,
+    tops.KOVALEVSKAYA: KOVALEVSKAYA,
+    tops.CHAPLYGIN: CHAPLYGIN,
+}
+
+
 def first_integrals(scene: Scene) -> FirstIntegrals:
     """The first integrals that the exact scene has."""
     body, unit = scene.body, Fraction(2) ** scene.time_unit
@@ -134,24 +145,14 @@ def first_integrals(scene: Scene) -> FirstIntegrals:
 def _fourth(scene: Scene) -> tuple[str | None, tuple[int, int, int]]:
     """The fourth integral's name, None without one, and the axes with that of symmetry last."""
     body = scene.body
-    if body.torque_free:
-        return MOMENTUM, (0, 1, 2)
-    moments, torque = body.moments, body.axes.components(body.torque)
-    if moments[0] == moments[1] == moments[2]:
-        return SPIN, (0, 1, 2)
-    for order in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        a, b, c = (moments[i] for i in order)
-        if a != b:
-            continue
-        if all(sign(torque[i]) == 0 for i in order[:2]):
-            return SPIN, order
-        if sign(torque[order[2]]) == 0:
-            if a == 2 * c:
-                return KOVALEVSKAYA, order
-            area = scene.integrals.area
-            if a == 4 * c and area is not None and sign(area) == 0:
-                return CHAPLYGIN, order
-    return None, (0, 1, 2)
+    top = tops.classical_top(body.moments, body.axes.components(body.torque))
+    name = _FOURTH_OF.get(top.kind)
+    area = scene.integrals.area
+    if name == CHAPLYGIN and (area is None or sign(area) != 0):
+        name = None
+    if name is None or top.axis is None or top.kind == tops.SPHERE:
+        return name, (0, 1, 2)
+    return name, tops.with_last(top.axis)
 
 
 def exact_values(scene: Scene, found: FirstIntegrals) -> list[Exact]:

@@ -17,7 +17,7 @@ from polhode.numbers import exact
 from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.exact import ONE, Exact, sign
 from polhode.numbers.scalars import combination
-from polhode.scenes.body import Axes, Vector
+from polhode.scenes.body import PrincipalAxes, Vector
 
 
 def starting_attitude(gamma: Vector, psi: Exact) -> tuple[Exact, ...]:
@@ -52,7 +52,7 @@ def starting_phi(gamma: Vector) -> Exact:
     return exact.ZERO if at_pole else exact.arctan2(gamma[0], gamma[1])
 
 
-def turn_coefficients(axes: Axes) -> dict[str, Exact]:
+def turn_coefficients(axes: PrincipalAxes) -> dict[str, Exact]:
     """The non-zero entries of the turn from these axes to the scene's, where there is one."""
     if axes.trivial:
         return {}

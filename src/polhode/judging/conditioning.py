@@ -123,8 +123,7 @@ def conditioning(
                 10       41.2  14.0
                 20   1.52e+03  12.5
     """
-    if not isinstance(scene, Scene):
-        scene = library.load(scene)
+    scene = library.load(scene)
     if times is not None:
         scene = scene.at(tuple(exact_number(t) for t in times))
     kind = number_types.named(number) if isinstance(number, str) else number

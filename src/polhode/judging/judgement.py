@@ -29,7 +29,6 @@ from polhode.numbers.number_types import NumberType, wider
 from polhode.runs.integrate import integrate
 from polhode.runs.request import choose_number
 from polhode.runs.trajectory import Trajectory
-from polhode.scenes.library import load
 from polhode.scenes.scene import Scene
 from polhode.scenes.words import STATE
 
@@ -287,8 +286,7 @@ def compare(
             raise BadInput("compare", "against", None, "a reference, or a scene")
         against = what.scene
     if isinstance(against, (Scene, str, Path)):
-        scene = against if isinstance(against, Scene) else load(against)
-        against = reference(scene)
+        against = reference(against)
     if isinstance(what, Trajectory):
         found = Judgement(of_run(what), against, known)
     else:

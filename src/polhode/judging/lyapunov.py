@@ -80,8 +80,7 @@ def lyapunov(scene: Scene | str | Path, end: Any = None, max_steps: int = MAX_ST
 
     from polhode.taylor.variations import Variations
 
-    if not isinstance(scene, Scene):
-        scene = library.load(scene)
+    scene = library.load(scene)
     unit, slow = 2.0**scene.time_unit, _slowest(scene)
     last = DEFAULT_LENGTH * slow
     if end is not None:

@@ -238,8 +238,7 @@ def reference(scene: Scene | str | Path) -> Reference | TwoPrecisions:
     >>> polhode.reference("general/asymmetric-regular")
     <TwoPrecisions of general/asymmetric-regular: heavy asymmetric body>
     """
-    if not isinstance(scene, Scene):
-        scene = library.load(scene)
+    scene = library.load(scene)
     if scene.reference == "two-precisions":
         return TwoPrecisions(scene)
     found = closed_form(scene, scene.reference)

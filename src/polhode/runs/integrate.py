@@ -57,8 +57,7 @@ def integrate(
     >>> polhode.compare(run).reached
     True
     """
-    if not isinstance(scene, Scene):
-        scene = library.load(scene)
+    scene = library.load(scene)
     if at is not None:
         scene = scene.at(tuple(exact_number(t) for t in at))
     chosen = choose_number(scene, number, digits)

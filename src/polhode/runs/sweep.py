@@ -169,8 +169,7 @@ def integrate_many(
     (6, ('start.omega[3]', 'body.weight'), True)
     """
     began = time.perf_counter()
-    if not isinstance(scene, Scene):
-        scene = library.load(scene)
+    scene = library.load(scene)
     if at is not None:
         scene = scene.at(tuple(exact_number(t) for t in at))
     plan = _plan(scene, vary, number, digits, tol, max_steps)

@@ -64,7 +64,7 @@ class UnphysicalBody(ValueError):
 
 
 @dataclass(frozen=True)
-class Axes:
+class PrincipalAxes:
     """Right-handed orthonormal axes in body axes, kept as directions and squared lengths."""
 
     directions: Matrix
@@ -96,7 +96,7 @@ class Axes:
         return a, b, c
 
 
-OWN_AXES = Axes(IDENTITY, (ONE, ONE, ONE))
+OWN_AXES = PrincipalAxes(IDENTITY, (ONE, ONE, ONE))
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ class Body:
         return self._principal[0]
 
     @property
-    def axes(self) -> Axes:
+    def axes(self) -> PrincipalAxes:
         """The principal axes; the body axes themselves where the matrix is diagonal.
 
         Else, with two equal moments the third axis is the axis of symmetry and the second is at
@@ -186,7 +186,7 @@ class Body:
         return a, b, c
 
     @cached_property
-    def _principal(self) -> tuple[Vector, Axes]:
+    def _principal(self) -> tuple[Vector, PrincipalAxes]:
         (a, d, e), (_, b, f), (_, _, c) = self.inertia
         if is_zero((d, e, f)):
             return (a, b, c), OWN_AXES
@@ -199,7 +199,7 @@ def diagonal(moments: Vector) -> Matrix:
     return (a, ZERO, ZERO), (ZERO, b, ZERO), (ZERO, ZERO, c)
 
 
-def _diagonalised(inertia: Matrix, centre: Vector) -> tuple[Vector, Axes]:
+def _diagonalised(inertia: Matrix, centre: Vector) -> tuple[Vector, PrincipalAxes]:
     """Principal moments and axes of a symmetric matrix that is not diagonal.
 
     With I = mean·1 + K, tr K² = 6 s² and det K = 2 d, the moments are mean + 2 s cos(angle) for
@@ -237,9 +237,11 @@ def _eigenvector(inertia: Matrix, moment: Exact) -> Vector:
     return max((cross(y, z), cross(z, x), cross(x, y)), key=lambda v: dot(v, v))
 
 
-def _right_handed(first: Vector, second: Vector) -> Axes:
+def _right_handed(first: Vector, second: Vector) -> PrincipalAxes:
     third = cross(first, second)
-    return Axes((first, second, third), (dot(first, first), dot(second, second), dot(third, third)))
+    return PrincipalAxes(
+        (first, second, third), (dot(first, first), dot(second, second), dot(third, third))
+    )
 
 
 def _rational_if_so(inertia: Matrix, moment: Exact) -> Exact:

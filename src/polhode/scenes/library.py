@@ -21,13 +21,15 @@ def names() -> list[str]:
     return sorted(p.relative_to(top).with_suffix("").as_posix() for p in top.rglob("*.toml"))
 
 
-def load(scene: str | Path) -> Scene:
-    """A scene by the name of a case that ships or by a path; raises BadInput.
+def load(scene: Scene | str | Path) -> Scene:
+    """A scene by the name of a case that ships or by a path; a Scene as it is; raises BadInput.
 
     >>> import polhode
     >>> polhode.load("lagrange/nutation")
     <Scene lagrange/nutation: moments 1, 1, 1/2, 81 times to t = 40>
     """
+    if isinstance(scene, Scene):
+        return scene
     from polhode.scenes import scene_file
 
     name = str(scene)

@@ -1,32 +1,64 @@
-"""Names of bodies by their exact special structure."""
+"""Which classical top a body is, and about which axis: decided here and nowhere else.
+
+With two equal moments A = B, C the third one, T = Mg r0 and the axis of C the third:
+
+    Lagrange                 T along the axis (of three equal moments: anywhere)
+    Kovalevskaya             A = 2C, T across the axis
+    Goryachev, Chaplygin     A = 4C, T across the axis
+
+All by exact arithmetic on the body's numbers.
+"""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from polhode.numbers.exact import sign
-from polhode.scenes.body import Body
+from polhode.scenes.body import Body, Vector, is_zero
+
+EULER, LAGRANGE, SPHERE = "Euler top", "Lagrange top", "Lagrange top (three equal moments)"
+KOVALEVSKAYA, CHAPLYGIN = "Kovalevskaya top", "Goryachev-Chaplygin body"
+SYMMETRIC = "heavy symmetric body, centre of mass off its axis"
+ASYMMETRIC = "heavy asymmetric body"
+
+
+class ClassicalTop(NamedTuple):
+    """``kind``: the body's classical name, one of the seven above.
+
+    ``axis``: the principal axis (0, 1 or 2) of the moment C; of three equal moments the one that
+    carries the centre of mass.  None where there is no such axis, and for a body without weight.
+    """
+
+    kind: str
+    axis: int | None = None
+
+
+def classical_top(moments: Vector, torque: Vector) -> ClassicalTop:
+    """What a body is, by its principal moments and T = Mg r0 in principal axes."""
+    if is_zero(torque):
+        return ClassicalTop(EULER)
+    spherical = moments[0] == moments[1] == moments[2]
+    for axis in (2, 0, 1):
+        i, j, k = with_last(axis)
+        if moments[i] != moments[j]:
+            continue
+        if sign(torque[i]) == 0 == sign(torque[j]):
+            return ClassicalTop(SPHERE if spherical else LAGRANGE, axis)
+        if spherical:
+            continue
+        if sign(torque[k]) == 0 and moments[i] == 2 * moments[k]:
+            return ClassicalTop(KOVALEVSKAYA, axis)
+        if sign(torque[k]) == 0 and moments[i] == 4 * moments[k]:
+            return ClassicalTop(CHAPLYGIN, axis)
+        return ClassicalTop(SYMMETRIC, axis)
+    return ClassicalTop(SPHERE if spherical else ASYMMETRIC)
+
+
+def with_last(axis: int) -> tuple[int, int, int]:
+    """The three axes in cyclic order, ``axis`` last: a right-handed frame stays so."""
+    return (axis + 1) % 3, (axis + 2) % 3, axis
 
 
 def kind_of_body(body: Body) -> str:
     """The classical name of a body: Euler, Lagrange or Kovalevskaya top, or what it is instead."""
-    if body.torque_free:
-        return "Euler top"
-    moments = body.moments
-    x, y, z = (sign(component) == 0 for component in body.axes.components(body.torque))
-    if moments[0] == moments[1] == moments[2]:
-        return "Lagrange top (three equal moments)"
-    for third, (first, second), centred in (
-        (2, (0, 1), (x and y, z)),
-        (0, (1, 2), (y and z, x)),
-        (1, (2, 0), (z and x, y)),
-    ):
-        if moments[first] != moments[second]:
-            continue
-        on_axis, across = centred
-        if on_axis:
-            return "Lagrange top"
-        if across and moments[first] == 2 * moments[third]:
-            return "Kovalevskaya top"
-        if across and moments[first] == 4 * moments[third]:
-            return "Goryachev-Chaplygin body"
-        return "heavy symmetric body, centre of mass off its axis"
-    return "heavy asymmetric body"
+    return classical_top(body.moments, body.axes.components(body.torque)).kind

@@ -10,7 +10,7 @@ from mpmath import mpf
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, direction
 from polhode.closed_forms.attitude.winding import growth, longest
-from polhode.closed_forms.functions.jacobi import MP, Functions, numpy_functions
+from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 from polhode.numbers.exact import EQUAL_BITS
 
 
@@ -22,7 +22,7 @@ class Attitude(Protocol):
         """The attitude at t = 0."""
         ...
 
-    def at(self, t: Any, fn: Functions) -> Quaternion:
+    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         ...
 

@@ -12,7 +12,7 @@ _ODD = ((0, 2, 1), (1, 0, 2), (2, 1, 0))
 
 
 @dataclass(frozen=True)
-class Axes:
+class MotionAxes:
     """``rows[i]`` is principal axis i in the scene's axes (None: the same axes).
 
     Axis n of the motion is principal axis ``order[n]``; where that is an odd permutation, axis 2 is
@@ -46,7 +46,7 @@ class Axes:
         a, b, c = principal
         return [a * x + b * y + c * z for x, y, z in zip(*self.rows, strict=True)]
 
-    def mapped(self, convert: Any) -> Axes:
+    def mapped(self, convert: Any) -> MotionAxes:
         """The same with the rows' numbers converted."""
         if self.rows is None:
             return self

@@ -6,7 +6,7 @@ from typing import Any, TypeAlias
 
 import mpmath
 
-Vector: TypeAlias = tuple[Any, Any, Any]
+AnyVector: TypeAlias = tuple[Any, Any, Any]
 
 
 Quaternion: TypeAlias = tuple[Any, Any, Any, Any]
@@ -24,7 +24,7 @@ def product(a: Quaternion, b: Quaternion) -> Quaternion:
     )
 
 
-def turned_back(turn: Quaternion, g: Vector) -> Vector:
+def turned_back(turn: Quaternion, g: AnyVector) -> AnyVector:
     """A vector fixed in space, g in body axes before the turn, in body axes after it."""
     c, x, y, z = turn
     u1, u2, u3 = y * g[2] - z * g[1], z * g[0] - x * g[2], x * g[1] - y * g[0]

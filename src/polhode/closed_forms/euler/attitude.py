@@ -18,29 +18,29 @@ from typing import Any
 
 import mpmath
 
-from polhode.closed_forms.attitude.axes import Axes
+from polhode.closed_forms.attitude.axes import MotionAxes
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
-from polhode.closed_forms.euler.motion import Motion, PermanentRotation, Polhode
-from polhode.closed_forms.functions.jacobi import MP, Functions
+from polhode.closed_forms.euler.motion import EulerMotion, PermanentRotation, Polhode
+from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 
 
 @dataclass(frozen=True)
-class Attitude:
+class EulerAttitude:
     """The quaternion body -> space as a function of time."""
 
-    motion: Motion
-    axes: Axes
+    motion: EulerMotion
+    axes: MotionAxes
     start: Quaternion
 
-    def at(self, t: Any, fn: Functions) -> Quaternion:
+    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         c, x, y, z = self.motion.state(t, fn)[1]
         return self._after((c, x, y, z))
 
-    def floats(self, speed: Any) -> Attitude:
+    def floats(self, speed: Any) -> EulerAttitude:
         """The same in doubles, time in units of 1/speed."""
         a, b, c, d = (float(x) for x in self.start)
-        return Attitude(self.motion.floats(speed), self.axes.mapped(float), (a, b, c, d))
+        return EulerAttitude(self.motion.floats(speed), self.axes.mapped(float), (a, b, c, d))
 
     def speed(self) -> Any:
         """An upper bound of |w| over all time."""

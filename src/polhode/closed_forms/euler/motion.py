@@ -24,19 +24,26 @@ from typing import Any, TypeAlias
 import mpmath
 from mpmath import mpf
 
-from polhode.closed_forms.attitude.quaternion import Quaternion, Vector, product
-from polhode.closed_forms.functions.jacobi import MP, Functions, Jacobi, Quotient, jacobi, quotient
+from polhode.closed_forms.attitude.quaternion import AnyVector, Quaternion, product
+from polhode.closed_forms.functions.jacobi import (
+    MP,
+    Jacobi,
+    Quotient,
+    SeriesFunctions,
+    jacobi,
+    quotient,
+)
 
 
 @dataclass(frozen=True)
 class PermanentRotation:
     """w constant: the body turns uniformly about it (Rodrigues' formula)."""
 
-    omega: Vector
+    omega: AnyVector
     half: Any  # |w|/2
-    axis: Vector  # w/|w|, or zero at rest
+    axis: AnyVector  # w/|w|, or zero at rest
 
-    def state(self, t: Any, fn: Functions) -> tuple[Vector, Quaternion]:
+    def state(self, t: Any, fn: SeriesFunctions) -> tuple[AnyVector, Quaternion]:
         """w at t, and the turn from time 0 to t as a quaternion continuous in t."""
         c, s = fn.cos_sin(self.half * t)
         x, y, z = self.axis
@@ -56,8 +63,8 @@ class Polhode:
     shift: Quotient
     rate: Any
     v0: Any
-    omega: Vector  # the amplitudes, with their signs
-    momentum: Vector  # the same times I/G
+    omega: AnyVector  # the amplitudes, with their signs
+    momentum: AnyVector  # the same times I/G
     ellipse: tuple[Any, Any]  # |momentum| 1 and 2 over the larger: no double of it underflows
     precession: Any  # of axis 3 about G, but for what ``jump`` and ``shift`` add
     jump: Any  # of psi with every half period 2K
@@ -65,12 +72,12 @@ class Polhode:
     sense: int  # s1 s2
     start: Quaternion = (1, 0, 0, 0)  # inverse of the place at t = 0
 
-    def state(self, t: Any, fn: Functions) -> tuple[Vector, Quaternion]:
+    def state(self, t: Any, fn: SeriesFunctions) -> tuple[AnyVector, Quaternion]:
         """w at t, and the turn from time 0 to t as a quaternion continuous in t."""
         omega, place = self.place(t, fn)
         return omega, product(self.start, place)
 
-    def place(self, t: Any, fn: Functions) -> tuple[Vector, Quaternion]:
+    def place(self, t: Any, fn: SeriesFunctions) -> tuple[AnyVector, Quaternion]:
         """w, and the quaternion body -> space in the space axes whose third is along G.
 
         Euler angles z-y-z: Iw/G = (s1 sin th cos phi, -s1 sin th sin phi, cos th).
@@ -139,10 +146,10 @@ class Polhode:
         )
 
 
-Motion: TypeAlias = PermanentRotation | Polhode
+EulerMotion: TypeAlias = PermanentRotation | Polhode
 
 
-def permanent_rotation(omega: Vector) -> PermanentRotation:
+def permanent_rotation(omega: AnyVector) -> PermanentRotation:
     """The rotation about a constant w."""
     speed = mpmath.sqrt(sum(x * x for x in omega))
     return PermanentRotation(omega, speed / 2, tuple(x / speed if speed else x for x in omega))
@@ -198,7 +205,7 @@ def _shift(n: Mapping[str, Any], elliptic: Jacobi) -> Quotient:
     return quotient(elliptic, b, from_end=True)
 
 
-def _half(x: Any, y: Any, fn: Functions) -> tuple[Any, Any]:
+def _half(x: Any, y: Any, fn: SeriesFunctions) -> tuple[Any, Any]:
     """(cos, sin) of half the argument of x + i y, x >= 0."""
     modulus = fn.hypot(x, y)
     cos = fn.sqrt((1 + x / modulus) / 2)

@@ -7,7 +7,8 @@ that one (DLMF 20.2, 20.7(viii), 22.2).  An argument is first reduced, v = 2 K n
 
 With z = pi v_r/2K or X = pi v_r/2K', everything is a sum over cos and sin of multiples of z, or
 over cosh and sinh of multiples of X.  The sums are written with arithmetic only, so the same lines
-take mpmath numbers and numpy arrays; a :class:`Functions` says whose elementary functions to use.
+take mpmath numbers and numpy arrays; :class:`SeriesFunctions` says whose elementary functions to
+use.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ from mpmath import libmp, mpf
 
 
 @dataclass(frozen=True)
-class Functions:
-    """The elementary functions of one kind of scalar."""
+class SeriesFunctions:
+    """What the series need of one kind of scalar; of a field's see numbers.scalars.Functions."""
 
     cos_sin: Callable[[Any], tuple[Any, Any]]
     cosh_sinh: Callable[[Any], tuple[Any, Any]]
@@ -38,10 +39,12 @@ def _cosh_sinh(x: Any) -> tuple[Any, Any]:
 
 
 #: Functions of mpmath's numbers, at the precision in force.
-MP = Functions(mpmath.cos_sin, _cosh_sinh, mpmath.sqrt, mpmath.hypot, lambda x: int(mpmath.nint(x)))
+MP = SeriesFunctions(
+    mpmath.cos_sin, _cosh_sinh, mpmath.sqrt, mpmath.hypot, lambda x: int(mpmath.nint(x))
+)
 
 
-def numpy_functions() -> Functions:
+def numpy_functions() -> SeriesFunctions:
     """Functions of numpy's arrays of doubles."""
     import numpy as np
 
@@ -49,7 +52,7 @@ def numpy_functions() -> Functions:
         x = np.clip(x, -_SATURATED, _SATURATED)
         return np.cosh(x), np.sinh(x)
 
-    return Functions(lambda x: (np.cos(x), np.sin(x)), cosh_sinh, np.sqrt, np.hypot, np.rint)
+    return SeriesFunctions(lambda x: (np.cos(x), np.sin(x)), cosh_sinh, np.sqrt, np.hypot, np.rint)
 
 
 #: Past this X only a nome below exp(-2X) leads (|X| <= log(1/q')/2): a double is at its limit.
@@ -84,7 +87,7 @@ class Jacobi:
     cn: Sequence[Any]
     dn: Sequence[Any]
 
-    def waves(self, v: Any, fn: Functions) -> Waves:
+    def waves(self, v: Any, fn: SeriesFunctions) -> Waves:
         """The multiples that every sum at v needs."""
         finite = self.K < _INFINITY
         turns = fn.nint(v / (2 * self.K)) if finite else 0 * fn.nint(v)

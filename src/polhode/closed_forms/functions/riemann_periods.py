@@ -8,14 +8,16 @@ from typing import Any
 import mpmath
 
 #: The three entries tau11, tau12, tau22.
-Matrix = tuple[Any, Any, Any]
+SymmetricMatrix = tuple[Any, Any, Any]
 Pair = tuple[Any, Any]
 
 _SLACK = 1e-6
 _INSIDE = 0.99
 
 
-def reduced(first: list[Pair], second: list[Pair]) -> tuple[list[Pair], list[Pair], Matrix]:
+def reduced(
+    first: list[Pair], second: list[Pair]
+) -> tuple[list[Pair], list[Pair], SymmetricMatrix]:
     """Periods whose tau = inv(Om_A) Om_B is nearly Siegel-reduced, and that tau.
 
     ``first`` and ``second`` are the columns of Om_A and Om_B.  Im tau becomes Minkowski-reduced,
@@ -53,7 +55,7 @@ def solved(columns: Sequence[Pair], right: Pair) -> Pair:
     return (d * right[0] - b * right[1]) / det, (a * right[1] - c * right[0]) / det
 
 
-def _quotient(first: Sequence[Pair], second: Sequence[Pair]) -> Matrix:
+def _quotient(first: Sequence[Pair], second: Sequence[Pair]) -> SymmetricMatrix:
     t11, t21 = solved(first, second[0])
     t12, t22 = solved(first, second[1])
     return t11, (t12 + t21) / 2, t22

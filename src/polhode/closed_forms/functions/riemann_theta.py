@@ -23,7 +23,7 @@ from typing import Any
 import mpmath
 from mpmath import libmp, mpc
 
-from polhode.closed_forms.functions.riemann_periods import Matrix, Pair
+from polhode.closed_forms.functions.riemann_periods import Pair, SymmetricMatrix
 
 #: A characteristic a1, a2, b1, b2 of zeros and ones.
 Characteristic = tuple[int, int, int, int]
@@ -52,7 +52,7 @@ class Thetas:
     factor of the module's remark.
     """
 
-    tau: Matrix
+    tau: SymmetricMatrix
     direction: Pair
     characteristics: tuple[Characteristic, ...]
     sums: Callable[[Pair, Sequence[Characteristic]], list[tuple[Any, Any, Any]]]
@@ -75,7 +75,7 @@ class Thetas:
         return found
 
 
-def whole_parts(tau: Matrix, z: Pair) -> tuple[tuple[Pair, Pair], tuple[Pair, Pair]]:
+def whole_parts(tau: SymmetricMatrix, z: Pair) -> tuple[tuple[Pair, Pair], tuple[Pair, Pair]]:
     """(x, l), (y, k): z = x + tau y with real x, y, and the integers l, k nearest to them."""
     y11, y12, y22 = (t.imag for t in tau)
     i1, i2 = z[0].imag, z[1].imag
@@ -91,7 +91,7 @@ def whole_parts(tau: Matrix, z: Pair) -> tuple[tuple[Pair, Pair], tuple[Pair, Pa
 
 
 def thetas(
-    tau: Matrix,
+    tau: SymmetricMatrix,
     direction: Pair,
     characteristics: Sequence[Characteristic],
     backend: str | None = None,
@@ -118,7 +118,7 @@ def has_flint() -> bool:
 
 
 def _fixed_point_sums(
-    tau: Matrix,
+    tau: SymmetricMatrix,
 ) -> Callable[[Pair, Sequence[Characteristic]], list[tuple[Any, Any, Any]]]:
     """The sums over a half-integer lattice, N = 2n: values, d/dz1 and d/dz2."""
     y11, y12, y22 = (float(t.imag) for t in tau)
@@ -207,7 +207,7 @@ def _joined(table: list[list[list[int]]], characteristic: Characteristic) -> lis
     return total
 
 
-def _lattice(tau: Matrix, radius: float, fixed: int) -> list[tuple[int, list[Any]]]:
+def _lattice(tau: SymmetricMatrix, radius: float, fixed: int) -> list[tuple[int, list[Any]]]:
     """exp(pi i n.tau n) on n = N/2 with n.Im(tau)n <= radius^2, as integers over 2^fixed.
 
     One row a N1, in it four classes of N2 modulo 4: the N2, real and imaginary parts.
@@ -277,7 +277,7 @@ def _powers(z: Any, last: int, fixed: int) -> dict[int, tuple[int, int]]:
 
 
 def _flint_sums(
-    tau: Matrix,
+    tau: SymmetricMatrix,
 ) -> Callable[[Pair, Sequence[Characteristic]], list[tuple[Any, Any, Any]]]:
     """The same by ``acb_theta_jet`` of FLINT."""
     import flint

@@ -131,7 +131,7 @@ def weierstrass(quartic: Quartic, bits: int) -> Weierstrass:
 
 
 @dataclass(frozen=True)
-class Solution:
+class WeierstrassSolution:
     """y(t) as a quotient Y/Z, with derivatives."""
 
     y0: Any
@@ -162,6 +162,6 @@ class Solution:
         return y, (Y1 - y * Z1) / Z
 
 
-def solution(quartic: Quartic, y0: Any, slope: Any, bits: int) -> Solution:
+def solution(quartic: Quartic, y0: Any, slope: Any, bits: int) -> WeierstrassSolution:
     """The solution from (y0, y0') at the precision in force."""
-    return Solution(y0, slope, quartic.derivatives(y0, bits), weierstrass(quartic, bits))
+    return WeierstrassSolution(y0, slope, quartic.derivatives(y0, bits), weierstrass(quartic, bits))

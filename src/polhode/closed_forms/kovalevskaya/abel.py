@@ -22,17 +22,17 @@ from mpmath import mpf
 from polhode.closed_forms.functions.quadrature import Place, nodes, place
 from polhode.closed_forms.functions.riemann_periods import Pair
 from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.kovalevskaya.axes import Start
-from polhode.closed_forms.kovalevskaya.curve import Curve, principal_roots
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
+from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, principal_roots
 
 _NEAR = -24  # |q| below 2^this, in the units of the start: the signs of w_i are left open
 _FAR = 4  # |s| beyond this multiple of the branch points: the path comes from infinity
 
 #: s, w; None at infinity.
-Point = tuple[Any, Any] | None
+CurvePoint = tuple[Any, Any] | None
 
 
-def divisors(start: Start, prec: int) -> list[tuple[Point, Point]]:
+def divisors(start: KovalevskayaStart, prec: int) -> list[tuple[CurvePoint, CurvePoint]]:
     """The pairs (s1, w1), (s2, w2) that the start may stand for, right to ``prec`` bits.
 
     One pair, or four next to q = 0, of which only one reproduces the start.
@@ -53,7 +53,7 @@ def divisors(start: Start, prec: int) -> list[tuple[Point, Point]]:
                 S = (s + H) * (s * s + b) - 2 * m * m
                 return mpmath.sqrt(max(mpf(0), -2 * (s * s - k2) * S))
 
-            choices: list[list[Point]] = [[(s2, w), (s2, -w)] for w in (ordinate(s2),)]
+            choices: list[list[CurvePoint]] = [[(s2, w), (s2, -w)] for w in (ordinate(s2),)]
             if q:
                 s1 = B / (q * q)
                 w1 = ordinate(s1)
@@ -71,7 +71,7 @@ def divisors(start: Start, prec: int) -> list[tuple[Point, Point]]:
         return [((s1, T_1 * s1 - N_1), (s2, T_1 * s2 - N_1))]
 
 
-def starts(curve: Curve, start: Start) -> Iterator[Pair]:
+def starts(curve: KovalevskayaCurve, start: KovalevskayaStart) -> Iterator[Pair]:
     """u(0) for each of the :func:`divisors`, at the precision in force."""
     known: dict[tuple[int, Any], Pair] = {}
     for pair in divisors(start, mpmath.mp.prec):
@@ -86,7 +86,7 @@ def starts(curve: Curve, start: Start) -> Iterator[Pair]:
         yield total
 
 
-def image(curve: Curve, s: Any, w: Any) -> Pair:
+def image(curve: KovalevskayaCurve, s: Any, w: Any) -> Pair:
     """A(s, w), the integral of (1, s) ds/w from infinity.
 
     From the nearest branch point a, s' = a + (s - a) x^2, and w' = w x times the product of the

@@ -22,10 +22,10 @@ from mpmath import mpc, mpf
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.attitude.winding import bisected
-from polhode.closed_forms.functions.jacobi import Functions
+from polhode.closed_forms.functions.jacobi import SeriesFunctions
 
 #: w and gamma at a time, in the frame of the attitude, at the precision in force.
-State = Callable[[Any], tuple[Sequence[Any], Sequence[Any]]]
+MovingState = Callable[[Any], tuple[Sequence[Any], Sequence[Any]]]
 
 MOST_PANELS = 20_000
 _TURN = 3  # radians a panel, at most
@@ -59,17 +59,17 @@ class _Panel:
 
 
 @dataclass(eq=False)
-class Attitude:
+class KovalevskayaAttitude:
     """The quaternion body -> space as a function of time, at one precision."""
 
-    state: State
+    state: MovingState
     start: Quaternion
     rate: Any  # a bound of |w|
     first: int  # Chebyshev intervals tried first
     panels: dict[int, _Panel] = field(default_factory=dict)
     grown: dict[int, tuple[float, float]] = field(default_factory=dict)
 
-    def at(self, t: Any, fn: Functions) -> Quaternion:
+    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         del fn
         if not t:
@@ -100,7 +100,7 @@ class Attitude:
         """
         return mpf(1)
 
-    def floats(self, speed: Any) -> Attitude:
+    def floats(self, speed: Any) -> KovalevskayaAttitude:
         """Not needed: the arguments' growth is always known."""
         raise NotImplementedError
 
@@ -151,7 +151,7 @@ class Attitude:
 _NONE: Any = None
 
 
-def _expanded(state: State, begin: Any, length: Any, first: int) -> tuple[int, list[Any]]:
+def _expanded(state: MovingState, begin: Any, length: Any, first: int) -> tuple[int, list[Any]]:
     """The axis of a panel and the series of its azimuth's growth."""
     count = first
     known: dict[tuple[int, int], tuple[Sequence[Any], Sequence[Any]]] = {}

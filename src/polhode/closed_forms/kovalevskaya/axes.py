@@ -26,26 +26,13 @@ import mpmath
 from polhode.closed_forms.functions.rounding import log2, number
 from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, binary, exact, rounded, sign, sqrt
-from polhode.scenes.body import Vector, is_zero
+from polhode.scenes.body import Vector
+from polhode.scenes.tops import KOVALEVSKAYA, classical_top, with_last
 
 
 def fits(scene: PrincipalScene) -> bool:
     """Whether the body is a Kovalevskaya top."""
-    return third_axis(scene.moments, scene.torque) is not None
-
-
-def third_axis(moments: Vector, torque: Vector) -> int | None:
-    """The principal axis of the moment C with A = B = 2C and no part of the torque."""
-    for k in (2, 0, 1):
-        i, j = (k + 1) % 3, (k + 2) % 3
-        if (
-            sign(torque[k]) == 0
-            and moments[i] == moments[j]
-            and moments[i] == 2 * moments[k]
-            and not is_zero(torque)
-        ):
-            return k
-    return None
+    return classical_top(scene.moments, scene.torque).kind == KOVALEVSKAYA
 
 
 #: A direction in the space of states that no special motion is known to keep.
@@ -56,7 +43,7 @@ _WAYS = (
 
 
 @dataclass(frozen=True)
-class Start:
+class KovalevskayaStart:
     """The state at t = 0 and the integrals, exact, in the top's axes; time in units of 1/unit.
 
     ``unit`` is the power of two nearest to n.
@@ -77,7 +64,7 @@ class Start:
         """a^2 - k^2."""
         return self.a2 - self.k2
 
-    def moved(self, share: Fraction, bits: int) -> Start:
+    def moved(self, share: Fraction, bits: int) -> KovalevskayaStart:
         """The start moved by ``share`` of a generic direction; both rounded to ``bits`` bits."""
         speed = Fraction(2) ** round(self.log2_scale)
         heavy = Fraction(2) ** round(log2(self.weight))
@@ -91,7 +78,7 @@ class Start:
         (p, q, r), (G1, G2, G3) = rows
         m = p * G1 + q * G2 + r * G3 / 2
         xi = p * p - q * q - G1, 2 * p * q - G2
-        return Start(
+        return KovalevskayaStart(
             omega=(p, q, r),
             G=(G1, G2, G3),
             H=p * p + q * q + r * r / 2 + G1,
@@ -130,7 +117,7 @@ class Start:
 
 
 @dataclass(frozen=True)
-class TopAxes:
+class KovalevskayaAxes:
     """The top's axes in principal ones, and the principal axes in the scene's (None: the same)."""
 
     rows: tuple[tuple[Exact, ...], ...] | None
@@ -147,7 +134,7 @@ class TopAxes:
         x, y, z = (v[i] for i in self.order)
         return x, y, z
 
-    def start(self, omega: Vector, gamma: Vector) -> Start:
+    def start(self, omega: Vector, gamma: Vector) -> KovalevskayaStart:
         """The start and the integrals; what is rational stays so where n^2 is not."""
         (p, q, r), (g1, g2, g3) = self.principal(omega), self.principal(gamma)
         X, Y = self.centre
@@ -164,7 +151,7 @@ class TopAxes:
         k2 = pi * pi + square * level - 2 * mixed
         if sign(k2) == 0:
             k2 = ZERO
-        return Start(
+        return KovalevskayaStart(
             omega=(along / n2 * over, across / n2 * over, r * over),
             G=(G1 * over2, G2 * over2, n2 * g3 * over2),
             H=(pi + r * r / 2 + G1) * over2,
@@ -193,14 +180,14 @@ class TopAxes:
 
 def top_axes(
     moments: Vector, torque: Vector, rows: tuple[tuple[Exact, ...], ...] | None
-) -> TopAxes:
+) -> KovalevskayaAxes:
     """The axes of the top; raises ValueError for a body that is none (:func:`fits`)."""
-    k = third_axis(moments, torque)
-    if k is None:
+    kind, axis = classical_top(moments, torque)
+    if kind != KOVALEVSKAYA or axis is None:
         raise ValueError("not a Kovalevskaya top")
-    i, j = (k + 1) % 3, (k + 2) % 3
+    i, j, k = with_last(axis)
     X, Y = torque[i] / moments[k], torque[j] / moments[k]
-    return TopAxes(rows, (i, j, k), (X, Y), sqrt(X * X + Y * Y))
+    return KovalevskayaAxes(rows, (i, j, k), (X, Y), sqrt(X * X + Y * Y))
 
 
 def placed(matrix: Sequence[Sequence[Any]], vector: Sequence[Any]) -> list[Any]:

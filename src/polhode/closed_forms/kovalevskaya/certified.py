@@ -17,7 +17,7 @@ from mpmath import mpf
 from polhode.closed_forms.functions.quadrature import TooManyNodes
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up
 from polhode.closed_forms.kovalevskaya import regimes
-from polhode.closed_forms.kovalevskaya.axes import Start
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.degenerate import Averaged, averaged
 from polhode.closed_forms.kovalevskaya.generic import generic
 from polhode.closed_forms.kovalevskaya.one_frequency import special
@@ -31,7 +31,7 @@ _MOST_EXTRA = 16_000  # bits that the set-up may lose
 _MOST_MORE = 1_200  # bits that the growth of errors may cost
 
 
-class Solution(Protocol):
+class KovalevskayaMotion(Protocol):
     """One motion at one precision, in the top's axes and units."""
 
     @property
@@ -47,11 +47,11 @@ class Solution(Protocol):
 class Answers:
     """The motion from one start; ``extra`` are the bits that the set-up loses, as met so far."""
 
-    def __init__(self, start: Start, regime: str) -> None:
+    def __init__(self, start: KovalevskayaStart, regime: str) -> None:
         self.start = start
         self.regime = regime
         self.extra = _FIRST_EXTRA
-        self._solutions: dict[int, tuple[Solution, int]] = {}
+        self._solutions: dict[int, tuple[KovalevskayaMotion, int]] = {}
 
     @property
     def generic(self) -> bool:
@@ -63,7 +63,9 @@ class Answers:
         """Bits of the answers: the digits, those that a small motion needs, a few to spare."""
         return math.ceil(digits * math.log2(10) + max(0.0, -self.start.log2_scale)) + _SPARE
 
-    def resolved(self, times: Sequence[Exact], base: int) -> tuple[Solution, int, list[Any], mpf]:
+    def resolved(
+        self, times: Sequence[Exact], base: int
+    ) -> tuple[KovalevskayaMotion, int, list[Any], mpf]:
         """The constants that answer at these times to ``base`` bits, their precision, the states
         in the top's axes and units, and the estimate of the error.
         """
@@ -89,7 +91,7 @@ class Answers:
             more += max(lacking, 16)
 
     def _states(
-        self, solution: Solution, moments: Sequence[mpf], bits: int
+        self, solution: KovalevskayaMotion, moments: Sequence[mpf], bits: int
     ) -> tuple[list[Any], mpf]:
         """The states at these moments, in the top's units, and the estimate of their error."""
         found, worst = [], mpf(solution.defect)
@@ -100,7 +102,12 @@ class Answers:
         return found, worst
 
     def _reach(
-        self, solution: Solution, times: Sequence[Exact], base: int, left: int, lacking: int
+        self,
+        solution: KovalevskayaMotion,
+        times: Sequence[Exact],
+        base: int,
+        left: int,
+        lacking: int,
     ) -> str:
         """The time up to which the bits that are left would do, in words."""
         if not isinstance(solution, Averaged):
@@ -129,7 +136,7 @@ class Answers:
             return 0
         return math.ceil(max(0.0, last + self.start.exponent + self.start.log2_speed))
 
-    def solution(self, certified: int, base: int) -> tuple[Solution, int]:
+    def solution(self, certified: int, base: int) -> tuple[KovalevskayaMotion, int]:
         """The constants that reproduce the start to ``certified`` bits, and their precision."""
         certified = rounded_up(certified)
         before: tuple[int, int] | None = None  # bits, and how many of them reproduced the start
@@ -160,7 +167,7 @@ class Answers:
             self.extra = wanted
         return self._solutions[certified]
 
-    def _made(self, bits: int, certified: int, base: int) -> Solution:
+    def _made(self, bits: int, certified: int, base: int) -> KovalevskayaMotion:
         if self.regime in regimes.DEGENERATE:
             return averaged(self.start, bits, certified - CERTIFIED - 3 * base // 4)
         if self.generic:

@@ -27,10 +27,10 @@ import mpmath
 from mpmath import mpc, mpf
 
 from polhode.closed_forms.functions.quadrature import nodes, place
-from polhode.closed_forms.functions.riemann_periods import Matrix, Pair, reduced, solved
+from polhode.closed_forms.functions.riemann_periods import Pair, SymmetricMatrix, reduced, solved
 from polhode.closed_forms.functions.riemann_theta import Characteristic, added, is_odd, whole_parts
 from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.kovalevskaya.axes import Start
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 
 _TILTS = 61  # directions tried
 _SMALL = 1e-280
@@ -41,7 +41,7 @@ class Unresolved(ArithmeticError):
 
 
 @dataclass(frozen=True)
-class Curve:
+class KovalevskayaCurve:
     """Branch points a_1 ... a_5, ``order[i]`` telling which: 0, 1, 2 for e's, 3 for k, 4 for -k.
 
     ``points`` are in the order e1, e2, e3, k, -k.
@@ -66,7 +66,7 @@ class Curve:
         return [self._segment(j) for j in range(4)]
 
     @cached_property
-    def periods(self) -> tuple[list[Pair], list[Pair], Matrix]:
+    def periods(self) -> tuple[list[Pair], list[Pair], SymmetricMatrix]:
         """Columns of Om_A and Om_B, reduced, and tau."""
         i1, i2, i3, i4 = ((2 * x, 2 * y) for x, y in self.segments)
         b = [(i2[0] + i4[0], i2[1] + i4[1]), i4]
@@ -211,22 +211,22 @@ def _angle(z: Any) -> float:
     return math.atan2(float(mpmath.ldexp(im, shift)), float(mpmath.ldexp(re, shift)))
 
 
-def curve(start: Start, prec: int) -> Curve:
+def curve(start: KovalevskayaStart, prec: int) -> KovalevskayaCurve:
     """The curve at the precision in force; the points with ``prec`` bits.
 
     Raises Unresolved where the branch points do not stand apart.
     """
     with mpmath.workprec(prec):
         points = (*cubic_roots(start, prec), *_ends(start, prec))
-    return Curve(points, _numbered(points))
+    return KovalevskayaCurve(points, _numbered(points))
 
 
-def _ends(start: Start, prec: int) -> tuple[Any, Any]:
+def _ends(start: KovalevskayaStart, prec: int) -> tuple[Any, Any]:
     k = mpmath.sqrt(number(start.k2, prec + 20))
     return k, -k
 
 
-def cubic_roots(start: Start, prec: int) -> tuple[Any, Any, Any]:
+def cubic_roots(start: KovalevskayaStart, prec: int) -> tuple[Any, Any, Any]:
     """e1, e2, e3: real ones in ascending order, or the real one and a conjugate pair.
 
     s^3 + H s^2 + b s + (H b - 2 m^2) by Cardano's and Viete's formulas, at twice the precision: a
@@ -276,7 +276,7 @@ def _numbered(points: Sequence[Any]) -> tuple[int, ...]:
     return tuple(sorted(range(5), key=lambda i: (turn * points[i]).real))
 
 
-def kind(start: Start) -> str:
+def kind(start: KovalevskayaStart) -> str:
     """The type of a curve with five different finite branch points: their order on the real line.
 
     "-" and "+" are the points -k and k, "e" a root of S.
@@ -298,7 +298,7 @@ def kind(start: Start) -> str:
     raise Unresolved
 
 
-def _size(start: Start, prec: int) -> Any:
+def _size(start: KovalevskayaStart, prec: int) -> Any:
     """A bound of the branch points' size."""
     H, b, m2, k2 = (abs(number(x, prec)) for x in (start.H, start.b, start.m2, start.k2))
     return 2 * max(H, mpmath.sqrt(b), mpmath.cbrt(H * b + 2 * m2), mpmath.sqrt(k2))

@@ -18,7 +18,7 @@ from typing import Any
 
 from mpmath import mpf
 
-from polhode.closed_forms.kovalevskaya.axes import Start
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.generic import Generic, generic
 
 
@@ -48,7 +48,9 @@ class Averaged:
         return found, estimate
 
 
-def averaged(start: Start, bits: int, closeness: int, backend: str | None = None) -> Averaged:
+def averaged(
+    start: KovalevskayaStart, bits: int, closeness: int, backend: str | None = None
+) -> Averaged:
     """The neighbours at eps = 2^-closeness, at ``bits`` bits; raises Unresolved if too few."""
     neighbours = []
     for share in (1, -1, 2, -2):

@@ -28,8 +28,8 @@ from polhode.closed_forms.functions.riemann_periods import Pair
 from polhode.closed_forms.functions.riemann_theta import Thetas, added, thetas
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.kovalevskaya.abel import starts
-from polhode.closed_forms.kovalevskaya.axes import Start
-from polhode.closed_forms.kovalevskaya.curve import Curve, Unresolved, curve
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
+from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, Unresolved, curve
 
 PAIRS = ((0, 1), (0, 2), (1, 2))
 
@@ -41,7 +41,7 @@ class Generic:
     States p, q, r, G1, G2, G3 are in the top's axes and units.
     """
 
-    curve: Curve
+    curve: KovalevskayaCurve
     thetas: Thetas  # del, del + eta_j, del + eta_j + eta_l
     z0: Pair
     velocity: Pair  # V
@@ -63,7 +63,7 @@ class Generic:
         return _state(self, self.thetas.at(z))
 
 
-def generic(start: Start, bits: int, backend: str | None = None) -> Generic:
+def generic(start: KovalevskayaStart, bits: int, backend: str | None = None) -> Generic:
     """The constants at ``bits`` bits; raises Unresolved where these are too few."""
     with mpmath.workprec(bits):
         made = curve(start, bits)
@@ -152,7 +152,7 @@ def _dot(row: Sequence[Any], values: Sequence[tuple[Any, Any]], which: int) -> A
     return total
 
 
-def _constants(made: Curve, functions: Thetas) -> list[Any]:
+def _constants(made: KovalevskayaCurve, functions: Thetas) -> list[Any]:
     """c_j up to signs: c_j^2 = (e_l - e_j)(e_n - e_j)(th_0/th_j)^2 at A_l + A_n."""
     e, found = made.points, []
     for j in range(3):
@@ -163,7 +163,7 @@ def _constants(made: Curve, functions: Thetas) -> list[Any]:
     return found
 
 
-def _brackets(made: Curve, functions: Thetas) -> list[Any]:
+def _brackets(made: KovalevskayaCurve, functions: Thetas) -> list[Any]:
     """K_jl at A_j + A_n, n another finite branch point: the one with the largest denominator."""
     found = []
     for i, (j, l) in enumerate(PAIRS):
@@ -178,6 +178,6 @@ def _size(values: Sequence[tuple[Any, Any]]) -> Any:
     return max(abs(value) for value, _ in values)
 
 
-def _point(made: Curve, j: int, n: int) -> Pair:
+def _point(made: KovalevskayaCurve, j: int, n: int) -> Pair:
     one, other = made.images[j], made.images[n]
     return made.reduced((one[0] + other[0], one[1] + other[1]))

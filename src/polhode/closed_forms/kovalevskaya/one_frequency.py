@@ -21,9 +21,9 @@ import mpmath
 from mpmath import mpc, mpf
 
 from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.functions.weierstrass import Quartic, Solution, solution
+from polhode.closed_forms.functions.weierstrass import Quartic, WeierstrassSolution, solution
 from polhode.closed_forms.kovalevskaya import regimes
-from polhode.closed_forms.kovalevskaya.axes import Start
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
 
 State = list[Any]
@@ -42,7 +42,7 @@ class Special:
         return self.state(t), mpf(0)
 
 
-def special(start: Start, name: str, bits: int) -> Special:
+def special(start: KovalevskayaStart, name: str, bits: int) -> Special:
     """The motion of a regime in ``STEADY`` or ``ONE_FREQUENCY``, at ``bits`` bits."""
     with mpmath.workprec(bits):
         w, G = start.numbers(bits)
@@ -65,7 +65,7 @@ def special(start: Start, name: str, bits: int) -> Special:
         return Special(state, elliptic.P.period, defect)
 
 
-def quartic(start: Start, name: str) -> Quartic:
+def quartic(start: KovalevskayaStart, name: str) -> Quartic:
     """The f of the motion, exact."""
     (p, q, r), (_, G2, G3) = start.omega, start.G
     H = start.H
@@ -91,7 +91,9 @@ def quartic(start: Start, name: str) -> Quartic:
     return Quartic((-exact(1) / 4, ZERO, lift / 6, ZERO, G2 * G2 - lift * r * r + r**4 / 4))
 
 
-def _delaunay(start: Start, bits: int) -> tuple[Callable[[Any], State], Solution]:
+def _delaunay(
+    start: KovalevskayaStart, bits: int
+) -> tuple[Callable[[Any], State], WeierstrassSolution]:
     (p, q, r), (_, _, G3) = start.numbers(bits)
     x0 = mpc(p, q)
     y = solution(quartic(start, regimes.DELAUNAY), x0, 1j * (G3 - r * x0) / 2, bits)
@@ -107,7 +109,9 @@ def _delaunay(start: Start, bits: int) -> tuple[Callable[[Any], State], Solution
     return state, y
 
 
-def _bobylev(start: Start, bits: int) -> tuple[Callable[[Any], State], Solution]:
+def _bobylev(
+    start: KovalevskayaStart, bits: int
+) -> tuple[Callable[[Any], State], WeierstrassSolution]:
     (p, _, r0), (_, G2, _) = start.numbers(bits)
     y = solution(quartic(start, regimes.BOBYLEV), r0, -G2, bits)
     H = number(start.H, bits)
@@ -119,7 +123,9 @@ def _bobylev(start: Start, bits: int) -> tuple[Callable[[Any], State], Solution]
     return state, y
 
 
-def _pendulum(start: Start, bits: int) -> tuple[Callable[[Any], State], Solution]:
+def _pendulum(
+    start: KovalevskayaStart, bits: int
+) -> tuple[Callable[[Any], State], WeierstrassSolution]:
     (_, q0, _), (_, _, G3) = start.numbers(bits)
     y = solution(quartic(start, regimes.PENDULUM_Y), q0, G3 / 2, bits)
     H = number(start.H, bits)
@@ -131,7 +137,7 @@ def _pendulum(start: Start, bits: int) -> tuple[Callable[[Any], State], Solution
     return state, y
 
 
-def _appelrot_numbers(start: Start) -> tuple[Exact, Exact, Exact]:
+def _appelrot_numbers(start: KovalevskayaStart) -> tuple[Exact, Exact, Exact]:
     """xh, ro (of the sign of p - xh) and p - xh."""
     xh = regimes.centre(start)
     assert xh is not None
@@ -141,7 +147,9 @@ def _appelrot_numbers(start: Start) -> tuple[Exact, Exact, Exact]:
     return xh, (-ro if sign(x) < 0 else ro), x
 
 
-def _appelrot(start: Start, bits: int) -> tuple[Callable[[Any], State], Solution]:
+def _appelrot(
+    start: KovalevskayaStart, bits: int
+) -> tuple[Callable[[Any], State], WeierstrassSolution]:
     xh, ro, x = (number(v, bits) for v in _appelrot_numbers(start))
     (_, q0, r0), _ = start.numbers(bits)
     y0 = q0 / (ro + x)  # tan of half of ps

@@ -10,7 +10,7 @@ degenerate where two of the points e1, e2, e3, k, -k are equal:
 
 from __future__ import annotations
 
-from polhode.closed_forms.kovalevskaya.axes import Start
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.curve import kind
 from polhode.numbers.exact import Exact, sign
 
@@ -27,12 +27,12 @@ ONE_FREQUENCY = (PENDULUM_Z, PENDULUM_Y, BOBYLEV, DELAUNAY, APPELROT)
 DEGENERATE = (ASYMPTOTIC, QUASI_PERIODIC, MULTIPLE)
 
 
-def regime(start: Start) -> str:
+def regime(start: KovalevskayaStart) -> str:
     """The name of the motion; of a generic one the type of its curve."""
     return _one_frequency(start) or _degenerate(start) or kind(start)
 
 
-def _one_frequency(start: Start) -> str | None:
+def _one_frequency(start: KovalevskayaStart) -> str | None:
     (p, q, r), (G1, G2, G3) = start.omega, start.G
     if sign(q) == 0 and sign(G3 - p * r) == 0:
         if sign(G2) == 0 and sign(r * (G1 - p * p)) == 0:
@@ -49,7 +49,7 @@ def _one_frequency(start: Start) -> str | None:
     return None
 
 
-def centre(start: Start) -> Exact | None:
+def centre(start: KovalevskayaStart) -> Exact | None:
     """The constant xh = G3/r of Appelrot's special motion; None for any other.
 
     There G1 + iG2 = 2 xh (1 + xh (p - xh)/ro^2)(p - xh + iq) with ro^2 = (p - xh)^2 + q^2.
@@ -71,7 +71,7 @@ def centre(start: Start) -> Exact | None:
     return None
 
 
-def _degenerate(start: Start) -> str | None:
+def _degenerate(start: KovalevskayaStart) -> str | None:
     """The name of a motion on a degenerate curve, k > 0; None where the curve is none.
 
     With K the double root, w^2 = -2 (s - K)^2 c(s): where c(K) > 0 the node is a point alone, where

@@ -11,41 +11,37 @@ two neighbours.  Units: any consistent set.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 import mpmath
 from mpmath import mpf
 
-from polhode.closed_forms.attitude.angles import angles
-from polhode.closed_forms.attitude.start import start_quaternion, start_sign
-from polhode.closed_forms.functions.jacobi import MP
+from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.functions.rounding import number, rounded_up, shortened
 from polhode.closed_forms.kovalevskaya import regimes
-from polhode.closed_forms.kovalevskaya.attitude import MOST_PANELS, Attitude
-from polhode.closed_forms.kovalevskaya.axes import fits, placed, top_axes
-from polhode.closed_forms.kovalevskaya.certified import CERTIFIED, Answers, Solution
-from polhode.closed_forms.kovalevskaya.curve import Curve, cubic_roots
+from polhode.closed_forms.kovalevskaya.attitude import MOST_PANELS, KovalevskayaAttitude
+from polhode.closed_forms.kovalevskaya.axes import placed, top_axes
+from polhode.closed_forms.kovalevskaya.certified import CERTIFIED, Answers, KovalevskayaMotion
+from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, cubic_roots
 from polhode.closed_forms.kovalevskaya.generic import Generic
 from polhode.closed_forms.kovalevskaya.one_frequency import special
 from polhode.numbers.exact import Exact
-
-__all__ = ["KovalevskayaTop", "fits"]
 
 _ZERO = Fraction(0)
 _NODES = 0.22  # half of the Chebyshev intervals tried first, for each bit
 _TURNING = 16  # bits that the sum over the panels may lose beyond the phase
 
 
-class KovalevskayaTop:
+class KovalevskayaTop(FromAttitude):
     """The motion of one Kovalevskaya top from one start.
 
     ``moments`` are the principal moments and ``torque`` = Mg r0 in principal axes; ``axes[i]`` is
     the unit vector of principal axis i in the scene's body axes (right-handed; None for the same
     axes).  ``omega`` and ``gamma`` are given at t = 0 in the scene's axes, where all answers are
-    too.  Raises ValueError for a body that is no Kovalevskaya top (:func:`fits`).
+    too.  Raises ValueError for a body that is no Kovalevskaya top
+    (:func:`polhode.closed_forms.kovalevskaya.axes.fits`).
 
     ``regime`` names the kind of motion, of a generic one the type of its curve; it is decided once,
     by exact arithmetic (:func:`polhode.closed_forms.kovalevskaya.regimes.regime`).
@@ -60,14 +56,13 @@ class KovalevskayaTop:
         psi: Exact = _ZERO,
         axes: tuple[tuple[Exact, ...], ...] | None = None,
     ) -> None:
-        self._gamma = gamma
-        self._psi = psi
+        super().__init__(gamma, psi)
         self._axes = top_axes(moments, torque, axes)
         self._start = self._axes.start(omega, gamma)
         self.regime = regimes.regime(self._start)
         self._answers = Answers(self._start, self.regime)
         self._matrices: dict[int, tuple[list[list[Any]], mpf]] = {}
-        self._attitudes: dict[int, tuple[Solution, Attitude]] = {}
+        self._attitudes: dict[int, tuple[KovalevskayaMotion, KovalevskayaAttitude]] = {}
         self._span: tuple[Exact, Exact] = (_ZERO, _ZERO)  # of the times of attitudes so far
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
@@ -78,38 +73,6 @@ class KovalevskayaTop:
         """
         rows, _ = self._rows(times, self._answers.base(digits))
         return [shortened(row, digits) for row in rows]
-
-    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """Unit quaternions q0, q1, q2, q3 of R, one a time: q0 >= 0 at t = 0, then continuous.
-
-        At t = 0, R = Rz(psi) Rx(theta) Rz(phi) with the psi given and phi = atan2(gamma1, gamma2).
-        Where q0 = 0 at t = 0, the first component that is not 0 is positive.  The work grows with
-        time: beyond a limit ValueError is raised.
-        """
-        bits = self._turning_bits(times, digits)
-        found = self._attitude(bits)
-        with mpmath.workprec(bits):
-            rows = [list(found.at(number(t, bits), MP)) for t in times]
-        return [shortened(row, digits) for row in rows]
-
-    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
-        """Rows psi, theta, phi, continuous in t; psi and phi None where gamma is along axis 3.
-
-        They start from the psi given and phi = atan2(gamma1, gamma2).  Passing through a pole, psi
-        and phi jump by pi, and one of psi + phi, psi - phi stays continuous.  The error is below
-        10^-digits.  The work grows with time: beyond a limit ValueError is raised.
-        """
-        bits = self._turning_bits(times, digits)
-        self._attitude(bits)
-        with mpmath.workprec(bits):
-            psi = number(self._psi, bits)
-            phi = mpmath.atan2(number(self._gamma[0], bits), number(self._gamma[1], bits))
-
-        def moment(t: Exact) -> Callable[[int], mpf]:
-            return lambda prec: number(t, prec)
-
-        rows = angles(self._attitude, [moment(t) for t in times], (psi, phi), self._sign, bits)
-        return [[shortened([x], digits, absolute=True)[0] for x in row] for row in rows]
 
     def error(self, digits: int, times: Sequence[Exact] = (_ZERO,)) -> mpf:
         """An estimate of the error of :meth:`at`: of w over its largest modulus, or of gamma.
@@ -171,7 +134,7 @@ class KovalevskayaTop:
         found["tau"] = None if made is None else shortened(made.periods[2], digits)
         return found
 
-    def _curve(self, digits: int) -> Curve | None:
+    def _curve(self, digits: int) -> KovalevskayaCurve | None:
         """The curve of a generic motion, as certified by the start."""
         if not self._answers.generic:
             return None
@@ -180,7 +143,7 @@ class KovalevskayaTop:
         assert isinstance(solution, Generic)
         return solution.curve
 
-    def _turning_bits(self, times: Sequence[Exact], digits: int) -> int:
+    def _bits(self, times: Sequence[Exact], digits: int) -> int:
         """The precision of an attitude; refuses times that are too far."""
         phase = self._answers.phase(times)
         if phase > math.log2(MOST_PANELS) + 1:
@@ -192,7 +155,7 @@ class KovalevskayaTop:
         self._span = min([self._span[0], *times]), max([self._span[1], *times])
         return rounded_up(self._answers.base(digits) + phase + _TURNING)
 
-    def _attitude(self, bits: int) -> Attitude:
+    def _attitude(self, bits: int) -> KovalevskayaAttitude:
         """The attitude as a function of time, its panels made once a precision."""
         solution, used, _, _ = self._answers.resolved(self._span, bits)
         known = self._attitudes.get(bits)
@@ -205,16 +168,12 @@ class KovalevskayaTop:
                 row = self._placed(solution.at(mpmath.ldexp(t, exponent))[0], used)
             return row[:3], row[3:]
 
+        start = self._first_quaternion(bits)
         with mpmath.workprec(bits):
-            start = start_quaternion(self._gamma, self._psi, self._sign, bits)
             rate = mpmath.ldexp(self._start.fastest(bits), exponent)
-            found = Attitude(state, start, rate, 2 * math.ceil(_NODES * bits))
+            found = KovalevskayaAttitude(state, start, rate, 2 * math.ceil(_NODES * bits))
         self._attitudes[bits] = solution, found
         return found
-
-    @cached_property
-    def _sign(self) -> int:
-        return start_sign(self._gamma, self._psi)
 
     def _rows(self, times: Sequence[Exact], base: int) -> tuple[list[list[mpf]], mpf]:
         """Rows right to ``base`` bits, and the estimate of their error."""

@@ -20,29 +20,36 @@ import mpmath
 from mpmath import mpc, mpf
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
-from polhode.closed_forms.functions.jacobi import MP, Functions
+from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.lagrange.axes import Matrix
-from polhode.closed_forms.lagrange.motion import Motion, Nutating, Pair, Start, equations, times
+from polhode.closed_forms.lagrange.axes import RowMatrix
+from polhode.closed_forms.lagrange.motion import (
+    LagrangeMotion,
+    LagrangeStart,
+    Nutating,
+    Parts,
+    equations,
+    times,
+)
 from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.numbers.exact import Exact, sign
 
 
 @dataclass(frozen=True)
-class Attitude:
+class LagrangeAttitude:
     """The quaternion body -> space as a function of time."""
 
-    motion: Motion
-    rows: tuple[tuple[Pair, Pair], tuple[Pair, Pair]]  # al, bt of the scene in those of the top
+    motion: LagrangeMotion
+    rows: tuple[tuple[Parts, Parts], tuple[Parts, Parts]]  # al, bt of the scene in those of the top
     start: Quaternion
     range: tuple[Any, Any, Any, Any]  # least and largest |al|, then |bt|, of the top
     torque: Any  # Mg z0/A
 
-    def at(self, t: Any, fn: Functions) -> Quaternion:
+    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         return self._joined(*self.motion.parameters(t, fn))
 
-    def floats(self, speed: Any) -> Attitude:
+    def floats(self, speed: Any) -> LagrangeAttitude:
         """The same in doubles, time in units of 1/speed."""
         (a, b), (c, d) = (
             ((float(x), float(y)), (float(u), float(v))) for (x, y), (u, v) in self.rows
@@ -83,7 +90,7 @@ class Attitude:
             grown.append(self._argument(row, lead, t) - self._argument(row, lead, begin))
         return grown[0], grown[1]
 
-    def _lead(self, row: tuple[Pair, Pair]) -> int | None:
+    def _lead(self, row: tuple[Parts, Parts]) -> int | None:
         """Which term outweighs the other at all times (0 or 1), -1 where both are 0."""
         one, other = (mpmath.hypot(*z) for z in row)
         low_al, high_al, low_bt, high_bt = self.range
@@ -101,7 +108,7 @@ class Attitude:
             return 1
         return None
 
-    def _argument(self, row: tuple[Pair, Pair], lead: int, t: Any) -> Any:
+    def _argument(self, row: tuple[Parts, Parts], lead: int, t: Any) -> Any:
         """The argument of the row's sum at t, to a constant."""
         angle = self.motion.arguments(t)[lead]
         if not any(row[1 - lead]):
@@ -112,7 +119,7 @@ class Attitude:
             return angle
         return angle + mpmath.arg(1 + terms[1 - lead] / terms[lead])
 
-    def _joined(self, al: Pair, bt: Pair) -> Quaternion:
+    def _joined(self, al: Parts, bt: Parts) -> Quaternion:
         found: list[Any] = []
         for one, other in self.rows:
             if isinstance(one[0], mpf) and not any(other):
@@ -126,7 +133,9 @@ class Attitude:
         return q0, q1, q2, q3
 
 
-def top_start(c: Constants, omega: Sequence[Exact], gamma: Sequence[Exact], bits: int) -> Start:
+def top_start(
+    c: Constants, omega: Sequence[Exact], gamma: Sequence[Exact], bits: int
+) -> LagrangeStart:
     """al, bt and xi at t = 0 in the top's axes, the larger of al and bt real and positive."""
     p, q, r = (number(x, bits) for x in omega)
     g1, g2, _ = (number(x, bits) for x in gamma)
@@ -135,10 +144,12 @@ def top_start(c: Constants, omega: Sequence[Exact], gamma: Sequence[Exact], bits
     al, bt = (mpc(larger), other) if sign(c.u0) >= 0 else (other.conjugate(), mpc(larger))
     values = al, bt, mpc(p, q)
     slopes = equations(values, r, number(c.ratio, bits), number(c.a, bits) / 2)
-    return Start(values, slopes)
+    return LagrangeStart(values, slopes)
 
 
-def attitude(motion: Motion, torque: Any, matrix: Matrix, start: Quaternion) -> Attitude:
+def attitude(
+    motion: LagrangeMotion, torque: Any, matrix: RowMatrix, start: Quaternion
+) -> LagrangeAttitude:
     """The attitude that starts at ``start``; ``torque`` = Mg z0/A, ``matrix`` E by rows."""
     t0, t1, t2, t3 = _quaternion(matrix)
     (a, b), (x, y) = motion.parameters(mpf(0), MP)
@@ -149,10 +160,10 @@ def attitude(motion: Motion, torque: Any, matrix: Matrix, start: Quaternion) -> 
     la, mu = mpc(t0, t3), mpc(t1, t2)
     terms = (sigma * z for z in (la, -mu.conjugate(), mu, la.conjugate()))
     p, q, r, s = ((z.real, z.imag) for z in terms)
-    return Attitude(motion, ((p, q), (r, s)), start, _range(motion, (a, b), (x, y)), torque)
+    return LagrangeAttitude(motion, ((p, q), (r, s)), start, _range(motion, (a, b), (x, y)), torque)
 
 
-def _range(motion: Motion, al: Pair, bt: Pair) -> tuple[Any, Any, Any, Any]:
+def _range(motion: LagrangeMotion, al: Parts, bt: Parts) -> tuple[Any, Any, Any, Any]:
     """Least and largest |al| and |bt|."""
     if not isinstance(motion, Nutating):
         one, other = mpmath.hypot(*al), mpmath.hypot(*bt)
@@ -167,7 +178,7 @@ def _range(motion: Motion, al: Pair, bt: Pair) -> tuple[Any, Any, Any, Any]:
     return low[0], ends[0], ends[1], low[1]
 
 
-def _quaternion(matrix: Matrix) -> Quaternion:
+def _quaternion(matrix: RowMatrix) -> Quaternion:
     """The quaternion of a rotation matrix, by its largest component."""
     (a, b, c), (d, e, f), (g, h, i) = ([mpf(x) for x in row] for row in matrix)
     squares = (1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i)
@@ -183,5 +194,5 @@ def _quaternion(matrix: Matrix) -> Quaternion:
     return q0, q1, q2, q3
 
 
-def _part(q: Quaternion, which: int) -> Pair:
+def _part(q: Quaternion, which: int) -> Parts:
     return (q[0], q[3]) if which == 0 else (q[1], q[2])

@@ -15,9 +15,10 @@ from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 from polhode.scenes import body
-from polhode.scenes.body import Vector, cross, dot, is_zero
+from polhode.scenes.body import Vector, cross, dot
+from polhode.scenes.tops import LAGRANGE, SPHERE, classical_top, with_last
 
-Matrix = list[list[Any]]
+RowMatrix = list[list[Any]]
 
 
 def fits(scene: PrincipalScene) -> bool:
@@ -26,26 +27,11 @@ def fits(scene: PrincipalScene) -> bool:
     Two moments are equal and the centre of mass is on the third axis, or all three are equal; a
     body without weight is none.
     """
-    return _is_top(scene.moments, scene.torque)
-
-
-def _is_top(moments: Vector, torque: Vector) -> bool:
-    if is_zero(torque):
-        return False
-    return symmetry_axis(moments, torque) is not None or _spherical(moments)
-
-
-def symmetry_axis(moments: Vector, torque: Vector) -> int | None:
-    """The principal axis of symmetry that carries the centre of mass, if there is one."""
-    for k in (2, 0, 1):
-        i, j = (k + 1) % 3, (k + 2) % 3
-        if sign(torque[i]) == 0 == sign(torque[j]) and moments[i] == moments[j]:
-            return k
-    return None
+    return classical_top(scene.moments, scene.torque).kind in (LAGRANGE, SPHERE)
 
 
 @dataclass(frozen=True)
-class TopAxes:
+class LagrangeAxes:
     """The top's axes in principal ones, and the principal axes in the scene's (None: the same).
 
     Axis n of the top is ``signs[n]`` times principal axis ``order[n]``, or row n of ``turned``.
@@ -54,7 +40,7 @@ class TopAxes:
     rows: tuple[tuple[Exact, ...], ...] | None
     order: tuple[int, int, int]
     signs: tuple[int, int, int]
-    turned: body.Axes | None
+    turned: body.PrincipalAxes | None
     moments: tuple[Exact, Exact]  # A, across the axis of symmetry, and C, about it
     torque: Exact  # Mg z0 > 0
 
@@ -69,7 +55,7 @@ class TopAxes:
         x, y, z = (s * v[i] for s, i in zip(self.signs, self.order, strict=True))
         return x, y, z
 
-    def matrix(self, bits: int) -> Matrix:
+    def matrix(self, bits: int) -> RowMatrix:
         """The top's axes as rows of components in the scene's axes, at the precision in force."""
         if self.turned is not None:
             turn = [[number(x, bits) for x in row] for row in self.turned.rows]
@@ -86,24 +72,26 @@ class TopAxes:
 
 def top_axes(
     moments: Vector, torque: Vector, rows: tuple[tuple[Exact, ...], ...] | None
-) -> TopAxes:
+) -> LagrangeAxes:
     """The axes of the top; raises ValueError for a body that is none (:func:`fits`)."""
-    if not _is_top(moments, torque):
+    found = classical_top(moments, torque)
+    if found.kind not in (LAGRANGE, SPHERE):
         raise ValueError("not a Lagrange top")
-    k = symmetry_axis(moments, torque)
-    if k is not None:
-        i, j = (k + 1) % 3, (k + 2) % 3
+    if found.axis is not None:
+        i, j, k = with_last(found.axis)
         up = sign(torque[k])
-        return TopAxes(rows, (i, j, k), (1, up, up), None, (moments[i], moments[k]), abs(torque[k]))
+        return LagrangeAxes(
+            rows, (i, j, k), (1, up, up), None, (moments[i], moments[k]), abs(torque[k])
+        )
     units = body.IDENTITY
     across = max((cross(unit, torque) for unit in units), key=lambda v: dot(v, v))
     directions = across, cross(torque, across), torque
     a, b, c = (dot(v, v) for v in directions)
-    turned = body.Axes(directions, (a, b, c))
-    return TopAxes(rows, (0, 1, 2), (1, 1, 1), turned, (moments[0], moments[0]), sqrt(c))
+    turned = body.PrincipalAxes(directions, (a, b, c))
+    return LagrangeAxes(rows, (0, 1, 2), (1, 1, 1), turned, (moments[0], moments[0]), sqrt(c))
 
 
-def placed(matrix: Matrix, vector: Sequence[Any]) -> list[Any]:
+def placed(matrix: RowMatrix, vector: Sequence[Any]) -> list[Any]:
     """From the top's axes to the scene's; any scalars.  Entries 0 and 1 cost nothing."""
     found = []
     for column in range(3):
@@ -116,7 +104,3 @@ def placed(matrix: Matrix, vector: Sequence[Any]) -> list[Any]:
             total = term if total is None else total + term
         found.append(total)
     return found
-
-
-def _spherical(moments: Vector) -> bool:
-    return moments[0] == moments[1] == moments[2]

@@ -29,9 +29,9 @@ from mpmath import mpc, mpf
 
 from polhode.closed_forms.functions.jacobi import (
     MP,
-    Functions,
     Jacobi,
     Quotient,
+    SeriesFunctions,
     Waves,
     jacobi,
     quotient,
@@ -42,11 +42,11 @@ from polhode.closed_forms.lagrange.roots import Gaps, gaps
 from polhode.numbers.exact import sign
 
 #: A complex number of any scalars, as its two parts.
-Pair: TypeAlias = tuple[Any, Any]
+Parts: TypeAlias = tuple[Any, Any]
 
 
 @dataclass(frozen=True)
-class Start:
+class LagrangeStart:
     """al, bt, xi and their slopes at t = 0, psi such that the larger of al and bt is real."""
 
     values: tuple[Any, Any, Any]
@@ -67,17 +67,17 @@ def equations(values: tuple[Any, Any, Any], r: Any, ratio: Any, torque: Any) -> 
 class Steady:
     """theta constant: al, bt and xi turn uniformly."""
 
-    values: tuple[Pair, Pair, Pair]  # at t = 0
+    values: tuple[Parts, Parts, Parts]  # at t = 0
     rates: tuple[Any, Any, Any]
     r: Any
     speed: Any  # |w|
 
-    def parameters(self, t: Any, fn: Functions) -> tuple[Pair, Pair]:
+    def parameters(self, t: Any, fn: SeriesFunctions) -> tuple[Parts, Parts]:
         """al and bt."""
         al, bt, _ = self.all(t, fn)
         return al, bt
 
-    def all(self, t: Any, fn: Functions) -> tuple[Pair, Pair, Pair]:
+    def all(self, t: Any, fn: SeriesFunctions) -> tuple[Parts, Parts, Parts]:
         """al, bt and xi."""
         al, bt, xi = (
             times(z, fn.cos_sin(rate * t)) for z, rate in zip(self.values, self.rates, strict=True)
@@ -117,12 +117,12 @@ class Parameter:
 
     shift: Quotient
     sense: int
-    factor: Pair
+    factor: Parts
     rate: Any
     jump: Any
     uniform: Any  # what ``rate`` has beside sense · shift.rate · v'
 
-    def at(self, t: Any, waves: Waves, over: Any, fn: Functions) -> Pair:
+    def at(self, t: Any, waves: Waves, over: Any, fn: SeriesFunctions) -> Parts:
         """z, with ``over`` = 1/Theta(v_r)."""
         x, y = self.shift.at(waves)
         turn = fn.cos_sin(self.rate * t + self.jump * waves.turns)
@@ -181,12 +181,12 @@ class Nutating:
     r: Any
     speed: Any  # the largest |w|
 
-    def parameters(self, t: Any, fn: Functions) -> tuple[Pair, Pair]:
+    def parameters(self, t: Any, fn: SeriesFunctions) -> tuple[Parts, Parts]:
         """al and bt."""
         waves, over = self._waves(t, fn)
         return self.al.at(t, waves, over, fn), self.bt.at(t, waves, over, fn)
 
-    def all(self, t: Any, fn: Functions) -> tuple[Pair, Pair, Pair]:
+    def all(self, t: Any, fn: SeriesFunctions) -> tuple[Parts, Parts, Parts]:
         """al, bt and xi."""
         waves, over = self._waves(t, fn)
         return (
@@ -234,15 +234,15 @@ class Nutating:
             1.0,
         )
 
-    def _waves(self, t: Any, fn: Functions) -> tuple[Waves, Any]:
+    def _waves(self, t: Any, fn: SeriesFunctions) -> tuple[Waves, Any]:
         waves = self.elliptic.waves(self.v0 + self.rate * t, fn)
         return waves, 1 / self.elliptic.denominator(waves)
 
 
-Motion: TypeAlias = Steady | Nutating
+LagrangeMotion: TypeAlias = Steady | Nutating
 
 
-def steady(c: Constants, start: Start, bits: int) -> Steady:
+def steady(c: Constants, start: LagrangeStart, bits: int) -> Steady:
     """The motion with theta constant, at the precision in force."""
     r, u0 = number(c.r, bits), number(c.u0, bits)
     if c.level:
@@ -255,7 +255,7 @@ def steady(c: Constants, start: Start, bits: int) -> Steady:
     return Steady((al, bt, xi), ((psi + phi) / 2, (psi - phi) / 2, -phi), r, speed)
 
 
-def nutating(c: Constants, start: Start, bits: int) -> Nutating:
+def nutating(c: Constants, start: LagrangeStart, bits: int) -> Nutating:
     """The general motion, at the precision in force."""
     g = gaps(c, bits)
     a, r, ratio = (number(x, bits) for x in (c.a, c.r, c.ratio))
@@ -299,7 +299,7 @@ def nutating(c: Constants, start: Start, bits: int) -> Nutating:
     return Nutating(elliptic, rate, v0, al, bt, xi, r, mpmath.sqrt(wide + r * r))
 
 
-def times(a: Pair, b: Pair) -> Pair:
+def times(a: Parts, b: Parts) -> Parts:
     """The product of two complex numbers."""
     return a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]
 

@@ -10,24 +10,22 @@ digits.  Units: any consistent set.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 import mpmath
 from mpmath import mpf
 
-from polhode.closed_forms.attitude.angles import angles
-from polhode.closed_forms.attitude.start import start_quaternion, start_sign
+from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
-from polhode.closed_forms.lagrange.attitude import Attitude, attitude, top_start
-from polhode.closed_forms.lagrange.axes import fits, placed, top_axes
+from polhode.closed_forms.lagrange.attitude import LagrangeAttitude, attitude, top_start
+from polhode.closed_forms.lagrange.axes import placed, top_axes
 from polhode.closed_forms.lagrange.motion import (
-    Motion,
+    LagrangeMotion,
+    LagrangeStart,
     Nutating,
-    Start,
     equations,
     nutating,
     steady,
@@ -37,21 +35,20 @@ from polhode.closed_forms.lagrange.roots import gaps
 from polhode.numbers.exact import Exact
 from polhode.scenes.body import Vector
 
-__all__ = ["LagrangeTop", "fits"]
-
 _ZERO = Fraction(0)
 _GUARD = 40  # bits beyond the digits asked for and the growth of phases
 _SLACK = 24  # of these, what the set-up may use up; where it needs more it is made with more
 _TRIALS = 6  # of a set-up with more bits each time
 
 
-class LagrangeTop:
+class LagrangeTop(FromAttitude):
     """The motion of one Lagrange top from one start.
 
     ``moments`` are the principal moments and ``torque`` = Mg r0 in principal axes; ``axes[i]`` is
     the unit vector of principal axis i in the scene's body axes (right-handed; None for the same
     axes).  ``omega`` and ``gamma`` are given at t = 0 in the scene's axes, where all answers are
-    too.  Raises ValueError for a body that is no Lagrange top (:func:`fits`).
+    too.  Raises ValueError for a body that is no Lagrange top
+    (:func:`polhode.closed_forms.lagrange.axes.fits`).
 
     ``regime`` names the kind of motion; it is decided once, by exact arithmetic
     (:func:`polhode.closed_forms.lagrange.regimes.regime`).
@@ -66,8 +63,7 @@ class LagrangeTop:
         psi: Exact = _ZERO,
         axes: tuple[tuple[Exact, ...], ...] | None = None,
     ) -> None:
-        self._gamma = gamma
-        self._psi = psi
+        super().__init__(gamma, psi)
         self._axes = top_axes(moments, torque, axes)
         self._top: tuple[Vector, Vector] = self._axes.top(omega), self._axes.top(gamma)
         self._constants = constants(*self._axes.moments, self._axes.torque, *self._top)
@@ -76,8 +72,8 @@ class LagrangeTop:
         self._extra = 0  # bits that the set-up takes more, near a pole or a degenerate motion
         if not self._steady:
             self._extra = math.ceil(gaps(self._constants, 64).lost)
-        self._motions: dict[int, Motion] = {}
-        self._attitudes: dict[int, Attitude] = {}
+        self._motions: dict[int, LagrangeMotion] = {}
+        self._attitudes: dict[int, LagrangeAttitude] = {}
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
         """Rows p, q, r, gamma1, gamma2, gamma3, one a time.
@@ -94,38 +90,6 @@ class LagrangeTop:
                 gamma = 2 * (b * c - a * d), 2 * (a * c + b * d), a * a + b * b - c * c - d * d
                 rows.append(placed(matrix, (p, q, motion.r)) + placed(matrix, gamma))
         return [shortened(row, digits) for row in rows]
-
-    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """Unit quaternions q0, q1, q2, q3 of R, one a time: q0 >= 0 at t = 0, then continuous.
-
-        At t = 0, R = Rz(psi) Rx(theta) Rz(phi) with the psi given and phi = atan2(gamma1, gamma2).
-        Where q0 = 0 at t = 0, the first component that is not 0 is positive.
-        """
-        bits = self._bits(times, digits)
-        found = self._attitude(bits)
-        with mpmath.workprec(bits):
-            rows = [found.at(number(t, bits), MP) for t in times]
-        return [shortened(row, digits) for row in rows]
-
-    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
-        """Rows psi, theta, phi; psi and phi continuous in t, None where gamma is along axis 3.
-
-        They start from the psi given and phi = atan2(gamma1, gamma2).  Passing through a pole, psi
-        and phi jump by pi, and one of psi + phi, psi - phi stays continuous.  The error is below
-        10^-digits.  Where axis 3 is not the axis of symmetry the turns may have to be counted: the
-        work then grows with time, and beyond a limit ValueError is raised.
-        """
-        bits = self._bits(times, digits)
-        self._attitude(bits)
-        with mpmath.workprec(bits):
-            psi = number(self._psi, bits)
-            phi = mpmath.atan2(number(self._gamma[0], bits), number(self._gamma[1], bits))
-
-        def moment(t: Exact) -> Callable[[int], mpf]:
-            return lambda prec: number(t, prec)
-
-        rows = angles(self._attitude, [moment(t) for t in times], (psi, phi), self._sign, bits)
-        return [[shortened([x], digits, absolute=True)[0] for x in row] for row in rows]
 
     def period(self, digits: int) -> mpf | None:
         """The period of theta; None where theta is constant or tends to the upper pole."""
@@ -159,7 +123,7 @@ class LagrangeTop:
                 found["proper rotation"] = side * (one - other)
         return {name: shortened([x], digits)[0] for name, x in found.items()}
 
-    def _motion(self, bits: int) -> Motion:
+    def _motion(self, bits: int) -> LagrangeMotion:
         """The constants at a precision, made once.
 
         They are made with more bits until values and derivatives of al, bt and p + iq at t = 0
@@ -184,20 +148,15 @@ class LagrangeTop:
             self._extra = lost
         raise ArithmeticError("the closed form does not reproduce the start")
 
-    def _attitude(self, bits: int) -> Attitude:
+    def _attitude(self, bits: int) -> LagrangeAttitude:
         """The attitude as a function of time, its constants made once a precision."""
         if bits not in self._attitudes:
             motion = self._motion(bits)
+            start = self._first_quaternion(bits)
             with mpmath.workprec(bits):
-                start = start_quaternion(self._gamma, self._psi, self._sign, bits)
                 torque = number(self._constants.a, bits) / 2
                 self._attitudes[bits] = attitude(motion, torque, self._axes.matrix(bits), start)
         return self._attitudes[bits]
-
-    @cached_property
-    def _sign(self) -> int:
-        """Of the attitude against the Euler angles at t = 0."""
-        return start_sign(self._gamma, self._psi)
 
     def _bits(self, times: Sequence[Exact], digits: int) -> int:
         """Working precision: the digits, what phases cost, a guard.
@@ -213,13 +172,13 @@ class LagrangeTop:
         return bits
 
 
-def _period(motion: Motion) -> Any | None:
+def _period(motion: LagrangeMotion) -> Any | None:
     if not isinstance(motion, Nutating) or not mpmath.isfinite(motion.elliptic.K):
         return None
     return 2 * motion.elliptic.K / motion.rate
 
 
-def _defect(motion: Motion, start: Start, ratio: Any, torque: Any) -> Any:
+def _defect(motion: LagrangeMotion, start: LagrangeStart, ratio: Any, torque: Any) -> Any:
     """How far the motion is from the start at t = 0, and from its equations then and later.
 
     Relative to the sizes of al, bt and xi and to the fastest rate; the second time is a fraction

@@ -28,7 +28,7 @@ from typing import Any
 import mpmath
 from mpmath import mpf
 
-from polhode.closed_forms.attitude.axes import Axes
+from polhode.closed_forms.attitude.axes import MotionAxes
 from polhode.closed_forms.attitude.quaternion import product
 from polhode.closed_forms.attitude.start import start_angles, start_quaternion, start_sign
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
@@ -74,7 +74,7 @@ class Pendulum:
         psi: Exact = ZERO,
         axes: tuple[tuple[Exact, ...], ...] | None = None,
     ) -> None:
-        turn = Axes(axes)
+        turn = MotionAxes(axes)
         principal, vertical = _triple(turn.principal(omega)), _triple(turn.principal(gamma))
         if not fits(PrincipalScene(moments, torque, principal, vertical)):
             raise ValueError("a body that does not swing about a horizontal principal axis")

@@ -8,9 +8,9 @@ from polhode.numbers.exact import sign
 from polhode.scenes.body import (
     IDENTITY,
     OWN_AXES,
-    Axes,
     Body,
     Matrix,
+    PrincipalAxes,
     Vector,
     cross,
     dot,
@@ -19,7 +19,7 @@ from polhode.scenes.body import (
 )
 
 
-def centre_axes(body: Body, matrix: Matrix) -> Axes:
+def centre_axes(body: Body, matrix: Matrix) -> PrincipalAxes:
     """The axes for ``matrix``, the inertia matrix or its inverse: the body's own where they fit.
 
     Across z they are the principal directions of the matrix cut down to that plane.  A body
@@ -32,7 +32,7 @@ def centre_axes(body: Body, matrix: Matrix) -> Axes:
         return OWN_AXES
     x = _flat(matrix, z)
     y = cross(z, x)
-    return Axes((x, y, z), (dot(x, x), dot(y, y), dot(z, z)))
+    return PrincipalAxes((x, y, z), (dot(x, x), dot(y, y), dot(z, z)))
 
 
 def _flat(matrix: Matrix, z: Vector) -> Vector:

@@ -17,7 +17,7 @@ from polhode.equations.form import Form
 from polhode.equations.forms import matrices
 from polhode.equations.forms.matrices import GAMMA, OMEGA
 from polhode.numbers.scalars import Functions
-from polhode.scenes.body import OWN_AXES, Axes
+from polhode.scenes.body import OWN_AXES, PrincipalAxes
 from polhode.scenes.scene import Scene
 
 SOURCE = "3.16–3.17"
@@ -46,7 +46,7 @@ def for_scene(scene: Scene) -> General:
     return in_axes(scene, OWN_AXES)
 
 
-def in_axes(scene: Scene, axes: Axes) -> General:
+def in_axes(scene: Scene, axes: PrincipalAxes) -> General:
     """The equations of a scene in these axes."""
     inertia = scene.body.inertia
     solved = matrices.along(axes, matrices.inverse(inertia))

@@ -9,7 +9,7 @@ from typing import Any
 from polhode.numbers import exact
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.scalars import combination
-from polhode.scenes.body import Axes, Matrix, Vector, cross, dot, scaled
+from polhode.scenes.body import Matrix, PrincipalAxes, Vector, cross, dot, scaled
 from polhode.scenes.scene import Scene
 
 OMEGA = ("p", "q", "r")
@@ -18,14 +18,14 @@ _PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))
 _CYCLE = ((1, 2), (2, 0), (0, 1))
 
 
-def omega_and_gamma(scene: Scene, axes: Axes) -> tuple[Exact, ...]:
+def omega_and_gamma(scene: Scene, axes: PrincipalAxes) -> tuple[Exact, ...]:
     """The scene's start along these axes, time in the scene's own unit: omega [gamma]."""
     unit = Fraction(2) ** scene.time_unit
     omega = tuple(unit * w for w in axes.components(scene.omega))
     return omega if scene.gamma is None else (*omega, *axes.components(scene.gamma))
 
 
-def torque(scene: Scene, axes: Axes) -> Vector:
+def torque(scene: Scene, axes: PrincipalAxes) -> Vector:
     """Mg r0 along these axes, time in the scene's own unit."""
     return scaled(Fraction(4) ** scene.time_unit, axes.components(scene.body.torque))
 
@@ -38,7 +38,7 @@ def inverse(matrix: Matrix) -> Matrix:
     return a, b, c
 
 
-def along(axes: Axes, matrix: Matrix) -> Matrix:
+def along(axes: PrincipalAxes, matrix: Matrix) -> Matrix:
     """A symmetric matrix, given in body axes, along these axes."""
     if axes.trivial:
         return matrix

@@ -18,7 +18,7 @@ from polhode.equations.forms.matrices import GAMMA, OMEGA
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import Functions
-from polhode.scenes.body import OWN_AXES, Axes, scaled
+from polhode.scenes.body import OWN_AXES, PrincipalAxes, scaled
 from polhode.scenes.scene import Scene
 
 SOURCE = "3.36–3.37"
@@ -50,7 +50,7 @@ def for_scene(scene: Scene) -> Momentum:
     return in_axes(scene, OWN_AXES)
 
 
-def in_axes(scene: Scene, axes: Axes) -> Momentum:
+def in_axes(scene: Scene, axes: PrincipalAxes) -> Momentum:
     """The equations of a scene in these axes."""
     body = scene.body
     unit = _unit(sum((body.inertia[i][i] for i in (1, 2)), body.inertia[0][0]))
