@@ -22,6 +22,7 @@ from polhode.scenes.words import FORMS
 from polhode.taylor import integrator
 from polhode.taylor.outcomes import Outcome
 from shared.form_trials import turned
+from shared.policies import change_policy
 
 F = Fraction
 OTHERS = [name for name in FORMS if name != "principal"]
@@ -296,9 +297,7 @@ def test_every_cross_check_passes(capsys):
 @pytest.mark.parametrize("name", ["quaternion", "hamiltonian", "momentum"])
 def test_a_run_is_callable_between_its_times_in_any_form(name, monkeypatch):
     """The states of the output times again, and those between them, across corrections of |q|."""
-    from polhode.taylor import unit_norm
-
-    monkeypatch.setitem(unit_norm._EVERY, "double", 7)
+    change_policy(monkeypatch, unit_norm_every=7)
     scene = replace(asymmetric(), form=name)
     run = polhode.integrate(scene, at=[5, 10])
     between = polhode.integrate(scene, "quad", at=[F(10, 3), 10]).states[0]

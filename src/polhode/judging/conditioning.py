@@ -28,6 +28,7 @@ from polhode.numbers.scalars import Functions
 from polhode.runs.run import Run
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.taylor import policy
 
 MAX_STEPS = 400_000  # of 26 µs: about ten seconds
 STRIDE = 8  # units of the scene's own time between looks at the tangents
@@ -220,11 +221,9 @@ class _Leader:
 
     def at(self, time: float) -> Any:
         """The six components of the state at a time, as doubles."""
-        from polhode.taylor import integrator
-
         rows: Any = []
         while len(rows) == 0:
-            rows, _ = self._run.chunk([Fraction(time)], integrator.chunk_steps(self._run.number))
+            rows, _ = self._run.chunk([Fraction(time)], policy.of(self._run.number).chunk)
         return six([exactly(x) for x in rows[0]])
 
 

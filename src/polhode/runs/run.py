@@ -20,6 +20,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Functions
 from polhode.scenes.scene import Scene
 from polhode.scenes.words import ANGLE_VARIABLES
+from polhode.taylor import policy
 from polhode.taylor.outcomes import EventTimes, Outcome, Projection
 
 #: Called now and then with the fraction of the time done and the steps taken.
@@ -135,7 +136,6 @@ class Run:
         progress: Progress | None,
     ) -> Outcome:
         """Integrate a system that stands at time ``origin``, appending rows; the outcome."""
-        from polhode.taylor import integrator as taylor
 
         unit = Fraction(2) ** self.scene.time_unit
         outcome = Outcome.STOPPED_AT_EVENT
@@ -143,8 +143,10 @@ class Run:
             projector = self._projector(whole.form)
             integrator = self.integrator(whole, origin, self._watch, projector)
             self._refuse_what_never_moves()
-            limit = self.max_steps if self.max_steps is not None else taylor.max_steps(self.number)
-            chunk = taylor.chunk_steps(self.number)
+            limit = (
+                self.max_steps if self.max_steps is not None else policy.of(self.number).max_steps
+            )
+            chunk = policy.of(self.number).chunk
             outcome = _march(integrator, inside, rows, limit, chunk, progress)
             if projector is not None:
                 self.projection = projector.found()

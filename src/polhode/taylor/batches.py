@@ -20,7 +20,7 @@ import numpy as np
 from polhode.equations.forms import principal
 from polhode.numbers.convert import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.taylor import heyoka_numbers
+from polhode.taylor import heyoka_numbers, policy
 from polhode.taylor import integrator as taylor
 
 #: Internal time units (a radian or two of the fastest rate) between two looks at the keyboard, for
@@ -164,7 +164,7 @@ class _March:
             return
         end = times[-1]
         inside = max(abs(end) / unit for unit in self.units)
-        span = taylor.chunk_steps(self.job.number) * _UNITS_PER_STEP
+        span = policy.of(self.job.number).chunk * _UNITS_PER_STEP
         count = -(-inside // span)
         done, j = 0, 0
         while done < len(times):

@@ -94,7 +94,7 @@ class Watch:
         self.row: Any = None  # heyoka's dense output, a view of its memory
         self.evaluate: list[Any] = []  # expression and time derivative, compiled
         self.with_time: list[bool] = []
-        self.flat = number.name in ("double", "extended")
+        self.flat = number.flat
 
     # -- building -----------------------------------------------------------------------------
 

@@ -20,6 +20,7 @@ from polhode.numbers.convert import exactly, to_double, to_extended
 from polhode.numbers.exact import Number, sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Functions
+from polhode.taylor import policy
 
 #: The scalar functions of heyoka's expressions.
 EXPRESSIONS = Functions(hy.expression(0.0), hy.sin, hy.cos, hy.sqrt)
@@ -67,14 +68,9 @@ def scalars(values: Sequence[Number], number: NumberType) -> list[Any]:
     return [scalar(x, number) for x in values]
 
 
-def flat(number: NumberType) -> bool:
-    """Whether numpy holds numbers of the type as they are."""
-    return number.name in ("double", "extended")
-
-
 def numbers(row: Any, number: NumberType) -> Any:
     """A row of heyoka's numbers as a trajectory holds them: an array, or mpf above extended."""
-    if flat(number):
+    if number.flat:
         return row
     import mpmath
 
@@ -85,26 +81,27 @@ def numbers(row: Any, number: NumberType) -> Any:
 _TYPES: dict[str, Callable[[NumberType], dict[str, Any]]] = {
     "double": lambda _: {},
     "extended": lambda _: {"fp_type": np.longdouble},
-    "quad": lambda _: {"fp_type": hy.real128, "compact_mode": True},
-    "mp": lambda number: {"fp_type": hy.real, "prec": number.bits, "compact_mode": True},
+    "quad": lambda _: {"fp_type": hy.real128},
+    "mp": lambda number: {"fp_type": hy.real, "prec": number.bits},
 }
 
 
 def type_options(number: NumberType) -> dict[str, Any]:
     """heyoka's options that choose a number type, for integrators and compiled functions."""
-    return _TYPES[number.name](number)
+    compact = {"compact_mode": True} if policy.of(number).compact else {}
+    return _TYPES[number.name](number) | compact
 
 
 def array(values: list[Any], number: NumberType) -> Any:
     """Numbers of heyoka's type as the array that it takes."""
-    if flat(number):
+    if number.flat:
         return np.array(values, dtype=np.float64 if number.name == "double" else np.longdouble)
     return np.array(values)
 
 
 def as_fraction(value: Any, number: NumberType) -> Fraction:
     """The exact value of a number of heyoka's."""
-    if flat(number):
+    if number.flat:
         return exactly(value)
     import mpmath
 

@@ -12,11 +12,11 @@ import numpy as np
 
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
+from polhode.taylor import policy
 from polhode.taylor.heyoka_numbers import (
     array,
     as_fraction,
     disk_cache,
-    flat,
     numbers,
     scalar,
     scalars,
@@ -24,12 +24,6 @@ from polhode.taylor.heyoka_numbers import (
 )
 from polhode.taylor.pool import Idle
 
-_CHUNK_SECONDS = 0.2
-_MAX_STEPS = {"double": 10**8, "extended": 10**7, "quad": 10**6, "mp": 10**6}
-#: Steps after which cyclic variables are set back to zero, and what they are divided by: in that
-#: many steps they grow to about one, so that they neither loosen the steps nor shorten them.
-_SET_BACK = {"double": 160, "extended": 32, "quad": 8, "mp": 4}
-_DIVISOR = {"double": 256, "extended": 64, "quad": 16, "mp": 8}
 _IDLE = Idle()
 
 
@@ -42,7 +36,7 @@ class Piece(NamedTuple):
     def at(self, time: Any, number: NumberType) -> Any:
         """The state at one time."""
         row = self.output(time)
-        return row.copy() if flat(number) else numbers(row.tolist(), number)
+        return row.copy() if number.flat else numbers(row.tolist(), number)
 
     @property
     def bytes(self) -> int:
@@ -64,22 +58,6 @@ class Mark(NamedTuple):
     taken: int
     due: int
     memory: tuple[Any, ...]
-
-
-def max_steps(number: NumberType) -> int:
-    """The step limit unless the user sets another."""
-    return _MAX_STEPS[number.name]
-
-
-def chunk_steps(number: NumberType) -> int:
-    """Steps between two looks at the clock and the keyboard: about a fifth of a second.
-
-    A function of the type alone, so that a run is the same on every machine.  Costs of a step:
-    double 0.6 µs, extended 7 µs, quad 0.3 ms, mp 2 ms at 237 bits growing like bits^2.7.
-    """
-    if number.name == "mp":
-        return max(1, int(_CHUNK_SECONDS / (2e-3 * float((number.bits / 237) ** 2.7))))
-    return {"double": 200_000, "extended": 30_000, "quad": 600}[number.name]
 
 
 class Taylor:
@@ -131,7 +109,7 @@ class Taylor:
         state = scalars(start, number)
         values = scalars([*coefficients.values()], number)
         self._key: Hashable = None
-        if equations is not None and watch is None and flat(number):
+        if equations is not None and watch is None and number.flat:
             tol = None if tolerance is None else scalar(tolerance, number)
             self._key = (equations, *names, *coefficients, *values, number.name, tol)
         idle = None if self._key is None else _IDLE.take(self._key)
@@ -156,7 +134,7 @@ class Taylor:
         number, variables = self.number, hy.make_vars(*names)
         rates = field(variables, k)
         if self._grown:
-            unit = hy.expression(scalar(Fraction(1, _DIVISOR[number.name]), number))
+            unit = hy.expression(scalar(Fraction(1, policy.of(number).divisor), number))
             first = len(rates) - len(self._grown)
             rates[first:] = [rate * unit for rate in rates[first:]]
         options: dict[str, Any] = {}
@@ -232,7 +210,7 @@ class Taylor:
             rows, ended = self._onwards(grid, steps)
             return self._rows([rows]), ended
         found, done, last = [], 0, self.steps + steps
-        every = _SET_BACK[self.number.name]
+        every = policy.of(self.number).set_back
         while True:
             pause = last if self.projector is None else min(self._due, last)
             if self._grown:
@@ -333,7 +311,7 @@ class Taylor:
     def _whole(self, i: int, part: Any) -> int:
         """A cyclic variable, of which heyoka has this part, as the offsets are kept."""
         x = self.exactly(part)
-        more = (x.numerator * _DIVISOR[self.number.name] << self._fine) // x.denominator
+        more = (x.numerator * policy.of(self.number).divisor << self._fine) // x.denominator
         return self._grown[i] + more
 
     def _rebase(self) -> None:
@@ -344,7 +322,7 @@ class Taylor:
             self.watch.rebased(self)
 
     def _rows(self, parts: list[Any]) -> list[Any]:
-        if flat(self.number):
+        if self.number.flat:
             return [row for part in parts for row in part]
         return [numbers(row, self.number) for part in parts for row in part.tolist()]
 

@@ -233,7 +233,7 @@ def _wider(number: NumberType) -> NumberType:
     """The type in which corrections of a run in ``number`` are computed."""
     if number.name == "double" and extended_here():
         return EXTENDED
-    if number.name in ("double", "extended"):
+    if number.flat:
         return QUAD
     return NumberType("mp", number.bits + 64)
 

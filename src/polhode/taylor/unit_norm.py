@@ -11,10 +11,10 @@ from typing import Any
 
 from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.number_types import NumberType
+from polhode.taylor import policy
 from polhode.taylor.heyoka_numbers import scalar
 from polhode.taylor.outcomes import Projection
 
-_EVERY = {"double": 1000, "extended": 100, "quad": 10, "mp": 1}  # under a tenth of the steps' time
 _GUARD_BITS = 32
 
 
@@ -22,7 +22,7 @@ class UnitNorm:
     """The corrections of one run; ``which`` of its variables form the vector."""
 
     def __init__(self, which: slice, number: NumberType) -> None:
-        self.which, self.number, self.every = which, number, _EVERY[number.name]
+        self.which, self.number, self.every = which, number, policy.of(number).unit_norm_every
         self.count = 0
         self.seconds = 0.0  # nothing is compiled
         self.largest = self.sum = 0.0
