@@ -19,8 +19,8 @@ from polhode.numbers.convert import exactly
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Event, Scene
 from polhode.scenes.words import FORMS
-from polhode.taylor import integrator
 from polhode.taylor.outcomes import Outcome
+from polhode.taylor.singular_set import nearest
 from shared.form_trials import turned
 from shared.policies import change_policy
 
@@ -236,7 +236,7 @@ def test_a_start_too_near_for_a_type_is_an_outcome_and_a_wider_type_runs():
 
 def test_the_nearest_distance_is_the_square_root_of_eps():
     for number in (number_types.DOUBLE, number_types.QUAD, number_types.mp(50)):
-        assert F(1, 2) <= integrator.nearest(number) ** 2 / number.eps <= 2
+        assert F(1, 2) <= nearest(number) ** 2 / number.eps <= 2
 
 
 def test_forms_on_the_command_line(capsys, tmp_path):

@@ -22,9 +22,9 @@ from polhode.equations.system import System, system
 from polhode.numbers import convert, number_types
 from polhode.numbers.convert import exactly
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType
-from polhode.runs.run import Run
 from polhode.taylor import heyoka_numbers, policy
-from polhode.taylor import integrator as taylor
+from polhode.taylor.build import build
+from polhode.taylor.integrator import Integrator
 from polhode.taylor.outcomes import Outcome
 from shared.policies import change_policy
 
@@ -50,9 +50,9 @@ def heavy(outputs: tuple[str, ...] = ()) -> polhode.Scene:
     return replace(scene_file.parse(HEAVY), outputs=outputs)
 
 
-def integrator(scene: polhode.Scene, number: NumberType) -> tuple[System, taylor.Taylor]:
+def integrator(scene: polhode.Scene, number: NumberType) -> tuple[System, Integrator]:
     whole = system(scene, scene.outputs)
-    return whole, Run(scene, number).integrator(whole)
+    return whole, build(whole, number)
 
 
 def constants_of(decomposition: object, bits: int) -> set[Fraction]:

@@ -17,6 +17,7 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.scenes import library
 from polhode.scenes.scene import Event
 from polhode.taylor import events, projection
+from polhode.taylor.integrator import Integrator
 from shared.policies import change_policy
 
 TOPS = ("euler/largest-axis", "lagrange/nutation", "kovalevskaya/generic")
@@ -219,18 +220,18 @@ def test_dense_output_follows_the_corrections(name, monkeypatch):
 def crossed(scene, monkeypatch, honest=True) -> list[int]:
     """How often each of some values of q is crossed where a correction would jump over it."""
     jumps = []
-    correct = projection.Projector.correct
+    correct = Integrator._correct
 
-    def spied(self, integrator):
-        before = float(integrator.state[1])
-        done = correct(self, integrator)
-        after = float(integrator.state[1])
+    def spied(self, corrector):
+        before = float(self.state[1])
+        done = correct(self, corrector)
+        after = float(self.state[1])
         if abs(after - before) > 3e-16:
-            jumps.append((integrator.time, (before + after) / 2))
+            jumps.append((self.time, (before + after) / 2))
         return done
 
     with monkeypatch.context() as patch:
-        patch.setattr(projection.Projector, "correct", spied)
+        patch.setattr(Integrator, "_correct", spied)
         polhode.integrate(scene, project=40)
     if not honest:
         monkeypatch.setattr(events.Watch, "disturbed", lambda *_: False)

@@ -10,7 +10,7 @@ from polhode.equations.form import equations
 from polhode.equations.kinematics import angles
 from polhode.numbers.convert import exactly, to_extended, to_mpf
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Functions
+from polhode.numbers.scalars import of_extended, of_mpmath
 from polhode.scenes.scene import Scene
 from polhode.scenes.words import ATTITUDE
 
@@ -103,7 +103,7 @@ class Readout:
         bits = self.number.bits + GUARD_BITS
         with mpmath.workprec(bits):
             k = {name: to_mpf(x, bits) for name, x in self.form.coefficients.items()}
-            fn = Functions(mpmath.mpf(0), mpmath.sin, mpmath.cos, mpmath.sqrt)
+            fn = of_mpmath()
             found = [
                 self.form.state([to_mpf(exactly(x), bits) for x in row], k, fn) for row in rows
             ]
@@ -138,7 +138,7 @@ class Readout:
 
         wide = np.array(rows, dtype=np.longdouble)
         k = {name: to_extended(x) for name, x in self.form.coefficients.items()}
-        fn = Functions(np.longdouble(0), np.sin, np.cos, np.sqrt)
+        fn = of_extended()
         vectors = [
             np.stack(np.broadcast_arrays(wide[:, 0], *vector)[1:], axis=1)
             for vector in self.form.state(list(wide.T), k, fn)

@@ -13,8 +13,9 @@ from polhode.equations.readout import Readout
 from polhode.numbers.convert import exact_number
 from polhode.numbers.number_types import NumberType
 from polhode.runs.dense import Dense
+from polhode.runs.march import Progress
 from polhode.runs.request import choose_number, rounded_times, rounded_tolerance
-from polhode.runs.run import Progress, Run
+from polhode.runs.run import Run
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene

@@ -189,7 +189,7 @@ def integrate_many(
         number=plan.number,
         times=plan.times,
         states=states,
-        outcomes=tuple(Outcome[r.outcome] if r else Outcome.NOT_RUN for r in found),
+        outcomes=tuple(r.outcome if r else Outcome.NOT_RUN for r in found),
         steps=tuple(r.steps if r else 0 for r in found),
         reached=tuple(r.reached if r else Fraction(0) for r in found),
         tolerance=float(tolerance),
