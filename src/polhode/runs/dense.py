@@ -47,7 +47,7 @@ class Dense:
         """Without polynomials and integrator, which are made again when asked for."""
         return {**vars(self), "_kept": OrderedDict(), "_ready": None}
 
-        def __call__(self, t: Any) -> Row | Rows:
+    def __call__(self, t: Any) -> Row | Rows:
         """The state at t in the scene's axes and units, a row of the kind that ``.states`` has.
 
         ``t``: an int, Fraction, float, numpy or mpmath number, or text such as ``"1/3"``; or a
