@@ -19,9 +19,10 @@ from polhode.numbers.convert import exactly
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Event, Scene
 from polhode.scenes.words import FORMS
-from polhode.taylor import integrator
 from polhode.taylor.outcomes import Outcome
+from polhode.taylor.singular_set import nearest
 from shared.form_trials import turned
+from shared.policies import change_policy
 
 F = Fraction
 OTHERS = [name for name in FORMS if name != "principal"]
@@ -235,7 +236,7 @@ def test_a_start_too_near_for_a_type_is_an_outcome_and_a_wider_type_runs():
 
 def test_the_nearest_distance_is_the_square_root_of_eps():
     for number in (number_types.DOUBLE, number_types.QUAD, number_types.mp(50)):
-        assert F(1, 2) <= integrator.nearest(number) ** 2 / number.eps <= 2
+        assert F(1, 2) <= nearest(number) ** 2 / number.eps <= 2
 
 
 def test_forms_on_the_command_line(capsys, tmp_path):
@@ -296,9 +297,7 @@ def test_every_cross_check_passes(capsys):
 @pytest.mark.parametrize("name", ["quaternion", "hamiltonian", "momentum"])
 def test_a_run_is_callable_between_its_times_in_any_form(name, monkeypatch):
     """The states of the output times again, and those between them, across corrections of |q|."""
-    from polhode.taylor import unit_norm
-
-    monkeypatch.setitem(unit_norm._EVERY, "double", 7)
+    change_policy(monkeypatch, unit_norm_every=7)
     scene = replace(asymmetric(), form=name)
     run = polhode.integrate(scene, at=[5, 10])
     between = polhode.integrate(scene, "quad", at=[F(10, 3), 10]).states[0]

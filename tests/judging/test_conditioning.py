@@ -22,9 +22,9 @@ from polhode.judging import limits
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.digits import rate_scale
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
-from polhode.runs.run import Run
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
+from polhode.taylor.build import build
 
 
 def asymmetric(spin: str, times: list[object]) -> Scene:
@@ -41,7 +41,7 @@ def states(scene: Scene, k: dict, start: list, times: list[Fraction], number) ->
     plain = system(scene, ())
     what = System(plain.form, plain.names, (), k, tuple(start))
     unit = Fraction(2) ** scene.time_unit
-    rows, _ = Run(scene, number).integrator(what).chunk([t / unit for t in times], 10**6)
+    rows, _ = build(what, number).chunk([t / unit for t in times], 10**6)
     with mpmath.workprec(number.bits + 20):
         axes = [[mpmath.mpf(x.numerator) / x.denominator for x in row] for row in body_axes(scene)]
         found = []

@@ -36,7 +36,7 @@ from polhode.runs import workers as crew
 from polhode.runs.run import Run
 from polhode.scenes import library, scene_file
 from polhode.studies.long_run import rows as long_run
-from polhode.taylor import batches, heyoka_numbers, integrator
+from polhode.taylor import batches, heyoka_numbers, policy
 
 SCENE = (
     "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
@@ -191,9 +191,9 @@ def chunks() -> None:
     )
     scene = heavy(100_000)
     rows, base = [], 0.0
-    chosen = integrator.chunk_steps
+    table = dict(policy.TABLE)
     for steps in (200_000, 20_000, 2_000, 200, 20):
-        integrator.chunk_steps = lambda _, steps=steps: steps  # type: ignore[assignment]
+        policy.TABLE["double"] = table["double"]._replace(chunk=steps)
 
         def job() -> float:
             run = polhode.integrate(scene)
@@ -203,10 +203,10 @@ def chunks() -> None:
         base = base or best
         wait = steps * 0.6e-3
         rows.append([f"{steps}", f"{best / base:.2f}", f"{wait:.3g}"])
-    integrator.chunk_steps = chosen
+    policy.TABLE.update(table)
     rows[0][0] = f"**{rows[0][0]}**"
     table(["steps a chunk", "time", "wait for Ctrl-C, ms"], rows)
-    print(", ".join(f"{n}: {chosen(t)} steps" for n, t in TYPES.items()) + ".\n")
+    print(", ".join(f"{n}: {policy.of(t).chunk} steps" for n, t in TYPES.items()) + ".\n")
 
 
 def cadences() -> None:

@@ -12,6 +12,7 @@ import polhode
 from polhode.numbers import number_types
 from polhode.numbers.convert import exactly
 from polhode.scenes import scene_file
+from shared.policies import change_policy
 
 HEAVY = (
     "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
@@ -105,9 +106,8 @@ def test_an_unfinished_run_answers_as_far_as_it_came():
 
 def test_many_chunks(monkeypatch):
     from polhode.runs import dense
-    from polhode.taylor import integrator
 
-    monkeypatch.setattr(integrator, "chunk_steps", lambda number: 7)
+    change_policy(monkeypatch, chunk=7)
     monkeypatch.setattr(dense, "_MOST_BYTES", 20_000)
     run = polhode.integrate(heavy("40"))
     backwards = [run(t) for t in reversed(run.times)][::-1]

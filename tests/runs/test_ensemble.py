@@ -22,6 +22,7 @@ from polhode.runs import sweep
 from polhode.scenes import scene_file, vary
 from polhode.taylor import batches
 from polhode.taylor.outcomes import Outcome
+from shared.policies import change_policy
 
 HEAVY = (
     "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
@@ -125,10 +126,8 @@ def test_order_and_number_of_members_change_no_bit(spins, workers):
 
 
 def test_chunks_change_little(monkeypatch):
-    from polhode.taylor import integrator
-
     whole = polhode.integrate_many(heavy(), {"start.omega[3]": "0.5:1.5:9"})
-    monkeypatch.setattr(integrator, "chunk_steps", lambda _: 12)
+    change_policy(monkeypatch, chunk=12)
     cut = polhode.integrate_many(heavy(), {"start.omega[3]": "0.5:1.5:9"})
     assert np.abs(whole.states - cut.states).max() < 128 * 2.0**-52
 

@@ -22,10 +22,11 @@ from polhode.equations.system import System, system
 from polhode.numbers import convert, number_types
 from polhode.numbers.convert import exactly
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType
-from polhode.runs.run import Run
-from polhode.taylor import heyoka_numbers
-from polhode.taylor import integrator as taylor
+from polhode.taylor import heyoka_numbers, policy
+from polhode.taylor.build import build
+from polhode.taylor.integrator import Integrator
 from polhode.taylor.outcomes import Outcome
+from shared.policies import change_policy
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50), NumberType("mp", 333)]
 
@@ -49,9 +50,9 @@ def heavy(outputs: tuple[str, ...] = ()) -> polhode.Scene:
     return replace(scene_file.parse(HEAVY), outputs=outputs)
 
 
-def integrator(scene: polhode.Scene, number: NumberType) -> tuple[System, taylor.Taylor]:
+def integrator(scene: polhode.Scene, number: NumberType) -> tuple[System, Integrator]:
     whole = system(scene, scene.outputs)
-    return whole, Run(scene, number).integrator(whole)
+    return whole, build(whole, number)
 
 
 def constants_of(decomposition: object, bits: int) -> set[Fraction]:
@@ -81,7 +82,7 @@ def test_every_constant_in_the_compiled_equations_is_the_rounded_exact_one(numbe
     ours = {number.rounded(x) for x in run.coefficients.values()}
     plain = {Fraction(x) for x in (0, 1, Fraction(1, 2), 2)}
     if outputs == ("angles",):
-        plain.add(Fraction(1, taylor._DIVISOR[number.name]))
+        plain.add(Fraction(1, policy.of(number).divisor))
     found = constants_of(built.decomposition, number.bits)
     strange = {x for x in found if abs(x) not in {abs(y) for y in ours | plain}}
     assert not strange
@@ -154,7 +155,7 @@ def test_chunks_take_the_same_steps_bit_for_bit(number, monkeypatch):
     """A run is cut into chunks so that Ctrl-C is heard; the steps are those of an uncut run."""
     scene = polhode.load("euler/largest-axis")
     whole = polhode.integrate(scene, number, at=[1000], project=False)
-    monkeypatch.setattr(taylor, "chunk_steps", lambda _: 7)
+    change_policy(monkeypatch, chunk=7)
     cut = polhode.integrate(scene, number, at=[1000], project=False)
     assert cut.steps == whole.steps
     difference = max(

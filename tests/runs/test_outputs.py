@@ -12,7 +12,7 @@ import polhode
 from polhode.numbers import convert
 from polhode.numbers.convert import exactly
 from polhode.scenes import library
-from polhode.taylor import integrator
+from shared.policies import change_policy
 
 CASES = [
     name
@@ -54,7 +54,7 @@ def test_outputs_of_a_run_are_those_of_the_closed_form(name):
 def test_angles_that_grow_loosen_no_step(number, project, monkeypatch):
     """phi of a fast top grows to thousands of radians, and steps are as accurate as the largest
     variable asks: its state would lose as many digits.  Chunks end between two set-backs."""
-    monkeypatch.setattr(integrator, "chunk_steps", lambda _: 1000)
+    change_policy(monkeypatch, chunk=1000)
     scene = polhode.load("hard/fast-top").at((Fraction(1, 2), Fraction(1)))
     alone = polhode.integrate(replace(scene, outputs=()), number, project=project)
     along = polhode.integrate(scene, number, project=project)

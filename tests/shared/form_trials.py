@@ -186,7 +186,7 @@ def marched(form, times, number=DOUBLE):
     """The form's variables at the times (the scene's unit) by heyoka, the run and its outcome."""
     from polhode.taylor import heyoka_numbers, integrator
 
-    run = integrator.Taylor(
+    run = integrator.Integrator(
         form.variables,
         lambda values, k: form.field(values, k, heyoka_numbers.EXPRESSIONS),
         form.coefficients,

@@ -19,8 +19,8 @@ from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes import columns, scene_file
 from polhode.scenes.scene import Event
-from polhode.taylor import integrator
 from polhode.taylor.outcomes import Outcome
+from shared.policies import change_policy
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
 BITS = 240
@@ -146,7 +146,7 @@ def test_rising_and_falling_are_meant_as_t_grows_in_backward_runs_too():
 def test_chunk_boundaries_neither_lose_nor_repeat_an_event(number, steps, monkeypatch):
     scene = watched(EULER, "q", "gamma3 - 2/3", "sin(t) - q")
     whole = polhode.integrate(scene, number, at=[30])
-    monkeypatch.setattr(integrator, "chunk_steps", lambda _: steps)
+    change_policy(monkeypatch, chunk=steps)
     cut = polhode.integrate(scene, number, at=[30])
     for one, two in zip(whole.events, cut.events, strict=True):
         assert len(one.times) == len(two.times) > 0

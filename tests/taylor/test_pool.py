@@ -19,13 +19,13 @@ def built(monkeypatch) -> list:
     """The integrators that are built from now on, none being idle."""
     monkeypatch.setattr(integrator, "_IDLE", Idle())
     made: list = []
-    build = integrator.Taylor._built
+    build = integrator.Integrator._built
 
     def counted(self, *arguments):
         made.append(build(self, *arguments))
         return made[-1]
 
-    monkeypatch.setattr(integrator.Taylor, "_built", counted)
+    monkeypatch.setattr(integrator.Integrator, "_built", counted)
     return made
 
 

@@ -17,7 +17,8 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.scenes import library
 from polhode.scenes.scene import Event
 from polhode.taylor import events, projection
-from polhode.taylor import integrator as taylor
+from polhode.taylor.integrator import Integrator
+from shared.policies import change_policy
 
 TOPS = ("euler/largest-axis", "lagrange/nutation", "kovalevskaya/generic")
 
@@ -189,7 +190,7 @@ def test_corrections_depend_on_no_output_time_and_no_chunk(monkeypatch):
     assert np.max(np.abs(many.states[-1] - one.states[-1])) < 1e-14
     for run in (many, lumped):
         assert polhode.compare(run).worst > 13
-    monkeypatch.setattr(taylor, "chunk_steps", lambda _: 5)
+    change_policy(monkeypatch, chunk=5)
     assert polhode.integrate(scene, at=[300], project=7).projection.count == one.projection.count
 
 
@@ -208,7 +209,7 @@ def test_an_output_time_may_be_where_a_correction_is():
 def test_dense_output_follows_the_corrections(name, monkeypatch):
     """Chunks are taken again with the same corrections, in whatever order they are asked for."""
     scene = polhode.load(name)
-    monkeypatch.setattr(taylor, "chunk_steps", lambda _: 20)  # short: times inside are finer
+    change_policy(monkeypatch, chunk=20)  # short: times inside are finer
     times = [Fraction(300 * k, 1201) for k in range(1, 1202)]
     run = polhode.integrate(scene, at=times, project=7)
     order = [*range(0, 1200, 7), *range(1199, 0, -11)]
@@ -219,18 +220,18 @@ def test_dense_output_follows_the_corrections(name, monkeypatch):
 def crossed(scene, monkeypatch, honest=True) -> list[int]:
     """How often each of some values of q is crossed where a correction would jump over it."""
     jumps = []
-    correct = projection.Projector.correct
+    correct = Integrator._correct
 
-    def spied(self, integrator):
-        before = float(integrator.state[1])
-        done = correct(self, integrator)
-        after = float(integrator.state[1])
+    def spied(self, corrector):
+        before = float(self.state[1])
+        done = correct(self, corrector)
+        after = float(self.state[1])
         if abs(after - before) > 3e-16:
-            jumps.append((integrator.time, (before + after) / 2))
+            jumps.append((self.time, (before + after) / 2))
         return done
 
     with monkeypatch.context() as patch:
-        patch.setattr(projection.Projector, "correct", spied)
+        patch.setattr(Integrator, "_correct", spied)
         polhode.integrate(scene, project=40)
     if not honest:
         monkeypatch.setattr(events.Watch, "disturbed", lambda *_: False)

@@ -8,6 +8,7 @@ body then turns uniformly about w, which is fixed in body and space.
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import NamedTuple
 
 from polhode.equations import kinematics
 from polhode.numbers import exact
@@ -16,20 +17,32 @@ from polhode.scenes.body import cross, dot, is_zero, minus, scaled
 from polhode.scenes.scene import Scene
 
 
-def stands_still(scene: Scene) -> bool:
-    """Whether every derivative of the state vanishes, by the rule for *equal*."""
+class Rest(NamedTuple):
+    """Whether w, and whether the whole state, stand still."""
+
+    omega: bool
+    state: bool
+
+
+def at_rest(scene: Scene) -> Rest:
+    """What stands still: of which every derivative vanishes at the start, by the rule for *equal*.
+
+    w by itself may only where no torque acts on it: then it does not depend on gamma.
+    """
     body, omega, gamma = scene.body, scene.omega, scene.gamma
-    if gamma is not None and not is_zero(cross(gamma, omega)):
-        return False
+    along = gamma is None or is_zero(cross(gamma, omega))  # gamma' = gamma × w
+    if not along and not body.torque_free:
+        return Rest(False, False)
     gyroscopic = cross(omega, body.momentum(omega))
-    if gamma is None:
-        return is_zero(gyroscopic)
-    return is_zero(minus(gyroscopic, cross(gamma, body.torque)))
+    if gamma is not None and not body.torque_free:
+        gyroscopic = minus(gyroscopic, cross(gamma, body.torque))
+    still = is_zero(gyroscopic)
+    return Rest(still, still and along)
 
 
 def name(scene: Scene) -> str | None:
     """Rest or permanent rotation; None for any other motion."""
-    if not stands_still(scene):
+    if not at_rest(scene).state:
         return None
     return "rest" if is_zero(scene.omega) else "permanent rotation"
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -57,9 +58,27 @@ class Form(ABC):
 
 def equations(scene: Scene) -> Form:
     """The equations of a scene in the form that it asks for; raises BadInput where it has none."""
-    if "equations" not in scene.derived:
-        scene.derived["equations"] = _module(scene.form).for_scene(scene)
-    found: Form = scene.derived["equations"]
+    return _equations(_Same(scene))
+
+
+class _Same:
+    """A scene as itself, not by its value: a key that costs no look at its numbers."""
+
+    __slots__ = ("scene",)
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+
+    def __hash__(self) -> int:
+        return id(self.scene)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self.scene is other.scene
+
+
+@lru_cache(maxsize=8)  # a run asks several times; a form holds its scene, so there are only a few
+def _equations(this: _Same) -> Form:
+    found: Form = _module(this.scene.form).for_scene(this.scene)
     return found
 
 

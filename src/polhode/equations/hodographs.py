@@ -58,7 +58,7 @@ def in_space(attitude: Any, vectors: Any, number: NumberType) -> Any:
             turned(mpf_row(q, wide), mpf_row(v, wide))
             for q, v in zip(attitude, vectors, strict=True)
         ]
-    if number.name in ("double", "extended"):
+    if number.flat:
         import numpy as np
 
         kind, to = (np.float64, float) if number.name == "double" else (np.longdouble, to_extended)

@@ -10,7 +10,7 @@ from polhode.equations.form import equations
 from polhode.equations.kinematics import angles
 from polhode.numbers.convert import exactly, to_extended, to_mpf
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Functions
+from polhode.numbers.scalars import of_extended, of_mpmath
 from polhode.scenes.scene import Scene
 from polhode.scenes.words import ATTITUDE
 
@@ -30,10 +30,10 @@ class Readout:
     def states(self, rows: list[Any]) -> Any:
         """p q r [gamma1 gamma2 gamma3] in scene axes: an ndarray, or rows of mpf above extended."""
         if not rows:
-            return self._kept([]).reshape(0, self.columns) if self._flat else []
+            return self._kept([]).reshape(0, self.columns) if self.number.flat else []
         turned = self._vectors([row[: len(self.form.variables)] for row in rows])
         exponent = -self.scene.time_unit
-        if self._flat:
+        if self.number.flat:
             import numpy as np
 
             if exponent:
@@ -68,13 +68,9 @@ class Readout:
                 for state, row in zip(states, rows, strict=True)
             ]
 
-    @property
-    def _flat(self) -> bool:
-        return self.number.name in ("double", "extended")
-
     @cached_property
     def _functions(self) -> Any:
-        if self._flat:
+        if self.number.flat:
             import numpy as np
 
             pi = 4 * np.arctan(np.ones(1, dtype=self._kind))[0]
@@ -92,7 +88,7 @@ class Readout:
         return np.float64 if self.number.name == "double" else np.longdouble
 
     def _kept(self, rows: list[Any]) -> Any:
-        if not self._flat:
+        if not self.number.flat:
             return rows
         import numpy as np
 
@@ -107,12 +103,12 @@ class Readout:
         bits = self.number.bits + GUARD_BITS
         with mpmath.workprec(bits):
             k = {name: to_mpf(x, bits) for name, x in self.form.coefficients.items()}
-            fn = Functions(mpmath.mpf(0), mpmath.sin, mpmath.cos, mpmath.sqrt)
+            fn = of_mpmath()
             found = [
                 self.form.state([to_mpf(exactly(x), bits) for x in row], k, fn) for row in rows
             ]
         turned = self._turned(found, bits)
-        if not self._flat:
+        if not self.number.flat:
             return turned
         wide = [[to_extended(exactly(x)) for x in row] for row in turned]
         return self._kept(wide).reshape(len(rows), self.columns)
@@ -142,7 +138,7 @@ class Readout:
 
         wide = np.array(rows, dtype=np.longdouble)
         k = {name: to_extended(x) for name, x in self.form.coefficients.items()}
-        fn = Functions(np.longdouble(0), np.sin, np.cos, np.sqrt)
+        fn = of_extended()
         vectors = [
             np.stack(np.broadcast_arrays(wide[:, 0], *vector)[1:], axis=1)
             for vector in self.form.state(list(wide.T), k, fn)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 from polhode.equations import kinematics
 from polhode.equations.form import Form, equations
 from polhode.numbers.exact import Exact
-from polhode.numbers.scalars import Functions
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.scene import Scene
 from polhode.scenes.words import ANGLE_VARIABLES, ATTITUDE
 
@@ -28,7 +28,17 @@ class System:
     start: tuple[Exact, ...]
     still: bool = False  # a relative equilibrium: no rate but zero
 
-    def field(self, state: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+    def rounded(self, number: NumberType) -> System:
+        """The same with coefficients and start rounded to a number type."""
+        return replace(
+            self,
+            coefficients={name: number.rounded(x) for name, x in self.coefficients.items()},
+            start=tuple(number.rounded(x) for x in self.start),
+        )
+
+    def field(
+        self, state: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> list[Scalar]:
         """Rates of the state and of what the outputs ask for."""
         n = len(self.form.variables)
         if self.still:

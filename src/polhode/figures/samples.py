@@ -20,7 +20,7 @@ from polhode.numbers.convert import exactly, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import NumberType
 from polhode.runs.integrate import integrate
-from polhode.runs.run import Progress
+from polhode.runs.march import Progress
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene, even_times
 from polhode.scenes.words import ANGLES, ATTITUDE, SPACE

@@ -18,22 +18,21 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
 from polhode.equations.system import System, system
 from polhode.numbers import exact, number_types
 from polhode.numbers.convert import exact_number, exactly, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import DOUBLE, LOG10_2, NumberType
-from polhode.numbers.scalars import Functions
-from polhode.runs.run import Run
+from polhode.numbers.scalars import FLOATS
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.taylor import policy
 
 MAX_STEPS = 400_000  # of 26 µs: about ten seconds
 STRIDE = 8  # units of the scene's own time between looks at the tangents
 _DOUBLES_TRUE = 10.0  # log10 of kappa up to which the motion in double is the scene's to 5 digits
-_EXACTLY = Functions(exact.ZERO, exact.sin, exact.cos, exact.sqrt)
-_FLOATS = Functions(0.0, math.sin, math.cos, math.sqrt)
 
 
 @dataclass(frozen=True, repr=False)
@@ -189,7 +188,7 @@ def _looks(
     flow = Variations(plain.coefficients, start, tangents, principal.sensitivities(body, unit))
     k = {name: to_double(x) for name, x in plain.coefficients.items()}
     turn = np.array([[to_double(x) for x in row] for row in body.axes.rows]).T
-    leader: _Leader | _Still | None = _Still(start) if at_rest(plain) else None
+    leader: _Leader | _Still | None = _Still(start) if at_rest(scene).state else None
     for t in _moments(outputs):
         arrived = t == 0 or flow.to(t, max_steps - flow.steps)
         if not (arrived and flow.finite):
@@ -201,29 +200,29 @@ def _looks(
             flow.state = leader.at(t)
         flow.rescale()
         x, v = flow.state, flow.tangents
-        rates = np.array(principal.field([float(c) for c in x], k, _FLOATS))
+        rates = np.array(principal.field([float(c) for c in x], k, FLOATS))
         sums = [float(np.max(np.sum(np.abs(turn @ v[i : i + 3]), axis=1))) for i in (0, 3)]
         speeds = [float(np.max(np.abs(turn @ rates[i : i + 3]))) for i in (0, 3)]
         found = Look(t, float(np.linalg.norm(x[:3])), speeds, sums, flow.exponent)
         yield found
         if leader is None and found.log10_kappa(found.speed or 1.0) > _DOUBLES_TRUE:
-            leader = _Leader(scene, number_types.wider(kind), plain)
+            leader = _Leader(plain, number_types.wider(kind))
             flow.state = leader.at(t)
 
 
 class _Leader:
     """The motion in a wider type, asked for at times that grow."""
 
-    def __init__(self, scene: Scene, number: NumberType, plain: System) -> None:
-        self._run = Run(scene, number).integrator(plain)
+    def __init__(self, plain: System, number: NumberType) -> None:
+        from polhode.taylor.build import build
+
+        self._run, self._steps = build(plain, number), policy.of(number).chunk
 
     def at(self, time: float) -> Any:
         """The six components of the state at a time, as doubles."""
-        from polhode.taylor import integrator
-
         rows: Any = []
         while len(rows) == 0:
-            rows, _ = self._run.chunk([Fraction(time)], integrator.chunk_steps(self._run.number))
+            rows, _ = self._run.chunk([Fraction(time)], self._steps)
         return six([exactly(x) for x in rows[0]])
 
 
@@ -236,12 +235,6 @@ class _Still:
     def at(self, _: float) -> Any:
         """The state, always."""
         return self._start
-
-
-def at_rest(plain: System) -> bool:
-    """Whether the state is a fixed point of the equations, exactly."""
-    rates = principal.field(plain.start, plain.coefficients, _EXACTLY)
-    return all(sign(rate) == 0 for rate in rates)
 
 
 def six(state: Sequence[Exact]) -> Any:

@@ -16,8 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from polhode.common.errors import BadInput
+from polhode.equations.equilibrium import at_rest
 from polhode.equations.system import system
-from polhode.judging.conditioning import at_rest, six
+from polhode.judging.conditioning import six
 from polhode.judging.reference import reference
 from polhode.numbers import exact
 from polhode.numbers.convert import exact_number, to_double
@@ -97,7 +98,7 @@ def lyapunov(scene: Scene | str | Path, end: Any = None, max_steps: int = MAX_ST
     if len(plain.start) == 3:
         tangent[3:] = 0
     flow = Variations(plain.coefficients, start, tangent)
-    still, closed = at_rest(plain), reference(scene).is_closed_form
+    still, closed = at_rest(scene).state, reference(scene).is_closed_form
     sizes = [_size(flow)]
     for k in range(1, BLOCKS * LOOKS + 1):
         if not flow.to(last * k / (BLOCKS * LOOKS), max_steps - flow.steps):

@@ -29,6 +29,11 @@ class NumberType:
     bits: int
 
     @property
+    def flat(self) -> bool:
+        """Whether numpy holds its numbers as they are: double and extended; mpmath those above."""
+        return self.name in ("double", "extended")
+
+    @property
     def eps(self) -> Fraction:
         """The distance from 1 to the next number."""
         return Fraction(1, 1 << (self.bits - 1))

@@ -76,7 +76,7 @@ def arrays(found: Ensemble) -> dict[str, Any]:
     import numpy as np
 
     values = _values(found)
-    flat = found.number.name in ("double", "extended")
+    flat = found.number.flat
     times: Any = [decimal_in_full(t) for t in found.times]
     states = found.states
     if flat:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import OrderedDict
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -14,8 +15,9 @@ from polhode.numbers.convert import exact_number, number_value
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Functions
-from polhode.runs.run import Run
+from polhode.numbers.scalars import Row, Rows, of_mpmath
+from polhode.runs.run import Leg, Run
+from polhode.taylor.protocols import Integrating, Piece
 
 _MOST_BYTES = 2**28  # of polynomials kept at a time
 
@@ -37,14 +39,15 @@ class Dense:
         self._run = run.afresh()
         self._chunks = [(leg, mark) for leg in run.legs for mark in leg.marks]
         self._begun = [abs(mark.offset) for _, mark in self._chunks]
-        self._kept: OrderedDict[int, list[Any]] = OrderedDict()
-        self._ready: tuple[Any, Any] | None = None  # the leg taken up last, and its integrator
+        self._kept: OrderedDict[int, Sequence[Piece]] = OrderedDict()
+        # the leg taken up last, and its integrator
+        self._ready: tuple[Leg, Integrating] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """Without polynomials and integrator, which are made again when asked for."""
         return {**vars(self), "_kept": OrderedDict(), "_ready": None}
 
-    def __call__(self, t: Any) -> Any:
+    def __call__(self, t: Any) -> Row | Rows:
         """The state at t in the scene's axes and units, a row of the kind that ``.states`` has.
 
         ``t``: an int, Fraction, float, numpy or mpmath number, or text such as ``"1/3"``; or a
@@ -68,7 +71,7 @@ class Dense:
             exact = NumberType("mp", 2 * self.number.bits + 128).rounded(exact)
         return exact / self._unit
 
-    def _row(self, t: Fraction) -> Any:
+    def _row(self, t: Fraction) -> Row:
         """The variables of the run's form, in its own unit."""
         if not self._chunks:
             return self._run.start()
@@ -86,18 +89,18 @@ class Dense:
             row = self._moved(row, ahead - near, leg.system)
         return row[: len(leg.system.form.variables)]
 
-    def _moved(self, row: Any, by: Fraction, what: System) -> Any:
+    def _moved(self, row: Row, by: Fraction, what: System) -> Row:
         """A row moved on by less than the last bit of its time."""
         import mpmath
 
         with mpmath.workprec(self.number.bits):
             k = {name: number_value(x, self.number) for name, x in what.coefficients.items()}
             zero, step = (number_value(x, self.number) for x in (Fraction(0), by))
-            fn = Functions(zero, mpmath.sin, mpmath.cos, mpmath.sqrt)
+            fn = of_mpmath()._replace(zero=zero)
             rates = what.field(list(row), k, fn)
             return [x + step * rate for x, rate in zip(row, rates, strict=True)]
 
-    def _pieces(self, index: int) -> list[Any]:
+    def _pieces(self, index: int) -> Sequence[Piece]:
         """A chunk's polynomials; those used last are kept."""
         if index not in self._kept:
             leg, mark = self._chunks[index]

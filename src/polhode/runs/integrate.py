@@ -13,14 +13,13 @@ from polhode.equations.readout import Readout
 from polhode.numbers.convert import exact_number
 from polhode.numbers.number_types import NumberType
 from polhode.runs.dense import Dense
+from polhode.runs.march import Progress
 from polhode.runs.request import choose_number, rounded_times, rounded_tolerance
-from polhode.runs.run import Progress, Run
+from polhode.runs.run import Run
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-
-#: Steps between two corrections onto the first integrals: a tenth of the steps' own time or less.
-_EVERY = {"double": 320, "extended": 32, "quad": 1, "mp": 1}
+from polhode.taylor import policy
 
 
 def integrate(
@@ -97,7 +96,7 @@ def _cadence(
         raise BadInput(scene.name, "project", project, "True, False or steps, 1 or more")
     if project is None:
         full = tolerance is None or tolerance <= number.eps
-        project = full and number.name in ("double", "extended")
+        project = full and policy.of(number).projected
     if scene.form != "principal" or project is False:
         return None
-    return _EVERY[number.name] if project is True else int(project)
+    return policy.of(number).project_every if project is True else int(project)

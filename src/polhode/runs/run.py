@@ -3,32 +3,31 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from polhode.common.errors import BadInput
 from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
 from polhode.equations.system import System, system
-from polhode.numbers import exact, number_types
+from polhode.numbers import number_types
 from polhode.numbers.convert import exactly, number_value
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Functions
+from polhode.numbers.scalars import EXACT, Row, Value
+from polhode.runs.march import Progress, march
 from polhode.scenes.scene import Scene
-from polhode.scenes.words import ANGLE_VARIABLES
+from polhode.taylor import policy
 from polhode.taylor.outcomes import EventTimes, Outcome, Projection
+from polhode.taylor.protocols import Corrector, Integrating, Mark, Watcher
 
-#: Called now and then with the fraction of the time done and the steps taken.
-Progress = Callable[[float, int], None]
+if TYPE_CHECKING:
+    from polhode.taylor.events import Watch
 
 #: Where a start at a pole is left, in the scene's own unit of time: a fraction of a radian on.
 _OFF_THE_POLE = Fraction(1, 2)
-
-_EXACTLY = Functions(exact.ZERO, exact.sin, exact.cos, exact.sqrt)
 
 
 class Leg(NamedTuple):
@@ -36,7 +35,7 @@ class Leg(NamedTuple):
 
     system: System
     origin: Fraction
-    marks: list[Any]
+    marks: list[Mark]
     projected: bool
 
 
@@ -61,7 +60,7 @@ class Run:
         self.legs: list[Leg] = []
         self.projection: Projection | None = None
         self._every = project
-        self._watch: Any = None
+        self._watch: Watcher | None = None
 
     def afresh(self) -> Run:
         """The same run before its start."""
@@ -69,46 +68,41 @@ class Run:
             self.scene, self.number, self.tolerance, self.max_steps, self.inputs, self._every
         )
 
-    def start(self) -> list[Any]:
+    def start(self) -> list[Value]:
         """The start of the variables, in the run's own unit, rounded to its type."""
-        exact = self._rounded(system(self.scene, ())).start
-        return [number_value(x, self.number) for x in exact]
+        start = self._rounded(system(self.scene, ())).start
+        return [number_value(x, self.number) for x in start]
 
-    def again(self, leg: Leg) -> Any:
+    def again(self, leg: Leg) -> Integrating:
         """An integrator that takes a leg's steps again, without looking for events."""
-        if self.scene.events:
-            from polhode.taylor.events import Watch
+        watch = self._new_watch()
+        if watch is not None:
+            watch.muted = True
+        corrector = self._corrector(leg.system.form, watch) if leg.projected else None
+        return self._built(leg.system, leg.origin, watch, corrector)
 
-            self._watch = Watch(self.scene, self.number, self.tolerance, self._still)
-            self._watch.muted = True
-        projector = self._projector(leg.system.form) if leg.projected else None
-        return self.integrator(leg.system, leg.origin, self._watch, projector)
-
-    def to(self, times: list[Fraction], progress: Progress | None) -> tuple[Outcome, list[Any]]:
+    def to(self, times: list[Fraction], progress: Progress | None) -> tuple[Outcome, list[Row]]:
         """Rows at the times, as far as they were reached, and the outcome."""
         from polhode.taylor import heyoka_numbers
 
         began = time.perf_counter()
         try:
-            if self.scene.events:
-                from polhode.taylor.events import Watch
-
-                self._watch = Watch(self.scene, self.number, self.tolerance, self._still)
+            watch = self._watch = self._new_watch()
             outcome, rows = self._to(times, progress)
         except heyoka_numbers.OutOfRange as fault:
             expected = f"a type of wider range ({fault})"
             raise BadInput(self.scene.name, "number", self.number.name, expected) from None
-        if self._watch is not None:
-            self.events = self._watch.found()
+        if watch is not None:
+            self.events = watch.found()
         self.seconds = time.perf_counter() - began
         return outcome, rows
 
-    def _to(self, times: list[Fraction], progress: Progress | None) -> tuple[Outcome, list[Any]]:
+    def _to(self, times: list[Fraction], progress: Progress | None) -> tuple[Outcome, list[Row]]:
         unit = Fraction(2) ** self.scene.time_unit
         inside = times if unit == 1 else [t / unit for t in times]
         if self._still:
             return self._stand_still(times, inside, progress)
-        rows: list[Any] = []
+        rows: list[Row] = []
         began = time.perf_counter()
         whole = self._rounded(system(self.scene, self.scene.modelled))
         if inside[0] == 0:
@@ -131,31 +125,32 @@ class Run:
         whole: System,
         origin: Fraction,
         inside: list[Fraction],
-        rows: list[Any],
+        rows: list[Row],
         progress: Progress | None,
     ) -> Outcome:
         """Integrate a system that stands at time ``origin``, appending rows; the outcome."""
-        from polhode.taylor import integrator as taylor
 
         unit = Fraction(2) ** self.scene.time_unit
         outcome = Outcome.STOPPED_AT_EVENT
         if not self._stopped:
-            projector = self._projector(whole.form)
-            integrator = self.integrator(whole, origin, self._watch, projector)
+            corrector = self._corrector(whole.form, self._watch)
+            integrator = self._built(whole, origin, self._watch, corrector)
             self._refuse_what_never_moves()
-            limit = self.max_steps if self.max_steps is not None else taylor.max_steps(self.number)
-            chunk = taylor.chunk_steps(self.number)
-            outcome = _march(integrator, inside, rows, limit, chunk, progress)
-            if projector is not None:
-                self.projection = projector.found()
-                self.build_seconds += projector.seconds
+            limit = (
+                self.max_steps if self.max_steps is not None else policy.of(self.number).max_steps
+            )
+            chunk = policy.of(self.number).chunk
+            outcome = march(integrator, inside, rows, limit, chunk, progress)
+            if corrector is not None:
+                self.projection = corrector.found()
+                self.build_seconds += corrector.seconds
             self.steps += integrator.steps
             # the end itself, not its rounding relative to where the last chunk began
             done = outcome is Outcome.REACHED_END
             self.reached = (inside[-1] if done else integrator.time) * unit
             if self._watch is None and outcome.done:  # events are told by their integrator
                 integrator.release()
-        if self._stopped:
+        if self._watch is not None and self._watch.stop is not None:
             self.reached = self.number.rounded(self._watch.stop) * unit
         return outcome
 
@@ -163,11 +158,11 @@ class Run:
     def _still(self) -> bool:
         """Whether the state need not be integrated: it is that of a relative equilibrium."""
         principal_form = self.scene.form == "principal" and self.inputs is None
-        return principal_form and equilibrium.stands_still(self.scene)
+        return principal_form and equilibrium.at_rest(self.scene).state
 
     def _stand_still(
         self, times: list[Fraction], inside: list[Fraction], progress: Progress | None
-    ) -> tuple[Outcome, list[Any]]:
+    ) -> tuple[Outcome, list[Row]]:
         """Rows of a state that never changes; only its events, those of t, need an integrator."""
         rows = [
             [number_value(x, self.number) for x in equilibrium.variables(self.scene, t)]
@@ -187,13 +182,13 @@ class Run:
 
     def _singular_at_start(self) -> bool:
         """Whether the start is too near to the singular set of the form."""
-        from polhode.taylor.integrator import nearest
+        from polhode.taylor.singular_set import nearest
 
         form = equations(self.scene)
-        away = form.distance(form.start, form.coefficients, _EXACTLY)
+        away = form.distance(form.start, form.coefficients, EXACT)
         return away is not None and bool(away <= nearest(self.number))
 
-    def _projector(self, form: Form) -> Any:
+    def _corrector(self, form: Form, watch: Watcher | None) -> Corrector | None:
         """What corrects the state now and then; None where nothing does."""
         if form.unit is not None:
             from polhode.taylor.unit_norm import UnitNorm
@@ -203,7 +198,15 @@ class Run:
             return None
         from polhode.taylor.projection import Projector
 
-        return Projector(self.scene, self.number, self._every)
+        return Projector(self.scene, self.number, self._every, watch)
+
+    def _new_watch(self) -> Watch | None:
+        """What looks for the scene's events; None for a scene without any."""
+        if not self.scene.events:
+            return None
+        from polhode.taylor.events import Watch
+
+        return Watch(self.scene, self.number, self.tolerance, self._still)
 
     @property
     def _stopped(self) -> bool:
@@ -214,11 +217,12 @@ class Run:
         suspects = self._watch.still() if self._watch is not None else []
         if not suspects:
             return
+        from polhode.taylor.build import build
         from polhode.taylor.events import Watch
 
-        fine = Run(self.scene, number_types.mp(200))
-        watch = Watch(self.scene, fine.number, None)
-        fine.integrator(system(self.scene, ()), watch=watch)
+        fine = number_types.mp(200)
+        watch = Watch(self.scene, fine, None)
+        build(system(self.scene, ()), fine, watcher=watch)
         for k in watch.still():
             if k in suspects:
                 event = self.scene.events[k]
@@ -226,49 +230,25 @@ class Run:
                 expected = "an expression that is not zero all along the motion"
                 raise BadInput(self.scene.name, key, text, expected)
 
-    def integrator(
+    def _built(
         self,
         what: System,
-        origin: Fraction = Fraction(0),
-        watch: Any = None,
-        projector: Any = None,
-    ) -> Any:
-        """A heyoka integrator of a system that stands at time ``origin``."""
-        from polhode.taylor import heyoka_numbers
-        from polhode.taylor import integrator as taylor
+        origin: Fraction,
+        watch: Watcher | None,
+        corrector: Corrector | None,
+    ) -> Integrating:
+        """The integrator of a leg of the run."""
+        from polhode.taylor.build import build
 
         began = time.perf_counter()
-        built = taylor.Taylor(
-            what.names,
-            lambda state, k: what.field(state, k, heyoka_numbers.EXPRESSIONS),
-            what.coefficients,
-            what.start,
-            self.number,
-            self.tolerance,
-            origin,
-            watch,
-            lambda state, k: what.form.distance(
-                state[: len(what.form.variables)], k, heyoka_numbers.EXPRESSIONS
-            ),
-            projector,
-            (what.outputs, what.still) if self.scene.form == "principal" else None,
-            len(ANGLE_VARIABLES) if "angles" in what.outputs else 0,
-        )
+        built = build(what, self.number, self.tolerance, origin, watch, corrector)
         self.build_seconds += time.perf_counter() - began
-        self.legs.append(Leg(what, origin, built.marks, projector is not None))
+        self.legs.append(Leg(what, origin, built.marks, corrector is not None))
         return built
 
     def _rounded(self, what: System) -> System:
         """The system with its inputs rounded to a narrower type, where that was asked for."""
-        if self.inputs is None:
-            return what
-        return System(
-            what.form,
-            what.names,
-            what.outputs,
-            {name: self.inputs.rounded(x) for name, x in what.coefficients.items()},
-            tuple(self.inputs.rounded(x) for x in what.start),
-        )
+        return what if self.inputs is None else what.rounded(self.inputs)
 
     def _off_the_pole(self, whole: System, first: Fraction) -> tuple[System, Fraction]:
         """The system a moment after a start at a pole, where psi' is 0/0, and that moment.
@@ -279,7 +259,7 @@ class Run:
         """
         moment = max(-_OFF_THE_POLE, min(_OFF_THE_POLE, first / 2))
         bridge = self._rounded(system(self.scene, ("attitude",)))
-        leading = self.integrator(bridge, watch=self._watch)
+        leading = self._built(bridge, Fraction(0), self._watch, None)
         self._refuse_what_never_moves()
         found, _ = leading.chunk([moment], 10**6)
         self.steps += leading.steps
@@ -289,56 +269,11 @@ class Run:
         gamma = Readout(self.scene, self.number).states([row])[0][3:]
         if all(x == 0 for x in gamma[:2]):
             outputs = tuple(name for name in whole.outputs if name != "angles")
-            start = whole.start[:-2]
-            return System(whole.form, whole.names[:-2], outputs, whole.coefficients, start), (
-                Fraction(0)
-            )
+            names, start = whole.names[:-2], whole.start[:-2]
+            return replace(whole, names=names, outputs=outputs, start=start), Fraction(0)
         variables = len(whole.form.variables)
         kept = row if "attitude" in whole.outputs else row[:variables]
         psi, phi = kinematics.angles_off_the_pole(
             row[variables:], gamma, self.scene.psi, self.number.bits
         )
-        start = (*(exactly(x) for x in kept), psi, phi)
-        names, k = whole.names, whole.coefficients
-        return System(whole.form, names, whole.outputs, k, start), moment
-
-
-def _march(
-    integrator: Any,
-    times: list[Fraction],
-    rows: list[Any],
-    limit: int,
-    chunk: int,
-    progress: Progress | None,
-) -> Outcome:
-    """Advance chunk by chunk, appending a row for each time reached; the outcome."""
-    from polhode.taylor import integrator as taylor
-
-    end = times[-1]
-    try:
-        while len(rows) < len(times):
-            steps = min(chunk, limit - integrator.steps)
-            if steps <= 0:
-                return Outcome.STEP_LIMIT
-            before = integrator.time
-            found, ended = integrator.chunk(times[len(rows) :], steps)
-            if not taylor.finite(ended):
-                return Outcome.NON_FINITE
-            rows.extend(found)
-            if taylor.at_singular_set(ended):
-                return Outcome.SINGULAR
-            if integrator.stopped:
-                return Outcome.STOPPED_AT_EVENT
-            if taylor.at_end(ended):
-                break
-            passed = abs(integrator.time - before)
-            if passed <= steps * abs(integrator.time) * integrator.number.eps:
-                return Outcome.STEP_UNDERFLOW
-            ahead = abs(end - integrator.time) / passed * steps
-            if integrator.steps + ahead > 10 * limit:  # hopeless: no need to try the limit out
-                return Outcome.STEP_LIMIT
-            if progress is not None:
-                progress(float(integrator.time / end), integrator.steps)
-    except KeyboardInterrupt:
-        return Outcome.INTERRUPTED
-    return Outcome.REACHED_END
+        return replace(whole, start=(*(exactly(x) for x in kept), psi, phi)), moment

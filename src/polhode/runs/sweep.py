@@ -25,6 +25,7 @@ from polhode.runs.request import choose_number, rounded_times, rounded_tolerance
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library, vary
 from polhode.scenes.scene import Scene
+from polhode.taylor import policy
 from polhode.taylor.outcomes import Outcome
 
 MAX_NUMBERS = 10**8  # in all states together: 0.8 GB of doubles
@@ -87,7 +88,7 @@ class Ensemble(ByValue):
             scene=member.at(self.scene.times),
             number=self.number,
             times=self.times[:count],
-            states=states if self._flat else [list(row) for row in states],
+            states=states if self.number.flat else [list(row) for row in states],
             outcome=self.outcomes[index],
             steps=self.steps[index],
             reached=self.reached[index],
@@ -121,10 +122,6 @@ class Ensemble(ByValue):
 
         found = [self[k].drift for k in range(len(self))]
         return np.array([[np.nan if x is None else x for x in row] for row in found], dtype=float)
-
-    @property
-    def _flat(self) -> bool:
-        return self.number.name in ("double", "extended")
 
     def _rows(self, index: int) -> int:
         """How many output times a member has states at."""
@@ -191,7 +188,7 @@ def integrate_many(
         number=plan.number,
         times=plan.times,
         states=states,
-        outcomes=tuple(Outcome[r.outcome] if r else Outcome.NOT_RUN for r in found),
+        outcomes=tuple(r.outcome if r else Outcome.NOT_RUN for r in found),
         steps=tuple(r.steps if r else 0 for r in found),
         reached=tuple(r.reached if r else Fraction(0) for r in found),
         tolerance=float(tolerance),
@@ -239,10 +236,8 @@ def _plan(
     times = tuple(rounded_times(scene, chosen))
     tolerance = rounded_tolerance(scene, chosen, tol)
 
-    from polhode.taylor import integrator
-
     names, lanes = _lanes(members, times[-1], chosen)
-    limit = max_steps if max_steps is not None else integrator.max_steps(chosen)
+    limit = max_steps if max_steps is not None else policy.of(chosen).max_steps
     return _Plan(varied, members, chosen, tolerance, limit, times, names, lanes)
 
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.common.errors import BadInput, nearest
 from polhode.numbers import exact
@@ -118,8 +118,6 @@ class Scene:
     reference: str = "auto"
     expect: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     source: str = ""  # the text it was read from, for the provenance
-    #: What others have derived from this scene and do not want to derive twice, by name.
-    derived: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "omega", exact_vector(self.omega))

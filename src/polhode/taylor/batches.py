@@ -12,7 +12,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import heyoka as hy
 import numpy as np
@@ -20,8 +20,11 @@ import numpy as np
 from polhode.equations.forms import principal
 from polhode.numbers.convert import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.taylor import heyoka_numbers
-from polhode.taylor import integrator as taylor
+from polhode.numbers.scalars import Rows
+from polhode.taylor import heyoka_numbers, policy
+from polhode.taylor.endings import ending
+from polhode.taylor.kinds import HeyokaIntegrator
+from polhode.taylor.outcomes import Outcome
 
 #: Internal time units (a radian or two of the fastest rate) between two looks at the keyboard, for
 #: each step between them: at two or three steps a unit, a fifth of a second.
@@ -59,11 +62,10 @@ class Solved(NamedTuple):
     """Rows in principal axes and internal units as far as times were reached, and how it ended.
 
     Above extended they are Fractions: an mpf narrows when it is unpickled.
-    ``outcome``: the name of a :class:`polhode.taylor.outcomes.Outcome`.
     """
 
-    rows: Any
-    outcome: str
+    rows: Rows
+    outcome: Outcome
     steps: int
     reached: Fraction
 
@@ -82,7 +84,7 @@ def solve(job: Job, stop: Callable[[], bool] | None = None) -> list[Solved | Non
     return ready
 
 
-def compiled(job: Job) -> Any:
+def compiled(job: Job) -> HeyokaIntegrator:
     """heyoka's integrator of a job, of this thread alone; compiled once a process."""
     key = (job.names, job.columns, job.number, job.tolerance)
     if getattr(_own, "key", None) != key:  # one is enough: jobs of one sweep follow each other
@@ -99,7 +101,7 @@ _compiling = threading.Lock()
 @lru_cache(maxsize=4)
 def _compiled(
     names: tuple[str, ...], columns: int, number: NumberType, tolerance: Fraction | None
-) -> Any:
+) -> HeyokaIntegrator:
     variables = hy.make_vars(*("p", "q", "r", "gamma1", "gamma2", "gamma3")[:columns])
     k = {name: hy.par[i] for i, name in enumerate(names)}
     rates = principal.field(variables, k, heyoka_numbers.EXPRESSIONS)
@@ -127,23 +129,25 @@ def _solve(job: Job, lanes: Sequence[Lane], stop: Callable[[], bool] | None) -> 
         if stop is not None and stop():
             return [None] * len(lanes)
         fault = march.advance(*part)
-        if fault and len(lanes) > 1:  # one lane's trouble stops them all: each for itself
+        if (
+            fault is not None and len(lanes) > 1
+        ):  # one lane's trouble stops them all: each for itself
             return [solved for lane in lanes for solved in _solve(job, [lane], stop)]
-        if fault:
+        if fault is not None:
             return march.solved(fault)
-    return march.solved("REACHED_END")
+    return march.solved(Outcome.REACHED_END)
 
 
 class _March:
     """Lanes on their way: all pass the same times of the scenes, each in its own unit."""
 
-    def __init__(self, job: Job, lanes: Sequence[Lane], integrator: Any) -> None:
+    def __init__(self, job: Job, lanes: Sequence[Lane], integrator: HeyokaIntegrator) -> None:
         self.job, self.lanes, self.integrator = job, lanes, integrator
         self.batch = job.number.name == "double"
         self.places = width(job.number)
         self.steps = [0] * len(lanes)
         self.reached = Fraction(0)
-        self.rows: list[Any] = []  # blocks (times, columns, lanes), or rows of one lane
+        self.rows: list[Rows] = []  # blocks (times, columns, lanes), or rows of one lane
         padded = [*lanes, *[lanes[-1]] * (self.places - len(lanes))]
         self.units = [Fraction(2) ** lane.time_unit for lane in padded]
         for i in range(job.columns):
@@ -153,7 +157,7 @@ class _March:
         if job.times[0] == 0:
             self._keep(integrator.state[None], 1)
 
-    def _put(self, target: Any, i: int, values: Sequence[Fraction]) -> None:
+    def _put(self, target: Rows, i: int, values: Sequence[Fraction]) -> None:
         typed = [heyoka_numbers.scalar(x, self.job.number) for x in values]
         target[i] = typed if self.batch else typed[0]
 
@@ -164,7 +168,7 @@ class _March:
             return
         end = times[-1]
         inside = max(abs(end) / unit for unit in self.units)
-        span = taylor.chunk_steps(self.job.number) * _UNITS_PER_STEP
+        span = policy.of(self.job.number).chunk * _UNITS_PER_STEP
         count = -(-inside // span)
         done, j = 0, 0
         while done < len(times):
@@ -175,8 +179,8 @@ class _March:
                 done += 1
             yield to, times[first:done]
 
-    def advance(self, to: Fraction, times: list[Fraction]) -> str:
-        """Integrate on to a time; the name of the outcome where it is not reached."""
+    def advance(self, to: Fraction, times: list[Fraction]) -> Outcome | None:
+        """Integrate on to a time; the outcome where it is not reached."""
         job, ta = self.job, self.integrator
         targets = times if times and times[-1] == to else [*times, to]
         ahead = [t - self.reached for t in targets]
@@ -184,7 +188,7 @@ class _March:
         columns = [[heyoka_numbers.scalar(t / u, job.number) for t in ahead] for u in self.units]
         limit = job.max_steps - max(self.steps)
         if limit <= 0:
-            return "STEP_LIMIT"
+            return Outcome.STEP_LIMIT
         if self.batch:
             ta.set_time(0.0)
             grid = np.vstack([np.zeros(self.places), np.array(columns).T])
@@ -197,19 +201,20 @@ class _March:
             )
             states, results = found[-1], [found]
         self.steps = [s + int(r[3]) for s, r in zip(self.steps, results, strict=True)]
-        if not all(taylor.finite(r[0]) for r in results):
-            return "NON_FINITE"
-        if not all(taylor.at_end(r[0]) for r in results):
+        endings = {ending(r[0]) for r in results}
+        if Outcome.NON_FINITE in endings:
+            return Outcome.NON_FINITE
+        if endings != {Outcome.REACHED_END}:
             kept = states[1 : len(times) + 1]
             met = (~np.isnan(kept[:, 0, 0])).sum() if self.batch else len(kept)
             self._keep(kept, met)
-            return "STEP_LIMIT"
+            return Outcome.STEP_LIMIT
         self._keep(states[1:], len(times))
         self.reached = to
         wanted = max(self.steps) * abs(job.times[-1] / to)
-        return "STEP_LIMIT" if wanted > 10 * job.max_steps else ""
+        return Outcome.STEP_LIMIT if wanted > 10 * job.max_steps else None
 
-    def _keep(self, states: Any, count: int) -> None:
+    def _keep(self, states: Rows, count: int) -> None:
         """Keep the first so many states: the others only end a stretch, or were not reached."""
         if self.batch:
             self.rows.append(states[:count].copy())
@@ -219,9 +224,9 @@ class _March:
             wide = (heyoka_numbers.numbers(row.tolist(), self.job.number) for row in states[:count])
             self.rows += [[exactly(x) for x in row] for row in wide]
 
-    def solved(self, outcome: str) -> list[Solved | None]:
+    def solved(self, outcome: Outcome) -> list[Solved | None]:
         """What has been reached."""
-        lanes: list[Any] = [self.rows]
+        lanes: list[Rows] = [self.rows]
         if self.batch:
             blocks = np.concatenate(self.rows or [np.zeros((0, self.job.columns, self.places))])
             lanes = [np.ascontiguousarray(blocks[:, :, i]) for i in range(len(self.lanes))]

@@ -24,29 +24,28 @@ from typing import Any, NamedTuple
 
 import heyoka as hy
 
-from polhode.equations import kinematics
-from polhode.equations.form import equations
 from polhode.equations.readout import Readout
-from polhode.numbers import exact, expression
-from polhode.numbers.convert import exactly
 from polhode.numbers.exact import ZERO, sign
-from polhode.numbers.expression import Algebra
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Row
 from polhode.scenes.scene import Scene
 from polhode.taylor import heyoka_numbers
-from polhode.taylor.event_sizes import Size, middle_axis, sign_at_start, size_of
+from polhode.taylor.event_expressions import TIME, event_expression
+from polhode.taylor.event_limits import Limits
+from polhode.taylor.event_sizes import sign_at_start, size_of
+from polhode.taylor.kinds import CompiledFunction, Expression, HeyokaIntegrator, HeyokaNumber
 from polhode.taylor.outcomes import EventTimes
+from polhode.taylor.protocols import Found
 
 _PROBES = 8  # steps over which an expression that starts at zero must leave it
 _ROUNDS = 6  # of Newton's method; two are the rule
-_T = hy.make_vars("t")
 
 
 class _Mark(NamedTuple):
     """A zero or a grazing contact: time since the start and state, in the run's own units."""
 
     time: Fraction
-    row: Any
+    row: Row
     slope: int  # 1 rising, -1 falling, 0 grazing
     width: Fraction  # of a grazing contact: from the zero found to the extremum
 
@@ -55,11 +54,11 @@ class _Raw(NamedTuple):
     """A mark as the callback leaves it: conversions to exact numbers wait until the run is over."""
 
     offset: Fraction  # three parts of the time
-    high: Any
-    low: Any
-    row: Any
+    high: HeyokaNumber
+    low: HeyokaNumber
+    row: Row
     slope: int
-    width: Any
+    width: HeyokaNumber
 
 
 class Watch:
@@ -85,95 +84,55 @@ class Watch:
         self.start = [sign_at_start(scene, k) for k in range(len(scene.events))]
         eps = max(number.eps, tolerance or ZERO)
         self.limits = [
-            _Limits(size_of(scene, event), number, eps, steering) for event in scene.events
+            Limits(size_of(scene, event), number, eps, steering) for event in scene.events
         ]
         self.raw: list[list[_Raw]] = [[] for _ in scene.events]
-        # What heyoka and the evaluations below need of the integrator attached last.
-        self.integrator: Any = None
-        self.heyoka: Any = None
-        self.row: Any = None  # heyoka's dense output, a view of its memory
-        self.evaluate: list[Any] = []  # expression and time derivative, compiled
+        # Of the integrator attached last: itself, the exact time from which its own counts, and
+        # what it hands to callbacks, with its dense output, a view of its memory.
+        self.stepping: HeyokaIntegrator = None
+        self.offset = ZERO
+        self.heyoka: HeyokaIntegrator = None
+        self.row: Row = None
+        self.evaluate: list[CompiledFunction] = []  # expression and time derivative
         self.with_time: list[bool] = []
-        self.flat = number.name in ("double", "extended")
 
     # -- building -----------------------------------------------------------------------------
 
-    def attach(self, integrator: Any, variables: Sequence[Any], rates: Sequence[Any]) -> list[Any]:
+    def attach(self, variables: Sequence[Expression], rates: Sequence[Expression]) -> list[Any]:
         """heyoka's events of an integrator about to be built, in its variables and its time."""
         events: list[Any] = []
-        self.evaluate, self.with_time, self.integrator = [], [], integrator
+        self.evaluate, self.with_time = [], []
         options = heyoka_numbers.type_options(self.number)
         kind = {name: x for name, x in options.items() if name == "fp_type"}
         clock = hy.time + hy.par[1] + hy.par[0]
-        for k in range(len(self.scene.events)):
-            value = self._expression(k, variables)
+        for k, event in enumerate(self.scene.events):
+            value = event_expression(self.scene, event, self.number, variables)
             slope = sum(
                 (hy.diff(value, x) * rate for x, rate in zip(variables, rates, strict=True)),
-                hy.diff(value, _T),
+                hy.diff(value, TIME),
             )
             self.with_time.append("t" in hy.get_variables([value]))
             damping = hy.expression(self.limits[k].damping)
             events += [
-                hy.nt_event(hy.subs(f * damping, {_T: clock}), _Callback(self, k), **kind)
+                hy.nt_event(hy.subs(f * damping, {TIME: clock}), _Callback(self, k), **kind)
                 for f in (value, slope)
                 if hy.get_variables([f])  # a constant has no zeros
             ]
-            both = hy.subs([value, slope], {_T: clock})
+            both = hy.subs([value, slope], {TIME: clock})
             self.evaluate.append(hy.cfunc(both, vars=list(variables), **options))
         return events
 
-    def _expression(self, which: int, variables: Sequence[Any]) -> Any:
-        """One event's expression in the integrator's variables and the symbol of its time."""
-        scene, number = self.scene, self.number
-
-        def constant(x: Any) -> Any:
-            return hy.expression(heyoka_numbers.scalar(x, number))
-
-        form, fn = equations(scene), heyoka_numbers.EXPRESSIONS
-        values = variables[: len(form.variables)]
-        k = {name: constant(x) for name, x in form.coefficients.items()}
-        vectors = form.state(values, k, fn)
-        text = scene.events[which].expression
-        if text is None:
-            return self._along_the_middle_axis(vectors[0], constant)
-        exactly_turned = kinematics.turn_coefficients(form.axes)
-        turn = {name: constant(x) for name, x in exactly_turned.items()}
-        columns = [
-            x
-            for vector in vectors
-            if vector
-            for x in kinematics.in_scene_axes(vector, turn, fn.zero)
-        ]
-        clock = _T
-        if scene.time_unit:
-            unit = Fraction(2) ** scene.time_unit
-            columns[:3] = [constant(1 / unit) * x for x in columns[:3]]
-            clock = constant(unit) * _T
-        names = dict(zip(scene.columns, columns, strict=True), t=clock)
-        functions = {"sqrt": hy.sqrt, "sin": hy.sin, "cos": hy.cos}
-        found = expression.evaluate(text, names, Algebra(constant, functions))
-        return found if isinstance(found, hy.expression) else constant(found)
-
-    def _along_the_middle_axis(self, omega: Sequence[Any], constant: Any) -> Any:
-        """The component of omega along the middle principal axis."""
-        axes, middle = self.scene.body.axes, middle_axis(self.scene)
-        form = equations(self.scene)
-        if form.axes is axes:
-            return omega[middle]
-        direction = form.axes.components(axes.rows[middle])
-        terms = [constant(x) * w for x, w in zip(direction, omega, strict=True) if sign(x) != 0]
-        return sum(terms[1:], terms[0])
-
-    def rebased(self, integrator: Any) -> None:
-        """Tell heyoka the time from which it counts, where an expression has t in it."""
+    def counts_from(self, offset: Fraction, heyoka: HeyokaIntegrator) -> None:
+        """Take note of the integrator and of where its time begins; tell it, where t is asked."""
+        self.offset, self.stepping = offset, heyoka
         if any(self.with_time):
-            high = self.number.rounded(integrator.offset)
-            for i, part in enumerate((high, self.number.rounded(integrator.offset - high))):
-                integrator.heyoka.pars[i] = heyoka_numbers.scalar(part, self.number)
+            high = self.number.rounded(offset)
+            for i, part in enumerate((high, self.number.rounded(offset - high))):
+                heyoka.pars[i] = heyoka_numbers.scalar(part, self.number)
 
     # -- callbacks ----------------------------------------------------------------------------
 
-    def met(self, k: int, ta: Any, t: Any) -> None:
+    def met(self, k: int, ta: HeyokaIntegrator, t: HeyokaNumber) -> None:
         """A zero of expression k or of its rate, at heyoka's time t in the step just taken."""
         if self.muted:
             return
@@ -198,7 +157,7 @@ class Watch:
         if abs(value) <= limits.contact:
             self._mark(k, ago, 0, limits.zero)
 
-    def _no_zero(self, k: int, ago: Any, value: Any, slope: Any) -> bool:
+    def _no_zero(self, k: int, ago: HeyokaNumber, value: HeyokaNumber, slope: HeyokaNumber) -> bool:
         """Whether a place of small slope is no sure zero; a grazing contact is then recorded."""
         limits = self.limits[k]
         if abs(slope) <= limits.flat and abs(value) > limits.contact:
@@ -218,7 +177,7 @@ class Watch:
             self._mark(k, ago, 0, width)
         return True
 
-    def _at(self, k: int, ago: Any) -> tuple[Any, Any]:
+    def _at(self, k: int, ago: HeyokaNumber) -> tuple[HeyokaNumber, HeyokaNumber]:
         """Expression k and its time derivative, at a time relative to the step's end."""
         ta = self.heyoka
         ta.update_d_output(ago, rel_time=True)
@@ -228,10 +187,10 @@ class Watch:
             value, slope = self.evaluate[k](self.row)
         return value, slope
 
-    def _mark(self, k: int, ago: Any, slope: int, width: Any) -> None:
+    def _mark(self, k: int, ago: HeyokaNumber, slope: int, width: HeyokaNumber) -> None:
         high, low = self.heyoka.dtime
-        row = self.row.copy() if self.flat else self.row.tolist()
-        mark = _Raw(self.integrator.offset, high, low + ago, row, slope, width)
+        row = self.row.copy() if self.number.flat else self.row.tolist()
+        mark = _Raw(self.offset, high, low + ago, row, slope, width)
         self.raw[k].append(mark)
         event = self.scene.events[k]
         if event.stop and slope and event.counts(slope):
@@ -243,13 +202,13 @@ class Watch:
 
     # -- corrections of the state -------------------------------------------------------------
 
-    def disturbed(self, integrator: Any, moved: Any) -> bool:
-        """Whether moving the state's first components would disturb an event.
+    def disturbed(self, state: Row, moved: Row) -> bool:
+        """Whether moving the first components of the integrator's state would disturb an event.
 
         That is: carry its expression a quarter of the way to zero or further; next to a grazing
         contact the rate of its expression, too.
         """
-        state, ta = integrator.state, integrator.heyoka
+        ta = self.stepping
         after = state.copy()
         after[: len(moved)] = moved
         for k, both in enumerate(self.evaluate):
@@ -263,14 +222,14 @@ class Watch:
                 return True
         return False
 
-    def marks(self) -> Any:
+    def marks(self) -> Found:
         """What was found so far, to be given to ``take_back``."""
-        return [len(raw) for raw in self.raw], self.stop
+        return Found(tuple(len(raw) for raw in self.raw), self.stop)
 
-    def take_back(self, marks: Any) -> None:
+    def take_back(self, found: Found) -> None:
         """Forget what was found since."""
-        counts, self.stop = marks
-        for raw, count in zip(self.raw, counts, strict=True):
+        self.stop = found.stop
+        for raw, count in zip(self.raw, found.counts, strict=True):
             del raw[count:]
 
     # -- what was found -----------------------------------------------------------------------
@@ -300,7 +259,7 @@ class Watch:
                 self._time(raw),
                 raw.row,
                 raw.slope,
-                ZERO if raw.slope else self.integrator.exactly(raw.width),
+                ZERO if raw.slope else self._exactly(raw.width),
             )
             for raw in self.raw[k]
         ]
@@ -332,8 +291,11 @@ class Watch:
         return Fraction(2) ** -(self.number.bits // 8)  # a fourfold zero is that wide
 
     def _time(self, raw: _Raw) -> Fraction:
-        time: Fraction = self.integrator.exactly(raw.high) + self.integrator.exactly(raw.low)
+        time = self._exactly(raw.high) + self._exactly(raw.low)
         return raw.offset + time if raw.offset else time
+
+    def _exactly(self, value: HeyokaNumber) -> Fraction:
+        return heyoka_numbers.as_fraction(value, self.number)
 
     def still(self) -> list[int]:
         """The events that start at zero and stay within rounding of it for some steps."""
@@ -341,7 +303,7 @@ class Watch:
         if not suspects:
             return []
         self.muted = True
-        self.heyoka = probe = copy.deepcopy(self.integrator.heyoka)
+        self.heyoka = probe = copy.deepcopy(self.stepping)
         self.row = probe.d_output
         for _ in range(_PROBES):
             probe.step(heyoka_numbers.scalar(1, self.number), write_tc=True)
@@ -360,10 +322,10 @@ class _Callback:
     def __init__(self, watch: Watch, k: int) -> None:
         self.watch, self.k = watch, k
 
-    def __call__(self, ta: Any, t: Any, _: int) -> None:
+    def __call__(self, ta: HeyokaIntegrator, t: HeyokaNumber, _: int) -> None:
         self.watch.met(self.k, ta, t)
 
-    def __deepcopy__(self, _: Any) -> _Callback:
+    def __deepcopy__(self, _: object) -> _Callback:
         return self
 
 
@@ -373,40 +335,8 @@ class _AfterStep:
     def __init__(self, watch: Watch) -> None:
         self.watch = watch
 
-    def __call__(self, _: Any) -> bool:
+    def __call__(self, _: HeyokaIntegrator) -> bool:
         return self.watch.stop is None
 
-    def __deepcopy__(self, _: Any) -> _AfterStep:
+    def __deepcopy__(self, _: object) -> _AfterStep:
         return self
-
-
-class _Limits:
-    """Thresholds of one event as numbers of the run's type; times in the run's unit.
-
-    From the sizes S of the expression and S' of its rate and sqrt(eps): a contact is a value below
-    sqrt(eps) min(S, S') at an extremum; a slope below S'/256 is looked at twice.
-    """
-
-    def __init__(self, found: Size, number: NumberType, eps: Fraction, steering: bool) -> None:
-        value, rate = exactly(found.value) or Fraction(1), exactly(found.rate) or Fraction(1)
-        half = Fraction(2) ** -(((1 / eps).numerator.bit_length() - 1) // 2)
-
-        def typed(x: Fraction) -> Any:
-            return heyoka_numbers.scalar(x, number)
-
-        noise = 256 * number.eps * value
-        self.zero = typed(ZERO)
-        self.noise = typed(noise)
-        self.steep = typed(rate / 256)
-        self.flat = typed(half * rate + noise)
-        self.contact = typed(half * min(value, rate) + noise)
-        small = Fraction(1) if steering else half
-        self.damping = typed(small * Fraction(2) ** -_exponent(max(value, rate)))
-        self.converged = typed(Fraction(2) ** -(number.bits // 2 + 6))
-        self.nearby = typed(Fraction(2) ** -(number.bits // 3))
-        self.widest = typed(Fraction(1, 16))
-
-
-def _exponent(x: Fraction) -> int:
-    mantissa, exponent = exact.rounded(x, 8)
-    return exponent + mantissa.bit_length()

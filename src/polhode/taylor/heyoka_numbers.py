@@ -7,7 +7,7 @@ exactly, rounded once to the run's type, and handed over typed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from typing import Any
@@ -19,7 +19,9 @@ from polhode.numbers import exact
 from polhode.numbers.convert import exactly, to_double, to_extended
 from polhode.numbers.exact import Number, sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Functions
+from polhode.numbers.scalars import Functions, Row
+from polhode.taylor import policy
+from polhode.taylor.kinds import HeyokaNumber
 
 #: The scalar functions of heyoka's expressions.
 EXPRESSIONS = Functions(hy.expression(0.0), hy.sin, hy.cos, hy.sqrt)
@@ -36,7 +38,7 @@ class OutOfRange(ValueError):
     """A number that the run's type cannot hold to its full precision."""
 
 
-def scalar(x: Number, number: NumberType) -> Any:
+def scalar(x: Number, number: NumberType) -> HeyokaNumber:
     """The number of heyoka's type for ``number`` nearest to x; raises OutOfRange."""
     if number.name == "double":
         value = to_double(x)
@@ -53,7 +55,7 @@ def scalar(x: Number, number: NumberType) -> Any:
     return hy.real128(real) if number.name == "quad" else real
 
 
-def scalars(values: Sequence[Number], number: NumberType) -> list[Any]:
+def scalars(values: Sequence[Number], number: NumberType) -> list[HeyokaNumber]:
     """The numbers of heyoka's type nearest to each; raises OutOfRange."""
     if number.name == "double":
         try:
@@ -67,14 +69,9 @@ def scalars(values: Sequence[Number], number: NumberType) -> list[Any]:
     return [scalar(x, number) for x in values]
 
 
-def flat(number: NumberType) -> bool:
-    """Whether numpy holds numbers of the type as they are."""
-    return number.name in ("double", "extended")
-
-
-def numbers(row: Any, number: NumberType) -> Any:
+def numbers(row: Row, number: NumberType) -> Row:
     """A row of heyoka's numbers as a trajectory holds them: an array, or mpf above extended."""
-    if flat(number):
+    if number.flat:
         return row
     import mpmath
 
@@ -85,26 +82,27 @@ def numbers(row: Any, number: NumberType) -> Any:
 _TYPES: dict[str, Callable[[NumberType], dict[str, Any]]] = {
     "double": lambda _: {},
     "extended": lambda _: {"fp_type": np.longdouble},
-    "quad": lambda _: {"fp_type": hy.real128, "compact_mode": True},
-    "mp": lambda number: {"fp_type": hy.real, "prec": number.bits, "compact_mode": True},
+    "quad": lambda _: {"fp_type": hy.real128},
+    "mp": lambda number: {"fp_type": hy.real, "prec": number.bits},
 }
 
 
 def type_options(number: NumberType) -> dict[str, Any]:
     """heyoka's options that choose a number type, for integrators and compiled functions."""
-    return _TYPES[number.name](number)
+    compact = {"compact_mode": True} if policy.of(number).compact else {}
+    return _TYPES[number.name](number) | compact
 
 
-def array(values: list[Any], number: NumberType) -> Any:
+def array(values: list[HeyokaNumber], number: NumberType) -> Row:
     """Numbers of heyoka's type as the array that it takes."""
-    if flat(number):
+    if number.flat:
         return np.array(values, dtype=np.float64 if number.name == "double" else np.longdouble)
     return np.array(values)
 
 
-def as_fraction(value: Any, number: NumberType) -> Fraction:
+def as_fraction(value: HeyokaNumber, number: NumberType) -> Fraction:
     """The exact value of a number of heyoka's."""
-    if flat(number):
+    if number.flat:
         return exactly(value)
     import mpmath
 
@@ -127,7 +125,7 @@ def cache() -> dict[str, Any]:
 
 
 @contextmanager
-def disk_cache(number: NumberType) -> Any:
+def disk_cache(number: NumberType) -> Iterator[None]:
     """heyoka's disk cache, switched off where it never hits and only grows."""
     if number.name != "mp" or not hy.llvm_state.get_diskcache_enabled():
         yield

@@ -5,44 +5,48 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import heyoka as hy
 import numpy as np
 
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Row, Rows
+from polhode.taylor.cyclic import Cyclic
+from polhode.taylor.endings import ending
 from polhode.taylor.heyoka_numbers import (
     array,
     as_fraction,
     disk_cache,
-    flat,
     numbers,
     scalar,
     scalars,
     type_options,
 )
+from polhode.taylor.kinds import Expression, HeyokaIntegrator, HeyokaNumber
+from polhode.taylor.outcomes import Outcome
 from polhode.taylor.pool import Idle
+from polhode.taylor.protocols import Corrector, Mark, Memory, Piece, Watcher
+from polhode.taylor.singular_set import terminal_event
 
-_CHUNK_SECONDS = 0.2
-_MAX_STEPS = {"double": 10**8, "extended": 10**7, "quad": 10**6, "mp": 10**6}
-#: Steps after which cyclic variables are set back to zero, and what they are divided by: in that
-#: many steps they grow to about one, so that they neither loosen the steps nor shorten them.
-_SET_BACK = {"double": 160, "extended": 32, "quad": 8, "mp": 4}
-_DIVISOR = {"double": 256, "extended": 64, "quad": 16, "mp": 8}
+#: Expressions in variables and coefficients: the rates, or a distance.
+Field: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], list[Expression]]
+Distance: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], Expression | None]
+
 _IDLE = Idle()
 
 
-class Piece(NamedTuple):
+class Polynomials(NamedTuple):
     """heyoka's continuous output from a time on, counted from where the chunk began."""
 
-    begun: Any
-    output: Any
+    begun: HeyokaNumber
+    output: Any  # heyoka.continuous_output
 
-    def at(self, time: Any, number: NumberType) -> Any:
+    def at(self, time: HeyokaNumber, number: NumberType) -> Row:
         """The state at one time."""
         row = self.output(time)
-        return row.copy() if flat(number) else numbers(row.tolist(), number)
+        return row.copy() if number.flat else numbers(row.tolist(), number)
 
     @property
     def bytes(self) -> int:
@@ -51,51 +55,16 @@ class Piece(NamedTuple):
         return int(self.output.tcs.size) * (48 + x.prec // 8 if isinstance(x, hy.real) else 16)
 
 
-class Mark(NamedTuple):
-    """Where a chunk began: exact time, state as heyoka's numbers; where to, in how many steps.
-
-    Then the steps taken before, those at which a correction is due, and the projector's memory.
-    """
-
-    offset: Fraction
-    state: tuple[Any, ...]
-    end: Fraction
-    steps: int
-    taken: int
-    due: int
-    memory: tuple[Any, ...]
-
-
-def max_steps(number: NumberType) -> int:
-    """The step limit unless the user sets another."""
-    return _MAX_STEPS[number.name]
-
-
-def chunk_steps(number: NumberType) -> int:
-    """Steps between two looks at the clock and the keyboard: about a fifth of a second.
-
-    A function of the type alone, so that a run is the same on every machine.  Costs of a step:
-    double 0.6 µs, extended 7 µs, quad 0.3 ms, mp 2 ms at 237 bits growing like bits^2.7.
-    """
-    if number.name == "mp":
-        return max(1, int(_CHUNK_SECONDS / (2e-3 * float((number.bits / 237) ** 2.7))))
-    return {"double": 200_000, "extended": 30_000, "quad": 600}[number.name]
-
-
-class Taylor:
+class Integrator:
     """An integrator of one autonomous system from its start, in one number type.
 
     ``field``: rates from a list of variables and the coefficients; the start holds at time
     ``origin``.  Time is kept as an exact offset plus heyoka's own time, which is put back to 0 at
     each chunk's end: output times are rounded relative to the chunk's start, never to zero.
-    ``watch`` (polhode.taylor.events) gives heyoka events and may end the run.  ``distance``, of the
-    variables and the coefficients, ends the run where it falls to :func:`nearest`.
-    ``projector`` (polhode.taylor.projection, polhode.taylor.unit_norm) corrects the state every so
-    many steps.
-    ``cyclic``: so many of the last variables, on which no rate depends, grow without bounds
-    (angles).  They are kept as time is, an offset of more than twice the bits plus heyoka's own
-    part, which is small: heyoka's steps are as accurate as its largest variable asks, and neglect
-    the others.
+    ``watcher`` gives heyoka events and may end the run.  ``distance``, of the variables and the
+    coefficients, ends the run where it falls to :func:`polhode.taylor.singular_set.nearest`.
+    ``corrector`` corrects the state every so many steps.
+    ``cyclic``: so many of the last variables are cyclic, see :mod:`polhode.taylor.cyclic`.
     ``marks``: where each chunk began, for :meth:`again`.  ``equations``: what tells this field and
     this distance from others of the same names and coefficients; an integrator of the same
     equations that is idle is then taken up again.
@@ -104,34 +73,32 @@ class Taylor:
     def __init__(
         self,
         names: Sequence[str],
-        field: Callable[[Sequence[Any], Mapping[str, Any]], list[Any]],
+        field: Field,
         coefficients: Mapping[str, Number],
         start: Sequence[Number],
         number: NumberType,
         tolerance: Number | None = None,
         origin: Fraction = Fraction(0),
-        watch: Any = None,
-        distance: Callable[[Sequence[Any], Mapping[str, Any]], Any] | None = None,
-        projector: Any = None,
+        watcher: Watcher | None = None,
+        distance: Distance | None = None,
+        corrector: Corrector | None = None,
         equations: Hashable = None,
         cyclic: int = 0,
     ) -> None:
         self.number = number
-        self.watch, self.projector = watch, projector
+        self.watcher, self.corrector = watcher, corrector
         self.offset = origin
         self.steps = 0
-        self._due = 0 if projector is None else projector.every
+        self._due = 0 if corrector is None else corrector.every
         self._reach = math.inf
-        self._fine = 2 * number.bits + 64  # bits behind the point of the offsets, which are ints
-        whole = [number.rounded(x) for x in start[len(start) - cyclic :]]
-        self._grown = [(x.numerator << self._fine) // x.denominator for x in whole]
-        start = [*start[: len(start) - cyclic], *[Fraction(0)] * cyclic]
+        first = len(start) - cyclic
+        self._cyclic = Cyclic(start[first:], number) if cyclic else None
         self.marks: list[Mark] = []
         self._pieces: list[Piece] | None = None
-        state = scalars(start, number)
+        state = scalars([*start[:first], *[Fraction(0)] * cyclic], number)
         values = scalars([*coefficients.values()], number)
         self._key: Hashable = None
-        if equations is not None and watch is None and flat(number):
+        if equations is not None and watcher is None and number.flat:
             tol = None if tolerance is None else scalar(tolerance, number)
             self._key = (equations, *names, *coefficients, *values, number.name, tol)
         idle = None if self._key is None else _IDLE.take(self._key)
@@ -143,36 +110,32 @@ class Taylor:
             idle.time = scalar(0, number)
         self.heyoka = idle
         self.state = self.heyoka.state  # a view of its memory
+        if watcher is not None:
+            watcher.counts_from(origin, self.heyoka)
 
     def _built(
         self,
         names: Sequence[str],
-        field: Callable[[Sequence[Any], Mapping[str, Any]], list[Any]],
-        k: Mapping[str, Any],
-        state: list[Any],
+        field: Field,
+        k: Mapping[str, Expression],
+        state: list[HeyokaNumber],
         tolerance: Number | None,
-        distance: Callable[[Sequence[Any], Mapping[str, Any]], Any] | None,
-    ) -> Any:
+        distance: Distance | None,
+    ) -> HeyokaIntegrator:
         number, variables = self.number, hy.make_vars(*names)
         rates = field(variables, k)
-        if self._grown:
-            unit = hy.expression(scalar(Fraction(1, _DIVISOR[number.name]), number))
-            first = len(rates) - len(self._grown)
-            rates[first:] = [rate * unit for rate in rates[first:]]
+        if self._cyclic is not None:
+            rates = self._cyclic.slowed(rates)
         options: dict[str, Any] = {}
         if tolerance is not None:
             options["tol"] = scalar(tolerance, number)
         with disk_cache(number):
-            if self.watch is not None:
-                options["nt_events"] = self.watch.attach(self, variables, rates)
+            if self.watcher is not None:
+                options["nt_events"] = self.watcher.attach(variables, rates)
             away = None if distance is None else distance(variables, k)
             if away is not None:
                 self._key = None  # a terminal event leaves traces in an integrator
-                # scaled down, so that it takes no part in choosing the steps
-                near, damping = (scalar(x, number) for x in (nearest(number), _damping(number)))
-                kind = {name: x for name, x in type_options(number).items() if name == "fp_type"}
-                met = hy.expression(damping) * (away - hy.expression(near))
-                options["t_events"] = [hy.t_event(met, **kind)]
+                options["t_events"] = [terminal_event(away, number)]
             return hy.taylor_adaptive(
                 list(zip(variables, rates, strict=True)),
                 array(state, number),
@@ -195,21 +158,27 @@ class Taylor:
     def time(self) -> Fraction:
         """The exact time reached."""
         high, low = self.heyoka.dtime
-        inside = self.exactly(high) + self.exactly(low) if low else self.exactly(high)
+        inside = self._exactly(high) + self._exactly(low) if low else self._exactly(high)
         return self.offset + inside if self.offset else inside
 
-    def chunk(self, times: Sequence[Fraction], steps: int) -> tuple[Any, Any]:
+    def chunk(self, times: Sequence[Fraction], steps: int) -> tuple[list[Row], Outcome]:
         """Take up to ``steps`` steps towards the last time; states at the times that were passed.
 
-        ``times``: ahead of the current time, monotone.  Returns rows of the run's numbers and
-        heyoka's outcome.
+        ``times``: ahead of the current time, monotone.  Returns rows of the run's numbers, and how
+        the steps ended: STEP_LIMIT where they were taken and the last time lies ahead.
         """
-        self._rebase()
-        memory = () if self.projector is None else self.projector.memory()
+        if self.heyoka.time:
+            self.offset = self.time
+            self.heyoka.time = scalar(0, self.number)
+        self._tell_offset()
+        memory = Memory() if self.corrector is None else self.corrector.memory()
         kept = tuple(self.state.tolist())
         self.marks.append(Mark(self.offset, kept, times[-1], steps, self.steps, self._due, memory))
         ahead = [t - self.offset for t in times] if self.offset else times
-        return self._through(scalars(ahead, self.number), steps)
+        rows, ended = self._through(scalars(ahead, self.number), steps)
+        if self._stopped and ended not in (Outcome.NON_FINITE, Outcome.SINGULAR):
+            ended = Outcome.STOPPED_AT_EVENT
+        return rows, ended
 
     def again(self, mark: Mark) -> list[Piece]:
         """The polynomials of a chunk, taken again with the same steps to the bit."""
@@ -217,42 +186,44 @@ class Taylor:
         self.heyoka.time = scalar(0, self.number)
         for i, x in enumerate(mark.state):
             self.state[i] = x
-        if self.projector is not None:
-            self.projector.recall(mark.memory)
-        if self.watch is not None:
-            self.watch.rebased(self)
+        if self.corrector is not None:
+            self.corrector.recall(mark.memory)
+        self._tell_offset()
         pieces: list[Piece] = []
         self._pieces = pieces
         self._through([scalar(mark.end - mark.offset, self.number)], mark.steps)
         return pieces
 
-    def _through(self, grid: list[Any], steps: int) -> tuple[Any, Any]:
-        """A chunk's steps, with its corrections; rows of the run's numbers, and the outcome."""
-        if self.projector is None and not self._grown:
+    def _through(self, grid: list[HeyokaNumber], steps: int) -> tuple[list[Row], Outcome]:
+        """A chunk's steps, with its corrections; rows of the run's numbers, and how it ended."""
+        if self.corrector is None and self._cyclic is None:
             rows, ended = self._onwards(grid, steps)
             return self._rows([rows]), ended
         found, done, last = [], 0, self.steps + steps
-        every = _SET_BACK[self.number.name]
         while True:
-            pause = last if self.projector is None else min(self._due, last)
-            if self._grown:
+            pause = last if self.corrector is None else min(self._due, last)
+            if self._cyclic is not None:
+                every = self._cyclic.every
                 pause = min(pause, (self.steps // every + 1) * every)
             rows, ended = self._advance(grid, done, pause - self.steps)
             if len(rows):
-                found.append(self._with_whole(rows))
+                found.append(rows if self._cyclic is None else self._cyclic.completed(rows))
                 done += len(rows)
             # the last step may be the last one allowed, too: heyoka then reports the latter
-            if ended != hy.taylor_outcome.step_limit or done == len(grid):
+            if ended is not Outcome.STEP_LIMIT or done == len(grid):
                 break
-            if self._grown and self.steps % every == 0:
-                self._set_back()
-            if self.projector is not None and self.steps == self._due:
-                self._due += self.projector.every if self.projector.correct(self) else 1
+            if self._cyclic is not None and self.steps % self._cyclic.every == 0:
+                self._cyclic.set_back(self.state)
+            if self.corrector is not None and self.steps == self._due:
+                self._due += self.corrector.every if self._correct(self.corrector) else 1
             if self.steps == last:
                 break
         return self._rows(found), ended
 
-    def _advance(self, grid: list[Any], done: int, steps: int) -> tuple[Any, Any]:
+    def _correct(self, corrector: Corrector) -> bool:
+        return corrector.correct(self.state)
+
+    def _advance(self, grid: list[HeyokaNumber], done: int, steps: int) -> tuple[Rows, Outcome]:
         """Up to ``steps`` steps; output times that are out of reach are not looked at.
 
         Reach is four times the longest advance so far.  Should an output time be passed all the
@@ -262,7 +233,7 @@ class Taylor:
         if done == count - 1:
             return self._onwards(grid[-1:], steps)
         begun, kept, before = ta.dtime, self.state.copy(), self.steps
-        marks = None if self.watch is None else self.watch.marks()
+        marks = None if self.watcher is None else self.watcher.marks()
         reach = abs(float(begun[0])) + self._reach
         beyond = done
         while beyond < count and abs(grid[beyond]) <= reach:
@@ -276,26 +247,26 @@ class Taylor:
         passed = abs(ta.time)
         if beyond < count - 1 and passed > abs(grid[beyond]):
             self.state[:], ta.dtime, self.steps = kept, begun, before
-            if self.watch is not None:
-                self.watch.take_back(marks)
+            if self.watcher is not None and marks is not None:
+                self.watcher.take_back(marks)
             rows, ended = self._onwards(grid[done:], steps)
         advance = 4 * float(passed - abs(begun[0]))
         if advance > self._reach or self._reach == math.inf:
             self._reach = advance
         return rows, ended
 
-    def _onwards(self, times: list[Any], steps: int) -> tuple[Any, Any]:
+    def _onwards(self, times: list[HeyokaNumber], steps: int) -> tuple[Rows, Outcome]:
         """Up to ``steps`` steps towards the last time; rows at the times passed and outcome."""
         ta = self.heyoka
         if times[0] == ta.time:  # a step ended there: heyoka has not given that row
             here = self.state.copy()[None]
             if len(times) == 1:
-                return here, hy.taylor_outcome.time_limit
+                return here, Outcome.REACHED_END
             rows, ended = self._onwards(times[1:], steps)
             return np.concatenate([here, rows]), ended
         options: dict[str, Any] = {"max_steps": steps}
-        if self.watch is not None and self.watch.after_step is not None:
-            options["callback"] = self.watch.after_step
+        if self.watcher is not None and self.watcher.after_step is not None:
+            options["callback"] = self.watcher.after_step
         if len(times) == 1:
             # As a grid begins: the step that leaves no low part of the time.  So output times
             # change no bit of the motion.
@@ -303,79 +274,28 @@ class Taylor:
             begun, dense = ta.time, self._pieces is not None
             result = ta.propagate_until(times[0], c_output=dense, **options)
             if self._pieces is not None and result[4] is not None:
-                self._pieces.append(Piece(begun, result[4]))
-            rows = self.state.copy()[None] if at_end(result[0]) else self.state[None][:0]
+                self._pieces.append(Polynomials(begun, result[4]))
+            at_end = ending(result[0]) is Outcome.REACHED_END
+            rows = self.state.copy()[None] if at_end else self.state[None][:0]
         else:
             result = ta.propagate_grid(array([ta.time, *times], self.number), **options)
             rows = result[-1][1:]
         self.steps += int(result[3])
-        return rows, result[0]
+        return rows, ending(result[0])
 
     @property
-    def stopped(self) -> bool:
+    def _stopped(self) -> bool:
         """Whether an event has ended the run."""
-        return self.watch is not None and self.watch.stop is not None
+        return self.watcher is not None and self.watcher.stop is not None
 
-    def _set_back(self) -> None:
-        """Move what the cyclic variables have grown by to their offsets."""
-        first = len(self.state) - len(self._grown)
-        self._grown = [self._whole(i, x) for i, x in enumerate(self.state[first:])]
-        for i in range(first, len(self.state)):
-            self.state[i] = scalar(0, self.number)
+    def _tell_offset(self) -> None:
+        if self.watcher is not None:
+            self.watcher.counts_from(self.offset, self.heyoka)
 
-    def _with_whole(self, rows: Any) -> Any:
-        """Rows of heyoka's numbers with the whole of the cyclic variables."""
-        for row in rows if self._grown else ():
-            for i, x in enumerate(row[len(row) - len(self._grown) :], -len(self._grown)):
-                row[i] = scalar(Fraction(self._whole(i, x), 1 << self._fine), self.number)
-        return rows
-
-    def _whole(self, i: int, part: Any) -> int:
-        """A cyclic variable, of which heyoka has this part, as the offsets are kept."""
-        x = self.exactly(part)
-        more = (x.numerator * _DIVISOR[self.number.name] << self._fine) // x.denominator
-        return self._grown[i] + more
-
-    def _rebase(self) -> None:
-        if self.heyoka.time:
-            self.offset = self.time
-            self.heyoka.time = scalar(0, self.number)
-        if self.watch is not None:
-            self.watch.rebased(self)
-
-    def _rows(self, parts: list[Any]) -> list[Any]:
-        if flat(self.number):
+    def _rows(self, parts: list[Rows]) -> list[Row]:
+        if self.number.flat:
             return [row for part in parts for row in part]
         return [numbers(row, self.number) for part in parts for row in part.tolist()]
 
-    def exactly(self, value: Any) -> Fraction:
-        """The exact value of a number of heyoka's."""
+    def _exactly(self, value: HeyokaNumber) -> Fraction:
         return as_fraction(value, self.number)
-
-
-def finite(outcome: Any) -> bool:
-    """Whether heyoka's outcome is other than a non-finite state."""
-    return bool(outcome != hy.taylor_outcome.err_nf_state)
-
-
-def at_end(outcome: Any) -> bool:
-    """Whether heyoka's outcome is that the last time was reached."""
-    return bool(outcome == hy.taylor_outcome.time_limit)
-
-
-def at_singular_set(outcome: Any) -> bool:
-    """Whether heyoka's outcome is that the distance to the singular set became too small."""
-    return int(outcome) == -1  # the first and only terminal event
-
-
-def nearest(number: NumberType) -> Fraction:
-    """The smallest distance to a form's singular set, about sqrt(eps): a run ends there.
-
-    A distance is a square (sin² theta), so the set is met within about eps**(1/4).  A passage at
-    d was measured to cost log10(1/d) digits: a run that goes on keeps three quarters of its own.
-    """
-    return Fraction(2) ** -((number.bits - 1) // 2)
-
-
-def _damping(number: NumberType) -> Fraction:
-    return Fraction(2) ** -(number.bits // 2)

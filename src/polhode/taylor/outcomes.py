@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
-from typing import Any
 
 from polhode.common.values import ByValue
 from polhode.numbers.decimals import decimal_in_full, shown
+from polhode.numbers.scalars import Rows
 
 
 class Outcome(Enum):
@@ -91,7 +91,7 @@ class EventTimes(ByValue):
 
     name: str
     times: tuple[Fraction, ...]
-    states: Any
+    states: Rows
     grazing: tuple[bool, ...]
     complete: bool = True
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Hashable
 from threading import Lock
-from typing import Any
+
+from polhode.taylor.kinds import HeyokaIntegrator
 
 MOST = 16  # of a few hundred kilobytes each
 
@@ -20,10 +21,10 @@ class Idle:
 
     def __init__(self, most: int = MOST) -> None:
         self._most = most
-        self._kept: OrderedDict[Hashable, list[Any]] = OrderedDict()
+        self._kept: OrderedDict[Hashable, list[HeyokaIntegrator]] = OrderedDict()
         self._lock = Lock()
 
-    def take(self, key: Hashable) -> Any | None:
+    def take(self, key: Hashable) -> HeyokaIntegrator | None:
         """One that integrates this, from now on the caller's; None where there is none."""
         with self._lock:
             kept = self._kept.get(key)
@@ -34,7 +35,7 @@ class Idle:
                 del self._kept[key]
             return found
 
-    def put(self, key: Hashable, integrator: Any) -> None:
+    def put(self, key: Hashable, integrator: HeyokaIntegrator) -> None:
         """Keep one for whoever asks next."""
         with self._lock:
             self._kept.setdefault(key, []).append(integrator)

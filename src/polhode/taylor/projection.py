@@ -25,24 +25,23 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import lru_cache, partial
-from typing import Any
 
 import heyoka as hy
 import numpy as np
 
 from polhode.equations.forms import principal
 from polhode.equations.integrals import FirstIntegrals, exact_values, first_integrals
-from polhode.numbers import exact
 from polhode.numbers.exact import ZERO, Number, sign
 from polhode.numbers.number_types import EXTENDED, QUAD, NumberType, extended_here
-from polhode.numbers.scalars import Functions
+from polhode.numbers.scalars import EXACT, Row, Scalar
 from polhode.scenes.scene import Scene
 from polhode.taylor import heyoka_numbers
+from polhode.taylor.kinds import CompiledFunction, Expression, HeyokaNumber
 from polhode.taylor.outcomes import Projection
+from polhode.taylor.protocols import Memory, Watcher
 
-#: Numbers among which nothing cancels by accident, and functions for exact numbers.
+#: Numbers among which nothing cancels by accident.
 _GENERIC = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47)
-_EXACTLY = Functions(ZERO, exact.sin, exact.cos, exact.sqrt)
 
 #: Steps that a correction waits for an event beside it to pass, before it is given up.
 _MOST_WAITS = 16
@@ -51,62 +50,65 @@ _MOST_WAITS = 16
 class Projector:
     """The corrections of one run, compiled when the first one is made.
 
+    ``watcher``: what looks for events in the run and shall not be disturbed.
     ``seconds``: the time spent on compiling.
     """
 
-    def __init__(self, scene: Scene, number: NumberType, every: int) -> None:
+    def __init__(
+        self, scene: Scene, number: NumberType, every: int, watcher: Watcher | None = None
+    ) -> None:
         self.scene, self.number, self.every = scene, number, every
+        self.watcher = watcher
         self.integrals = first_integrals(scene)
         self.columns = len(scene.columns)
         self.limit = 2.0 ** -(number.bits * 2 // 3)
         self.count = self.waits = 0
         self.largest = self.sum = self.seconds = 0.0
-        self._step: Any = None
-        self._none: dict[int, Any] = {}
-        self._rests: dict[int, Any] = {}  # what was rounded off components that stand still
+        self._step: Callable[..., object] | None = None
+        self._none: dict[int, HeyokaNumber] = {}
+        self._rests: dict[
+            int, HeyokaNumber
+        ] = {}  # what was rounded off components that stand still
 
     def found(self) -> Projection:
         """What was corrected so far."""
         return Projection(self.integrals.onto, self.every, self.count, self.largest, self.sum)
 
-    def memory(self) -> tuple[Any, ...]:
+    def memory(self) -> Memory:
         """What the next correction takes from those before, for ``recall``."""
-        return self.waits, dict(self._rests)
+        return Memory(self.waits, dict(self._rests))
 
-    def recall(self, memory: tuple[Any, ...]) -> None:
+    def recall(self, memory: Memory) -> None:
         """Stand where another projector of the same run stood."""
         if self._step is None:
             self._compile()
-        self.waits, rests = memory
-        self._rests = self._none | rests
+        self.waits = memory.waits
+        self._rests = self._none | dict(memory.rests)
 
-    def correct(self, integrator: Any) -> bool:
-        """Correct the state of a polhode.taylor.Taylor; False where it shall be tried again."""
-        if self._step is None:
-            self._compile()
-        state = integrator.state[: self.columns]
-        self._load(self._before, state)
-        self._step(self._before, outputs=self._after)
+    def correct(self, state: Row) -> bool:
+        """Correct a state where it stands, in heyoka's numbers; False: try again a step later."""
+        step = self._step or self._compile()
+        self._load(self._before, state[: self.columns])
+        step(self._before, outputs=self._after)
         size = float(self._after[-1])
         if not size < self.limit:  # not finite, or no rounding: not to be mended like this
             return True
         for i, rest in self._rests.items():
             self._after[i] += rest
         moved = self._rounded(self._after[:-1])
-        watch = integrator.watch
-        if watch is not None and watch.disturbed(integrator, moved):
+        if self.watcher is not None and self.watcher.disturbed(state, moved):
             self.waits = (self.waits + 1) % _MOST_WAITS
             return self.waits == 0
         for i in self._rests:
             self._rests[i] = self._after[i] - self._widened(moved[i])
-        state[:] = moved
+        state[: self.columns] = moved
         self.waits = 0
         self.count += 1
         self.sum += size
         self.largest = max(self.largest, size)
         return True
 
-    def _compile(self) -> None:
+    def _compile(self) -> Callable[..., object]:
         began = time.perf_counter()
         wide = _wider(self.number)
         self._load, self._rounded, self._widened = _conversions(self.number, wide)
@@ -117,13 +119,14 @@ class Projector:
         step = _newton_step(self.scene.columns, known.onto, known.order, names, held, self.number)
         used = constants[: step.nparams]
         pars = heyoka_numbers.array([heyoka_numbers.scalar(x, wide) for x in used], wide)
-        self._step = partial(step, pars=pars)
+        self._step = found = partial(step, pars=pars)
         zero = heyoka_numbers.scalar(ZERO, wide)
         self._before = heyoka_numbers.array([zero] * self.columns, wide)
         self._after = heyoka_numbers.array([zero] * (self.columns + 1), wide)
         self._none = dict.fromkeys(_constant_columns(self.scene), zero)
         self._rests = dict(self._none)
         self.seconds += time.perf_counter() - began
+        return found
 
 
 @lru_cache(maxsize=64)
@@ -134,7 +137,7 @@ def _newton_step(
     names: tuple[str, ...],
     held: frozenset[int],
     number: NumberType,
-) -> Any:
+) -> CompiledFunction:
     """The state after a correction and the size of that, compiled.
 
     Parameters: the integrals' coefficients of these names, then the exact scene's values.  So one
@@ -148,7 +151,7 @@ def _newton_step(
     values = FirstIntegrals(onto, order, {}).values(variables, k, heyoka_numbers.EXPRESSIONS.zero)
     residuals = [target - value for target, value in zip(pars[len(names) :], values, strict=True)]
 
-    def constant(x: Number) -> Any:
+    def constant(x: Number) -> Expression:
         return hy.expression(heyoka_numbers.scalar(x, wide))
 
     none = constant(ZERO)
@@ -166,20 +169,20 @@ def _newton_step(
 
 
 def least_norm(
-    jacobian: Sequence[Sequence[Any]],
-    residuals: Sequence[Any],
-    damping: Any,
-    floor: Any,
-    zero: Any,
-) -> list[Any]:
+    jacobian: Sequence[Sequence[Scalar]],
+    residuals: Sequence[Scalar],
+    damping: Scalar,
+    floor: Scalar,
+    zero: Scalar,
+) -> list[Scalar]:
     """dx = J^T y with (J J^T + (damping - 1) D + floor) y = residuals, by L D L^T, any scalar."""
     n = len(residuals)
     gram = [
         [_sum((a * b for a, b in zip(u, v, strict=True)), zero) for v in jacobian] for u in jacobian
     ]
-    lower: list[list[Any]] = [[] for _ in range(n)]
-    pivots: list[Any] = []
-    y: list[Any] = []
+    lower: list[list[Scalar]] = [[] for _ in range(n)]
+    pivots: list[Scalar] = []
+    y: list[Scalar] = []
     for i in range(n):
         for j in range(i):
             inner = _sum((lower[i][k] * lower[j][k] * pivots[k] for k in range(j)), zero)
@@ -193,7 +196,7 @@ def least_norm(
     return [_sum((jacobian[i][k] * y[i] for i in range(n)), zero) for k in range(len(jacobian[0]))]
 
 
-def _sum(terms: Iterable[Any], zero: Any) -> Any:
+def _sum(terms: Iterable[Scalar], zero: Scalar) -> Scalar:
     """A sum that does not start from 0 unless it is empty."""
     first, *rest = terms if (terms := [*terms]) else [zero]
     return sum(rest, first)
@@ -212,7 +215,7 @@ def kept_at_zero(scene: Scene) -> set[int]:
     others = [Fraction(next(generic)) for _ in state]
     while held:
         point = [ZERO if i in held else x for i, x in enumerate(others)]
-        rates = principal.field(point, k, _EXACTLY)
+        rates = principal.field(point, k, EXACT)
         if not (leaving := {i for i in held if rates[i] != 0}):
             break
         held -= leaving
@@ -233,12 +236,14 @@ def _wider(number: NumberType) -> NumberType:
     """The type in which corrections of a run in ``number`` are computed."""
     if number.name == "double" and extended_here():
         return EXTENDED
-    if number.name in ("double", "extended"):
+    if number.flat:
         return QUAD
     return NumberType("mp", number.bits + 64)
 
 
-_Conversions = tuple[Callable[[Any, Any], None], Callable[[Any], Any], Callable[[Any], Any]]
+_Conversions = tuple[
+    Callable[[Row, Row], None], Callable[[Row], Row], Callable[[HeyokaNumber], HeyokaNumber]
+]
 
 
 def _conversions(number: NumberType, wide: NumberType) -> _Conversions:
@@ -247,10 +252,10 @@ def _conversions(number: NumberType, wide: NumberType) -> _Conversions:
         return np.copyto, lambda row: row.astype(np.float64), np.longdouble
     bits = number.bits
 
-    def widened(x: Any) -> Any:
+    def widened(x: HeyokaNumber) -> HeyokaNumber:
         return hy.real128(x) if wide.name == "quad" else hy.real(x, wide.bits)
 
-    def narrowed(x: Any) -> Any:
+    def narrowed(x: HeyokaNumber) -> HeyokaNumber:
         if number.name == "double":
             return float(x)
         if number.name == "extended":
@@ -259,7 +264,7 @@ def _conversions(number: NumberType, wide: NumberType) -> _Conversions:
         rounded = hy.real(x, bits)
         return hy.real128(rounded) if number.name == "quad" else rounded
 
-    def load(into: Any, row: Any) -> None:
+    def load(into: Row, row: Row) -> None:
         for i, x in enumerate(row):
             into[i] = widened(x)
 

@@ -7,14 +7,14 @@ what was corrected is recorded.
 
 from __future__ import annotations
 
-from typing import Any
-
 from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.number_types import NumberType
-from polhode.taylor.heyoka_numbers import scalar
+from polhode.numbers.scalars import Row
+from polhode.taylor import policy
+from polhode.taylor.heyoka_numbers import as_fraction, scalar
 from polhode.taylor.outcomes import Projection
+from polhode.taylor.protocols import Memory
 
-_EVERY = {"double": 1000, "extended": 100, "quad": 10, "mp": 1}  # under a tenth of the steps' time
 _GUARD_BITS = 32
 
 
@@ -22,7 +22,7 @@ class UnitNorm:
     """The corrections of one run; ``which`` of its variables form the vector."""
 
     def __init__(self, which: slice, number: NumberType) -> None:
-        self.which, self.number, self.every = which, number, _EVERY[number.name]
+        self.which, self.number, self.every = which, number, policy.of(number).unit_norm_every
         self.count = 0
         self.seconds = 0.0  # nothing is compiled
         self.largest = self.sum = 0.0
@@ -31,21 +31,21 @@ class UnitNorm:
         """What was corrected so far."""
         return Projection(("|q|",), self.every, self.count, self.largest, self.sum)
 
-    def memory(self) -> tuple[Any, ...]:
+    def memory(self) -> Memory:
         """What the next correction takes from those before: nothing."""
-        return ()
+        return Memory()
 
-    def recall(self, _: tuple[Any, ...]) -> None:
+    def recall(self, memory: Memory) -> None:
         """Stand where another one of the same run stood."""
 
-    def correct(self, integrator: Any) -> bool:
-        """Correct the state of a polhode.taylor.Taylor."""
+    def correct(self, state: Row) -> bool:
+        """Correct a state where it stands, in heyoka's numbers."""
         import mpmath
 
-        state, bits = integrator.heyoka.state, self.number.bits + _GUARD_BITS
+        bits = self.number.bits + _GUARD_BITS
         places = range(*self.which.indices(len(state)))
         with mpmath.workprec(bits):
-            vector = [to_mpf(integrator.exactly(state[i]), bits) for i in places]
+            vector = [to_mpf(as_fraction(state[i], self.number), bits) for i in places]
             length = mpmath.sqrt(mpmath.fdot(vector, vector))
             for i, x in zip(places, vector, strict=True):
                 state[i] = scalar(exactly(x / length), self.number)

@@ -12,16 +12,20 @@ import copy
 import math
 from collections.abc import Mapping, Sequence
 from functools import cache
-from typing import Any
+from typing import TypeAlias
 
 import heyoka as hy
 import numpy as np
+import numpy.typing as npt
 
 from polhode.equations.forms import principal
 from polhode.numbers.convert import to_double
 from polhode.numbers.exact import Number
 from polhode.scenes.words import STATE
 from polhode.taylor.heyoka_numbers import EXPRESSIONS
+from polhode.taylor.kinds import HeyokaIntegrator
+
+Doubles: TypeAlias = npt.NDArray[np.float64]
 
 
 class Variations:
@@ -35,8 +39,8 @@ class Variations:
     def __init__(
         self,
         coefficients: Mapping[str, Number],
-        start: Any,
-        tangents: Any,
+        start: Doubles,
+        tangents: Doubles,
         drives: Sequence[Mapping[str, Number]] = (),
     ) -> None:
         count = tangents.shape[1]
@@ -60,12 +64,13 @@ class Variations:
         return float(self.heyoka.time)
 
     @property
-    def state(self) -> Any:
+    def state(self) -> Doubles:
         """The six components of the state."""
-        return self.heyoka.state[:6]
+        found: Doubles = self.heyoka.state[:6]
+        return found
 
     @state.setter
-    def state(self, values: Any) -> None:
+    def state(self, values: Doubles) -> None:
         self.heyoka.state[:6] = values
 
     @property
@@ -74,13 +79,14 @@ class Variations:
         return bool(np.all(np.isfinite(self.heyoka.state)))
 
     @property
-    def tangents(self) -> Any:
+    def tangents(self) -> Doubles:
         """The tangents as kept, shape (6, n)."""
         return self._tangents.T
 
     @property
-    def _tangents(self) -> Any:
-        return self.heyoka.state[6:].reshape(-1, 6)
+    def _tangents(self) -> Doubles:
+        found: Doubles = self.heyoka.state[6:].reshape(-1, 6)
+        return found
 
     def to(self, time: float, steps: int) -> bool:
         """March to a time in at most so many steps; whether it was reached with finite numbers."""
@@ -104,7 +110,7 @@ class Variations:
 
 
 @cache
-def _compiled(count: int, driven: int) -> Any:
+def _compiled(count: int, driven: int) -> HeyokaIntegrator:
     """An integrator of the state and ``count`` tangents, the last ``driven`` of them driven."""
     size = len(principal.NAMES)
     numbers = [

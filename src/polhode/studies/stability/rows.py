@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.common.provenance import digest
+from polhode.equations.equilibrium import at_rest
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.judgement import compare
 from polhode.judging.reference import Remembered
@@ -173,7 +174,7 @@ def _rest(names: list[str]) -> list[dict[str, Any]]:
     found = []
     for name in names:
         scene = library.load(name)
-        turning, whole = symmetries.at_rest(scene)
+        turning, whole = at_rest(scene)
         if not turning:
             continue
         strays = {}

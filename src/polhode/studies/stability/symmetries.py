@@ -7,24 +7,21 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from polhode.equations.forms import principal
+from polhode.equations.equilibrium import at_rest
 from polhode.equations.readout import Readout
 from polhode.equations.system import system
 from polhode.judging.digits import errors, rate_scale
 from polhode.numbers import exact
 from polhode.numbers.convert import exactly, number_value, to_mpf
-from polhode.numbers.exact import sign
 from polhode.numbers.number_types import NumberType, bits_for
-from polhode.numbers.scalars import Functions
+from polhode.numbers.scalars import Row
 from polhode.runs.integrate import integrate
-from polhode.runs.run import Run
 from polhode.scenes.body import Body, dot, scaled
 from polhode.scenes.scene import Scene
+from polhode.taylor.protocols import Integrating
 
 #: Exponents of two by which mass, length and time are measured anew.
 UNITS = ((7, -3, 5), (-40, 33, -61))
-
-_EXACTLY = Functions(exact.ZERO, exact.sin, exact.cos, exact.sqrt)
 
 
 def in_units(scene: Scene, mass: int, length: int, time: int) -> Scene:
@@ -54,21 +51,9 @@ def changed_by_units(scene: Scene, number: NumberType) -> int:
     return changed
 
 
-def at_rest(scene: Scene) -> tuple[bool, bool]:
-    """Whether w, and the state with gamma, are constant by the exact equations.
-
-    w alone only where no torque acts on it: then it does not depend on gamma.
-    """
-    plain = system(replace(scene, outputs=()), ())
-    rates = principal.field(plain.start, plain.coefficients, _EXACTLY)
-    still = [sign(rate) == 0 for rate in rates]
-    whole = all(still)
-    return whole or (scene.body.torque_free and all(still[:3])), whole
-
-
 def departure(states: Sequence[Sequence[Any]], scene: Scene, number: NumberType) -> float:
     """How far w strays from its start (with gamma where that rests too), in eps of the type."""
-    columns = slice(None) if at_rest(scene)[1] else slice(0, 3)
+    columns = slice(None) if at_rest(scene).state else slice(0, 3)
     bits = bits_for(2 * number.most_digits)
     start = [to_mpf(x, bits) for x in scene.start[columns]]
     scale = rate_scale([start], scene, bits)
@@ -83,9 +68,11 @@ def there_and_back(scene: Scene, number: NumberType) -> float:
 
     Relative as in *correct digits*, to |w| at 0; against the start as the type rounds it.
     """
+    from polhode.taylor.build import build
+
     plain = replace(scene, outputs=(), events=())
     what = system(plain, ())
-    integrator = Run(plain, number).integrator(what)
+    integrator = build(what, number)
     unit = Fraction(2) ** scene.time_unit
     row: Any = None
     for t in (number.rounded(number.rounded(scene.end) / unit), Fraction(0)):
@@ -116,9 +103,9 @@ def way_back(scene: Scene, t: Any, state: Sequence[Any]) -> Scene:
     return replace(scene, omega=(p, q, r), gamma=gamma, times=(-t,), outputs=(), events=())
 
 
-def _led(integrator: Any, t: Fraction) -> Any:
+def _led(integrator: Integrating, t: Fraction) -> Row:
     """The row of an integrator led to a time."""
-    rows: Any = []
+    rows: list[Row] = []
     while len(rows) == 0:
         rows, _ = integrator.chunk([t], 10**5)
     return rows[0]

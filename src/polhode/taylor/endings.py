@@ -1,0 +1,23 @@
+"""How heyoka's steps ended, in polhode's words."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import heyoka as hy
+
+from polhode.taylor.outcomes import Outcome
+
+_WORDS = {
+    int(hy.taylor_outcome.err_nf_state): Outcome.NON_FINITE,
+    int(hy.taylor_outcome.time_limit): Outcome.REACHED_END,
+    int(
+        hy.taylor_outcome.cb_stop
+    ): Outcome.STOPPED_AT_EVENT,  # callbacks are asked for nothing else
+    -1: Outcome.SINGULAR,  # the first and only terminal event
+}
+
+
+def ending(found: Any) -> Outcome:
+    """The outcome of heyoka's call; STEP_LIMIT where the steps allowed were taken."""
+    return _WORDS.get(int(found), Outcome.STEP_LIMIT)

@@ -1,0 +1,151 @@
+"""What integrates, what looks for events, what puts the state back: what each asks of the others.
+
+Whoever builds an integrator gives it its watcher and its corrector, and gives the corrector the
+watcher; none of the three reaches for one through another.  No heyoka is needed to name them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any, NamedTuple, Protocol
+
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Row
+from polhode.taylor.outcomes import Outcome, Projection
+
+
+@dataclass(frozen=True)
+class Memory:
+    """What a correction takes from those before it.
+
+    ``waits``: how often it has stepped aside for an event.  ``rests``: by column, what was rounded
+    off, as numbers of heyoka's.
+    """
+
+    waits: int = 0
+    rests: Mapping[int, Any] = field(default_factory=dict)
+
+
+class Mark(NamedTuple):
+    """Where a chunk began: exact time, state as heyoka's numbers; where to, in how many steps.
+
+    Then the steps taken before, those at which a correction is due, and the corrector's memory.
+    """
+
+    offset: Fraction
+    state: tuple[Any, ...]
+    end: Fraction
+    steps: int
+    taken: int
+    due: int
+    memory: Memory
+
+
+class Found(NamedTuple):
+    """How many marks a watcher had for each event at some moment, and where it stopped the run."""
+
+    counts: tuple[int, ...]
+    stop: Fraction | None
+
+
+class Piece(Protocol):
+    """The motion over some steps: Taylor polynomials, times counted from a chunk's beginning."""
+
+    @property
+    def begun(self) -> Any:
+        """The time from which it holds, a number of heyoka's."""
+
+    @property
+    def bytes(self) -> int:
+        """About the memory that it takes."""
+
+    def at(self, time: Any, number: NumberType) -> Row:
+        """The state at a time, a number of heyoka's."""
+
+
+class Integrating(Protocol):
+    """What integrates: a system on its way (polhode.taylor.integrator.Integrator)."""
+
+    @property
+    def number(self) -> NumberType:
+        """The type of its numbers."""
+
+    @property
+    def time(self) -> Fraction:
+        """The exact time reached."""
+
+    @property
+    def steps(self) -> int:
+        """The steps taken."""
+
+    @property
+    def marks(self) -> list[Mark]:
+        """Where each chunk began."""
+
+    def chunk(self, times: Sequence[Fraction], steps: int) -> tuple[list[Row], Outcome]:
+        """Take up to so many steps towards the last time; rows at the times passed, how it ended.
+
+        STEP_LIMIT: the steps were taken, and the last time lies ahead.
+        """
+
+    def again(self, mark: Mark) -> Sequence[Piece]:
+        """The polynomials of a chunk, taken again with the same steps to the bit."""
+
+    def release(self) -> None:
+        """Leave the compiled code to the next run of the same equations; the last call of all."""
+
+
+class Watcher(Protocol):
+    """What looks for events while a run is under way (polhode.taylor.events.Watch)."""
+
+    @property
+    def stop(self) -> Fraction | None:
+        """The time of the event that ended the run, in the run's unit; None while none has."""
+
+    @property
+    def after_step(self) -> Callable[[Any], bool] | None:
+        """heyoka's question after each step, go on? None where no event ends the run."""
+
+    def attach(self, variables: Sequence[Any], rates: Sequence[Any]) -> list[Any]:
+        """heyoka's events for an integrator about to be built, in its variables."""
+
+    def counts_from(self, offset: Fraction, heyoka: Any) -> None:
+        """Take note of heyoka's integrator, and of the exact time at which its own begins."""
+
+    def marks(self) -> Found:
+        """What was found so far, to be given to ``take_back``."""
+
+    def take_back(self, found: Found) -> None:
+        """Forget what was found since."""
+
+    def still(self) -> list[int]:
+        """The events that start at zero and stay within rounding of it for some steps."""
+
+    def disturbed(self, state: Row, moved: Row) -> bool:
+        """Whether moving the first components of the state there would disturb an event."""
+
+
+class Corrector(Protocol):
+    """What puts the state back now and then (polhode.taylor.projection, .unit_norm)."""
+
+    @property
+    def every(self) -> int:
+        """Steps between two corrections."""
+
+    @property
+    def seconds(self) -> float:
+        """The time spent on compiling."""
+
+    def correct(self, state: Row) -> bool:
+        """Correct a state, heyoka's numbers, where it stands; False: try again a step later."""
+
+    def memory(self) -> Memory:
+        """What the next correction takes from those before, for ``recall``."""
+
+    def recall(self, memory: Memory) -> None:
+        """Stand where another corrector of the same run stood."""
+
+    def found(self) -> Projection:
+        """What was corrected so far."""

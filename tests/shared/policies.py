@@ -1,0 +1,13 @@
+"""Runs by another policy than that of the table."""
+
+from __future__ import annotations
+
+import pytest
+
+from polhode.taylor import policy
+
+
+def change_policy(monkeypatch: pytest.MonkeyPatch, **changes: int) -> None:
+    """Change columns of the policy table, for every number type and the rest of a test."""
+    for name, row in policy.TABLE.items():
+        monkeypatch.setitem(policy.TABLE, name, row._replace(**changes))
