@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -43,30 +45,35 @@ def test_a_second_run_builds_nothing_and_has_the_same_bits(built, number):
 def test_another_start_of_the_body_takes_the_same_integrator(built):
     scene = polhode.load(NAME)
     first = polhode.integrate(scene)
-    other = polhode.Scene(scene.body, (1, 2, 3), scene.gamma, times=scene.times)
-    if other.time_unit == scene.time_unit:
-        fresh = polhode.integrate(other).states
-        assert len(built) == 1
-        integrator._IDLE = Idle()
-        assert np.array_equal(polhode.integrate(other).states, fresh)
+    other = replace(scene, omega=(Fraction(1), Fraction(2), Fraction(41, 10)))
+    assert other.time_unit == scene.time_unit
+    taken = polhode.integrate(other).states
+    assert len(built) == 1
+    integrator._IDLE = Idle()
+    assert np.array_equal(polhode.integrate(other).states, taken)
+    assert len(built) == 2
     assert np.array_equal(polhode.integrate(scene).states, first.states)
+    assert len(built) == 2
 
 
 def test_what_differs_in_type_tolerance_outputs_or_body_is_built(built):
-    polhode.integrate(NAME)
-    polhode.integrate(NAME, "extended")
-    polhode.integrate(NAME, tol="1e-9")
-    polhode.integrate("lagrange/cusped")
     scene = polhode.load(NAME)
-    polhode.integrate(polhode.Scene(scene.body, scene.omega, scene.gamma, times=scene.times[-1:]))
-    with_angles = polhode.Scene(
-        scene.body, scene.omega, scene.gamma, times=(1,), outputs=("angles",)
-    )
-    polhode.integrate(with_angles)
-    count = len(built)
-    assert count >= 4
-    polhode.integrate(with_angles)
-    assert len(built) == count
+    asked = [
+        (scene, {}, True),
+        (scene, {"number": "extended"}, True),
+        (scene, {"tol": "1e-9"}, True),
+        (polhode.load("lagrange/cusped"), {}, False),  # the same body
+        (polhode.load("lagrange/first-axis"), {}, True),
+        (scene.at(scene.times[-1:]), {}, False),
+        (replace(scene, outputs=("angles",)), {}, True),
+    ]
+    for one, options, built_anew in asked:
+        count = len(built)
+        polhode.integrate(one, **options)
+        assert len(built) - count == built_anew
+    for one, options, _ in asked:
+        polhode.integrate(one, **options)
+    assert len(built) == 5
 
 
 def test_threads_never_share_an_integrator(built):
