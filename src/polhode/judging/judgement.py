@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from polhode.common.errors import BadInput
 from polhode.common.text import aligned, few
@@ -31,6 +31,9 @@ from polhode.runs.request import choose_number
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 from polhode.scenes.words import STATE
+
+if TYPE_CHECKING:
+    from polhode.judging.conventions import Reading
 
 SPARE_DIGITS = 6  # of the reference beyond what can be told
 MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
@@ -191,6 +194,15 @@ class Judgement(ByValue):
         given = [[to_mpf(x, self._bits) for x in row[:3]] for row in omega]
         return omega_alone(scene, self.times, given, self._rows, self._bits)
 
+    @cached_property
+    def readings(self) -> tuple[Reading, ...]:
+        """Conventions in which parts of a table that is wrong as it stands would be right."""
+        if self.subject.run is not None:
+            return ()
+        from polhode.judging.conventions import readings
+
+        return tuple(readings(self.subject, self.reference))
+
     def __str__(self) -> str:
         return _wording(self)
 
@@ -297,6 +309,10 @@ def compare(
         elif not isinstance(what, Table):
             what = table_of_rows(what, at, columns or scene.columns, kind)
         found = Judgement(of_table(what, scene), against, known)
+    about = found.subject
+    if not (about.columns or about.angles or about.attitude):
+        expected = f"columns of {', '.join(found.reference.scene.columns)}, angles or attitude"
+        raise BadInput(about.name, "header", None, expected)
     _ = found.digits  # what cannot be judged is refused here
     return found
 
@@ -340,6 +356,7 @@ def _wording(found: Judgement) -> str:
         lines.append(f"{found.lost or worst}; limited by {found.limit}")
     lines.append(f"motion {found.motion}")
     lines += [f"{name}: {digits:.2f} correct digits" for name, digits in found.parts.items()]
+    lines += [str(reading) for reading in found.readings]
     if found.omega_alone is not None:
         lines.append(str(found.omega_alone))
     if found.drift is not None:

@@ -8,16 +8,18 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 from typing import Any, TextIO
 
 from polhode.common.errors import BadInput, nearest
 from polhode.common.files import read_whole
-from polhode.numbers import expression
+from polhode.judging.synonyms import KNOWN, Column, column
+from polhode.numbers import exact, expression
 from polhode.numbers.convert import exact_number, exactly
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
-from polhode.scenes.words import ANGLES, ATTITUDE, SPACE, STATE
+from polhode.scenes.words import ANGLES, ATTITUDE, STATE
 
 MAX_BYTES = 1 << 30
 MAX_LINE = 1_000_000  # characters
@@ -94,15 +96,18 @@ def read_table(path: Path, number: NumberType | None) -> Table:
     if not rows:
         raise BadInput(str(path), "file", None, "a header line that names the columns")
     header = rows[0][1]
-    known = ("t", *STATE, *ANGLES, *ATTITUDE, *SPACE)
-    for name in known:
-        if header.count(name) > 1:
+    named = [column(name) for name in header]
+    for name in KNOWN:
+        if sum(name == found.name for found in named) > 1:
             raise BadInput(str(path), "header", name, "each column once")
-    if "t" not in header:
+    if all(found.name != "t" for found in named):
         raise BadInput(str(path), "header", ",".join(header), "a column t among its names")
+    if all(found.name in (None, "t") for found in named):
+        expected = f"columns beside t that can be judged, of {', '.join(KNOWN[1:])}"
+        raise BadInput(str(path), "header", ",".join(header), expected)
     if len(rows) == 1:
         raise BadInput(str(path), "file", None, "at least one line of numbers")
-    return _table(path, header, rows[1:], known, number)
+    return _table(path, header, named, rows[1:], number)
 
 
 def _uncommented(text: TextIO) -> Iterator[str]:
@@ -116,18 +121,17 @@ def _uncommented(text: TextIO) -> Iterator[str]:
 def _table(
     path: Path,
     header: list[str],
+    named: list[Column],
     rows: list[tuple[int, list[str]]],
-    known: tuple[str, ...],
     number: NumberType | None,
 ) -> Table:
-    wanted = [name for name in header if name in known]
-    found: dict[str, list[Fraction | None]] = {name: [] for name in wanted}
+    found: dict[str, list[Fraction | None]] = {known.name: [] for known in named if known.name}
     printed = 1
     for line, cells in rows:
         if len(cells) != len(header):
             raise BadInput(f"{path}:{line}", "line", ",".join(cells), f"{len(header)} values")
-        for name, cell in zip(header, cells, strict=True):
-            if name not in found:
+        for (name, degrees), cell in zip(named, cells, strict=True):
+            if name is None:
                 continue
             if cell == "" and name != "t":
                 found[name].append(None)
@@ -138,11 +142,23 @@ def _table(
                 raise BadInput(f"{path}:{line}", name, cell, "a finite decimal number") from None
             if name != "t":
                 printed = max(printed, _significant(cell))
-            found[name].append(number.rounded(value) if number else value)
+            value = number.rounded(value) if number else value
+            found[name].append(_radians(value) if degrees else value)
     times = [t for t in found.pop("t") if t is not None]
-    ignored = tuple(name for name in header if name not in known)
+    ignored = tuple(text for text, known in zip(header, named, strict=True) if known.name is None)
     columns = {name: tuple(values) for name, values in found.items()}
     return Table(str(path), tuple(times), columns, ignored, printed, number, _projected(path))
+
+
+def _radians(degrees: Fraction) -> Fraction:
+    """An angle in radians, to far more digits than any table prints."""
+    return degrees * _degree()
+
+
+@cache
+def _degree() -> Fraction:
+    """pi/180 to 1100 digits."""
+    return exact.binary(*exact.rounded(exact.pi() / 180, 3700))
 
 
 def _projected(path: Path) -> bool:

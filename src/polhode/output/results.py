@@ -233,6 +233,11 @@ def of_judgement(judged: Judgement) -> dict[str, Any]:
         "omega_alone": of_omega_alone(judged.omega_alone),
         "not_judged": list(judged.notes),
     }
+    if judged.readings:
+        answer["read_as"] = [
+            {"part": r.part, "convention": r.convention, "digits": round(r.digits, 1)}
+            for r in judged.readings
+        ]
     if not reference.is_closed_form:
         answer["reference_digits"] = round(reference.agreement, 1)
     return answer

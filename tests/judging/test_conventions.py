@@ -1,0 +1,162 @@
+"""Files in other conventions: synonyms are taken, a wrong file is told how it would be right."""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode import cli
+from polhode.judging import conventions
+from polhode.judging.synonyms import Column, column
+from polhode.scenes.words import ANGLES, ATTITUDE, STATE
+
+TIMES = tuple(Fraction(k, 4) for k in range(21))
+SCENE = polhode.load("lagrange/nutation").at(TIMES)
+EXACT = polhode.reference(SCENE)
+COLUMNS = {
+    "t": [float(t) for t in TIMES],
+    **{
+        name: [float(x) for x in column]
+        for names, rows in (
+            (STATE, EXACT.at(TIMES, 20)),
+            (ANGLES, EXACT.angles(TIMES, 20)),
+            (ATTITUDE, EXACT.attitude(TIMES, 20)),
+        )
+        for name, column in zip(names, zip(*rows, strict=True), strict=True)
+    },
+}
+MATRICES = conventions._matrices(np.array([COLUMNS[name] for name in ATTITUDE]).T)
+
+
+def written(path, **columns):
+    with path.open("w", newline="") as file:
+        out = csv.writer(file)
+        out.writerow(columns)
+        out.writerows([repr(float(x)) for x in row] for row in zip(*columns.values(), strict=True))
+    return path
+
+
+def judged(path, **columns):
+    return polhode.compare(written(path / "x.csv", t=COLUMNS["t"], **columns), SCENE)
+
+
+def of(names):
+    return {name: COLUMNS[name] for name in names}
+
+
+@pytest.mark.parametrize(
+    ("header", "meant"),
+    [
+        ("time", Column("t")),
+        ("Time [s]", Column("t")),
+        ("qx", Column("q1")),
+        ("qw", Column("q0")),
+        ("wz", Column("r")),
+        ("w_x [rad/s]", Column("p")),
+        ("p [deg/s]", Column("p", True)),
+        ("psi_deg", Column("psi", True)),
+        ("theta (degrees)", Column("theta", True)),
+        ("gamma_y", Column("gamma2")),
+        ("q0", Column("q0")),
+        ("psi_old", Column(None)),
+        ("deg", Column(None)),
+        ("", Column(None)),
+    ],
+)
+def test_names_of_other_programs(header, meant):
+    assert column(header) == meant
+
+
+def test_synonyms_and_degrees_are_judged_as_what_they_are(tmp_path):
+    quaternion = dict(zip(("qw", "qx", "qy", "qz"), of(ATTITUDE).values(), strict=True))
+    omega = dict(zip(("wx", "wy", "wz"), of(STATE[:3]).values(), strict=True))
+    degrees = {f"{name}_deg": [math.degrees(x) for x in COLUMNS[name]] for name in ANGLES}
+    plain = judged(tmp_path, **of([*STATE[:3], *ATTITUDE, *ANGLES]))
+    found = judged(tmp_path, **omega, **quaternion, **degrees)
+    assert found.digits == plain.digits
+    assert found.parts["attitude"] == plain.parts["attitude"] > 15
+    assert 14 < found.parts["angles"] < 16.5
+    assert not found.readings
+
+
+def right_once(found, part, convention, least=14.0):
+    (reading,) = [reading for reading in found.readings if reading.part == part]
+    assert reading.convention == convention
+    assert reading.as_it_stands < 1
+    assert least < reading.digits <= 15
+    assert f"read as {convention}" in str(found)
+
+
+def test_a_scalar_last_quaternion_is_named(tmp_path):
+    rolled = dict(zip(ATTITUDE, [COLUMNS[n] for n in ("q1", "q2", "q3", "q0")], strict=True))
+    right_once(judged(tmp_path, **rolled), "attitude", "scalar-last")
+
+
+def test_an_inverse_quaternion_is_named(tmp_path):
+    inverse = of(ATTITUDE) | {name: [-x for x in COLUMNS[name]] for name in ATTITUDE[1:]}
+    right_once(judged(tmp_path, **inverse), "attitude", "body from space")
+    rolled = dict(zip(ATTITUDE, [inverse[n] for n in ("q1", "q2", "q3", "q0")], strict=True))
+    right_once(judged(tmp_path, **rolled), "attitude", "scalar-last, body from space")
+
+
+def test_signs_that_change_along_the_way_are_named(tmp_path):
+    signs = [1 - 2 * (k % 3 == 1) for k in range(len(TIMES))]
+    turned = {name: [s * x for s, x in zip(signs, COLUMNS[name], strict=True)] for name in ATTITUDE}
+    right_once(judged(tmp_path, **turned), "attitude", "of either sign at each time")
+
+
+def test_a_downward_vertical_is_named(tmp_path):
+    down = {name: [-x for x in COLUMNS[name]] for name in STATE[3:]}
+    right_once(judged(tmp_path, **of(STATE[:3]), **down), "gamma", "the downward vertical")
+
+
+def test_omega_along_the_axes_of_space_or_in_degrees_is_named(tmp_path):
+    omega = np.array([COLUMNS[name] for name in STATE[:3]]).T
+    space = np.einsum("nij,nj->ni", MATRICES, omega)
+    columns = dict(zip(STATE[:3], space.T, strict=True))
+    right_once(judged(tmp_path, **columns), "omega", "along the axes of space")
+    columns = dict(zip(STATE[:3], np.degrees(space.T), strict=True))
+    right_once(judged(tmp_path, **columns), "omega", "along the axes of space degrees")
+    columns = dict(zip(STATE[:3], np.degrees(omega.T), strict=True))
+    right_once(judged(tmp_path, **columns), "omega", "degrees")
+
+
+def test_another_sequence_of_angles_is_named(tmp_path):
+    """Yaw, pitch, roll: R = Rz(yaw) Ry(pitch) Rx(roll), written out from its matrix."""
+    r = MATRICES
+    yaw, roll = np.arctan2(r[:, 1, 0], r[:, 0, 0]), np.arctan2(r[:, 2, 1], r[:, 2, 2])
+    pitch = np.arcsin(-r[:, 2, 0])
+    found = judged(tmp_path, yaw=yaw, pitch=pitch, roll=roll)
+    right_once(found, "angles", "turns about z-y-x", 13.0)
+    degrees = dict(zip(ANGLES, np.degrees([yaw, pitch, roll]), strict=True))
+    right_once(judged(tmp_path, **degrees), "angles", "turns about z-y-x in degrees", 13.0)
+
+
+def test_times_that_are_off_by_a_step_are_named(tmp_path):
+    moved = {name: [*COLUMNS[name][1:], 0.0][:-1] for name in STATE[:3]}
+    path = written(tmp_path / "x.csv", t=COLUMNS["t"][:-1], **moved)
+    right_once(polhode.compare(path, SCENE), "omega", "one step of t early")
+
+
+def test_what_is_right_or_hopeless_gets_no_other_reading(tmp_path):
+    assert judged(tmp_path, **of([*STATE, *ATTITUDE])).readings == ()
+    noise = {name: [math.sin(7 * k) for k in range(len(TIMES))] for name in STATE}
+    assert judged(tmp_path, **noise).readings == ()
+    assert polhode.compare(polhode.integrate(replace(SCENE, outputs=()))).readings == ()
+
+
+@pytest.mark.parametrize("header", ["t,note", "t", "t,omega_x,omega_y,omega_z"])
+def test_a_file_of_which_nothing_can_be_judged_is_refused(tmp_path, capsys, header):
+    path = tmp_path / "x.csv"
+    path.write_text(f"{header}\n{','.join('1' for _ in header.split(','))}\n")
+    assert cli.main(["compare", str(path), "lagrange/nutation"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert "header" in err
