@@ -402,7 +402,7 @@ def test_psi_about_the_momentum_is_closed(name, sign, monkeypatch):
 def test_counting_agrees_with_the_closed_form(name, monkeypatch):
     times = [F(40), F(-3), F(900), F(-900)]
     closed = along_momentum(name).angles(times, 20)
-    monkeypatch.setattr(euler_attitude.Attitude, "arguments", lambda *_: None)
+    monkeypatch.setattr(euler_attitude.EulerAttitude, "arguments", lambda *_: None)
     assert distance(closed, along_momentum(name).angles(times, 20)) < mpf(10) ** -20
 
 
@@ -411,7 +411,7 @@ def test_counting_next_to_a_permanent_rotation(monkeypatch):
     omega = (F(1, 10**200), F(-2, 10**200), F(3, 2))
     top = EulerTop((F(1), F(3, 2), F(2)), omega, GAMMA)
     closed = top.angles([F(40)], 20)
-    monkeypatch.setattr(euler_attitude.Attitude, "arguments", lambda *_: None)
+    monkeypatch.setattr(euler_attitude.EulerAttitude, "arguments", lambda *_: None)
     assert distance(closed, top.angles([F(40)], 20)) == 0
 
 

@@ -242,7 +242,7 @@ def test_a_reference_that_is_wrong_is_found_by_the_wall(monkeypatch, tmp_path):
         def at(self, times, digits):
             return [[x * (1 + 1e-9) for x in row] for row in true.at(times, digits)]
 
-    monkeypatch.setattr(speed, "reference", lambda scene: Wrong())
+    monkeypatch.setattr(speed, "reference_of", lambda scene: Wrong())
     assert speed.motion_row(SHORT, scene, curves)["wall"] == pytest.approx(9, abs=0.5)
 
 

@@ -361,6 +361,8 @@ def _wording(found: Judgement) -> str:
         lines.append(str(found.omega_alone))
     if found.drift is not None:
         lines.append(f"drift {found.drift}")
+    if found.subject.projected and found.subject.run is not None:
+        lines.append(f"projected {found.subject.run.projection}")
     lines += [f"not judged: {note}" for note in found.notes]
     return "\n".join(lines)
 
