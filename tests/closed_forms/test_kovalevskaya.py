@@ -248,9 +248,11 @@ def test_residual_in_the_differential_equations(name):
             g3 * p - g1 * r,
             g1 * q - g2 * p,
         ]
-        for before, after, slope in zip(rows[0], rows[2], right, strict=True):
-            miss = abs((after - before) / (2 * number(step)) - slope)
-            assert miss < mpf(10) ** -32  # step^2 times the third derivative
+        misses = [
+            abs((after - before) / (2 * number(step)) - slope)
+            for before, after, slope in zip(rows[0], rows[2], right, strict=True)
+        ]
+        assert in_band(max(misses), 32, 10)  # step^2 times the third derivative
 
 
 def turned(axes, vector):

@@ -87,8 +87,11 @@ def test_two_precisions_agree(name):
     for low, high in ((15, 33), (50, 90)):
         for answers, scale in ((top.at, speed(name)), (top.attitude, 1)):
             error = distance(answers(times, low), answers(times, high), scale)
-            assert error < mpf(10) ** -low
-            assert error == 0 or error > mpf(10) ** (-low - 25)
+            constant = MOTIONS[name][4].startswith(("rest", "sleep", "hang"))
+            if constant and answers == top.at:
+                assert error == 0
+            else:
+                assert mpf(10) ** (-low - 25) < error < mpf(10) ** -low
 
 
 @pytest.mark.parametrize(
@@ -114,7 +117,7 @@ def test_equations_are_satisfied(name):
     assert max(errors[:10]) < mpf(10) ** -150
     # Near a pole psi turns fast: what the five-point rule leaves out grows with psi'.
     assert max(errors) < mpf(10) ** (-150 if psi < 10 * scale else -90)
-    assert name in CONSTANT or max(errors) > mpf(10) ** -185
+    assert max(errors) == 0 if name in CONSTANT else max(errors) > mpf(10) ** -185
 
 
 @pytest.mark.parametrize("name", MOTIONS)
@@ -126,9 +129,7 @@ def test_independent_integration_agrees(name):
     for times in ([end / 4, end], [-end / 3]):
         taylor = series.integrate(moments, omega, gamma, times, 56, torque=torque, quaternion=start)
         closed = [a + b for a, b in zip(top.at(times, 50), top.attitude(times, 50), strict=True)]
-        error = distance(taylor, closed, speed(name))
-        assert error < mpf(10) ** -50
-        assert name in CONSTANT or error > mpf(10) ** -62
+        assert mpf(10) ** -62 < distance(taylor, closed, speed(name)) < mpf(10) ** -50
 
 
 @pytest.mark.parametrize("case", CASES, ids=[c["name"] for c in CASES])
@@ -229,19 +230,22 @@ def test_turned_axes(name):
     assert mpf(10) ** -52 < distance(taylor, closed) < mpf(10) ** -40
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_looping_is_a_change_of_sign_of_the_precession(seed):
+@pytest.mark.parametrize("regime", ["looping", "nutation"])
+@pytest.mark.parametrize("seed", range(10))
+def test_looping_is_a_change_of_sign_of_the_precession(seed, regime):
     """psi' sampled over a nutation; the names were decided from the exact start alone."""
     draw = random.Random(seed)
-    omega = tuple(F(draw.randint(-20, 20), 10) for _ in range(3))
-    moments, torque = (F(1), F(1), F(draw.randint(1, 20), 10)), (F(0), F(0), F(1))
-    top = LagrangeTop(moments, torque, omega, GAMMA)
-    if top.regime not in ("looping", "nutation"):
-        return
+    torque = (F(0), F(0), F(1))
+    while True:
+        omega = tuple(F(draw.randint(-20, 20), 10) for _ in range(3))
+        moments = F(1), F(1), F(draw.randint(1, 20), 10)
+        top = LagrangeTop(moments, torque, omega, GAMMA)
+        if top.regime == regime:
+            break
     period = F(float(top.period(17)))
     rows = top.at([period * F(k, 200) for k in range(200)], 15)
     signs = {mpmath.sign(p * g1 + q * g2) for p, q, _, g1, g2, _ in rows}
-    assert (len(signs) == 2) is (top.regime == "looping")
+    assert len(signs) == (2 if regime == "looping" else 1)
 
 
 sizes = st.sampled_from([F(0), small(3), small(12), small(30), small(60)])
