@@ -15,7 +15,6 @@ Integrals of these equations, |gamma| = 1 not being used:
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -23,6 +22,7 @@ from typing import Any
 
 import mpmath
 
+from polhode.closed_forms.attitude.axes import RowMatrix, in_scene, principal
 from polhode.closed_forms.functions.rounding import log2, number
 from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, binary, exact, rounded, sign, sqrt
@@ -127,10 +127,7 @@ class KovalevskayaAxes:
 
     def principal(self, vector: Vector) -> Vector:
         """From the scene's axes to the principal ones in the top's order, exactly."""
-        v = vector
-        if self.rows is not None:
-            a, b, c = (sum((x * y for x, y in zip(e, v, strict=True)), ZERO) for e in self.rows)
-            v = (exact(a), exact(b), exact(c))
+        v = principal(self.rows, vector)
         x, y, z = (v[i] for i in self.order)
         return x, y, z
 
@@ -163,7 +160,7 @@ class KovalevskayaAxes:
             exponent=exponent,
         )
 
-    def matrix(self, bits: int) -> list[list[Any]]:
+    def matrix(self, bits: int) -> RowMatrix:
         """The top's axes as rows of components in the scene's axes, rounded."""
         with mpmath.workprec(bits + 20):
             n2 = number(self.weight, bits + 20)
@@ -171,11 +168,7 @@ class KovalevskayaAxes:
         turn: list[list[Any]] = [[0, 0, 0], [0, 0, 0], [0, 0, 0]]
         i, j, k = self.order
         turn[0][i], turn[0][j], turn[1][i], turn[1][j], turn[2][k] = c, s, -s, c, 1
-        if self.rows is None:
-            return turn
-        rows = [[number(x, bits) for x in row] for row in self.rows]
-        with mpmath.workprec(bits):
-            return [[sum(t[k] * rows[k][j] for k in range(3)) for j in range(3)] for t in turn]
+        return in_scene(turn, self.rows, bits)
 
 
 def top_axes(
@@ -188,8 +181,3 @@ def top_axes(
     i, j, k = with_last(axis)
     X, Y = torque[i] / moments[k], torque[j] / moments[k]
     return KovalevskayaAxes(rows, (i, j, k), (X, Y), sqrt(X * X + Y * Y))
-
-
-def placed(matrix: Sequence[Sequence[Any]], vector: Sequence[Any]) -> list[Any]:
-    """From the top's axes to the scene's."""
-    return [sum(row[j] * x for row, x in zip(matrix, vector, strict=True)) for j in range(3)]

@@ -18,11 +18,12 @@ from typing import Any
 import mpmath
 from mpmath import mpf
 
+from polhode.closed_forms.attitude.axes import RowMatrix, placed
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.functions.rounding import number, rounded_up, shortened
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.attitude import MOST_PANELS, KovalevskayaAttitude
-from polhode.closed_forms.kovalevskaya.axes import placed, top_axes
+from polhode.closed_forms.kovalevskaya.axes import top_axes
 from polhode.closed_forms.kovalevskaya.certified import CERTIFIED, Answers, KovalevskayaMotion
 from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, cubic_roots
 from polhode.closed_forms.kovalevskaya.generic import Generic
@@ -61,7 +62,7 @@ class KovalevskayaTop(FromAttitude):
         self._start = self._axes.start(omega, gamma)
         self.regime = regimes.regime(self._start)
         self._answers = Answers(self._start, self.regime)
-        self._matrices: dict[int, tuple[list[list[Any]], mpf]] = {}
+        self._matrices: dict[int, tuple[RowMatrix, mpf]] = {}
         self._attitudes: dict[int, tuple[KovalevskayaMotion, KovalevskayaAttitude]] = {}
         self._span: tuple[Exact, Exact] = (_ZERO, _ZERO)  # of the times of attitudes so far
 
@@ -188,7 +189,7 @@ class KovalevskayaTop(FromAttitude):
             w = [mpmath.ldexp(x, exponent) for x in state[:3]]
             return placed(matrix, w) + placed(matrix, [x / weight for x in state[3:]])
 
-    def _matrix(self, bits: int) -> tuple[list[list[Any]], mpf]:
+    def _matrix(self, bits: int) -> tuple[RowMatrix, mpf]:
         """The top's axes in the scene's, and n^2."""
         if bits not in self._matrices:
             matrix = self._axes.matrix(bits)

@@ -19,10 +19,10 @@ from typing import Any
 import mpmath
 from mpmath import mpc, mpf
 
+from polhode.closed_forms.attitude.axes import RowMatrix
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.lagrange.axes import RowMatrix
 from polhode.closed_forms.lagrange.motion import (
     LagrangeMotion,
     LagrangeStart,

@@ -7,18 +7,15 @@ and the three are right-handed.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
+from polhode.closed_forms.attitude.axes import RowMatrix, in_scene, principal
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.principal_scene import PrincipalScene
-from polhode.numbers.exact import ZERO, Exact, sign, sqrt
+from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.scenes import body
 from polhode.scenes.body import Vector, cross, dot
 from polhode.scenes.tops import LAGRANGE, SPHERE, classical_top, with_last
-
-RowMatrix = list[list[Any]]
 
 
 def fits(scene: PrincipalScene) -> bool:
@@ -46,17 +43,14 @@ class LagrangeAxes:
 
     def top(self, vector: Vector) -> Vector:
         """From the scene's axes to the top's, exactly."""
-        v = vector
-        if self.rows is not None:
-            a, b, c = (sum((x * y for x, y in zip(e, v, strict=True)), ZERO) for e in self.rows)
-            v = (a, b, c)
+        v = principal(self.rows, vector)
         if self.turned is not None:
             return self.turned.components(v)
         x, y, z = (s * v[i] for s, i in zip(self.signs, self.order, strict=True))
         return x, y, z
 
     def matrix(self, bits: int) -> RowMatrix:
-        """The top's axes as rows of components in the scene's axes, at the precision in force."""
+        """The top's axes as rows of components in the scene's axes, rounded."""
         if self.turned is not None:
             turn = [[number(x, bits) for x in row] for row in self.turned.rows]
         else:
@@ -64,10 +58,7 @@ class LagrangeAxes:
                 [s if i == j else 0 for j in range(3)]
                 for s, i in zip(self.signs, self.order, strict=True)
             ]
-        if self.rows is None:
-            return turn
-        rows = [[number(x, bits) for x in row] for row in self.rows]
-        return [[sum(t[k] * rows[k][j] for k in range(3)) for j in range(3)] for t in turn]
+        return in_scene(turn, self.rows, bits)
 
 
 def top_axes(
@@ -89,18 +80,3 @@ def top_axes(
     a, b, c = (dot(v, v) for v in directions)
     turned = body.PrincipalAxes(directions, (a, b, c))
     return LagrangeAxes(rows, (0, 1, 2), (1, 1, 1), turned, (moments[0], moments[0]), sqrt(c))
-
-
-def placed(matrix: RowMatrix, vector: Sequence[Any]) -> list[Any]:
-    """From the top's axes to the scene's; any scalars.  Entries 0 and 1 cost nothing."""
-    found = []
-    for column in range(3):
-        total: Any = None
-        for row, x in zip(matrix, vector, strict=True):
-            e = row[column]
-            if not e:
-                continue
-            term = x if e == 1 else -x if e == -1 else e * x
-            total = term if total is None else total + term
-        found.append(total)
-    return found

@@ -17,11 +17,12 @@ from typing import Any
 import mpmath
 from mpmath import mpf
 
+from polhode.closed_forms.attitude.axes import placed
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.lagrange.attitude import LagrangeAttitude, attitude, top_start
-from polhode.closed_forms.lagrange.axes import placed, top_axes
+from polhode.closed_forms.lagrange.axes import top_axes
 from polhode.closed_forms.lagrange.motion import (
     LagrangeMotion,
     LagrangeStart,
