@@ -23,10 +23,14 @@ from polhode.closed_forms.euler.top import EulerTop
 from polhode.numbers import exact
 from shared import series
 from shared.closed_form_checks import (
+    check_attitude,
     distance,
     error_of_1000_digits,
     fractions,
+    full_inertia,
+    in_scene,
     number,
+    rational_axes,
     residuals,
     rotation,
     unwound,
@@ -152,17 +156,8 @@ def test_attitude_carries_the_vertical_and_starts_with_psi(name):
     times = [F(0), F(5, 3), F(-9)]
     states, attitudes, angles = (f(times, 50) for f in (top.at, top.attitude, top.angles))
     with mpmath.workdps(60):
-        for state, attitude, (psi, theta, phi) in zip(states, attitudes, angles, strict=True):
-            turned = rotation(attitude)
-            assert abs(mpmath.norm(mpmath.matrix(attitude)) - 1) < mpf(10) ** -50
-            assert max(abs(turned[2, i] - state[3 + i]) for i in range(3)) < mpf(10) ** -50
-            c, s, u, v = mpmath.cos(psi), mpmath.sin(psi), mpmath.cos(theta), mpmath.sin(theta)
-            third = mpmath.matrix([s * v, -c * v, u])
-            assert mpmath.norm(turned[:, 2] - third) < mpf(10) ** -49
-            vertical = [v * mpmath.sin(phi), v * mpmath.cos(phi), u]
-            assert (
-                max(abs(x - y) for x, y in zip(vertical, state[3:], strict=True)) < mpf(10) ** -49
-            )
+        for row in zip(states, attitudes, angles, strict=True):
+            check_attitude(*row)
         assert attitudes[0][0] >= 0
         assert abs(angles[0][0] - mpf(7) / 10) < mpf(10) ** -50
         assert abs(angles[0][2] - mpmath.atan2(number(GAMMA[0]), number(GAMMA[1]))) < mpf(10) ** -50
@@ -269,14 +264,9 @@ def test_irrational_data_and_turned_axes():
     axes = ((c, s, F(0)), (-s, c, F(0)), (F(0), F(0), F(1)))
     moments, omega = (F(1), F(3, 2), F(2)), (F(3, 10), F(2, 5), exact.sqrt(F(2)))
 
-    def seen(v):  # principal -> scene
-        return tuple(
-            sum((x * row[i] for x, row in zip(v, axes, strict=True)), F(0)) for i in range(3)
-        )
-
     plain, turned = (
         EulerTop(moments, omega, GAMMA),
-        EulerTop(moments, seen(omega), seen(GAMMA), axes=axes),
+        EulerTop(moments, in_scene(omega, axes), in_scene(GAMMA, axes), axes=axes),
     )
     assert plain.regime == turned.regime
     times = [F(1), F(100)]
@@ -294,13 +284,6 @@ def test_irrational_data_and_turned_axes():
             assert mpmath.norm(third) < mpf(10) ** -50
 
 
-def rational_axes():
-    """The rotation of the quaternion (1, 2, 4, 2)/5, by rows."""
-    with mpmath.workdps(30):
-        turned = rotation([mpf(x) / 5 for x in (1, 2, 4, 2)]) * 25
-    return tuple(tuple(F(int(mpmath.nint(turned[i, j])), 25) for j in range(3)) for i in range(3))
-
-
 @pytest.mark.parametrize("name", ["around C", "around A", "oblate", "separatrix", "spin about B"])
 def test_full_inertia_matrix(name):
     """A body given in axes that are not principal, against the integration of its full matrix."""
@@ -308,11 +291,8 @@ def test_full_inertia_matrix(name):
     moments, omega, axes = fractions(moments), (F(3, 10), F(-7, 10), F(11, 10)), rational_axes()
     if name in ("separatrix", "spin about B"):
         principal = fractions(MOTIONS[name][1])
-        omega = tuple(sum(principal[k] * axes[k][i] for k in range(3)) for i in range(3))
-    inertia = [
-        [sum(moments[k] * axes[k][i] * axes[k][j] for k in range(3)) for j in range(3)]
-        for i in range(3)
-    ]
+        omega = in_scene(principal, axes)
+    inertia = full_inertia(moments, axes)
     top, times = EulerTop(moments, omega, GAMMA, PSI, axes), [F(1), F(4)]
     start = top.attitude([F(0)], 60)[0]
     taylor = series.integrate(inertia, omega, GAMMA, times, 45, quaternion=start)

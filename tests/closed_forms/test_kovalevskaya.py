@@ -20,7 +20,7 @@ from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers import exact
 from polhode.scenes.body import OWN_AXES, PrincipalAxes, cross, dot
 from shared import series
-from shared.closed_form_checks import belongs, fractions, number
+from shared.closed_form_checks import belongs, fractions, in_band, in_scene, number
 
 F = Fraction
 fits = belongs(top_axes.fits)
@@ -113,10 +113,6 @@ def distance(one, other):
             for a, b in zip(one, other, strict=True)
             for i, (x, y) in enumerate(zip(a, b, strict=True))
         )
-
-
-def in_band(error, digits, width=20):
-    return mpf(10) ** (-digits - width) < error < mpf(10) ** -digits
 
 
 def true_rows(omega, gamma, times, digits, body=BODY, torque=TORQUE, **more):
@@ -255,11 +251,6 @@ def test_residual_in_the_differential_equations(name):
         assert in_band(max(misses), 32, 10)  # step^2 times the third derivative
 
 
-def turned(axes, vector):
-    """From principal axes to the scene's."""
-    return tuple(sum((axes.rows[i][j] * vector[i] for i in range(3)), F(0)) for j in range(3))
-
-
 #: Directions of length 3, 3, 3 and of lengths sqrt 2, sqrt 2, 1: rational and irrational axes.
 RATIONAL = ((F(1), F(2), F(2)), (F(2), F(-2), F(1)), (F(2), F(1), F(-2)))
 IRRATIONAL = ((F(1), F(1), F(0)), (F(-1), F(1), F(0)), (F(0), F(0), F(1)))
@@ -284,7 +275,9 @@ def test_turned_axes(rows):
     a, b, _ = rows
     axes = PrincipalAxes((a, b, cross(a, b)), (dot(a, a), dot(b, b), dot(cross(a, b), cross(a, b))))
     omega, gamma = map(fractions, GENERIC["e-ee+"])
-    top = KovalevskayaTop(BODY, TORQUE, turned(axes, omega), turned(axes, gamma), F(0), axes.rows)
+    top = KovalevskayaTop(
+        BODY, TORQUE, in_scene(omega, axes.rows), in_scene(gamma, axes.rows), F(0), axes.rows
+    )
     assert top.regime == "e-ee+"
     straight = top_of(*GENERIC["e-ee+"]).at([F(3)], 55)
     with mpmath.workdps(70):

@@ -12,13 +12,19 @@ from polhode.closed_forms.lagrange.attitude import LagrangeAttitude
 from polhode.closed_forms.lagrange.top import LagrangeTop
 from polhode.numbers import exact
 from shared import series
-from shared.closed_form_checks import distance, number, rotation, unwound
+from shared.closed_form_checks import (
+    check_attitude,
+    distance,
+    in_scene,
+    number,
+    rational_axes,
+    rotation,
+    unwound,
+)
 from shared.lagrange_motions import (
     MOTIONS,
     PSI,
-    in_scene,
     motion,
-    rational_axes,
     small,
     tilted,
     top_of,
@@ -40,20 +46,8 @@ def test_angles_are_those_of_the_attitude(name):
     times = [F(0), F(5, 3), F(-9)]
     states, attitudes, angles = (f(times, 50) for f in (top.at, top.attitude, top.angles))
     with mpmath.workdps(60):
-        for state, attitude, (psi, theta, phi) in zip(states, attitudes, angles, strict=True):
-            turned = rotation(attitude)
-            assert abs(mpmath.norm(mpmath.matrix(attitude)) - 1) < mpf(10) ** -50
-            assert max(abs(turned[2, i] - state[3 + i]) for i in range(3)) < mpf(10) ** -50
-            c, v = mpmath.cos(theta), mpmath.sin(theta)
-            assert abs(c - state[5]) < mpf(10) ** -50
-            if psi is None:
-                assert phi is None
-                assert v < mpf(10) ** -50
-                continue
-            third = mpmath.matrix([mpmath.sin(psi) * v, -mpmath.cos(psi) * v, c])
-            assert mpmath.norm(turned[:, 2] - third) < mpf(10) ** -49
-            assert abs(v * mpmath.sin(phi) - state[3]) < mpf(10) ** -49
-            assert abs(v * mpmath.cos(phi) - state[4]) < mpf(10) ** -49
+        for row in zip(states, attitudes, angles, strict=True):
+            check_attitude(*row)
         assert attitudes[0][0] >= 0
         gamma = motion(name)[3]
         if gamma[0] or gamma[1]:

@@ -26,7 +26,9 @@ from shared.closed_form_checks import (
     belongs,
     error_of_1000_digits,
     fractions,
+    in_scene,
     number,
+    rational_axes,
     residuals,
     rotation,
     unwound,
@@ -466,21 +468,6 @@ def test_random_swings(axis, moments, arm, tangent, nearness, rate, end):
     assert error < mpf(10) ** -15
 
 
-def seen(rows, v):
-    """From principal axes to the scene's."""
-    return tuple(sum((x * row[i] for x, row in zip(v, rows, strict=True)), F(0)) for i in range(3))
-
-
-def rational_axes():
-    """The rotation of the quaternion (1, 2, 4, 2)/5, by rows."""
-    a, b, c, d = (F(x, 5) for x in (1, 2, 4, 2))
-    return (
-        (a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)),
-        (2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)),
-        (2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d),
-    )
-
-
 def irrational_axes():
     c, s, u, v = exact.cos(F(1, 3)), exact.sin(F(1, 3)), exact.cos(F(1)), exact.sin(F(1))
     return ((c, s * u, s * v), (-s, c * u, c * v), (F(0), -v, u))
@@ -495,7 +482,7 @@ def irrational_axes():
 def test_turned_axes(name, axes):
     """A body given in axes that are not principal, against the integration of its full matrix."""
     moments, torque, omega, gamma = data(name)
-    top = Pendulum(moments, torque, seen(axes, omega), seen(axes, gamma), PSI, axes)
+    top = Pendulum(moments, torque, in_scene(omega, axes), in_scene(gamma, axes), PSI, axes)
     assert top.regime == MOTIONS[name][4]
     times = [F(1, 2), F(3, 2)]
     start = top.attitude([F(0)], 60)[0]
@@ -505,9 +492,16 @@ def test_turned_axes(name, axes):
             [sum(number(moments[k]) * rows[k][i] * rows[k][j] for k in range(3)) for j in range(3)]
             for i in range(3)
         ]
-        arm = [number(x) for x in seen(axes, torque)]
+        arm = [number(x) for x in in_scene(torque, axes)]
     done = taylor(
-        inertia, arm, seen(axes, omega), seen(axes, gamma), times, 30, quaternion=start, psi=PSI
+        inertia,
+        arm,
+        in_scene(omega, axes),
+        in_scene(gamma, axes),
+        times,
+        30,
+        quaternion=start,
+        psi=PSI,
     )
     closed = [
         a + b + c[:1]
@@ -640,7 +634,7 @@ def test_axes_turned_by_next_to_nothing(size):
     root = exact.sqrt(1 - size * size)
     axes = ((root, F(0), size), (F(0), F(1), F(0)), (-size, F(0), root))
     moments, torque, omega, gamma = data("rotation")
-    top = Pendulum(moments, torque, seen(axes, omega), seen(axes, gamma), PSI, axes)
+    top = Pendulum(moments, torque, in_scene(omega, axes), in_scene(gamma, axes), PSI, axes)
     plain = top_of("rotation")
     times = [F(1, 3), F(2), F(11, 2), F(-3)]
     low, high = top.angles(times, 20), top.angles(times, 50)

@@ -37,6 +37,55 @@ def distance(one, other, scale=1):
         )
 
 
+def in_band(error, digits, width=20):
+    """Whether an error keeps so many digits, and is no comparison of a thing with itself."""
+    return mpf(10) ** (-digits - width) < error < mpf(10) ** -digits
+
+
+def rational_axes():
+    """The rotation of the quaternion (1, 2, 4, 2)/5, by rows."""
+    a, b, c, d = (Fraction(x, 5) for x in (1, 2, 4, 2))
+    return (
+        (a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)),
+        (2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)),
+        (2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d),
+    )
+
+
+def in_scene(vector, axes):
+    """From principal axes, given by rows in the scene's, to the scene's."""
+    return tuple(
+        sum((x * row[i] for x, row in zip(vector, axes, strict=True)), Fraction(0))
+        for i in range(3)
+    )
+
+
+def full_inertia(moments, axes):
+    """The inertia matrix in the scene's axes."""
+    return [
+        [sum(moments[k] * axes[k][i] * axes[k][j] for k in range(3)) for j in range(3)]
+        for i in range(3)
+    ]
+
+
+def check_attitude(state, attitude, angles):
+    """Quaternion, angles and gamma are one attitude, to 49 digits; psi and phi None at a pole."""
+    psi, theta, phi = angles
+    turned = rotation(attitude)
+    assert abs(mpmath.norm(mpmath.matrix(attitude)) - 1) < mpf(10) ** -50
+    assert max(abs(turned[2, i] - state[3 + i]) for i in range(3)) < mpf(10) ** -50
+    c, v = mpmath.cos(theta), mpmath.sin(theta)
+    assert abs(c - state[5]) < mpf(10) ** -49
+    if psi is None:
+        assert phi is None
+        assert v < mpf(10) ** -50
+        return
+    third = mpmath.matrix([mpmath.sin(psi) * v, -mpmath.cos(psi) * v, c])
+    assert mpmath.norm(turned[:, 2] - third) < mpf(10) ** -49
+    assert abs(v * mpmath.sin(phi) - state[3]) < mpf(10) ** -49
+    assert abs(v * mpmath.cos(phi) - state[4]) < mpf(10) ** -49
+
+
 def rotation(q):
     """The matrix of a unit quaternion, body to space."""
     a, x, y, z = q

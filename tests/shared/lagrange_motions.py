@@ -3,10 +3,9 @@
 from fractions import Fraction
 
 import mpmath
-from mpmath import mpf
 
 from polhode.closed_forms.lagrange.top import LagrangeTop
-from shared.closed_form_checks import fractions, number, rotation
+from shared.closed_form_checks import fractions, number
 
 F = Fraction
 PSI = F(7, 10)
@@ -184,22 +183,3 @@ def speed(name):
     with mpmath.workdps(150):
         pendulum = mpmath.sqrt(max(abs(number(x)) for x in torque))
         return max([abs(number(x)) for x in omega]) or pendulum / 100
-
-
-def rational_axes():
-    """The rotation of the quaternion (1, 2, 4, 2)/5, by rows."""
-    with mpmath.workdps(30):
-        turned = rotation([mpf(x) / 5 for x in (1, 2, 4, 2)]) * 25
-    return tuple(tuple(F(int(mpmath.nint(turned[i, j])), 25) for j in range(3)) for i in range(3))
-
-
-def full_inertia(moments, axes):
-    """The inertia matrix in the scene's axes."""
-    return [
-        [sum(moments[k] * axes[k][i] * axes[k][j] for k in range(3)) for j in range(3)]
-        for i in range(3)
-    ]
-
-
-def in_scene(vector, axes):
-    return tuple(sum(vector[k] * axes[k][i] for k in range(3)) for i in range(3))
