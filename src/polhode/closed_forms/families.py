@@ -53,7 +53,7 @@ class ClosedForm(Protocol):
         ...
 
     def period(self, digits: int) -> Any | None:
-        """The period of w in the body; None where there is none."""
+        """The period of w in the body, in the scene's unit of time; None where there is none."""
         ...
 
     def frequencies(self, digits: int) -> dict[str, Any]:

@@ -3,7 +3,8 @@
     I w' + w x I w = 0,    gamma' = gamma x w            (Yehia 3.13-3.17 without weight)
 
 w = (p, q, r) and the unit vector gamma in body axes; attitude R (body -> space, z along gamma).
-Any body, any start, any time, any number of digits.  Units: any consistent set.
+Any body, any start, any time, any number of digits.  Units: any consistent set, angles in radians.
+Formulas: :mod:`polhode.closed_forms.euler.motion`, after Whittaker, Analytical Dynamics, art. 69.
 """
 
 from __future__ import annotations
@@ -86,7 +87,10 @@ class EulerTop(FromAttitude):
         return [shortened(row, digits) for row in rows]
 
     def period(self, digits: int) -> mpf | None:
-        """The period of w in the body; None where w is constant or tends to the middle axis."""
+        """The period of w in the body, in the scene's unit of time.
+
+        None where w is constant or tends to the middle axis.
+        """
         if self._permanent or sign(self._numbers["kc2"]) == 0:
             return None
         bits = self._bits((), digits)

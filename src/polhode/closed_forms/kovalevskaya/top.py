@@ -5,7 +5,7 @@
 (Yehia 3.13-3.17).  w = (p, q, r) and the upward vertical gamma in body axes.  Any start, any time,
 any number of digits: generic motion by genus-2 theta functions (Kowalevski, Acta Math. 12 (1889)
 177), one-frequency motions by Weierstrass' functions, others on a degenerate curve as the mean of
-two neighbours.  Units: any consistent set.
+two neighbours.  Units: any consistent set, angles in radians.
 """
 
 from __future__ import annotations
@@ -93,7 +93,10 @@ class KovalevskayaTop(FromAttitude):
         return shortened([2 * worst], 15)[0]
 
     def period(self, digits: int) -> mpf | None:
-        """The period of w and gamma; None for a motion of two frequencies, or without any."""
+        """The period of w and gamma, in the scene's unit of time.
+
+        None for a motion of two frequencies, or without any.
+        """
         if self.regime not in regimes.ONE_FREQUENCY:
             return None
         bits = rounded_up(self._answers.base(digits) + CERTIFIED)

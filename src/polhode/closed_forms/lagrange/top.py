@@ -4,7 +4,8 @@
 
 (Yehia 3.13-3.17), or A = B = C with r0 in any direction.  w = (p, q, r) and the upward vertical
 gamma in body axes; attitude R (body -> space, z along gamma).  Any start, any time, any number of
-digits.  Units: any consistent set.
+digits.  Units: any consistent set, angles in radians.  Formulas (Klein and Sommerfeld, Theorie des
+Kreisels, ch. VI): :mod:`polhode.closed_forms.lagrange.motion`.
 """
 
 from __future__ import annotations
@@ -93,7 +94,10 @@ class LagrangeTop(FromAttitude):
         return [shortened(row, digits) for row in rows]
 
     def period(self, digits: int) -> mpf | None:
-        """The period of theta; None where theta is constant or tends to the upper pole."""
+        """The period of theta, in the scene's unit of time.
+
+        None where theta is constant or tends to the upper pole.
+        """
         bits = self._bits((), digits)
         with mpmath.workprec(bits):
             period = _period(self._motion(bits))

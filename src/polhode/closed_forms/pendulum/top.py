@@ -17,6 +17,7 @@ Dynamics, art. 44; DLMF 22.19(i))
                            v = v0 + om k t,  modulus 1/k; the separatrix k = 1 included.
 
 n points so that del' >= 0 at t = 0 (at rest there: so that sin del > 0); hence -K <= v0 <= K.
+Any start, any time, any number of digits.  Units: any consistent set, angles in radians.
 """
 
 from __future__ import annotations
@@ -145,7 +146,7 @@ class Pendulum:
         return rows
 
     def period(self, digits: int) -> mpf | None:
-        """The period of the state; None on the separatrix and at rest."""
+        """The period of the state, in the scene's unit of time; None on the separatrix, at rest."""
         if self._at_rest or self.regime == SEPARATRIX:
             return None
         bits = self._bits((), digits)
