@@ -11,7 +11,7 @@ Singular where sin theta = 0.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from polhode.common.errors import BadInput
@@ -59,18 +59,6 @@ class Turn(NamedTuple):
         s, c, sf, cf = self
         by_theta = combination(k, zero, ("x", sf * c), ("y", cf * c), ("z", -s))
         return by_theta, combination(k, zero, ("x", s * cf), ("y", -(s * sf)))
-
-
-def energy(k: Mapping[str, Any], omega: Sequence[Any], gamma: Sequence[Any], zero: Any) -> Any:
-    """h = ½ (A p² + B q² + C r²) + Mg r0·gamma, in the scene's unit of mass."""
-    kinetic = sum(k[name] * w * w for name, w in zip("ABC", omega, strict=True)) / 2
-    return k["mass"] * (kinetic + combination(k, zero, *zip("xyz", gamma, strict=True)))
-
-
-def area(k: Mapping[str, Any], omega: Sequence[Any], gamma: Sequence[Any]) -> Any:
-    """f = A p gamma1 + B q gamma2 + C r gamma3, in the scene's unit of mass."""
-    triples = zip("ABC", omega, gamma, strict=True)
-    return k["mass"] * sum(k[name] * w * g for name, w, g in triples)
 
 
 class Start(NamedTuple):

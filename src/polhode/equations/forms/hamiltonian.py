@@ -67,13 +67,6 @@ class Hamiltonian(Form):
         momentum = _momentum(turn, values[3:])
         return [k[name] * G for name, G in zip(names, momentum, strict=True)], turn.gamma
 
-    def integrals(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> dict[str, Any]:
-        """h = H and f = p_psi, in the scene's unit of mass."""
-        omega, gamma = self.state(values, k, fn)
-        return {"h": euler_angles.energy(k, omega, gamma, fn.zero), "f": k["mass"] * values[3]}
-
     def distance(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
         """sin² theta."""
         s = fn.sin(values[1])

@@ -53,16 +53,6 @@ class Lagrangian(Form):
         turn = Turn.of(values[1], values[2], fn)
         return turn.omega(*values[3:]), turn.gamma
 
-    def integrals(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> dict[str, Any]:
-        """h (3.45) and f = dL/dpsi' (3.46)."""
-        omega, gamma = self.state(values, k, fn)
-        return {
-            "h": angles.energy(k, omega, gamma, fn.zero),
-            "f": angles.area(k, omega, gamma),
-        }
-
     def distance(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
         """sin² theta."""
         s = fn.sin(values[1])

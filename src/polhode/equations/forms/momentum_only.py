@@ -40,14 +40,6 @@ class MomentumOnly(Form):
         it = without_gamma.parts(omega, G, values[3], k, fn)
         return omega, without_gamma.gamma(it, k, fn)
 
-    def integrals(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> dict[str, Any]:
-        """|gamma|²; h and f are given."""
-        G, D = values[:3], values[3]
-        it = without_gamma.parts(_omega(G, k), G, D, k, fn)
-        return {"gamma": without_gamma.length(it, D, k)}
-
     def distance(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
         """0 where G is parallel to r0."""
         return without_gamma.distance(values[:3], k, fn)

@@ -40,14 +40,6 @@ class OmegaOnly(Form):
         it = without_gamma.parts(omega, G, values[3], k, fn)
         return omega, without_gamma.gamma(it, k, fn)
 
-    def integrals(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> dict[str, Any]:
-        """|gamma|²; h and f are given."""
-        omega, D = values[:3], values[3]
-        it = without_gamma.parts(omega, _momentum(omega, k), D, k, fn)
-        return {"gamma": without_gamma.length(it, D, k)}
-
     def distance(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
         """0 where I w is parallel to r0."""
         return without_gamma.distance(_momentum(values[:3], k), k, fn)

@@ -128,11 +128,6 @@ class Routhian(Form):
         turn = Turn.of(values[0], values[1], fn)
         return turn.omega(precession(turn, values[2:], k, fn), *values[2:]), turn.gamma
 
-    def integrals(self, values: Sequence[Any], k: Coefficients, fn: Functions) -> dict[str, Any]:
-        """h, Jacobi's integral theta' dR/dtheta' + phi' dR/dphi' - R; f is given."""
-        omega, gamma = self.state(values, k, fn)
-        return {"h": angles.energy(k, omega, gamma, fn.zero)}
-
     def distance(self, values: Sequence[Any], k: Coefficients, fn: Functions) -> Any:
         """sin² theta."""
         s = fn.sin(values[0])

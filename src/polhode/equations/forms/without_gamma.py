@@ -94,11 +94,6 @@ def gamma(it: Parts, k: Mapping[str, Any], fn: Functions) -> list[Any]:
     ]
 
 
-def length(it: Parts, D: Any, k: Mapping[str, Any]) -> Any:
-    """|gamma|²."""
-    return k["1/n2"] * (it.u * it.u + it.lean) + it.d * D
-
-
 def distance(G: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
     """|r0 × G|² over |r0|² and a bound of |G|² that the energy sets: 0 to 1."""
     N = lever(G, k, fn)
@@ -137,35 +132,11 @@ def gamma_from_omega(
     ``number`` makes one of the run's numbers of an exact one.  Raises ValueError where the weight
     has no moment.
     """
+    if is_zero(body.torque):
+        raise ValueError("the weight has no moment, so w says nothing of gamma")
     inertia = [[number(x) for x in row] for row in body.inertia]
     momentum = [_dot(row, omega) for row in inertia]
     momentum_rate = [_dot(row, omega_rate) for row in inertia]
-    return _vertical(body, omega, momentum, momentum_rate, h, number)
-
-
-def gamma_from_momentum(
-    body: Body,
-    momentum: Sequence[Any],
-    momentum_rate: Sequence[Any],
-    h: Any,
-    number: Callable[[Number], Any],
-) -> list[Any]:
-    """gamma from G, G' and h (3.62), w = I⁻¹ G; else as :func:`gamma_from_omega`."""
-    columns = [body.omega(unit) for unit in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]  # type: ignore[arg-type]
-    omega = [_dot([number(x) for x in column], momentum) for column in columns]
-    return _vertical(body, omega, momentum, momentum_rate, h, number)
-
-
-def _vertical(
-    body: Body,
-    omega: Sequence[Any],
-    momentum: Sequence[Any],
-    momentum_rate: Sequence[Any],
-    h: Any,
-    number: Callable[[Number], Any],
-) -> list[Any]:
-    if is_zero(body.torque):
-        raise ValueError("the weight has no moment, so w says nothing of gamma")
     n = [number(x) for x in body.torque]
     moment = [a + b for a, b in zip(momentum_rate, _cross(omega, momentum), strict=True)]
     height = h - _dot(omega, momentum) / 2
