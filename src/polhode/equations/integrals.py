@@ -19,12 +19,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.numbers import exact
 from polhode.numbers.convert import exactly, to_extended, to_mpf
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.scalars import combination
+from polhode.numbers.scalars import Row, Rows, Scalar, combination
 from polhode.scenes import tops
 from polhode.scenes.body import dot
 from polhode.scenes.scene import Scene
@@ -68,7 +68,9 @@ class FirstIntegrals:
     order: tuple[int, int, int]
     coefficients: Mapping[str, Exact]
 
-    def values(self, state: Sequence[Any], k: Mapping[str, Any], zero: Any) -> list[Any]:
+    def values(
+        self, state: Sequence[Scalar], k: Mapping[str, Scalar], zero: Scalar
+    ) -> list[Scalar]:
         """The integrals at one state, for any scalar: ``k`` the coefficients as such scalars."""
         omega, gamma = state[:3], state[3:6]
         momentum = [k[f"I{i}"] * omega[i] for i in range(3)]
@@ -87,11 +89,15 @@ class FirstIntegrals:
         return [found[name] for name in self.onto]
 
 
-def _spin(u: Sequence[Any], _: Sequence[Any], k: Mapping[str, Any], zero: Any) -> Any:
+def _spin(
+    u: Sequence[Scalar], _: Sequence[Scalar], k: Mapping[str, Scalar], zero: Scalar
+) -> Scalar:
     return combination(k, zero, *((f"n{i}", u[i]) for i in range(3)))
 
 
-def _kovalevskaya(u: Sequence[Any], g: Sequence[Any], k: Mapping[str, Any], zero: Any) -> Any:
+def _kovalevskaya(
+    u: Sequence[Scalar], g: Sequence[Scalar], k: Mapping[str, Scalar], zero: Scalar
+) -> Scalar:
     along = combination(k, zero, ("c0", g[0]), ("-c1", g[1]))
     across = combination(k, zero, ("c0", g[1]), ("c1", g[0]))
     real = u[0] * u[0] - u[1] * u[1] - along
@@ -99,12 +105,14 @@ def _kovalevskaya(u: Sequence[Any], g: Sequence[Any], k: Mapping[str, Any], zero
     return real * real + imaginary * imaginary
 
 
-def _chaplygin(u: Sequence[Any], g: Sequence[Any], k: Mapping[str, Any], zero: Any) -> Any:
+def _chaplygin(
+    u: Sequence[Scalar], g: Sequence[Scalar], k: Mapping[str, Scalar], zero: Scalar
+) -> Scalar:
     along = combination(k, zero, ("c0", u[0]), ("c1", u[1]))
     return u[2] * (u[0] * u[0] + u[1] * u[1]) - along * g[2]
 
 
-_FOURTH: dict[str, Callable[..., Any]] = {
+_FOURTH: dict[str, Callable[..., Scalar]] = {
     SPIN: _spin,
     KOVALEVSKAYA: _kovalevskaya,
     CHAPLYGIN: _chaplygin,
@@ -147,9 +155,9 @@ def _fourth(scene: Scene) -> tuple[str | None, tuple[int, int, int]]:
     body = scene.body
     top = tops.classical_top(body.moments, body.axes.components(body.torque))
     name = _FOURTH_OF.get(top.kind)
-    area = scene.integrals.area
-    if name == CHAPLYGIN and (area is None or sign(area) != 0):
-        name = None
+    if name == CHAPLYGIN:  # the area is asked for here alone: it takes as long as all the rest
+        area = scene.integrals.area
+        name = name if area is not None and sign(area) == 0 else None
     if name is None or top.axis is None or top.kind == tops.SPHERE:
         return name, (0, 1, 2)
     return name, tops.with_last(top.axis)
@@ -164,7 +172,7 @@ def exact_values(scene: Scene, found: FirstIntegrals) -> list[Exact]:
     return [exact.exact(x) for x in found.values(start, found.coefficients, ZERO)]
 
 
-def drift(scene: Scene, states: Any, bits: int) -> Drift:
+def drift(scene: Scene, states: Rows, bits: int) -> Drift:
     """Drift of a trajectory's integrals, computed in more precision than the states have.
 
     ``states``: rows p q r [gamma1 gamma2 gamma3] in body axes, an ndarray of doubles or rows of mpf
@@ -194,8 +202,8 @@ def _named(scene: Scene, values: list[float]) -> Drift:
 
 
 def _departures(
-    scene: Scene, states: Sequence[Any], number: Callable[[Exact], Any]
-) -> list[list[Any]]:
+    scene: Scene, states: Sequence[Row], number: Callable[[Exact], Scalar]
+) -> list[list[Scalar]]:
     """Relative departures of the integrals at each state (or at columns of states)."""
     found = first_integrals(scene)
     k = {name: number(x) for name, x in found.coefficients.items()}
@@ -205,7 +213,7 @@ def _departures(
     axes = scene.body.axes
     turn = None if axes.trivial else [[number(x) for x in row] for row in axes.rows]
 
-    def principal(vector: Sequence[Any]) -> list[Any]:
+    def principal(vector: Sequence[Scalar]) -> list[Scalar]:
         return list(vector) if turn is None else [_dot(row, vector) for row in turn]
 
     zero = number(ZERO)
@@ -252,5 +260,5 @@ def _square(vector: Sequence[Exact]) -> Exact:
     return exact.exact(sum((x * x for x in vector), ZERO))
 
 
-def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
+def _dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
