@@ -12,7 +12,7 @@ R(q) v = q ⊗ (0, v) ⊗ q* / |q|², an exact rotation though |q| drifts by rou
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
 from polhode.numbers.convert import exactly, mpf_row, to_extended, to_mpf
@@ -72,7 +72,7 @@ def turned(quaternion: Row, vector: Row) -> list[Scalar]:
     """R(q) v of one quaternion of any length, or of columns of them."""
     q0, axis = quaternion[0], (quaternion[1], quaternion[2], quaternion[3])
     square = q0 * q0 + dot(axis, axis)
-    half: Sequence[Scalar] = cross(axis, (vector[0], vector[1], vector[2]))
+    half: Scalar = cross(axis, (vector[0], vector[1], vector[2]))
     across = cross(axis, half)
     return [v + 2 * (q0 * a + b) / square for v, a, b in zip(vector, half, across, strict=True)]
 

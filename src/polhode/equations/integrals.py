@@ -26,7 +26,7 @@ from polhode.numbers.convert import exactly, to_extended, to_mpf
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.scalars import Row, Rows, Scalar, combination
 from polhode.scenes import tops
-from polhode.scenes.body import dot
+from polhode.scenes.body import Vector, dot, scaled
 from polhode.scenes.scene import Scene
 
 GUARD_BITS = 64
@@ -133,11 +133,11 @@ def first_integrals(scene: Scene) -> FirstIntegrals:
     """The first integrals that the exact scene has."""
     body, unit = scene.body, Fraction(2) ** scene.time_unit
     largest = max(body.moments)
-    torque = tuple(unit * unit * x for x in body.axes.components(body.torque))
+    torque = scaled(unit * unit, body.axes.components(body.torque))
     k: dict[str, Exact] = {f"I{i}": x / largest for i, x in enumerate(body.moments)}
     k |= {f"2m{i}": 2 * x / largest for i, x in enumerate(torque)}
     onto = [ENERGY] if scene.gamma is None else [ENERGY, AREA, LENGTH]
-    name, order = _fourth(scene)
+    name, order = _fourth(scene, torque)
     if name is not None:
         onto.append(name)
         if name == SPIN:
@@ -150,10 +150,12 @@ def first_integrals(scene: Scene) -> FirstIntegrals:
     return FirstIntegrals(tuple(onto), order, kept)
 
 
-def _fourth(scene: Scene) -> tuple[str | None, tuple[int, int, int]]:
-    """The fourth integral's name, None without one, and the axes with that of symmetry last."""
-    body = scene.body
-    top = tops.classical_top(body.moments, body.axes.components(body.torque))
+def _fourth(scene: Scene, torque: Vector) -> tuple[str | None, tuple[int, int, int]]:
+    """The fourth integral's name, None without one, and the axes with that of symmetry last.
+
+    ``torque``: Mg r0 in principal axes, in any unit.
+    """
+    top = tops.classical_top(scene.body.moments, torque)
     name = _FOURTH_OF.get(top.kind)
     if name == CHAPLYGIN:  # the area is asked for here alone: it takes as long as all the rest
         area = scene.integrals.area
