@@ -23,6 +23,7 @@ from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import Outcome
 from shared import form_trials as trials
 from shared import series
+from shared.form_integrals import form_integrals
 from shared.form_trials import MP, STEP, WORKING, close, derivative, numbers, scenes
 
 F = Fraction
@@ -127,7 +128,7 @@ def test_hamiltons_equations_hold_for_the_hamiltonian(scene):
         assert close(values[3:], p)
 
         def energy(x):
-            return form.integrals(x, k, MP)["h"] / k["mass"]
+            return form_integrals(form, x, k, MP)["h"] / k["mass"]
 
         assert close([energy(values)], [trials.dot(p, rates[:3]) - L(values[:3], rates[:3])])
         assert close(rates[:3], [slope(energy, values, 3 + i) for i in range(3)])
@@ -244,7 +245,7 @@ def test_misprint_of_the_area_integral_in_angles():
         printed = ((A * sf**2 + B * cf**2) * s**2 + C * c**2) * psi1 + (
             A - B
         ) * s * sf * cf * theta1
-        found = form.integrals(values, k, MP)["f"] / k["mass"]
+        found = form_integrals(form, values, k, MP)["f"] / k["mass"]
         assert close([found], [printed + C * c * phi1])
         assert abs(found - printed) > mpf(1) / 10
 

@@ -165,6 +165,26 @@ def test_degenerate_motions_are_left_alone(name):
         assert often.projection.largest < 1e-13
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        "euler/sphere",
+        "kovalevskaya/pendulum-equatorial",
+        "lagrange/steady-slow",
+        "euler/separatrix",
+    ],
+)
+def test_parallel_gradients_stop_no_correction_and_magnify_none(name):
+    """Damping takes the step to zero along what the integrals do not determine.
+
+    Without it most corrections here are refused, or are ten times a rounding.
+    """
+    run = polhode.integrate(name, project=4)
+    due = run.steps // 4
+    assert due - 1 <= run.projection.count <= due
+    assert DOUBLE.eps / 4 < run.projection.largest < 4 * DOUBLE.eps
+
+
 def test_quad_and_mp_are_projected_where_asked():
     scene = polhode.load("kovalevskaya/generic")
     for number, largest in (("quad", 1e-32), ("mp", 1e-48)):

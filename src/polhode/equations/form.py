@@ -12,9 +12,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, ClassVar
+from types import ModuleType
+from typing import TYPE_CHECKING, ClassVar
 
-from polhode.numbers.scalars import Functions
+from polhode.numbers.scalars import Functions, Scalar
 
 if TYPE_CHECKING:
     from polhode.numbers.exact import Exact
@@ -42,16 +43,18 @@ class Form(ABC):
     instead: ClassVar[str] = "principal"
 
     @abstractmethod
-    def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+    def field(
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> list[Scalar]:
         """The variables' rates."""
 
     @abstractmethod
     def state(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> tuple[list[Any], list[Any]]:
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> tuple[list[Scalar], list[Scalar]]:
         """omega and gamma in the form's axes; gamma [] for a scene without it."""
 
-    def distance(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
+    def distance(self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> Scalar:
         """How near the singular set is, squared: 0 on it, of order 1 away from it; None without."""
         return None
 
@@ -87,6 +90,6 @@ def source(name: str) -> str:
     return str(_module(name).SOURCE)
 
 
-def _module(name: str) -> Any:
+def _module(name: str) -> ModuleType:
     """A form's module, imported when it is asked for."""
     return import_module(f"polhode.equations.forms.{name.replace('-', '_')}")

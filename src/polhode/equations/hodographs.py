@@ -13,11 +13,12 @@ R(q) v = q ⊗ (0, v) ⊗ q* / |q|², an exact rotation though |q| drifts by rou
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from polhode.numbers.convert import exactly, mpf_row, to_extended, to_mpf
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType, extended_here
+from polhode.numbers.scalars import Row, Rows, Scalar
 from polhode.scenes.body import cross, dot
 
 if TYPE_CHECKING:
@@ -33,17 +34,17 @@ class Hodographs(NamedTuple):
     the numbers have and rounded once.
     """
 
-    body: Any
-    space: Any
+    body: Rows
+    space: Rows
 
 
-def hodographs(states: Any, attitude: Any, number: NumberType) -> Hodographs:
+def hodographs(states: Rows, attitude: Rows, number: NumberType) -> Hodographs:
     """The hodographs of a motion: rows p q r … and q0 q1 q2 q3 of one number type."""
     omega = states[:, :3] if hasattr(states, "ndim") else [row[:3] for row in states]
     return Hodographs(omega, in_space(attitude, omega, number))
 
 
-def in_space(attitude: Any, vectors: Any, number: NumberType) -> Any:
+def in_space(attitude: Rows, vectors: Rows, number: NumberType) -> Rows:
     """R v for each row of the attitude and of vectors in the body, in the number type."""
     if number.name == "double" and extended_here():
         import numpy as np
@@ -67,16 +68,16 @@ def in_space(attitude: Any, vectors: Any, number: NumberType) -> Any:
         return [[+x for x in row] for row in rows]
 
 
-def turned(quaternion: Any, vector: Any) -> list[Any]:
+def turned(quaternion: Row, vector: Row) -> list[Scalar]:
     """R(q) v of one quaternion of any length, or of columns of them."""
     q0, axis = quaternion[0], (quaternion[1], quaternion[2], quaternion[3])
     square = q0 * q0 + dot(axis, axis)
-    half: Any = cross(axis, (vector[0], vector[1], vector[2]))
+    half: Scalar = cross(axis, (vector[0], vector[1], vector[2]))
     across = cross(axis, half)
     return [v + 2 * (q0 * a + b) / square for v, a, b in zip(vector, half, across, strict=True)]
 
 
-def path(attitude: Any, direction: Iterable[Exact], number: NumberType) -> Any:
+def path(attitude: Rows, direction: Iterable[Exact], number: NumberType) -> Rows:
     """The path in space of a point fixed in the body: R e for each row of the attitude.
 
     ``direction``: e in the body, such as the third axis (0, 0, 1), the apex of a top, or the

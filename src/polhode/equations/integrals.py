@@ -19,14 +19,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.numbers import exact
 from polhode.numbers.convert import exactly, to_extended, to_mpf
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.scalars import combination
+from polhode.numbers.scalars import Row, Rows, Scalar, combination
 from polhode.scenes import tops
-from polhode.scenes.body import dot
+from polhode.scenes.body import Vector, dot, scaled
 from polhode.scenes.scene import Scene
 
 GUARD_BITS = 64
@@ -68,7 +68,9 @@ class FirstIntegrals:
     order: tuple[int, int, int]
     coefficients: Mapping[str, Exact]
 
-    def values(self, state: Sequence[Any], k: Mapping[str, Any], zero: Any) -> list[Any]:
+    def values(
+        self, state: Sequence[Scalar], k: Mapping[str, Scalar], zero: Scalar
+    ) -> list[Scalar]:
         """The integrals at one state, for any scalar: ``k`` the coefficients as such scalars."""
         omega, gamma = state[:3], state[3:6]
         momentum = [k[f"I{i}"] * omega[i] for i in range(3)]
@@ -87,11 +89,15 @@ class FirstIntegrals:
         return [found[name] for name in self.onto]
 
 
-def _spin(u: Sequence[Any], _: Sequence[Any], k: Mapping[str, Any], zero: Any) -> Any:
+def _spin(
+    u: Sequence[Scalar], _: Sequence[Scalar], k: Mapping[str, Scalar], zero: Scalar
+) -> Scalar:
     return combination(k, zero, *((f"n{i}", u[i]) for i in range(3)))
 
 
-def _kovalevskaya(u: Sequence[Any], g: Sequence[Any], k: Mapping[str, Any], zero: Any) -> Any:
+def _kovalevskaya(
+    u: Sequence[Scalar], g: Sequence[Scalar], k: Mapping[str, Scalar], zero: Scalar
+) -> Scalar:
     along = combination(k, zero, ("c0", g[0]), ("-c1", g[1]))
     across = combination(k, zero, ("c0", g[1]), ("c1", g[0]))
     real = u[0] * u[0] - u[1] * u[1] - along
@@ -99,12 +105,14 @@ def _kovalevskaya(u: Sequence[Any], g: Sequence[Any], k: Mapping[str, Any], zero
     return real * real + imaginary * imaginary
 
 
-def _chaplygin(u: Sequence[Any], g: Sequence[Any], k: Mapping[str, Any], zero: Any) -> Any:
+def _chaplygin(
+    u: Sequence[Scalar], g: Sequence[Scalar], k: Mapping[str, Scalar], zero: Scalar
+) -> Scalar:
     along = combination(k, zero, ("c0", u[0]), ("c1", u[1]))
     return u[2] * (u[0] * u[0] + u[1] * u[1]) - along * g[2]
 
 
-_FOURTH: dict[str, Callable[..., Any]] = {
+_FOURTH: dict[str, Callable[..., Scalar]] = {
     SPIN: _spin,
     KOVALEVSKAYA: _kovalevskaya,
     CHAPLYGIN: _chaplygin,
@@ -125,11 +133,11 @@ def first_integrals(scene: Scene) -> FirstIntegrals:
     """The first integrals that the exact scene has."""
     body, unit = scene.body, Fraction(2) ** scene.time_unit
     largest = max(body.moments)
-    torque = tuple(unit * unit * x for x in body.axes.components(body.torque))
+    torque = scaled(unit * unit, body.axes.components(body.torque))
     k: dict[str, Exact] = {f"I{i}": x / largest for i, x in enumerate(body.moments)}
     k |= {f"2m{i}": 2 * x / largest for i, x in enumerate(torque)}
     onto = [ENERGY] if scene.gamma is None else [ENERGY, AREA, LENGTH]
-    name, order = _fourth(scene)
+    name, order = _fourth(scene, torque)
     if name is not None:
         onto.append(name)
         if name == SPIN:
@@ -142,14 +150,16 @@ def first_integrals(scene: Scene) -> FirstIntegrals:
     return FirstIntegrals(tuple(onto), order, kept)
 
 
-def _fourth(scene: Scene) -> tuple[str | None, tuple[int, int, int]]:
-    """The fourth integral's name, None without one, and the axes with that of symmetry last."""
-    body = scene.body
-    top = tops.classical_top(body.moments, body.axes.components(body.torque))
+def _fourth(scene: Scene, torque: Vector) -> tuple[str | None, tuple[int, int, int]]:
+    """The fourth integral's name, None without one, and the axes with that of symmetry last.
+
+    ``torque``: Mg r0 in principal axes, in any unit.
+    """
+    top = tops.classical_top(scene.body.moments, torque)
     name = _FOURTH_OF.get(top.kind)
-    area = scene.integrals.area
-    if name == CHAPLYGIN and (area is None or sign(area) != 0):
-        name = None
+    if name == CHAPLYGIN:  # the area is asked for here alone: it takes as long as all the rest
+        area = scene.integrals.area
+        name = name if area is not None and sign(area) == 0 else None
     if name is None or top.axis is None or top.kind == tops.SPHERE:
         return name, (0, 1, 2)
     return name, tops.with_last(top.axis)
@@ -164,7 +174,7 @@ def exact_values(scene: Scene, found: FirstIntegrals) -> list[Exact]:
     return [exact.exact(x) for x in found.values(start, found.coefficients, ZERO)]
 
 
-def drift(scene: Scene, states: Any, bits: int) -> Drift:
+def drift(scene: Scene, states: Rows, bits: int) -> Drift:
     """Drift of a trajectory's integrals, computed in more precision than the states have.
 
     ``states``: rows p q r [gamma1 gamma2 gamma3] in body axes, an ndarray of doubles or rows of mpf
@@ -194,8 +204,8 @@ def _named(scene: Scene, values: list[float]) -> Drift:
 
 
 def _departures(
-    scene: Scene, states: Sequence[Any], number: Callable[[Exact], Any]
-) -> list[list[Any]]:
+    scene: Scene, states: Sequence[Row], number: Callable[[Exact], Scalar]
+) -> list[list[Scalar]]:
     """Relative departures of the integrals at each state (or at columns of states)."""
     found = first_integrals(scene)
     k = {name: number(x) for name, x in found.coefficients.items()}
@@ -205,7 +215,7 @@ def _departures(
     axes = scene.body.axes
     turn = None if axes.trivial else [[number(x) for x in row] for row in axes.rows]
 
-    def principal(vector: Sequence[Any]) -> list[Any]:
+    def principal(vector: Sequence[Scalar]) -> list[Scalar]:
         return list(vector) if turn is None else [_dot(row, vector) for row in turn]
 
     zero = number(ZERO)
@@ -252,5 +262,5 @@ def _square(vector: Sequence[Exact]) -> Exact:
     return exact.exact(sum((x * x for x in vector), ZERO))
 
 
-def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
+def _dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -9,14 +9,14 @@ cos theta); the unit quaternion of R, scalar first.  With w = (p, q, r) in body 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from typing import Any
+from typing import NamedTuple
 
 from polhode.numbers import exact
 from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.exact import ONE, Exact, sign
-from polhode.numbers.scalars import combination
+from polhode.numbers.scalars import Scalar, Value, combination
 from polhode.scenes.body import PrincipalAxes, Vector
 
 
@@ -64,14 +64,14 @@ def turn_coefficients(axes: PrincipalAxes) -> dict[str, Exact]:
     }
 
 
-def in_scene_axes(vector: Sequence[Any], k: Mapping[str, Any], zero: Any) -> list[Any]:
+def in_scene_axes(vector: Sequence[Scalar], k: Mapping[str, Scalar], zero: Scalar) -> list[Scalar]:
     """A vector of components in a form's axes along the scene's."""
     if not any(name.startswith("turn") for name in k):
         return list(vector)
     return [combination(k, zero, *((f"turn{i}{j}", vector[i]) for i in range(3))) for j in range(3)]
 
 
-def attitude_rates(quaternion: Sequence[Any], omega: Sequence[Any]) -> list[Any]:
+def attitude_rates(quaternion: Sequence[Scalar], omega: Sequence[Scalar]) -> list[Scalar]:
     """The quaternion's time derivative; omega along the axes whose attitude it is."""
     q0, q1, q2, q3 = quaternion
     p, q, r = (x / 2 for x in omega)
@@ -83,7 +83,7 @@ def attitude_rates(quaternion: Sequence[Any], omega: Sequence[Any]) -> list[Any]
     ]
 
 
-def angle_rates(omega: Sequence[Any], gamma: Sequence[Any]) -> list[Any]:
+def angle_rates(omega: Sequence[Scalar], gamma: Sequence[Scalar]) -> list[Scalar]:
     """psi' and phi'; infinite at a pole."""
     p, q, r = omega
     g1, g2, g3 = gamma
@@ -92,7 +92,7 @@ def angle_rates(omega: Sequence[Any], gamma: Sequence[Any]) -> list[Any]:
 
 
 def angles_off_the_pole(
-    quaternion: Sequence[Any], gamma: Sequence[Any], psi: Exact, bits: int
+    quaternion: Sequence[Scalar], gamma: Sequence[Scalar], psi: Exact, bits: int
 ) -> tuple[Fraction, Fraction]:
     """psi and phi a moment after a start at a pole with that psi, from attitude and gamma.
 
@@ -109,10 +109,19 @@ def angles_off_the_pole(
         return exactly(whole - phi if g3 > 0 else whole + phi), exactly(phi)
 
 
-def angles(gamma: Sequence[Any], psi_and_phi: Sequence[Any], fn: Any) -> list[Any]:
+class AngleFunctions(NamedTuple):
+    """What angles take of numbers of one kind, numpy's or mpmath's."""
+
+    hypot: Callable[[Value, Value], Value]
+    atan2: Callable[[Value, Value], Value]
+    pi: Value
+    rint: Callable[[Value], Value]
+
+
+def angles(gamma: Sequence[Value], psi_and_phi: Sequence[Value], fn: AngleFunctions) -> list[Value]:
     """psi theta phi at one time: theta and phi from gamma, phi on the integrated one's branch.
 
-    ``fn`` brings hypot, atan2, pi and rint.  At a pole psi and phi are None.  A motion that passes
+    At a pole psi and phi are None.  A motion that passes
     exactly through a pole turns phi by pi against the integrated one: psi then turns by pi too.
     """
     (g1, g2, g3), (psi, phi) = gamma, psi_and_phi

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
-from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from polhode.equations.form import equations
-from polhode.equations.kinematics import angles
+from polhode.equations.kinematics import AngleFunctions, angles
 from polhode.numbers.convert import exactly, to_extended, to_mpf
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import of_extended, of_mpmath
+from polhode.numbers.scalars import Row, Rows, Value, of_extended, of_mpmath
 from polhode.scenes.scene import Scene
 from polhode.scenes.words import ATTITUDE
+
+if TYPE_CHECKING:
+    import numpy as np
 
 GUARD_BITS = 16
 
@@ -27,7 +30,7 @@ class Readout:
         self.scene, self.number = scene, number
         self.form, self.columns = equations(scene), len(scene.columns)
 
-    def states(self, rows: list[Any]) -> Any:
+    def states(self, rows: Sequence[Row]) -> Rows:
         """p q r [gamma1 gamma2 gamma3] in scene axes: an ndarray, or rows of mpf above extended."""
         if not rows:
             return self._kept([]).reshape(0, self.columns) if self.number.flat else []
@@ -43,14 +46,14 @@ class Readout:
 
         return [[mpmath.ldexp(x, exponent) for x in row[:3]] + row[3:] for row in turned]
 
-    def attitude(self, rows: list[Any]) -> Any:
+    def attitude(self, rows: Sequence[Row]) -> Rows | None:
         """q0 q1 q2 q3, if asked for or needed."""
         if "attitude" not in self.scene.modelled:
             return None
         first = len(self.form.variables)
         return self._kept([row[first : first + 4] for row in rows])
 
-    def angles(self, rows: list[Any]) -> list[list[Any]] | None:
+    def angles(self, rows: Sequence[Row]) -> list[list[Value | None]] | None:
         """psi theta phi, if asked for; psi and phi None at a pole."""
         if "angles" not in self.scene.outputs:
             return None
@@ -69,32 +72,30 @@ class Readout:
             ]
 
     @cached_property
-    def _functions(self) -> Any:
+    def _functions(self) -> AngleFunctions:
         if self.number.flat:
             import numpy as np
 
             pi = 4 * np.arctan(np.ones(1, dtype=self._kind))[0]
-            return SimpleNamespace(hypot=np.hypot, atan2=np.arctan2, pi=pi, rint=np.rint)
+            return AngleFunctions(np.hypot, np.arctan2, pi, np.rint)
         import mpmath
 
-        return SimpleNamespace(
-            hypot=mpmath.hypot, atan2=mpmath.atan2, pi=mpmath.pi, rint=mpmath.nint
-        )
+        return AngleFunctions(mpmath.hypot, mpmath.atan2, mpmath.pi, mpmath.nint)
 
     @property
-    def _kind(self) -> Any:
+    def _kind(self) -> type[np.floating[Any]]:
         import numpy as np
 
         return np.float64 if self.number.name == "double" else np.longdouble
 
-    def _kept(self, rows: list[Any]) -> Any:
+    def _kept(self, rows: Sequence[Row]) -> Rows:
         if not self.number.flat:
             return rows
         import numpy as np
 
         return np.array(rows, dtype=self._kind)
 
-    def _vectors(self, rows: list[Any]) -> Any:
+    def _vectors(self, rows: Sequence[Row]) -> Rows:
         """Rows of omega and gamma in scene axes and the run's unit, rounded once at the end."""
         if self.number.name == "double":
             return self._in_extended(rows)
@@ -113,7 +114,7 @@ class Readout:
         wide = [[to_extended(exactly(x)) for x in row] for row in turned]
         return self._kept(wide).reshape(len(rows), self.columns)
 
-    def _turned(self, found: list[Any], bits: int) -> list[list[Any]]:
+    def _turned(self, found: Sequence[Sequence[Row]], bits: int) -> list[list[Value]]:
         """Pairs of omega and gamma, one after the other, turned and rounded to the run's type."""
         import mpmath
 
@@ -132,7 +133,7 @@ class Readout:
                 for pair in found
             ]
 
-    def _in_extended(self, rows: list[Any]) -> Any:
+    def _in_extended(self, rows: Sequence[Row]) -> Rows:
         """The same for doubles, all rows at once."""
         import numpy as np
 

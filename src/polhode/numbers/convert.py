@@ -13,14 +13,15 @@ from polhode.numbers import exact
 from polhode.numbers.exact import Exact, Number
 from polhode.numbers.expression import number
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Value
 
 
-def mpf_row(row: Sequence[Any], bits: int) -> list[Any]:
+def mpf_row(row: Sequence[Value], bits: int) -> list[Value]:
     """The binary numbers of so many bits nearest to each of a row."""
     return [to_mpf(exactly(x), bits) for x in row]
 
 
-def number_value(x: Number, number: NumberType) -> Any:
+def number_value(x: Number, number: NumberType) -> Value:
     """The number nearest to x of the kind that a trajectory holds: float, longdouble or mpf."""
     if number.name == "double":
         return to_double(x)
@@ -37,7 +38,7 @@ def to_double(x: Number) -> float:
         return math.inf
 
 
-def to_extended(x: Number) -> Any:
+def to_extended(x: Number) -> Value:
     """The nearest 80-bit number, as numpy.longdouble."""
     import numpy as np
 
@@ -47,7 +48,7 @@ def to_extended(x: Number) -> Any:
     return -value if mantissa < 0 else value
 
 
-def to_mpf(x: Number, bits: int) -> Any:
+def to_mpf(x: Number, bits: int) -> Value:
     """The nearest binary number of so many bits, as an mpmath mpf."""
     from mpmath import libmp, mp
 

@@ -11,9 +11,10 @@ from polhode.numbers import exact
 from polhode.numbers.convert import exactly
 from polhode.numbers.exact import Exact, Irrational, Number
 from polhode.numbers.number_types import LOG10_2, NumberType
+from polhode.numbers.scalars import Rows, Value
 
 
-def strings(rows: Any, number: NumberType) -> list[list[Any]]:
+def strings(rows: Rows, number: NumberType) -> list[list[Any]]:
     """Rows of numbers of one type as decimal strings that round-trip; None stays None."""
     digits = number.printed_digits
     if number.name == "double":
@@ -23,7 +24,7 @@ def strings(rows: Any, number: NumberType) -> list[list[Any]]:
     ]
 
 
-def _double_string(x: Any) -> str | None:
+def _double_string(x: Value) -> str | None:
     if x is None:
         return None
     return f"{float(x):#.17g}" if x else "0"

@@ -10,11 +10,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.common.errors import nearest
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, Irrational
+from polhode.numbers.scalars import Scalar
 
 MAX_LENGTH = 1000
 MAX_NESTING = 50
@@ -41,8 +42,8 @@ class ExpressionError(ValueError):
 class Algebra(NamedTuple):
     """How numbers enter the arithmetic that the names belong to, and its functions by name."""
 
-    lift: Callable[[Exact], Any]
-    functions: Mapping[str, Callable[[Any], Any]]
+    lift: Callable[[Exact], Scalar]
+    functions: Mapping[str, Callable[[Scalar], Scalar]]
 
 
 def number(text: str) -> Exact:
@@ -66,7 +67,7 @@ def decimal(text: str) -> Fraction:
     return int(minus + digits) * Fraction(10) ** (exponent - len(places))
 
 
-def evaluate(text: str, names: Mapping[str, Any], algebra: Algebra | None = None) -> Any:
+def evaluate(text: str, names: Mapping[str, Scalar], algebra: Algebra | None = None) -> Scalar:
     """The value of ``text``: exact where no name enters, else of the names' arithmetic.
 
     Raises ExpressionError for what is not in the grammar, an unknown name, a division by zero, a
@@ -85,13 +86,13 @@ def evaluate(text: str, names: Mapping[str, Any], algebra: Algebra | None = None
 
 
 class _Reader:
-    def __init__(self, text: str, names: Mapping[str, Any], algebra: Algebra | None) -> None:
+    def __init__(self, text: str, names: Mapping[str, Scalar], algebra: Algebra | None) -> None:
         self.tokens = _split(text)
         self.position = 0
         self.depth = 0
         self.names, self.algebra = names, algebra
 
-    def all(self) -> Any:
+    def all(self) -> Scalar:
         value = self.sum()
         if self.peek() != "":
             raise ExpressionError(f"{self.peek()!r} stands where an operator was expected")
@@ -104,28 +105,28 @@ class _Reader:
         self.position += 1
         return self.tokens[self.position - 1]
 
-    def sum(self) -> Any:
+    def sum(self) -> Scalar:
         value = self.product()
         while self.peek() in ("+", "-"):
             operator, other = self.take(), self.product()
             value = self.combine(operator, value, other)
         return value
 
-    def product(self) -> Any:
+    def product(self) -> Scalar:
         value = self.signed()
         while self.peek() in ("*", "/"):
             operator, other = self.take(), self.signed()
             value = self.combine(operator, value, other)
         return value
 
-    def signed(self) -> Any:
+    def signed(self) -> Scalar:
         minus = False
         while self.peek() in ("+", "-"):
             minus ^= self.take() == "-"
         value = self.power()
         return -value if minus else value
 
-    def power(self) -> Any:
+    def power(self) -> Scalar:
         base = self.atom()
         if self.peek() != "**":
             return base
@@ -135,7 +136,7 @@ class _Reader:
         self.depth -= 1
         return self.raised(base, exponent)
 
-    def atom(self) -> Any:
+    def atom(self) -> Scalar:
         token = self.take()
         if token == "(":
             self.enter()
@@ -166,7 +167,7 @@ class _Reader:
         if self.depth > MAX_NESTING:
             raise ExpressionError(f"nested deeper than {MAX_NESTING}")
 
-    def combine(self, operator: str, a: Any, b: Any) -> Any:
+    def combine(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
         if not (_is_exact(a) and _is_exact(b)):
             if operator == "/" and _is_exact(b) and exact.sign(b) == 0:
                 raise ZeroDivisionError
@@ -177,7 +178,7 @@ class _Reader:
             return _bounded(a - b)
         return _bounded(a * b) if operator == "*" else _bounded(a / b)
 
-    def raised(self, base: Any, exponent: Any) -> Any:
+    def raised(self, base: Scalar, exponent: Scalar) -> Scalar:
         if not isinstance(exponent, Fraction):
             raise ExpressionError("an exponent must be a rational number")
         if not _is_exact(base):
@@ -193,13 +194,13 @@ class _Reader:
             raise ExpressionError(f"an exponent larger than {MAX_EXPONENT}")
         return _bounded(exact.power(base, exponent))
 
-    def applied(self, name: str, argument: Any) -> Any:
+    def applied(self, name: str, argument: Scalar) -> Scalar:
         if _is_exact(argument):
             return {"sqrt": exact.sqrt, "sin": exact.sin, "cos": exact.cos}[name](argument)
         assert self.algebra is not None
         return self.algebra.functions[name](argument)
 
-    def lifted(self, value: Any) -> Any:
+    def lifted(self, value: Scalar) -> Scalar:
         if not _is_exact(value):
             return value
         assert self.algebra is not None
@@ -225,7 +226,7 @@ def _is_exact(value: object) -> bool:
     return isinstance(value, (Fraction, Irrational))
 
 
-def _bounded(value: Any) -> Any:
+def _bounded(value: Scalar) -> Scalar:
     if isinstance(value, Fraction):
         size = max(value.numerator.bit_length(), value.denominator.bit_length())
         if size > MAX_BITS:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
@@ -20,6 +20,7 @@ from polhode.numbers.convert import exact_number, number_value
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Rows
 from polhode.runs import workers as crew
 from polhode.runs.request import choose_number, rounded_times, rounded_tolerance
 from polhode.runs.trajectory import Trajectory
@@ -27,6 +28,12 @@ from polhode.scenes import library, vary
 from polhode.scenes.scene import Scene
 from polhode.taylor import policy
 from polhode.taylor.outcomes import Outcome
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from polhode.taylor.batches import Lane, Solved
 
 MAX_NUMBERS = 10**8  # in all states together: 0.8 GB of doubles
 
@@ -59,7 +66,7 @@ class Ensemble(ByValue):
     members: tuple[Scene, ...]
     number: NumberType
     times: tuple[Fraction, ...]
-    states: Any
+    states: Rows
     outcomes: tuple[Outcome, ...]
     steps: tuple[int, ...]
     reached: tuple[Fraction, ...]
@@ -113,7 +120,7 @@ class Ensemble(ByValue):
         return all(outcome.done for outcome in self.outcomes)
 
     @cached_property
-    def drift(self) -> Any:
+    def drift(self) -> npt.NDArray[np.float64]:
         """Largest drift of h, f, |gamma|² of each member, shape (members, 3); nan where unknown.
 
         From the member's exact scene, see :class:`polhode.equations.integrals.Drift`.
@@ -208,7 +215,7 @@ class _Plan:
     max_steps: int
     times: tuple[Fraction, ...]
     names: tuple[str, ...]
-    lanes: tuple[Any, ...]
+    lanes: tuple[Lane, ...]
 
 
 def _plan(
@@ -243,7 +250,7 @@ def _plan(
 
 def _lanes(
     members: Sequence[Scene], end: Fraction, number: NumberType
-) -> tuple[tuple[str, ...], tuple[Any, ...]]:
+) -> tuple[tuple[str, ...], tuple[Lane, ...]]:
     """The names of all coefficients that any member has, and each member in numbers of a type."""
     from polhode.taylor import batches, heyoka_numbers
 
@@ -283,7 +290,7 @@ def _solved(
     executor: Executor | None,
     workers: int | None,
     progress: Progress | None,
-) -> tuple[list[Any], float]:
+) -> tuple[list[Solved | None], float]:
     """What became of each member, None where it was not run; and the seconds of compiling."""
     from polhode.taylor import batches
 
@@ -304,10 +311,10 @@ def _solved(
         )
         for group in groups
     ]
-    found: list[Any] = [None] * len(order)
+    found: list[Solved | None] = [None] * len(order)
     count = 0
 
-    def ready(k: int, solved: list[Any]) -> None:
+    def ready(k: int, solved: Sequence[Solved | None]) -> None:
         nonlocal count
         for member, result in zip(groups[k], solved, strict=True):
             found[member] = result
@@ -331,7 +338,7 @@ def _solved(
     return found, build
 
 
-def _states(plan: _Plan, found: Sequence[Any]) -> Any:
+def _states(plan: _Plan, found: Sequence[Solved | None]) -> Rows:
     """States in scene axes and units, not a number where a member did not come."""
     import numpy as np
 
@@ -345,16 +352,16 @@ def _states(plan: _Plan, found: Sequence[Any]) -> Any:
 
         states = np.full(shape, mpmath.nan, dtype=object)
     alike: dict[tuple[int, int], list[int]] = {}  # members that one readout reads
-    for k, result in enumerate(found):
-        if result is not None and len(result.rows):
-            member = plan.members[k]
-            alike.setdefault((id(member.body), member.time_unit), []).append(k)
+    reached = {k: r.rows for k, r in enumerate(found) if r is not None and len(r.rows)}
+    for k in reached:
+        member = plan.members[k]
+        alike.setdefault((id(member.body), member.time_unit), []).append(k)
     for those in alike.values():
-        rows = [row for k in those for row in found[k].rows]
+        rows = [row for k in those for row in reached[k]]
         if states.dtype == object:
             rows = [[number_value(x, plan.number) for x in row] for row in rows]
         read = iter(Readout(plan.members[those[0]], plan.number).states(rows))
         for k in those:
-            for i in range(len(found[k].rows)):
+            for i in range(len(reached[k])):
                 states[k, i] = next(read)
     return states

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -14,6 +14,7 @@ from polhode.equations.hodographs import Hodographs, hodographs
 from polhode.equations.integrals import Drift, drift
 from polhode.numbers.decimals import decimal_in_full, shown, strings
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Row, Rows, Value
 from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import EventTimes, Outcome, Projection
 
@@ -41,20 +42,20 @@ class Trajectory(ByValue):
     scene: Scene
     number: NumberType
     times: tuple[Fraction, ...]
-    states: Any
+    states: Rows
     outcome: Outcome
     steps: int
     reached: Fraction
     tolerance: float
     digits: int | None = None
-    attitude: Any = None
-    angles: Any = None
+    attitude: Rows = None
+    angles: Sequence[Sequence[Value | None]] | None = None
     events: tuple[EventTimes, ...] = ()
     projection: Projection | None = None
     provenance: Mapping[str, Any] = field(default_factory=dict, compare=False)
-    dense: Callable[[Any], Any] | None = field(default=None, repr=False, compare=False)
+    dense: Callable[[Any], Row | Rows] | None = field(default=None, repr=False, compare=False)
 
-    def __call__(self, t: Any) -> Any:
+    def __call__(self, t: Any) -> Row | Rows:
         """The state at time t, or the states at several times.
 
         See :class:`polhode.runs.dense.Dense`.

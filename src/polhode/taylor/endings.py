@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import heyoka as hy
 
+from polhode.taylor.kinds import HeyokaOutcome
 from polhode.taylor.outcomes import Outcome
 
 _WORDS = {
@@ -18,6 +17,6 @@ _WORDS = {
 }
 
 
-def ending(found: Any) -> Outcome:
+def ending(found: HeyokaOutcome) -> Outcome:
     """The outcome of heyoka's call; STEP_LIMIT where the steps allowed were taken."""
     return _WORDS.get(int(found), Outcome.STEP_LIMIT)

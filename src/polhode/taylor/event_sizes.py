@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any
 
 from polhode.common.errors import BadInput
 from polhode.numbers import exact, expression
 from polhode.numbers.convert import to_mpf
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.expression import Algebra, ExpressionError
+from polhode.numbers.scalars import Value
 from polhode.scenes.body import dot
 from polhode.scenes.scene import Event, Scene
 from polhode.scenes.words import FLIP
@@ -19,7 +19,7 @@ from polhode.scenes.words import FLIP
 class Size:
     """How large a quantity and its rate can be: bounds that add up, nothing cancelling."""
 
-    def __init__(self, value: Any, rate: Any) -> None:
+    def __init__(self, value: Value, rate: Value) -> None:
         self.value, self.rate = value, rate
 
     def __add__(self, other: Size) -> Size:

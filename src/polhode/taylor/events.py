@@ -20,7 +20,7 @@ import copy
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import heyoka as hy
 
@@ -33,7 +33,13 @@ from polhode.taylor import heyoka_numbers
 from polhode.taylor.event_expressions import TIME, event_expression
 from polhode.taylor.event_limits import Limits
 from polhode.taylor.event_sizes import sign_at_start, size_of
-from polhode.taylor.kinds import CompiledFunction, Expression, HeyokaIntegrator, HeyokaNumber
+from polhode.taylor.kinds import (
+    CompiledFunction,
+    Expression,
+    HeyokaEvent,
+    HeyokaIntegrator,
+    HeyokaNumber,
+)
 from polhode.taylor.outcomes import EventTimes
 from polhode.taylor.protocols import Found
 
@@ -98,9 +104,11 @@ class Watch:
 
     # -- building -----------------------------------------------------------------------------
 
-    def attach(self, variables: Sequence[Expression], rates: Sequence[Expression]) -> list[Any]:
+    def attach(
+        self, variables: Sequence[Expression], rates: Sequence[Expression]
+    ) -> list[HeyokaEvent]:
         """heyoka's events of an integrator about to be built, in its variables and its time."""
-        events: list[Any] = []
+        events: list[HeyokaEvent] = []
         self.evaluate, self.with_time = [], []
         options = heyoka_numbers.type_options(self.number)
         kind = {name: x for name, x in options.items() if name == "fp_type"}

@@ -13,5 +13,11 @@ Expression: TypeAlias = Any
 #: heyoka.taylor_adaptive, or taylor_adaptive_batch: compiled code, state and time of a system.
 HeyokaIntegrator: TypeAlias = Any
 
+#: heyoka.nt_event or t_event, and their batch kinds.
+HeyokaEvent: TypeAlias = Any
+
+#: heyoka.taylor_outcome: how steps ended.
+HeyokaOutcome: TypeAlias = Any
+
 #: heyoka.cfunc: compiled code of some expressions.
 CompiledFunction: TypeAlias = Any

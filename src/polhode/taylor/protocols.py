@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row
+from polhode.taylor.kinds import Expression, HeyokaEvent, HeyokaIntegrator, HeyokaNumber
 from polhode.taylor.outcomes import Outcome, Projection
 
 
@@ -25,7 +26,7 @@ class Memory:
     """
 
     waits: int = 0
-    rests: Mapping[int, Any] = field(default_factory=dict)
+    rests: Mapping[int, HeyokaNumber] = field(default_factory=dict)
 
 
 class Mark(NamedTuple):
@@ -35,7 +36,7 @@ class Mark(NamedTuple):
     """
 
     offset: Fraction
-    state: tuple[Any, ...]
+    state: tuple[HeyokaNumber, ...]
     end: Fraction
     steps: int
     taken: int
@@ -54,14 +55,14 @@ class Piece(Protocol):
     """The motion over some steps: Taylor polynomials, times counted from a chunk's beginning."""
 
     @property
-    def begun(self) -> Any:
+    def begun(self) -> HeyokaNumber:
         """The time from which it holds, a number of heyoka's."""
 
     @property
     def bytes(self) -> int:
         """About the memory that it takes."""
 
-    def at(self, time: Any, number: NumberType) -> Row:
+    def at(self, time: HeyokaNumber, number: NumberType) -> Row:
         """The state at a time, a number of heyoka's."""
 
 
@@ -105,13 +106,15 @@ class Watcher(Protocol):
         """The time of the event that ended the run, in the run's unit; None while none has."""
 
     @property
-    def after_step(self) -> Callable[[Any], bool] | None:
+    def after_step(self) -> Callable[[HeyokaIntegrator], bool] | None:
         """heyoka's question after each step, go on? None where no event ends the run."""
 
-    def attach(self, variables: Sequence[Any], rates: Sequence[Any]) -> list[Any]:
+    def attach(
+        self, variables: Sequence[Expression], rates: Sequence[Expression]
+    ) -> list[HeyokaEvent]:
         """heyoka's events for an integrator about to be built, in its variables."""
 
-    def counts_from(self, offset: Fraction, heyoka: Any) -> None:
+    def counts_from(self, offset: Fraction, heyoka: HeyokaIntegrator) -> None:
         """Take note of heyoka's integrator, and of the exact time at which its own begins."""
 
     def marks(self) -> Found:

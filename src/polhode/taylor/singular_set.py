@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any
 
 import heyoka as hy
 
 from polhode.numbers.number_types import NumberType
 from polhode.taylor.heyoka_numbers import scalar, type_options
-from polhode.taylor.kinds import Expression
+from polhode.taylor.kinds import Expression, HeyokaEvent
 
 
 def nearest(number: NumberType) -> Fraction:
@@ -21,7 +20,7 @@ def nearest(number: NumberType) -> Fraction:
     return Fraction(2) ** -((number.bits - 1) // 2)
 
 
-def terminal_event(distance: Expression, number: NumberType) -> Any:
+def terminal_event(distance: Expression, number: NumberType) -> HeyokaEvent:
     """heyoka's event that ends the steps where the distance falls to :func:`nearest`.
 
     It is scaled down, so that it takes no part in choosing the steps.

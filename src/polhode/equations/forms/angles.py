@@ -11,14 +11,14 @@ Singular where sin theta = 0.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from typing import NamedTuple
 
 from polhode.common.errors import BadInput
 from polhode.equations.forms.natural_units import PRINCIPAL, OwnUnits
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.scalars import Functions, combination
+from polhode.numbers.scalars import Functions, Scalar, combination
 from polhode.scenes.body import Vector, cross, dot
 from polhode.scenes.scene import Scene
 
@@ -30,22 +30,22 @@ RATES = ("psi1", "theta1", "phi1")
 class Turn(NamedTuple):
     """Sines and cosines of theta and phi: s c and sf cf."""
 
-    s: Any
-    c: Any
-    sf: Any
-    cf: Any
+    s: Scalar
+    c: Scalar
+    sf: Scalar
+    cf: Scalar
 
     @classmethod
-    def of(cls, theta: Any, phi: Any, fn: Functions) -> Turn:
+    def of(cls, theta: Scalar, phi: Scalar, fn: Functions) -> Turn:
         """From the angles."""
         return cls(fn.sin(theta), fn.cos(theta), fn.sin(phi), fn.cos(phi))
 
     @property
-    def gamma(self) -> list[Any]:
+    def gamma(self) -> list[Scalar]:
         """gamma1 gamma2 gamma3."""
         return [self.s * self.sf, self.s * self.cf, self.c]
 
-    def omega(self, psi1: Any, theta1: Any, phi1: Any) -> list[Any]:
+    def omega(self, psi1: Scalar, theta1: Scalar, phi1: Scalar) -> list[Scalar]:
         """The components p q r from the rates of psi, theta, phi."""
         across = psi1 * self.s
         return [
@@ -54,23 +54,11 @@ class Turn(NamedTuple):
             psi1 * self.c + phi1,
         ]
 
-    def slopes(self, k: Mapping[str, Any], zero: Any) -> tuple[Any, Any]:
+    def slopes(self, k: Mapping[str, Scalar], zero: Scalar) -> tuple[Scalar, Scalar]:
         """dV/dtheta and dV/dphi of V = Mg r0·gamma, Mg r0 = (x, y, z)."""
         s, c, sf, cf = self
         by_theta = combination(k, zero, ("x", sf * c), ("y", cf * c), ("z", -s))
         return by_theta, combination(k, zero, ("x", s * cf), ("y", -(s * sf)))
-
-
-def energy(k: Mapping[str, Any], omega: Sequence[Any], gamma: Sequence[Any], zero: Any) -> Any:
-    """h = ½ (A p² + B q² + C r²) + Mg r0·gamma, in the scene's unit of mass."""
-    kinetic = sum(k[name] * w * w for name, w in zip("ABC", omega, strict=True)) / 2
-    return k["mass"] * (kinetic + combination(k, zero, *zip("xyz", gamma, strict=True)))
-
-
-def area(k: Mapping[str, Any], omega: Sequence[Any], gamma: Sequence[Any]) -> Any:
-    """f = A p gamma1 + B q gamma2 + C r gamma3, in the scene's unit of mass."""
-    triples = zip("ABC", omega, gamma, strict=True)
-    return k["mass"] * sum(k[name] * w * g for name, w, g in triples)
 
 
 class Start(NamedTuple):

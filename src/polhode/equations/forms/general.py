@@ -11,12 +11,11 @@ do so exactly, before any rounding.  Variables: p q r [gamma1 gamma2 gamma3] in 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from polhode.equations.form import Form
 from polhode.equations.forms import matrices
 from polhode.equations.forms.matrices import GAMMA, OMEGA
-from polhode.numbers.scalars import Functions
+from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.body import OWN_AXES, PrincipalAxes
 from polhode.scenes.scene import Scene
 
@@ -26,7 +25,9 @@ SOURCE = "3.16–3.17"
 class General(Form):
     """The equations of one scene in some axes."""
 
-    def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+    def field(
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> list[Scalar]:
         """The rates of p q r [gamma1 gamma2 gamma3]."""
         omega, gamma = values[:3], values[3:]
         terms = matrices.products(OMEGA, omega)
@@ -35,8 +36,8 @@ class General(Form):
         return rates + matrices.gamma_rates(gamma, omega) if gamma else rates
 
     def state(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> tuple[list[Any], list[Any]]:
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> tuple[list[Scalar], list[Scalar]]:
         """omega and gamma: the variables themselves."""
         return list(values[:3]), list(values[3:6])
 

@@ -15,14 +15,13 @@ H = ½ (A p² + B q² + C r²) + V, V = Mg r0·gamma, and
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from polhode.equations.form import Form
 from polhode.equations.forms import angles as euler_angles
 from polhode.equations.forms.angles import Turn
 from polhode.equations.forms.natural_units import own_units, present
 from polhode.numbers import exact
-from polhode.numbers.scalars import Functions, combination
+from polhode.numbers.scalars import Functions, Scalar, combination
 from polhode.scenes.scene import Scene
 
 NAME = "hamiltonian"
@@ -30,7 +29,7 @@ SOURCE = "3.47–3.53"
 VARIABLES = (*euler_angles.ANGLES, "p_psi", "p_theta", "p_phi")
 
 
-def _momentum(turn: Turn, momenta: Sequence[Any]) -> list[Any]:
+def _momentum(turn: Turn, momenta: Sequence[Scalar]) -> list[Scalar]:
     """A p, B q, C r."""
     p_psi, p_theta, p_phi = momenta
     n = (p_psi - p_phi * turn.c) / turn.s
@@ -40,7 +39,9 @@ def _momentum(turn: Turn, momenta: Sequence[Any]) -> list[Any]:
 class Hamiltonian(Form):
     """The form for one scene; momenta in its own unit of mass."""
 
-    def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+    def field(
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> list[Scalar]:
         """The rates of the angles and of their momenta."""
         turn = Turn.of(values[1], values[2], fn)
         s, c, sf, cf = turn
@@ -59,22 +60,15 @@ class Hamiltonian(Form):
         ]
 
     def state(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> tuple[list[Any], list[Any]]:
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> tuple[list[Scalar], list[Scalar]]:
         """Components of w and of gamma."""
         turn = Turn.of(values[1], values[2], fn)
         names = ("1/A", "1/B", "1/C")
         momentum = _momentum(turn, values[3:])
         return [k[name] * G for name, G in zip(names, momentum, strict=True)], turn.gamma
 
-    def integrals(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> dict[str, Any]:
-        """h = H and f = p_psi, in the scene's unit of mass."""
-        omega, gamma = self.state(values, k, fn)
-        return {"h": euler_angles.energy(k, omega, gamma, fn.zero), "f": k["mass"] * values[3]}
-
-    def distance(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
+    def distance(self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> Scalar:
         """sin² theta."""
         s = fn.sin(values[1])
         return s * s

@@ -12,13 +12,12 @@ the third axis; with p' q' r' from these the mass matrix is solved in closed for
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from polhode.equations.form import Form
 from polhode.equations.forms import angles, principal
 from polhode.equations.forms.angles import Turn
 from polhode.equations.forms.natural_units import own_units, present
-from polhode.numbers.scalars import Functions
+from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.scene import Scene
 
 NAME = "lagrangian"
@@ -27,8 +26,8 @@ VARIABLES = (*angles.ANGLES, *angles.RATES)
 
 
 def accelerations(
-    turn: Turn, rates: Sequence[Any], k: Mapping[str, Any], fn: Functions
-) -> tuple[Any, Any, Any]:
+    turn: Turn, rates: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+) -> tuple[Scalar, Scalar, Scalar]:
     """psi'' theta'' phi'' from the angles and their rates."""
     s, c, sf, cf = turn
     psi1, theta1, phi1 = rates
@@ -41,29 +40,21 @@ def accelerations(
 class Lagrangian(Form):
     """The form for one scene; see :mod:`polhode.equations.forms`."""
 
-    def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+    def field(
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> list[Scalar]:
         """The rates of psi theta phi psi' theta' phi'."""
         turn = Turn.of(values[1], values[2], fn)
         return [*values[3:], *accelerations(turn, values[3:], k, fn)]
 
     def state(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> tuple[list[Any], list[Any]]:
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> tuple[list[Scalar], list[Scalar]]:
         """Components of w and of gamma."""
         turn = Turn.of(values[1], values[2], fn)
         return turn.omega(*values[3:]), turn.gamma
 
-    def integrals(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> dict[str, Any]:
-        """h (3.45) and f = dL/dpsi' (3.46)."""
-        omega, gamma = self.state(values, k, fn)
-        return {
-            "h": angles.energy(k, omega, gamma, fn.zero),
-            "f": angles.area(k, omega, gamma),
-        }
-
-    def distance(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
+    def distance(self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> Scalar:
         """sin² theta."""
         s = fn.sin(values[1])
         return s * s

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import Any
 
 from polhode.numbers import exact
 from polhode.numbers.exact import ZERO, Exact, sign
-from polhode.numbers.scalars import combination
+from polhode.numbers.scalars import Scalar, combination
 from polhode.scenes.body import Matrix, PrincipalAxes, Vector, cross, dot, scaled
 from polhode.scenes.scene import Scene
 
@@ -102,7 +101,7 @@ def named(
     return {name: x for name, x in found.items() if sign(x) != 0}
 
 
-def products(names: Sequence[str], vector: Sequence[Any]) -> dict[str, Any]:
+def products(names: Sequence[str], vector: Sequence[Scalar]) -> dict[str, Scalar]:
     """x1² - x3², x2² - x3², x2 x3, x3 x1, x1 x2 by name."""
     x, y, z = vector
     square = z * z
@@ -117,13 +116,13 @@ def product_names(names: Sequence[str]) -> list[str]:
 
 
 def rates(
-    names: Sequence[str], terms: Mapping[str, Any], k: Mapping[str, Any], zero: Any
-) -> list[Any]:
+    names: Sequence[str], terms: Mapping[str, Scalar], k: Mapping[str, Scalar], zero: Scalar
+) -> list[Scalar]:
     """For each name the combination of the terms with the coefficients name.term."""
     return [combination(k, zero, *((f"{n}.{t}", x) for t, x in terms.items())) for n in names]
 
 
-def gamma_rates(gamma: Sequence[Any], omega: Sequence[Any]) -> list[Any]:
+def gamma_rates(gamma: Sequence[Scalar], omega: Sequence[Scalar]) -> list[Scalar]:
     """gamma' = gamma × omega."""
     (p, q, r), (g1, g2, g3) = omega, gamma
     return [r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2]

@@ -10,14 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import Any
 
 from polhode.equations.form import Form
 from polhode.equations.forms import matrices
 from polhode.equations.forms.matrices import GAMMA, OMEGA
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact
-from polhode.numbers.scalars import Functions
+from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.body import OWN_AXES, PrincipalAxes, scaled
 from polhode.scenes.scene import Scene
 
@@ -28,7 +27,9 @@ MOMENTUM = ("P", "Q", "R")
 class Momentum(Form):
     """The equations of one scene in some axes."""
 
-    def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+    def field(
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> list[Scalar]:
         """The rates of P Q R [gamma1 gamma2 gamma3]."""
         momentum = values[:3]
         omega, gamma = self.state(values, k, fn)
@@ -38,8 +39,8 @@ class Momentum(Form):
         return rates + matrices.gamma_rates(gamma, omega) if gamma else rates
 
     def state(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> tuple[list[Any], list[Any]]:
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> tuple[list[Scalar], list[Scalar]]:
         """omega = A G, and gamma."""
         momentum = dict(zip(MOMENTUM, values[:3], strict=True))
         return matrices.rates(OMEGA, momentum, k, fn.zero), list(values[3:6])

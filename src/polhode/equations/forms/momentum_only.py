@@ -7,11 +7,10 @@ In principal axes, where the gyration matrix is diag(1/A, 1/B, 1/C); G' and D' a
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from polhode.equations.form import Form
 from polhode.equations.forms import without_gamma
-from polhode.numbers.scalars import Functions
+from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.scene import Scene
 
 NAME = "momentum-only"
@@ -19,36 +18,30 @@ SOURCE = "3.62–3.63"
 VARIABLES = ("G1", "G2", "G3", "D")
 
 
-def _omega(G: Sequence[Any], k: Mapping[str, Any]) -> list[Any]:
+def _omega(G: Sequence[Scalar], k: Mapping[str, Scalar]) -> list[Scalar]:
     return [k[f"1/{name}"] * x for name, x in zip("ABC", G, strict=True)]
 
 
 class MomentumOnly(Form):
     """The form for one scene; G and D in its own unit of mass."""
 
-    def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+    def field(
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> list[Scalar]:
         """The rates of G1 G2 G3 D."""
         G, D = values[:3], values[3]
         return without_gamma.rates(_omega(G, k), G, D, k, fn)
 
     def state(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> tuple[list[Any], list[Any]]:
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> tuple[list[Scalar], list[Scalar]]:
         """Components of w and of gamma."""
         G = values[:3]
         omega = _omega(G, k)
         it = without_gamma.parts(omega, G, values[3], k, fn)
         return omega, without_gamma.gamma(it, k, fn)
 
-    def integrals(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> dict[str, Any]:
-        """|gamma|²; h and f are given."""
-        G, D = values[:3], values[3]
-        it = without_gamma.parts(_omega(G, k), G, D, k, fn)
-        return {"gamma": without_gamma.length(it, D, k)}
-
-    def distance(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
+    def distance(self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> Scalar:
         """0 where G is parallel to r0."""
         return without_gamma.distance(values[:3], k, fn)
 

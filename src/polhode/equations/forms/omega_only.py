@@ -6,11 +6,10 @@ In principal axes; I w' = G' and D' as :mod:`polhode.equations.forms.without_gam
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from polhode.equations.form import Form
 from polhode.equations.forms import without_gamma
-from polhode.numbers.scalars import Functions
+from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.scene import Scene
 
 NAME = "omega-only"
@@ -18,37 +17,31 @@ SOURCE = "3.60–3.61"
 VARIABLES = ("p", "q", "r", "D")
 
 
-def _momentum(omega: Sequence[Any], k: Mapping[str, Any]) -> list[Any]:
+def _momentum(omega: Sequence[Scalar], k: Mapping[str, Scalar]) -> list[Scalar]:
     return [k[name] * w for name, w in zip("ABC", omega, strict=True)]
 
 
 class OmegaOnly(Form):
     """The form for one scene; D in its own unit of mass."""
 
-    def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+    def field(
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> list[Scalar]:
         """The rates of p q r D."""
         omega, D = values[:3], values[3]
         *moment, swing = without_gamma.rates(omega, _momentum(omega, k), D, k, fn)
         return [*(k[f"1/{name}"] * x for name, x in zip("ABC", moment, strict=True)), swing]
 
     def state(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> tuple[list[Any], list[Any]]:
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> tuple[list[Scalar], list[Scalar]]:
         """Components of w and of gamma."""
         omega = list(values[:3])
         G = _momentum(omega, k)
         it = without_gamma.parts(omega, G, values[3], k, fn)
         return omega, without_gamma.gamma(it, k, fn)
 
-    def integrals(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> dict[str, Any]:
-        """|gamma|²; h and f are given."""
-        omega, D = values[:3], values[3]
-        it = without_gamma.parts(omega, _momentum(omega, k), D, k, fn)
-        return {"gamma": without_gamma.length(it, D, k)}
-
-    def distance(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
+    def distance(self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> Scalar:
         """0 where I w is parallel to r0."""
         return without_gamma.distance(_momentum(values[:3], k), k, fn)
 

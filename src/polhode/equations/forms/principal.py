@@ -10,12 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import Any
 
 from polhode.equations.form import Form
 from polhode.equations.forms.matrices import omega_and_gamma
 from polhode.numbers.exact import Exact, sign
-from polhode.numbers.scalars import Functions, combination
+from polhode.numbers.scalars import Functions, Scalar, combination
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
@@ -25,13 +24,15 @@ SOURCE = "3.29–3.30"
 class Principal(Form):
     """The equations of one scene in its body's principal axes."""
 
-    def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+    def field(
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> list[Scalar]:
         """The rates of p q r [gamma1 gamma2 gamma3]."""
         return field(values, k, fn)
 
     def state(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> tuple[list[Any], list[Any]]:
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> tuple[list[Scalar], list[Scalar]]:
         """omega and gamma: the variables themselves."""
         return list(values[:3]), list(values[3:6])
 
@@ -94,7 +95,7 @@ def sensitivities(body: Body, time_unit: int = 0) -> list[dict[str, Exact]]:
     return [{name: x for name, x in by.items() if sign(x) != 0} for by in found]
 
 
-def field(state: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+def field(state: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:
     """The time derivatives of p q r [gamma1 gamma2 gamma3]."""
     p, q, r = state[:3]
     g1, g2, g3 = state[3:] or (fn.zero, fn.zero, fn.zero)

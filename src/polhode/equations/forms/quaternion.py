@@ -10,14 +10,13 @@ Variables: p q r q0 q1 q2 q3, in principal axes.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from polhode.common.errors import BadInput
 from polhode.equations import kinematics
 from polhode.equations.form import Form
 from polhode.equations.forms import principal
 from polhode.equations.forms.matrices import omega_and_gamma
-from polhode.numbers.scalars import Functions
+from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.scene import Scene
 from polhode.scenes.words import ATTITUDE
 
@@ -30,15 +29,17 @@ class Quaternion(Form):
 
     unit = slice(3, 7)
 
-    def field(self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+    def field(
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> list[Scalar]:
         """The rates of p q r q0 q1 q2 q3."""
         omega, gamma = self.state(values, k, fn)
         rates = principal.field([*omega, *gamma], k, fn)[:3]
         return rates + kinematics.attitude_rates(values[self.unit], omega)
 
     def state(
-        self, values: Sequence[Any], k: Mapping[str, Any], fn: Functions
-    ) -> tuple[list[Any], list[Any]]:
+        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> tuple[list[Scalar], list[Scalar]]:
         """omega, and gamma from the quaternion as it is."""
         q0, q1, q2, q3 = values[self.unit]
         gamma = [

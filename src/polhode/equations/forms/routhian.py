@@ -14,24 +14,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from polhode.equations.form import Form
 from polhode.equations.forms import angles, principal
 from polhode.equations.forms.angles import Turn
 from polhode.equations.forms.lagrangian import accelerations
 from polhode.equations.forms.natural_units import own_units, present
-from polhode.numbers.scalars import Functions, combination
+from polhode.numbers.scalars import Functions, Scalar, combination
 from polhode.scenes.scene import Scene
 
 NAME = "routhian"
 SOURCE = "3.54–3.59"
 VARIABLES = (*angles.ANGLES[1:], *angles.RATES[1:])
 
-Coefficients = Mapping[str, Any]
+Coefficients = Mapping[str, Scalar]
 
 
-def precession(turn: Turn, rates: Sequence[Any], k: Coefficients, fn: Functions) -> Any:
+def precession(turn: Turn, rates: Sequence[Scalar], k: Coefficients, fn: Functions) -> Scalar:
     """psi' from f (3.54)."""
     s, c, sf, cf = turn
     theta1, phi1 = rates
@@ -40,14 +39,18 @@ def precession(turn: Turn, rates: Sequence[Any], k: Coefficients, fn: Functions)
     return rest / M
 
 
-def general(turn: Turn, rates: Sequence[Any], k: Coefficients, fn: Functions) -> tuple[Any, Any]:
+def general(
+    turn: Turn, rates: Sequence[Scalar], k: Coefficients, fn: Functions
+) -> tuple[Scalar, Scalar]:
     """theta'' and phi'' of a body with any moments (3.56)."""
     psi1 = precession(turn, rates, k, fn)
     _, theta2, phi2 = accelerations(turn, (psi1, *rates), k, fn)
     return theta2, phi2
 
 
-def symmetric(turn: Turn, rates: Sequence[Any], k: Coefficients, fn: Functions) -> tuple[Any, Any]:
+def symmetric(
+    turn: Turn, rates: Sequence[Scalar], k: Coefficients, fn: Functions
+) -> tuple[Scalar, Scalar]:
     """theta'' and phi'' for A = B (3.58).
 
     With l = C/A, n = 1 - l, g = f/A, M = 1 - n cos² theta, N = 1 + n cos² theta:
@@ -67,7 +70,9 @@ def symmetric(turn: Turn, rates: Sequence[Any], k: Coefficients, fn: Functions) 
     return theta2, theta1 * (gN - 2 * (c * spin)) / (s * M) - k["1/C"] * M * by_phi / (s * s)
 
 
-def spherical(turn: Turn, rates: Sequence[Any], k: Coefficients, fn: Functions) -> tuple[Any, Any]:
+def spherical(
+    turn: Turn, rates: Sequence[Scalar], k: Coefficients, fn: Functions
+) -> tuple[Scalar, Scalar]:
     """theta'' and phi'' for A = B = C, with g = f/A:
 
     theta'' = sin theta phi' (cos theta phi' - g) - V_theta/A,
@@ -82,8 +87,8 @@ def spherical(turn: Turn, rates: Sequence[Any], k: Coefficients, fn: Functions) 
 
 
 def about_second_axis(
-    turn: Turn, rates: Sequence[Any], k: Coefficients, fn: Functions
-) -> tuple[Any, Any]:
+    turn: Turn, rates: Sequence[Scalar], k: Coefficients, fn: Functions
+) -> tuple[Scalar, Scalar]:
     """theta'' and phi'' for A = C (3.59), the second axis one of symmetry.
 
     With e = (B - A)/A, g = f/A, gamma2 = sin theta cos phi and N = e q, N' = e q' known from
@@ -114,26 +119,21 @@ def about_second_axis(
 class Routhian(Form):
     """The form for one scene; ``reduced``: its body's equations for theta'' and phi''."""
 
-    reduced: Callable[[Turn, Sequence[Any], Coefficients, Functions], tuple[Any, Any]]
+    reduced: Callable[[Turn, Sequence[Scalar], Coefficients, Functions], tuple[Scalar, Scalar]]
 
-    def field(self, values: Sequence[Any], k: Coefficients, fn: Functions) -> list[Any]:
+    def field(self, values: Sequence[Scalar], k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of theta phi theta' phi'."""
         turn = Turn.of(values[0], values[1], fn)
         return [*values[2:], *self.reduced(turn, values[2:], k, fn)]
 
     def state(
-        self, values: Sequence[Any], k: Coefficients, fn: Functions
-    ) -> tuple[list[Any], list[Any]]:
+        self, values: Sequence[Scalar], k: Coefficients, fn: Functions
+    ) -> tuple[list[Scalar], list[Scalar]]:
         """Components of w and of gamma."""
         turn = Turn.of(values[0], values[1], fn)
         return turn.omega(precession(turn, values[2:], k, fn), *values[2:]), turn.gamma
 
-    def integrals(self, values: Sequence[Any], k: Coefficients, fn: Functions) -> dict[str, Any]:
-        """h, Jacobi's integral theta' dR/dtheta' + phi' dR/dphi' - R; f is given."""
-        omega, gamma = self.state(values, k, fn)
-        return {"h": angles.energy(k, omega, gamma, fn.zero)}
-
-    def distance(self, values: Sequence[Any], k: Coefficients, fn: Functions) -> Any:
+    def distance(self, values: Sequence[Scalar], k: Coefficients, fn: Functions) -> Scalar:
         """sin² theta."""
         s = fn.sin(values[0])
         return s * s

@@ -18,12 +18,12 @@ with |n|² |gamma|² = u² + b² |N|² + |n|² d D, the integral that is left.  
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.common.errors import BadInput
 from polhode.equations.forms.natural_units import PRINCIPAL, OwnUnits, own_units, present
 from polhode.numbers.exact import Exact, Number, sign, sqrt
-from polhode.numbers.scalars import Functions, combination
+from polhode.numbers.scalars import Functions, Scalar, combination
 from polhode.scenes.body import Body, dot, is_zero
 from polhode.scenes.scene import Scene
 
@@ -31,18 +31,18 @@ from polhode.scenes.scene import Scene
 class Parts(NamedTuple):
     """What w, G and D give, as above; ``level`` = n·G, ``lean`` = b² |N|²."""
 
-    level: Any
-    N: list[Any]
-    P: list[Any]
-    T: Any
-    u: Any
-    b: Any
-    d: Any
-    lean: Any
+    level: Scalar
+    N: list[Scalar]
+    P: list[Scalar]
+    T: Scalar
+    u: Scalar
+    b: Scalar
+    d: Scalar
+    lean: Scalar
 
 
 def parts(
-    omega: Sequence[Any], G: Sequence[Any], D: Any, k: Mapping[str, Any], fn: Functions
+    omega: Sequence[Scalar], G: Sequence[Scalar], D: Scalar, k: Mapping[str, Scalar], fn: Functions
 ) -> Parts:
     """The parts of gamma."""
     zero = fn.zero
@@ -62,7 +62,7 @@ def parts(
     return Parts(level, N, P, T, u, b, D / square, b * above)
 
 
-def lever(G: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
+def lever(G: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:
     """N = n × G."""
     G1, G2, G3 = G
     return [
@@ -73,8 +73,8 @@ def lever(G: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> list[Any]:
 
 
 def rates(
-    omega: Sequence[Any], G: Sequence[Any], D: Any, k: Mapping[str, Any], fn: Functions
-) -> list[Any]:
+    omega: Sequence[Scalar], G: Sequence[Scalar], D: Scalar, k: Mapping[str, Scalar], fn: Functions
+) -> list[Scalar]:
     """G' and D'."""
     it = parts(omega, G, D, k, fn)
     (p, q, r), (G1, G2, G3) = omega, G
@@ -86,7 +86,7 @@ def rates(
     return [*G_rates, swing]
 
 
-def gamma(it: Parts, k: Mapping[str, Any], fn: Functions) -> list[Any]:
+def gamma(it: Parts, k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:
     """The components of gamma."""
     return [
         k["1/n2"] * (combination(k, fn.zero, (name, it.u)) + it.b * it.P[i]) + it.d * it.N[i]
@@ -94,12 +94,7 @@ def gamma(it: Parts, k: Mapping[str, Any], fn: Functions) -> list[Any]:
     ]
 
 
-def length(it: Parts, D: Any, k: Mapping[str, Any]) -> Any:
-    """|gamma|²."""
-    return k["1/n2"] * (it.u * it.u + it.lean) + it.d * D
-
-
-def distance(G: Sequence[Any], k: Mapping[str, Any], fn: Functions) -> Any:
+def distance(G: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> Scalar:
     """|r0 × G|² over |r0|² and a bound of |G|² that the energy sets: 0 to 1."""
     N = lever(G, k, fn)
     return k["nearness"] * _dot(N, N)
@@ -125,11 +120,11 @@ def starting(scene: Scene, form: str) -> tuple[OwnUnits, dict[str, Exact]]:
 
 def gamma_from_omega(
     body: Body,
-    omega: Sequence[Any],
-    omega_rate: Sequence[Any],
-    h: Any,
-    number: Callable[[Number], Any],
-) -> list[Any]:
+    omega: Sequence[Scalar],
+    omega_rate: Sequence[Scalar],
+    h: Scalar,
+    number: Callable[[Number], Scalar],
+) -> list[Scalar]:
     """gamma from w, w' and the energy h (3.60), in the body axes and units of ``body``.
 
         Mg |r0|² gamma = r0 × (I w' + w × I w) + (h - ½ w·I w) r0
@@ -137,35 +132,11 @@ def gamma_from_omega(
     ``number`` makes one of the run's numbers of an exact one.  Raises ValueError where the weight
     has no moment.
     """
+    if is_zero(body.torque):
+        raise ValueError("the weight has no moment, so w says nothing of gamma")
     inertia = [[number(x) for x in row] for row in body.inertia]
     momentum = [_dot(row, omega) for row in inertia]
     momentum_rate = [_dot(row, omega_rate) for row in inertia]
-    return _vertical(body, omega, momentum, momentum_rate, h, number)
-
-
-def gamma_from_momentum(
-    body: Body,
-    momentum: Sequence[Any],
-    momentum_rate: Sequence[Any],
-    h: Any,
-    number: Callable[[Number], Any],
-) -> list[Any]:
-    """gamma from G, G' and h (3.62), w = I⁻¹ G; else as :func:`gamma_from_omega`."""
-    columns = [body.omega(unit) for unit in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]  # type: ignore[arg-type]
-    omega = [_dot([number(x) for x in column], momentum) for column in columns]
-    return _vertical(body, omega, momentum, momentum_rate, h, number)
-
-
-def _vertical(
-    body: Body,
-    omega: Sequence[Any],
-    momentum: Sequence[Any],
-    momentum_rate: Sequence[Any],
-    h: Any,
-    number: Callable[[Number], Any],
-) -> list[Any]:
-    if is_zero(body.torque):
-        raise ValueError("the weight has no moment, so w says nothing of gamma")
     n = [number(x) for x in body.torque]
     moment = [a + b for a, b in zip(momentum_rate, _cross(omega, momentum), strict=True)]
     height = h - _dot(omega, momentum) / 2
@@ -173,11 +144,11 @@ def _vertical(
     return [(a + height * b) / square for a, b in zip(_cross(n, moment), n, strict=True)]
 
 
-def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
+def _dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def _cross(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
+def _cross(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
     return [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
