@@ -167,6 +167,29 @@ def test_a_csv_round_trips_and_compare_judges_it(
         assert all(digits_of_type - 2 < d for d in verdict["parts"].values())
 
 
+def test_a_quaternion_may_have_the_other_sign_but_one_for_the_whole_file(
+    capsys: pytest.CaptureFixture[str], folder: Path
+) -> None:
+    """q and -q are the same attitude; a sign that changes on the way is no continuous motion."""
+    run(capsys, "run", "top.toml", "-o", "x.csv")
+    head, *rows = [line.split(",") for line in (folder / "x.csv").read_text().splitlines()]
+    whole = math.log10(2) * 53
+    for changed, least, most in (
+        ((), whole - 2, whole + 2),
+        (range(3), whole - 2, whole + 2),
+        ((1,), 0, 1),
+    ):
+        signed = [
+            [*row[:-4], *(str(-float(x)) for x in row[-4:])] if k in changed else row
+            for k, row in enumerate(rows)
+        ]
+        lines = "".join(",".join(row) + "\n" for row in [head, *signed])
+        verdict = judged(capsys, lines)
+        assert verdict["judged"] == [*STATE, "angles", "attitude"]
+        assert least <= verdict["parts"]["attitude"] <= most
+        assert verdict["parts"]["angles"] > whole - 2
+
+
 HEAD = "t,p,q,r,gamma1,gamma2,gamma3\n"
 START = "0,0.3,-0.4,1.1,0.6,0,0.8\n"
 
