@@ -147,7 +147,7 @@ def test_an_unknown_number_type_is_refused():
 # -- published figures ------------------------------------------------------------------------
 
 
-def figure(value: str, right: int | None = None, quantity: str = "p") -> printed.Figure:
+def figure(value: str, right: int | None = None, quantity: str = "p") -> printed.PrintedFigure:
     scene = replace(
         polhode.load("published/orekit"),
         published=(Published(Fraction(20), quantity, value, "by hand", right),),

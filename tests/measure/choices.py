@@ -356,7 +356,7 @@ def _solved(plan: Any) -> None:
     order = sorted(plan.lanes, key=lambda lane: -lane.rate)
     for k in range(0, len(order), size):
         batches.solve(
-            batches.Job(
+            batches.BatchJob(
                 plan.names,
                 6,
                 plan.number,

@@ -58,8 +58,8 @@ def test_half_decades():
 
 @pytest.mark.parametrize("top", long_run.TOPS)
 def test_starts_are_exact_alike_every_time_and_all_different(top):
-    scenes = [long_run.Start(top, k, (Fraction(1),), ()).scene for k in range(long_run.STARTS)]
-    again = [long_run.Start(top, k, (Fraction(1),), ()).scene for k in range(long_run.STARTS)]
+    scenes = [long_run.RunStart(top, k, (Fraction(1),), ()).scene for k in range(long_run.STARTS)]
+    again = [long_run.RunStart(top, k, (Fraction(1),), ()).scene for k in range(long_run.STARTS)]
     assert [s.start for s in scenes] == [s.start for s in again]
     assert len({s.start for s in scenes}) == long_run.STARTS >= 16
     for scene in scenes:
@@ -70,7 +70,7 @@ def test_starts_are_exact_alike_every_time_and_all_different(top):
 
 
 def test_one_member_followed():
-    start = long_run.Start("kovalevskaya", 3, (Fraction(10), Fraction(50)), ("double",))
+    start = long_run.RunStart("kovalevskaya", 3, (Fraction(10), Fraction(50)), ("double",))
     found = long_run.follow(start)
     assert list(found.errors) == ["double"]
     assert all(1e-18 < error < 1e-12 for error in found.errors["double"])

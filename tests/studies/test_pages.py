@@ -10,7 +10,7 @@ import pytest
 
 from polhode.studies import report
 from polhode.studies.page import html
-from polhode.studies.page.blocks import Figure, Heading, Items, Table, Text, markdown
+from polhode.studies.page.blocks import Figure, Heading, Items, PageTable, Text, markdown
 
 COMMITTED = Path(__file__).parents[2] / "reports"
 VOID = {"meta", "br", "wbr", "hr", "img", "link", "input"}
@@ -28,7 +28,7 @@ BLOCKS = (
     Text("A < B & *C*: `a<b` at [the source](https://example.org/x?a=1&b=2)"),
     Heading("Numbers of `double`"),
     Items(("one", "p*q - q*p stays as it is")),
-    Table(("case", "digits"), (("a|b", "13.5"), ("`x < y`", "–")), "lr"),
+    PageTable(("case", "digits"), (("a|b", "13.5"), ("`x < y`", "–")), "lr"),
     Figure("one", 'What it "shows"'),
     Figure("two", "The same again"),
     Heading("More"),
@@ -150,7 +150,7 @@ def test_wide_things_scroll_in_boxes_of_their_own():
 
 
 def test_a_row_of_another_length_than_its_header_is_an_error():
-    broken = html.Section("x", "x", (Table(("a", "b"), (("1",),)),), {})
+    broken = html.Section("x", "x", (PageTable(("a", "b"), (("1",),)),), {})
     with pytest.raises(ValueError, match="zip"):
         html.page("t", [broken])
 
@@ -172,7 +172,7 @@ def test_the_committed_page_holds_every_table_and_figure():
         assert found is not None
         assert name in page.ids
         blocks = tuple(report.blocks(found))
-        tables += sum(isinstance(block, Table) for block in blocks)
+        tables += sum(isinstance(block, PageTable) for block in blocks)
         figures += sum(isinstance(block, Figure) for block in blocks)
     assert page.tags["table"] == tables
     assert page.tags["svg"] == figures >= len(report.STUDIES)

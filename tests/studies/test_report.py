@@ -13,7 +13,7 @@ from polhode.common.provenance import digest
 from polhode.scenes import library
 from polhode.studies import report
 from polhode.studies.accuracy import rows as accuracy
-from polhode.studies.page.blocks import Figure, Table
+from polhode.studies.page.blocks import Figure, PageTable
 from polhode.studies.published import rows as published
 
 COMMITTED = Path(__file__).parents[2] / "reports"
@@ -53,7 +53,7 @@ def test_the_committed_report_covers_every_case_as_it_is():
 @pytest.mark.parametrize("name", ["accuracy", "stability", "published"])
 def test_every_case_stands_in_a_table_of_the_page(name):
     found = committed(name)
-    tables = [block for block in report.blocks(found) if isinstance(block, Table)]
+    tables = [block for block in report.blocks(found) if isinstance(block, PageTable)]
     cells = {cell for table in tables for row in table.rows for cell in row}
     page = report.page(found)
     for case in found["cases"]:

@@ -26,9 +26,9 @@ from polhode.studies.page.blocks import markdown
 from polhode.studies.processes import Method, Task
 from polhode.studies.speed import contenders, figure, page
 from polhode.studies.speed import rows as speed
-from polhode.studies.speed.work_precision import Mark, against, frontier, seconds_at, wall
+from polhode.studies.speed.work_precision import WorkPoint, against, frontier, seconds_at, wall
 
-SHORT = contenders.Motion("short", "general/asymmetric-regular", 2, "regular")
+SHORT = contenders.SpeedMotion("short", "general/asymmetric-regular", 2, "regular")
 FLOATS = Functions(0.0, math.sin, math.cos, math.sqrt)
 
 
@@ -182,8 +182,8 @@ def test_every_method_that_is_here_finds_the_motion(method, digits, tmp_path):
 
 
 def test_frontier_and_seconds_between_its_points():
-    marks = [Mark(2, 1), Mark(4, 4), Mark(3, 9), Mark(8, 16)]
-    assert frontier(marks) == [Mark(2, 1), Mark(4, 4), Mark(8, 16)]
+    marks = [WorkPoint(2, 1), WorkPoint(4, 4), WorkPoint(3, 9), WorkPoint(8, 16)]
+    assert frontier(marks) == [WorkPoint(2, 1), WorkPoint(4, 4), WorkPoint(8, 16)]
     assert seconds_at(marks, 1) == 1
     assert seconds_at(marks, 3) == pytest.approx(2, rel=1e-15)
     assert seconds_at(marks, 6) == pytest.approx(8, rel=1e-15)
@@ -192,18 +192,18 @@ def test_frontier_and_seconds_between_its_points():
 
 
 def test_a_curve_against_others():
-    ours = [Mark(6, 1), Mark(12, 2)]
-    slower = against(ours, [Mark(6, 10), Mark(11, 10.1)], 6, 12)
+    ours = [WorkPoint(6, 1), WorkPoint(12, 2)]
+    slower = against(ours, [WorkPoint(6, 10), WorkPoint(11, 10.1)], 6, 12)
     assert slower.ahead
     assert (slower.at, slower.reach, slower.short) == (11, 11, 0)
     assert slower.factor == pytest.approx(10.1 / 2 ** (5 / 6), rel=1e-12)
-    faster = against(ours, [Mark(6, 0.5), Mark(11, 20)], 6, 12)
+    faster = against(ours, [WorkPoint(6, 0.5), WorkPoint(11, 20)], 6, 12)
     assert not faster.ahead
     assert (faster.factor, faster.at) == (0.5, 6)
-    further = against(ours, [Mark(6, 10), Mark(13, 20)], 6, 12.5)
+    further = against(ours, [WorkPoint(6, 10), WorkPoint(13, 20)], 6, 12.5)
     assert not further.ahead
     assert further.short == 0.5
-    hopeless = against(ours, [Mark(5, 0.1)], 6, 12)
+    hopeless = against(ours, [WorkPoint(5, 0.1)], 6, 12)
     assert hopeless.ahead
     assert hopeless.factor is None
 
@@ -326,7 +326,7 @@ def test_the_verdict_says_where_polhode_is_behind():
 
 def test_polhode_as_it_comes_is_projected_at_eps_alone():
     marks = speed.as_it_comes(synthetic()["motions"][0]["methods"])
-    assert marks == [Mark(6, 0.002), Mark(12, 0.003), Mark(EPS_DIGITS, 0.004)]
+    assert marks == [WorkPoint(6, 0.002), WorkPoint(12, 0.003), WorkPoint(EPS_DIGITS, 0.004)]
 
 
 def test_page_and_figure_are_made_from_the_json_alone():

@@ -14,7 +14,7 @@ from polhode.numbers import exact, number_types
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes import library
 from polhode.studies import report
-from polhode.studies.page.blocks import Table
+from polhode.studies.page.blocks import PageTable
 from polhode.studies.stability import hard_cases, limits, page, rows, symmetries
 
 
@@ -144,7 +144,7 @@ def test_the_list_of_runs_that_stay_behind_is_computed():
         "kinds": [{"kind": "k", "cases": ["a/b"]}],
         "cases": [case | {"runs": runs}],
     }
-    tables = [block for block in page.blocks(found) if isinstance(block, Table)]
+    tables = [block for block in page.blocks(found) if isinstance(block, PageTable)]
     assert [row[:2] for row in tables[0].rows] == [("a/b", "double")]
     assert tables[0].rows[0][-1] == "method (rounding)"
 

@@ -27,7 +27,7 @@ SPARE_DIGITS = 8
 
 
 @dataclass(frozen=True)
-class Figure:
+class PrintedFigure:
     """A printed figure, ours to two digits more, and their difference."""
 
     published: Published
@@ -55,7 +55,7 @@ class Figure:
         return f"{self.published.right} of {shown} digits right"
 
 
-def figures(scene: Scene, reference: Reference | TwoPrecisions) -> list[Figure]:
+def figures(scene: Scene, reference: Reference | TwoPrecisions) -> list[PrintedFigure]:
     """Every published figure of a scene beside ours."""
     columns = {
         (t, digits): _columns(scene, reference, t, digits)
@@ -70,13 +70,13 @@ def significant_digits(printed: str) -> int:
     return max(1, len(mantissa))
 
 
-def _figure(published: Published, columns: Mapping[str, Any]) -> Figure:
+def _figure(published: Published, columns: Mapping[str, Any]) -> PrintedFigure:
     digits = _digits(published)
     bits = bits_for(digits) + 32
     ours = exactly(value(published.quantity, columns, bits))
     printed = decimal(published.value)
     difference = abs(printed - ours)
-    return Figure(
+    return PrintedFigure(
         published,
         decimal_string(ours, significant_digits(published.value) + 2),
         difference,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from polhode.checks.printed import Figure, figures
+from polhode.checks.printed import PrintedFigure, figures
 from polhode.common.errors import BadInput, nearest
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.judgement import Judgement, compare
@@ -66,7 +66,7 @@ class Report:
     regime: str
     reference: str
     lines: tuple[Line, ...]
-    figures: tuple[Figure, ...]
+    figures: tuple[PrintedFigure, ...]
 
     @property
     def passed(self) -> bool:

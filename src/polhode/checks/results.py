@@ -11,7 +11,7 @@ from polhode.numbers.decimals import (
 
 if TYPE_CHECKING:  # a run needs none of these
     from polhode.checks.forms import CrossCheck
-    from polhode.checks.printed import Figure
+    from polhode.checks.printed import PrintedFigure
     from polhode.checks.regression import Report
 
 
@@ -49,7 +49,7 @@ def of_cross_check(found: CrossCheck) -> dict[str, Any]:
     }
 
 
-def of_figure(figure: Figure) -> dict[str, Any]:
+def of_figure(figure: PrintedFigure) -> dict[str, Any]:
     """A published figure beside ours."""
     printed = figure.published
     return {

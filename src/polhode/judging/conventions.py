@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,8 +39,13 @@ class Reading(NamedTuple):
         )
 
 
-def readings(subject: Subject, reference: Reference | TwoPrecisions | Remembered) -> list[Reading]:
-    """For each part that is wrong, the convention that makes most of it right, if one does."""
+def readings(
+    subject: Subject, reference: Reference | TwoPrecisions | Remembered, wrong: Collection[str]
+) -> list[Reading]:
+    """For each part that is wrong, the convention that makes most of it right, if one does.
+
+    ``wrong``: which of omega, gamma, attitude and angles are, or may be.
+    """
     kept = few(len(subject.times), MOST_ROWS)
     times = [subject.times[k] for k in kept]
 
@@ -57,7 +62,7 @@ def readings(subject: Subject, reference: Reference | TwoPrecisions | Remembered
         except (TypeError, ValueError):  # no closed form for it, a pole
             return None
 
-    whole = _whole(subject, doubles)
+    whole = {k: part for k, part in _whole(subject, doubles).items() if k in wrong}
     if not whole:
         return []
     states = asked(reference.at)

@@ -197,11 +197,14 @@ class Judgement(ByValue):
     @cached_property
     def readings(self) -> tuple[Reading, ...]:
         """Conventions in which parts of a table that is wrong as it stands would be right."""
-        if self.subject.run is not None:
-            return ()
-        from polhode.judging.conventions import readings
+        from polhode.judging.conventions import WRONG, readings
 
-        return tuple(readings(self.subject, self.reference))
+        wrong = {name for name, digits in self.parts.items() if digits < WRONG}
+        if self.digits and self.worst < WRONG:
+            wrong |= {"omega", "gamma"}
+        if self.subject.run is not None or not wrong:
+            return ()
+        return tuple(readings(self.subject, self.reference, wrong))
 
     def __str__(self) -> str:
         return _wording(self)

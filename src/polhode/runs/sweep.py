@@ -300,7 +300,7 @@ def _solved(
     groups = [order[k : k + size] for k in range(0, len(order), size)]
     columns = len(plan.lanes[0].start)
     jobs = [
-        batches.Job(
+        batches.BatchJob(
             plan.names,
             columns,
             plan.number,

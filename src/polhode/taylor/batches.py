@@ -46,7 +46,7 @@ class Lane(NamedTuple):
         return float(square**0.5 * 2.0**-self.time_unit)
 
 
-class Job(NamedTuple):
+class BatchJob(NamedTuple):
     """Systems of the same equations, to be integrated to the same times (of the scenes)."""
 
     names: tuple[str, ...]  # of the coefficients
@@ -75,7 +75,7 @@ def width(number: NumberType) -> int:
     return int(hy.recommended_simd_size(float)) if number.name == "double" else 1
 
 
-def solve(job: Job, stop: Callable[[], bool] | None = None) -> list[Solved | None]:
+def solve(job: BatchJob, stop: Callable[[], bool] | None = None) -> list[Solved | None]:
     """Integrate a job's systems; None for those that ``stop`` kept from being finished."""
     ready: list[Solved | None] = []
     size = width(job.number)
@@ -84,7 +84,7 @@ def solve(job: Job, stop: Callable[[], bool] | None = None) -> list[Solved | Non
     return ready
 
 
-def compiled(job: Job) -> HeyokaIntegrator:
+def compiled(job: BatchJob) -> HeyokaIntegrator:
     """heyoka's integrator of a job, of this thread alone; compiled once a process."""
     key = (job.names, job.columns, job.number, job.tolerance)
     if getattr(_own, "key", None) != key:  # one is enough: jobs of one sweep follow each other
@@ -121,7 +121,9 @@ def _compiled(
         return hy.taylor_adaptive(equations, start, pars=pars, **options)
 
 
-def _solve(job: Job, lanes: Sequence[Lane], stop: Callable[[], bool] | None) -> list[Solved | None]:
+def _solve(
+    job: BatchJob, lanes: Sequence[Lane], stop: Callable[[], bool] | None
+) -> list[Solved | None]:
     """Integrate as many systems as one step advances."""
     integrator = compiled(job)
     march = _March(job, lanes, integrator)
@@ -141,7 +143,7 @@ def _solve(job: Job, lanes: Sequence[Lane], stop: Callable[[], bool] | None) -> 
 class _March:
     """Lanes on their way: all pass the same times of the scenes, each in its own unit."""
 
-    def __init__(self, job: Job, lanes: Sequence[Lane], integrator: HeyokaIntegrator) -> None:
+    def __init__(self, job: BatchJob, lanes: Sequence[Lane], integrator: HeyokaIntegrator) -> None:
         self.job, self.lanes, self.integrator = job, lanes, integrator
         self.batch = job.number.name == "double"
         self.places = width(job.number)

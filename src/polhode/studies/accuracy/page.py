@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Items, Table, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
 
 TITLE = "Accuracy: correct digits by case and number type"
 
@@ -48,7 +48,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield from _weakest(found["cases"])
 
 
-def _table(cases: list[dict[str, Any]]) -> Table:
+def _table(cases: list[dict[str, Any]]) -> PageTable:
     header = (
         *("case", "regime", "t", "double", "extended", "quad", "mp (50)", "inputs alone"),
         *("possible", "limit", "drift h", "drift f", "corrections", "steps", "outcome"),
@@ -75,7 +75,7 @@ def _table(cases: list[dict[str, Any]]) -> Table:
                 ", ".join(outcomes),
             )
         )
-    return Table(header, tuple(rows), "llrrrrrrrlrrrrl")
+    return PageTable(header, tuple(rows), "llrrrrrrrlrrrrl")
 
 
 def _weakest(cases: list[dict[str, Any]]) -> Iterator[Block]:

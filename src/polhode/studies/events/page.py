@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Table, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text
 
 TITLE = "Events: times, counts, contacts and cost"
 
@@ -35,8 +35,8 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     )
 
 
-def _times(motions: list[dict[str, Any]], part: str) -> Table:
-    return Table(
+def _times(motions: list[dict[str, Any]], part: str) -> PageTable:
+    return PageTable(
         (
             *("motion", "case", "zero", "period", "number", "to t", "true", "found"),
             *("largest error, ulps", "largest error", "digits"),
@@ -68,7 +68,7 @@ def _contacts(found: dict[str, Any]) -> Iterator[Block]:
         "q of `euler/largest-axis` against its largest value less a shift: above sqrt(eps) two "
         "crossings a touch or none, below it one undecided contact."
     )
-    yield Table(
+    yield PageTable(
         ("number", "shift", "touches", "found", "undecided", "as expected"),
         tuple(
             (
@@ -84,7 +84,7 @@ def _contacts(found: dict[str, Any]) -> Iterator[Block]:
         "lrrrrl",
     )
     yield Text("psi' of the cusped top (`lagrange/cusped`) touches zero at each cusp:")
-    yield Table(
+    yield PageTable(
         ("number", "cusps", "found", "undecided"),
         tuple(
             (row["number"], str(row["cusps"]), str(row["found"]), str(row["grazing"]))
@@ -102,7 +102,7 @@ def _cost(rows: list[dict[str, Any]]) -> Iterator[Block]:
         "costs: it is polished and its state read in Python. The steps are the same with and "
         "without."
     )
-    yield Table(
+    yield PageTable(
         (
             *("number", "steps", "none, µs a step", "one", "three", "found, one", "found, three"),
             "µs an event, three",

@@ -35,7 +35,7 @@ Tick = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Motion:
+class EventMotion:
     """A case, what vanishes, and what it is to people."""
 
     case: str
@@ -44,16 +44,16 @@ class Motion:
 
 
 MOTIONS = (
-    Motion("euler/largest-axis", "q", "half periods of the polhode"),
-    Motion("lagrange/nutation", "p*gamma2 - q*gamma1", "turning points of the nutation"),
-    Motion("pendulum/librating", "gamma3", "pendulum, libration: third axis horizontal"),
-    Motion("pendulum/rotating", "gamma3", "pendulum, rotation: third axis horizontal"),
-    Motion("kovalevskaya/delaunay", "q", "Delaunay's motion: q = 0"),
+    EventMotion("euler/largest-axis", "q", "half periods of the polhode"),
+    EventMotion("lagrange/nutation", "p*gamma2 - q*gamma1", "turning points of the nutation"),
+    EventMotion("pendulum/librating", "gamma3", "pendulum, libration: third axis horizontal"),
+    EventMotion("pendulum/rotating", "gamma3", "pendulum, rotation: third axis horizontal"),
+    EventMotion("kovalevskaya/delaunay", "q", "Delaunay's motion: q = 0"),
 )
 
 #: q of euler/largest-axis reaches sqrt(7/25) once a period: (2hC - G²)/(B(C - B)) where p = 0.
-TOUCHING = Motion("euler/largest-axis", "q - sqrt(7/25)", "q touches its largest value")
-TOUCHES = Motion("euler/largest-axis", "p", "")
+TOUCHING = EventMotion("euler/largest-axis", "q - sqrt(7/25)", "q touches its largest value")
+TOUCHES = EventMotion("euler/largest-axis", "p", "")
 SHIFTS = ("0", "1e-6", "-1e-6", "1e-10", "-1e-10")
 
 COSTED = "general/asymmetric-regular"
@@ -148,7 +148,7 @@ def ulp(t: Fraction, bits: int) -> Fraction:
 # -- times and counts -------------------------------------------------------------------------
 
 
-def _motion(motion: Motion, far: dict[str, int]) -> dict[str, Any]:
+def _motion(motion: EventMotion, far: dict[str, int]) -> dict[str, Any]:
     scene = _watching(library.load(motion.case), motion.zero)
     zeros = Zeros(scene, motion.zero)
     near = math.floor(PERIODS * zeros.period)

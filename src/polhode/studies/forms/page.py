@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Table, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text
 
 TITLE = "Forms: which form of the equations to take"
 
@@ -49,7 +49,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         yield _table(motion["runs"])
 
 
-def _advice(found: dict[str, Any]) -> Table:
+def _advice(found: dict[str, Any]) -> PageTable:
     rows = []
     for form, place in found["sources"].items():
         runs = [r for m in found["motions"] for r in m["runs"] if r["form"] == form]
@@ -69,10 +69,10 @@ def _advice(found: dict[str, Any]) -> Table:
             )
         )
     header = ("form", "source", "motions", "time / principal", "most digits lost", "else")
-    return Table((*header, "take it for"), tuple(rows), "lllrrll")
+    return PageTable((*header, "take it for"), tuple(rows), "lllrrll")
 
 
-def _table(runs: list[dict[str, Any]]) -> Table:
+def _table(runs: list[dict[str, Any]]) -> PageTable:
     header = ("form", "number", "steps", "run, ms", "build, ms", "time / principal")
     rows = [
         (
@@ -88,4 +88,4 @@ def _table(runs: list[dict[str, Any]]) -> Table:
         )
         for r in runs
     ]
-    return Table((*header, "digits", "lost", "outcome"), tuple(rows), "llrrrrrrl")
+    return PageTable((*header, "digits", "lost", "outcome"), tuple(rows), "llrrrrrrl")

@@ -28,7 +28,7 @@ NUMBERS = {"double": Fraction(1), "quad": Fraction(1, 10)}
 ROUNDS = 15  # the least time of so many runs, the forms taking turns
 
 
-class Motion(NamedTuple):
+class FormMotion(NamedTuple):
     """A case that ships to a time; ``order``: its axes taken in this order."""
 
     case: str
@@ -38,11 +38,11 @@ class Motion(NamedTuple):
 
 
 MOTIONS = (
-    Motion("euler/turned-axes", 200, "Euler top, full inertia matrix"),
-    Motion("lagrange/nutation", 200, "Lagrange top"),
-    Motion("kovalevskaya/generic", 200, "Kovalevskaya top"),
-    Motion("general/asymmetric-regular", 200, "asymmetric, regular"),
-    Motion("published/bruels-cardona-arnold", 20, "near a pole, 4e-5 degrees", (2, 0, 1)),
+    FormMotion("euler/turned-axes", 200, "Euler top, full inertia matrix"),
+    FormMotion("lagrange/nutation", 200, "Lagrange top"),
+    FormMotion("kovalevskaya/generic", 200, "Kovalevskaya top"),
+    FormMotion("general/asymmetric-regular", 200, "asymmetric, regular"),
+    FormMotion("published/bruels-cardona-arnold", 20, "near a pole, 4e-5 degrees", (2, 0, 1)),
 )
 
 
@@ -62,7 +62,7 @@ def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict
     }
 
 
-def _motion(motion: Motion, quick: bool) -> dict[str, Any]:
+def _motion(motion: FormMotion, quick: bool) -> dict[str, Any]:
     scene = _reordered(library.load(motion.case), motion.order)
     scene = replace(scene, outputs=(), events=())
     reference = Remembered(reference_of(scene))

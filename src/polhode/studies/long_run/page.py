@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Items, Table, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
 
 TITLE = "Long runs: growth of error and drift"
 ENOUGH = 1e-10  # the error that the far table asks for
@@ -43,7 +43,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield from _far(found["at"])
 
 
-def _exponents(tops: list[dict[str, Any]], brouwer: dict[str, float]) -> Table:
+def _exponents(tops: list[dict[str, Any]], brouwer: dict[str, float]) -> PageTable:
     rows = []
     for top in tops:
         for method in top["methods"]:
@@ -61,10 +61,10 @@ def _exponents(tops: list[dict[str, Any]], brouwer: dict[str, float]) -> Table:
                         )
                     )
     header = ("top", "method", "of", "exponent", "last decade alone", "Brouwer")
-    return Table(header, tuple(rows), "lllrrr")
+    return PageTable(header, tuple(rows), "lllrrr")
 
 
-def _growth(tops: list[dict[str, Any]], name: str) -> Table:
+def _growth(tops: list[dict[str, Any]], name: str) -> PageTable:
     times = tops[0]["times"]
     rows = []
     for top in tops:
@@ -74,7 +74,7 @@ def _growth(tops: list[dict[str, Any]], name: str) -> Table:
                 cells = (f"{_power(middle)} / {_power(most)}" for middle, most in pairs)
                 rows.append((top["top"], method["method"], *cells))
     header = ("top", "method", *(f"t = {t}" for t in times))
-    return Table(header, tuple(rows), "ll" + "r" * len(times))
+    return PageTable(header, tuple(rows), "ll" + "r" * len(times))
 
 
 def _corrections(tops: list[dict[str, Any]]) -> Iterator[Block]:
@@ -96,7 +96,7 @@ def _corrections(tops: list[dict[str, Any]]) -> Iterator[Block]:
             "The drift of a projected run is no evidence of accuracy. Instead: the largest single "
             "correction of the state and the largest sum of a run's corrections, over all starts."
         )
-        yield Table(("top", "onto", "largest", "sum"), rows, "llrr")
+        yield PageTable(("top", "onto", "largest", "sum"), rows, "llrr")
 
 
 def _far(far: dict[str, Any]) -> Iterator[Block]:
@@ -107,7 +107,7 @@ def _far(far: dict[str, Any]) -> Iterator[Block]:
     rows = [(name, *(_error(top[name]) for top in by_top)) for name in names]
     yield Text("The largest error of eleven output times, at each method's tightest tolerance.")
     header = ("method", *(f"`{top['case']}`" for top in far["tops"]))
-    yield Table(header, tuple(rows), "l" + "r" * len(by_top))
+    yield PageTable(header, tuple(rows), "l" + "r" * len(by_top))
     below = [name for name in names if all(top[name].get("error", 1.0) < ENOUGH for top in by_top)]
     yield Text(f"Below {ENOUGH:g} on every one: {', '.join(below) or 'none'}.")
     told = {

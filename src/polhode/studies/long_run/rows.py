@@ -73,7 +73,7 @@ class Member(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Start:
+class RunStart:
     """One member of an ensemble: a top, the number of the start, the times, the methods."""
 
     top: str
@@ -117,7 +117,7 @@ def ensembles(
     """A row a top: medians over its starts at every half decade, and exponents."""
     times = half_decades(*decades)
     methods = (PLAIN, PROJECTED)
-    asked = [Start(top, k, times, methods) for top in TOPS for k in range(starts)]
+    asked = [RunStart(top, k, times, methods) for top in TOPS for k in range(starts)]
     members: list[Member] = []
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         for start, member in zip(asked, pool.map(follow, asked), strict=True):
@@ -134,7 +134,7 @@ def half_decades(first: int, last: int) -> tuple[Fraction, ...]:
     return tuple(Fraction(round(10 ** (k / 2))) for k in range(2 * first, 2 * last + 1))
 
 
-def follow(start: Start) -> Member:
+def follow(start: RunStart) -> Member:
     """Integrate one start by every method and judge it at every time."""
     scene = start.scene
     reference = reference_of(scene).at(scene.times, DIGITS)
@@ -223,7 +223,7 @@ def _judged(scene: Scene, curves: Sequence[tuple[Method, Curve]]) -> Iterator[di
 
 
 def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> dict[str, Any]:
-    first = Start(top, 0, tuple(times), ()).scene
+    first = RunStart(top, 0, tuple(times), ()).scene
     shown = [float(t) for t in times]
     since = min(FIT_SINCE, shown[-1] / 100)
     made = []

@@ -24,7 +24,7 @@ class Items(NamedTuple):
     items: tuple[str, ...]
 
 
-class Table(NamedTuple):
+class PageTable(NamedTuple):
     """Rows of cells under a header; ``align``: one character a column, l or r."""
 
     header: tuple[str, ...]
@@ -39,7 +39,7 @@ class Figure(NamedTuple):
     alt: str
 
 
-Block = Heading | Text | Items | Table | Figure
+Block = Heading | Text | Items | PageTable | Figure
 
 
 def markdown(title: str, blocks: Iterable[Block]) -> str:
@@ -58,7 +58,7 @@ def _lines(title: str, blocks: Iterable[Block]) -> Iterator[str]:
                 yield text
             case Items(items):
                 yield from (f"- {item}" for item in items)
-            case Table(header, rows, align):
+            case PageTable(header, rows, align):
                 sides = align or "l" * len(header)
                 yield _row(header)
                 yield "|" + "|".join("--:" if side == "r" else "---" for side in sides) + "|"

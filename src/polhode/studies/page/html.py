@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from html import escape
 from typing import NamedTuple
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Items, Table, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
 
 
 class Section(NamedTuple):
@@ -119,7 +119,7 @@ def _section(section: Section, names: set[str]) -> Iterator[str]:
                 yield "<ul>"
                 yield from (f"<li>{inline(item, names)}</li>" for item in items)
                 yield "</ul>"
-            case Table():
+            case PageTable():
                 yield from _table(block, names)
             case Figure(name, alt):
                 yield f'<figure><div class="wide">{_svg(section.figures[name], name, alt)}</div>'
@@ -127,7 +127,7 @@ def _section(section: Section, names: set[str]) -> Iterator[str]:
     yield "</section>"
 
 
-def _table(table: Table, names: set[str]) -> Iterator[str]:
+def _table(table: PageTable, names: set[str]) -> Iterator[str]:
     sides = table.align or "l" * len(table.header)
     yield '<div class="wide"><table>'
     yield f"<thead>{_row('th', table.header, sides, names)}</thead>"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Table, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text
 
 TITLE = "Published figures beside ours"
 
@@ -54,7 +54,7 @@ def _off(every: list[tuple[dict[str, Any], dict[str, Any]]]) -> Iterator[Block]:
     if not ranked:
         yield Text("Nobody.")
         return
-    yield Table(
+    yield PageTable(
         (
             *("source", "case", "figures off", "worst", "t", "printed", "ours", "difference"),
             "digits right",
@@ -81,12 +81,12 @@ def _right(row: dict[str, Any]) -> float:
     return float(row["digits_right"])
 
 
-def _table(rows: list[dict[str, Any]]) -> Table:
+def _table(rows: list[dict[str, Any]]) -> PageTable:
     header = (
         *("t", "quantity", "printed", "ours", "difference", "units", "digits right", "verdict"),
         "source",
     )
-    return Table(
+    return PageTable(
         header,
         tuple(
             (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from polhode.checks.printed import Figure, figures, last_unit, significant_digits
+from polhode.checks.printed import PrintedFigure, figures, last_unit, significant_digits
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers.decimals import decimal_string
 from polhode.scenes import library
@@ -41,7 +41,7 @@ def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict
     return {"study": NAME, "question": QUESTION, "quick": quick, "cases": cases}
 
 
-def _row(figure: Figure) -> dict[str, Any]:
+def _row(figure: PrintedFigure) -> dict[str, Any]:
     printed = figure.published
     return {
         "t": float(printed.t),

@@ -15,7 +15,7 @@ PROJECTED = "polhode double projected"
 ENGINE = "heyoka alone"
 
 
-class Motion(NamedTuple):
+class SpeedMotion(NamedTuple):
     """A case of the library to its own end; ``kind``: regular, chaotic, or short for slow peers."""
 
     name: str
@@ -25,12 +25,12 @@ class Motion(NamedTuple):
 
 
 MOTIONS = (
-    Motion("Euler top", "euler/largest-axis", 1000, "regular"),
-    Motion("Lagrange top", "lagrange/nutation", 1000, "regular"),
-    Motion("Kovalevskaya top", "kovalevskaya/generic", 1000, "regular"),
-    Motion("asymmetric body", "general/asymmetric-regular", 1000, "regular"),
-    Motion("asymmetric body, chaotic", "general/asymmetric-chaotic", 100, "chaotic"),
-    Motion("asymmetric body, short", "general/asymmetric-regular", 2, "short"),
+    SpeedMotion("Euler top", "euler/largest-axis", 1000, "regular"),
+    SpeedMotion("Lagrange top", "lagrange/nutation", 1000, "regular"),
+    SpeedMotion("Kovalevskaya top", "kovalevskaya/generic", 1000, "regular"),
+    SpeedMotion("asymmetric body", "general/asymmetric-regular", 1000, "regular"),
+    SpeedMotion("asymmetric body, chaotic", "general/asymmetric-chaotic", 100, "chaotic"),
+    SpeedMotion("asymmetric body, short", "general/asymmetric-regular", 2, "short"),
 )
 
 _OWN = "polhode.studies.own_process"
@@ -73,7 +73,7 @@ QUICK_PEERS = ("scipy_python", "mpmath_odefun")  # what needs no compiler
 QUICK_TOLERANCES = (1e-8, 1e-12, 2.0**-52, 2.0**-63, 1e-14)
 
 
-def methods(motion: Motion, quick: bool) -> list[Method]:
+def methods(motion: SpeedMotion, quick: bool) -> list[Method]:
     """The methods that run a motion: slow peers on the short one, all others on the rest."""
     chosen = [*OURS, HEYOKA, *(SLOW_PEERS if motion.kind == "short" else PEERS)]
     if not quick:
@@ -87,7 +87,7 @@ def methods(motion: Motion, quick: bool) -> list[Method]:
     ]
 
 
-def scene_of(motion: Motion) -> Scene:
+def scene_of(motion: SpeedMotion) -> Scene:
     """The motion's scene at its output times, which every method takes as doubles."""
     times = [DOUBLE.rounded(t) for t in even_times(Fraction(motion.end), SAMPLES)]
     return plain_scene(motion.case, times)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Items, Table, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
 
 TITLE = "Speed: work against precision"
 
@@ -82,7 +82,7 @@ def _verdicts(motions: list[dict[str, Any]]) -> Iterator[Block]:
         "where the peer is closest (in brackets); *not reached*: it has fewer than six digits."
     )
     header = ("peer", *(m["motion"] for m in judged))
-    yield Table(header, tuple(rows), "l" + "r" * len(judged))
+    yield PageTable(header, tuple(rows), "l" + "r" * len(judged))
 
 
 def _factor(row: dict[str, Any] | None) -> str:
@@ -119,7 +119,7 @@ def _engine(motions: list[dict[str, Any]]) -> Iterator[Block]:
             "asks; digits gained over heyoka's best."
         )
         header = ("motion", "method", "least", "most", "at eps", "s more", "steps", "digits gained")
-        yield Table(header, tuple(rows), "llrrrrrr")
+        yield PageTable(header, tuple(rows), "llrrrrrr")
 
 
 def _start_up(motions: list[dict[str, Any]]) -> Iterator[Block]:
@@ -130,7 +130,7 @@ def _start_up(motions: list[dict[str, Any]]) -> Iterator[Block]:
             first.setdefault(method["method"], method)
     yield Heading("Import and compilation")
     yield Text("Seconds, for the first motion that a method is given.")
-    yield Table(
+    yield PageTable(
         ("method", "import", "cold compile", "cached compile", "version"),
         tuple(
             (
@@ -167,7 +167,7 @@ def _limits(motion: dict[str, Any]) -> str:
     return " ".join(told)
 
 
-def _points(motion: dict[str, Any]) -> Table:
+def _points(motion: dict[str, Any]) -> PageTable:
     rows = []
     for method in motion["methods"]:
         if not method["points"]:
@@ -186,7 +186,7 @@ def _points(motion: dict[str, Any]) -> Table:
                 )
             )
     header = ("method", "tol", "digits", "least s", "median s", "cpu s", "runs", "steps")
-    return Table(header, tuple(rows), "lrrrrrrr")
+    return PageTable(header, tuple(rows), "lrrrrrrr")
 
 
 def _absent(motions: list[dict[str, Any]]) -> Iterator[Block]:

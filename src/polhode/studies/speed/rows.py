@@ -21,11 +21,11 @@ from polhode.studies.speed.contenders import (
     PLAIN,
     PROJECTED,
     QUICK_MOTIONS,
-    Motion,
+    SpeedMotion,
     methods,
     scene_of,
 )
-from polhode.studies.speed.work_precision import Against, Mark, against, wall
+from polhode.studies.speed.work_precision import Against, WorkPoint, against, wall
 
 NAME = "speed"
 QUESTION = (
@@ -79,7 +79,7 @@ def target(motions: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
-def motion_row(motion: Motion, scene: Scene, curves: Mapping[Method, Curve]) -> dict[str, Any]:
+def motion_row(motion: SpeedMotion, scene: Scene, curves: Mapping[Method, Curve]) -> dict[str, Any]:
     """What all methods gave on one motion, judged, and the verdicts."""
     most = max(named(method.number).most_digits for method in curves)
     wanted = math.ceil(most) + SPARE_DIGITS
@@ -134,7 +134,7 @@ def verdict(found: Sequence[Mapping[str, Any]], floor: float) -> dict[str, Any]:
     }
 
 
-def as_it_comes(found: Sequence[Mapping[str, Any]]) -> list[Mark]:
+def as_it_comes(found: Sequence[Mapping[str, Any]]) -> list[WorkPoint]:
     """polhode's double curve without any switch: projected at the tolerance eps and only there."""
     eps = float(DOUBLE.eps)
     points = {m["method"]: m["points"] for m in found}
@@ -143,7 +143,7 @@ def as_it_comes(found: Sequence[Mapping[str, Any]]) -> list[Mark]:
 
 
 def _engine(
-    found: Sequence[Mapping[str, Any]], marks: Mapping[str, Sequence[Mark]]
+    found: Sequence[Mapping[str, Any]], marks: Mapping[str, Sequence[WorkPoint]]
 ) -> dict[str, Any]:
     """Seconds over heyoka's at equal tolerance, and digits gained over heyoka's best."""
     by_tol = {
@@ -228,8 +228,8 @@ def _limits(scene: Scene) -> tuple[float | None, float | None]:
     return found.kappa[-1], min(possible, default=None)
 
 
-def _marks(points: Sequence[Mapping[str, Any]]) -> list[Mark]:
-    return [Mark(p["digits"], p["seconds_min"]) for p in points if "digits" in p]
+def _marks(points: Sequence[Mapping[str, Any]]) -> list[WorkPoint]:
+    return [WorkPoint(p["digits"], p["seconds_min"]) for p in points if "digits" in p]
 
 
 def _is_peer(name: str) -> bool:

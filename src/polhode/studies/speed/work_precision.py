@@ -15,7 +15,7 @@ FALL = 10.0  # how much the tolerance fell over a plateau, at least
 STEP = 0.25  # digits between the levels at which curves are compared
 
 
-class Mark(NamedTuple):
+class WorkPoint(NamedTuple):
     """A point of a curve."""
 
     digits: float
@@ -41,16 +41,16 @@ class Against(NamedTuple):
         return self.short <= 0 and (self.factor is None or self.factor > 1)
 
 
-def frontier(marks: Iterable[Mark]) -> list[Mark]:
+def frontier(marks: Iterable[WorkPoint]) -> list[WorkPoint]:
     """The points that no other beats in digits and seconds, digits and seconds rising."""
-    kept: list[Mark] = []
+    kept: list[WorkPoint] = []
     for mark in sorted(marks, key=lambda m: (-m.digits, m.seconds)):
         if not kept or mark.seconds < kept[-1].seconds:
             kept.append(mark)
     return kept[::-1]
 
 
-def seconds_at(marks: Sequence[Mark], digits: float) -> float | None:
+def seconds_at(marks: Sequence[WorkPoint], digits: float) -> float | None:
     """Seconds for so many digits on the frontier; None beyond its reach.
 
     Below its first point the first point's.
@@ -66,7 +66,9 @@ def seconds_at(marks: Sequence[Mark], digits: float) -> float | None:
     return math.exp((1 - part) * math.log(low.seconds) + part * math.log(high.seconds))
 
 
-def against(ours: Sequence[Mark], other: Sequence[Mark], low: float, high: float) -> Against:
+def against(
+    ours: Sequence[WorkPoint], other: Sequence[WorkPoint], low: float, high: float
+) -> Against:
     """Our curve against another's from ``low`` to ``high`` digits."""
     reach = max((mark.digits for mark in other), default=0.0)
     mine = max((mark.digits for mark in ours), default=0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Items, Table, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
 
 TITLE = "Stability: hard motions, symmetries, and where runs refuse"
 
@@ -56,7 +56,7 @@ def _behind(found: dict[str, Any]) -> Iterator[Block]:
         + ("The others:" if late else "None stays behind.")
     )
     if late:
-        yield Table(
+        yield PageTable(
             (
                 *("case", "number", "correct", "possible", "behind", "inputs alone", "steps"),
                 "limited by",
@@ -95,7 +95,7 @@ def _behind(found: dict[str, Any]) -> Iterator[Block]:
         )
 
 
-def _cases(cases: list[dict[str, Any]]) -> Table:
+def _cases(cases: list[dict[str, Any]]) -> PageTable:
     header = (
         *("case", "regime", "t", "log10 kappa", "double", "extended", "quad", "mp (50)"),
         *(
@@ -127,7 +127,7 @@ def _cases(cases: list[dict[str, Any]]) -> Table:
                 ", ".join(sorted({run["outcome"] for run in case["runs"]})),
             )
         )
-    return Table(header, tuple(rows), "llrrrrrrrrrrrrl")
+    return PageTable(header, tuple(rows), "llrrrrrrrrrrrrl")
 
 
 def _units(rows: list[dict[str, Any]]) -> Iterator[Block]:
@@ -151,7 +151,7 @@ def _rest(rows: list[dict[str, Any]]) -> Iterator[Block]:
         "its largest departure over the run in eps of the type, beyond the rounding of the start: "
         "0 is exactly at rest. Unstable rest multiplies any departure."
     )
-    yield Table(
+    yield PageTable(
         ("case", "at rest", *_NUMBERS),
         tuple(
             (
@@ -183,7 +183,7 @@ def _back(rows: list[dict[str, Any]]) -> Iterator[Block]:
     for row in rows:
         by_case.setdefault(row["case"], {})[row["number"]] = row
     numbers = _NUMBERS[:3]
-    yield Table(
+    yield PageTable(
         (
             *("case", "log10 kappa", "back", *(f"{name}, eps" for name in numbers)),
             "within kappa·eps",
@@ -210,7 +210,7 @@ def _limits(rows: list[dict[str, Any]]) -> Iterator[Block]:
         "Exit codes: 0 done, 2 bad input, nothing written, 3 the end was not reached. `scene.toml` "
         "is a Lagrange top but for what stands beside it."
     )
-    yield Table(
+    yield PageTable(
         ("beyond the limit", "command", "scene.toml", "exit code", "stderr, last line"),
         tuple(
             (
