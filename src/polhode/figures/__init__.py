@@ -1,5 +1,4 @@
-"""Figures, one file a study or a kind of motion's figure; the only place that imports matplotlib.
+"""Figures of a motion, one file a kind; matplotlib is imported here and in the studies' figures.
 
-A study's figure is ``svg(found) -> str``, made from the study's JSON object alone; a motion's is
-``draw(pyplot, samples)``, which :func:`polhode.figures.canvas.drawn` turns into bytes.
+A figure is ``draw(pyplot, samples)``, which :func:`polhode.figures.canvas.drawn` turns into bytes.
 """

@@ -1,1 +1,1 @@
-"""Studies: one file a study, cases and methods to rows of results."""
+"""Studies: one folder a study (rows, page, figure), and the report made of all of them."""
