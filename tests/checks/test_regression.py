@@ -132,7 +132,8 @@ def test_digits_above_the_band_fail_too():
     assert report.lines[0].verdict == "more digits than the case can have"
 
 
-def test_a_run_that_does_not_reach_its_end_fails():
+def test_a_run_that_does_not_reach_its_end_fails(monkeypatch):
+    monkeypatch.setattr(regression, "conditioning", lambda *_, **__: None)  # kappa takes long, too
     scene = polhode.load("euler/largest-axis").at((Fraction(10) ** 30,))
     report = regression.check_scene(replace(scene, expect={"double": (1.0, 9.0)}))
     assert not report.passed

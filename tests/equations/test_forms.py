@@ -22,11 +22,13 @@ from polhode.scenes.words import FORMS
 from polhode.taylor.outcomes import Outcome
 from polhode.taylor.singular_set import nearest
 from shared.form_trials import turned
+from shared.motions import ASYMMETRIC, asymmetric
 from shared.policies import change_policy
 
 F = Fraction
 OTHERS = [name for name in FORMS if name != "principal"]
 IN_ANGLES = ("lagrangian", "hamiltonian", "routhian")
+TURNED = asymmetric(psi=F(1, 3))
 TURN = [[F(2, 3), F(-2, 3), F(1, 3)], [F(1, 3), F(2, 3), F(2, 3)], [F(-2, 3), F(-1, 3), F(2, 3)]]
 
 
@@ -36,12 +38,7 @@ def irrational() -> Scene:
     return Scene(body, (F(1, 10), F(1, 5), 3), (F(2, 7), F(3, 7), F(6, 7)))
 
 
-def asymmetric() -> Scene:
-    body = Body.of_moments((2, F(3, 2), 1), (F(3, 10), F(1, 5), F(1, 2)), 1)
-    return Scene(body, (F(3, 10), F(1, 5), 3), (F(3, 5), 0, F(4, 5)), psi=F(1, 3))
-
-
-MOTIONS = {"irrational": irrational, "asymmetric": asymmetric}
+MOTIONS = {"irrational": irrational, "asymmetric": lambda: TURNED}
 
 
 @pytest.fixture(scope="module")
@@ -92,8 +89,8 @@ def test_every_form_gives_38_of_40_digits_in_the_library(case):
 
 @pytest.mark.parametrize("name", OTHERS)
 def test_backward_runs_agree(name):
-    one = polhode.integrate(replace(asymmetric(), form=name), "quad", at=[-3])
-    assert 31 <= same(one, polhode.integrate(asymmetric(), "quad", at=[-3])) <= 34.1
+    one = polhode.integrate(replace(TURNED, form=name), "quad", at=[-3])
+    assert 31 <= same(one, polhode.integrate(TURNED, "quad", at=[-3])) <= 34.1
 
 
 @pytest.mark.parametrize("number", ["double", "extended"])
@@ -116,7 +113,7 @@ def test_states_are_read_out_in_more_precision_than_the_run_has(name, number):
 
 
 def test_the_general_form_of_a_body_turned_rationally_gives_the_turned_states():
-    scene = asymmetric()
+    scene = TURNED
     rows = scene.body.inertia
     half = [[sum(TURN[i][m] * rows[m][j] for m in range(3)) for j in range(3)] for i in range(3)]
     inertia = [[sum(half[i][m] * TURN[j][m] for m in range(3)) for j in range(3)] for i in range(3)]
@@ -184,7 +181,7 @@ def test_angles_attitude_and_events_are_those_of_the_principal_form(name):
 
 def swinging_over(form: str) -> Scene:
     """A pendulum that turns over: its third axis passes the vertical exactly."""
-    body = Body.of_moments((2, F(3, 2), 1), (0, 0, 1), 1)
+    body = Body.of_moments(ASYMMETRIC.moments, (0, 0, 1), 1)
     return Scene(body, (3, 0, 0), (0, F(3, 5), F(4, 5)), form=form)
 
 
@@ -224,7 +221,7 @@ def test_a_momentum_that_comes_to_lie_along_the_centre_is_an_outcome():
 def test_a_start_too_near_for_a_type_is_an_outcome_and_a_wider_type_runs():
     tiny = F(1, 10**5)
     side = 2 * tiny / (1 + tiny**2)
-    scene = replace(asymmetric(), gamma=(side, 0, (1 - tiny**2) / (1 + tiny**2)))
+    scene = replace(TURNED, gamma=(side, 0, (1 - tiny**2) / (1 + tiny**2)))
     for name in IN_ANGLES:
         near = replace(scene, form=name)
         run = polhode.integrate(near, at=[1])
@@ -298,7 +295,7 @@ def test_every_cross_check_passes(capsys):
 def test_a_run_is_callable_between_its_times_in_any_form(name, monkeypatch):
     """The states of the output times again, and those between them, across corrections of |q|."""
     change_policy(monkeypatch, unit_norm_every=7)
-    scene = replace(asymmetric(), form=name)
+    scene = replace(TURNED, form=name)
     run = polhode.integrate(scene, at=[5, 10])
     between = polhode.integrate(scene, "quad", at=[F(10, 3), 10]).states[0]
     assert np.max(np.abs(run(10) - run.states[1])) < 8e-16

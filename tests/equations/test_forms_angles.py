@@ -25,6 +25,7 @@ from shared import form_trials as trials
 from shared import series
 from shared.form_integrals import form_integrals
 from shared.form_trials import MP, STEP, WORKING, close, derivative, numbers, scenes
+from shared.motions import asymmetric
 
 F = Fraction
 SMALL = mpf(10) ** -12
@@ -34,11 +35,8 @@ slow = pytest.mark.slow
 few = settings(max_examples=12, deadline=None)
 
 
-def asymmetric(**changes):
-    """A regular motion of an asymmetric body, away from the poles (sin theta > 0.3)."""
-    body = Body.of_moments((2, F(3, 2), 1), (F(3, 10), F(1, 5), F(1, 2)), 1)
-    start = {"omega": (F(3, 10), F(1, 5), 3), "gamma": (F(3, 5), 0, F(4, 5)), "psi": F(1, 3)}
-    return Scene(body, **(start | changes))
+#: A regular motion of an asymmetric body, away from the poles (sin theta > 0.3).
+REGULAR_START = asymmetric(psi=F(1, 3))
 
 
 def attitude(angles):
@@ -180,7 +178,7 @@ def test_the_routhian_does_not_reverse_with_f_kept():
     with mpmath.workdps(WORKING):
         for moments in ((2, F(3, 2), 1), (2, 2, 1), (2, 1, 2), (2, 2, 2)):
             body = Body.of_moments(moments, (F(3, 10), F(1, 5), F(1, 2)), 1)
-            form = routhian.for_scene(replace(asymmetric(), body=body))
+            form = routhian.for_scene(replace(REGULAR_START, body=body))
             values, k = numbers(form)
             back = [*values[:2], *(-x for x in values[2:])]
             one, other = form.field(values, k, MP), form.field(back, k, MP)
@@ -205,7 +203,7 @@ def test_the_reduced_equations_are_the_general_ones(kind, data):
 
 def test_a_sphere_has_nothing_of_the_moments_left():
     body = Body.of_moments((2, 2, 2), (0, 0, 1), 1)
-    form = routhian.for_scene(replace(asymmetric(), body=body))
+    form = routhian.for_scene(replace(REGULAR_START, body=body))
     assert form.reduced is routhian.spherical
     assert not {"n", "e", "B-A", "p.qr", "x", "y"} & set(form.coefficients)
 
@@ -238,7 +236,7 @@ def errata_state(form):
 def test_misprint_of_the_area_integral_in_angles():
     """3.46 lacks C cos(theta) phi'."""
     with mpmath.workdps(WORKING):
-        form = lagrangian.for_scene(asymmetric())
+        form = lagrangian.for_scene(REGULAR_START)
         values, k, s, c, sf, cf = errata_state(form)
         A, B, C = (k[x] for x in "ABC")
         psi1, theta1, phi1 = values[3:]
@@ -253,7 +251,7 @@ def test_misprint_of_the_area_integral_in_angles():
 def test_misprint_of_the_momentum_of_theta():
     """3.47 has cos(theta) for cos(phi) in p_theta."""
     with mpmath.workdps(WORKING):
-        scene = asymmetric(gamma=(F(12, 25), F(9, 25), F(4, 5)))
+        scene = replace(REGULAR_START, gamma=(F(12, 25), F(9, 25), F(4, 5)))
         values, k, s, c, sf, cf = errata_state(hamiltonian.for_scene(scene))
         psi1, theta1, _ = numbers(lagrangian.for_scene(scene))[0][3:]
         A, B = k["A"], k["B"]
@@ -265,7 +263,7 @@ def test_misprint_of_the_momentum_of_theta():
 def test_misprint_of_the_rate_of_the_momentum_of_theta():
     """3.52 has sin^2 for sin^3(theta) under its first term."""
     with mpmath.workdps(WORKING):
-        form = hamiltonian.for_scene(asymmetric())
+        form = hamiltonian.for_scene(REGULAR_START)
         values, k, s, c, sf, cf = errata_state(form)
         A, B = k["A"], k["B"]
         f, p_theta, p_phi = values[3:]
@@ -294,14 +292,14 @@ def principal_truth(scene, times, digits):
 
 
 REGULAR = {
-    "asymmetric": asymmetric(),
+    "asymmetric": REGULAR_START,
     "A = B": replace(
-        asymmetric(), body=Body.of_moments((2, 2, 1), (F(3, 10), F(1, 5), F(1, 2)), 1)
+        REGULAR_START, body=Body.of_moments((2, 2, 1), (F(3, 10), F(1, 5), F(1, 2)), 1)
     ),
     "A = C": replace(
-        asymmetric(), body=Body.of_moments((2, F(3, 2), 2), (F(3, 10), 0, F(1, 2)), 1)
+        REGULAR_START, body=Body.of_moments((2, F(3, 2), 2), (F(3, 10), 0, F(1, 2)), 1)
     ),
-    "sphere": replace(asymmetric(), body=Body.of_moments((2, 2, 2), (F(3, 10), 0, F(1, 2)), 1)),
+    "sphere": replace(REGULAR_START, body=Body.of_moments((2, 2, 2), (F(3, 10), 0, F(1, 2)), 1)),
 }
 
 
@@ -373,7 +371,7 @@ def test_distance_is_the_squared_sine_of_theta(name):
 
 @pytest.mark.parametrize("name", FORMS)
 def test_a_start_at_the_pole_names_the_form_to_use(name):
-    scene = replace(asymmetric(), gamma=(0, 0, 1))
+    scene = replace(REGULAR_START, gamma=(0, 0, 1))
     with pytest.raises(BadInput, match=f"form = {name}: expected principal: .*sin theta = 0"):
         FORMS[name].for_scene(scene)
 
@@ -388,7 +386,7 @@ def test_a_scene_without_gamma_has_no_angles(name):
 @pytest.mark.parametrize("name", FORMS)
 def test_units_of_any_size_cost_no_digit_and_change_no_variable(name):
     """Moments times 2^80, weight times 2^100 with 2^20 for 4^10: the same numbers inside."""
-    one = FORMS[name].for_scene(asymmetric())
+    one = FORMS[name].for_scene(REGULAR_START)
     body = Body.of_moments(
         [x * 2**80 for x in one.scene.body.moments], one.scene.body.centre, 2**100
     )
@@ -431,7 +429,7 @@ def test_a_run_that_meets_the_pole_says_so(name):
 
 @pytest.mark.parametrize("name", FORMS)
 def test_angles_and_attitude_come_out_as_in_the_principal_form(name):
-    scene = replace(asymmetric(), times=(F(1), F(5)), outputs=("angles", "attitude"))
+    scene = replace(REGULAR_START, times=(F(1), F(5)), outputs=("angles", "attitude"))
     one, other = (polhode.integrate(replace(scene, form=form)) for form in ("principal", name))
     for found in ("angles", "attitude"):
         rows = zip(getattr(one, found), getattr(other, found), strict=True)
@@ -441,7 +439,7 @@ def test_angles_and_attitude_come_out_as_in_the_principal_form(name):
 @pytest.mark.parametrize("name", ["lagrangian", "hamiltonian"])
 def test_the_forms_own_psi_is_that_of_the_scene(name):
     """In principal axes the integrated precession is the psi that the output integrates."""
-    scene = replace(asymmetric(), times=(F(5),), outputs=("angles",))
+    scene = replace(REGULAR_START, times=(F(5),), outputs=("angles",))
     psi = polhode.integrate(scene).angles[0][0]
     rows = trials.marched(FORMS[name].for_scene(scene), [5])[0]
     assert abs(rows[0][0] - psi) < 256 * 2**-52

@@ -22,13 +22,13 @@ from shared import form_trials as trials
 from shared import series
 from shared.form_integrals import form_integrals
 from shared.form_trials import MP, WORKING, close, cross, dot, numbers, scenes
+from shared.motions import ASYMMETRIC, asymmetric
 
 F = Fraction
 FORMS = {"omega-only": omega_only, "momentum-only": momentum_only}
 BITS = mp(WORKING).bits
 few = settings(max_examples=25, deadline=None)
-BODY = Body.of_moments((2, F(3, 2), 1), (F(3, 10), F(1, 5), F(1, 2)), 1)
-REGULAR = Scene(BODY, (F(3, 10), F(1, 5), 8), (F(3, 5), 0, F(4, 5)))
+REGULAR = asymmetric(8)
 
 
 def number(x):
@@ -92,7 +92,7 @@ def test_gamma_from_omega_in_double():
     with mpmath.workdps(WORKING):
         rates = trials.vector_field(REGULAR, [number(x) for x in REGULAR.start])[:3]
     h = float(REGULAR.integrals.energy)
-    found = gamma_from_omega(BODY, row[:3], [float(x) for x in rates], h, float)
+    found = gamma_from_omega(ASYMMETRIC, row[:3], [float(x) for x in rates], h, float)
     assert max(abs(a - b) for a, b in zip(found, row[3:], strict=True)) < 64 * 2**-52
 
 
@@ -107,7 +107,7 @@ def test_gamma_from_omega_needs_weight():
 
 def source_equations(omega, rate, h, f, printed=False):
     """What (3.61) makes zero: n.m, |m|^2 + (h-T)^2 - |n|^2, the area; m = Iw' + w x Iw."""
-    I, n = [number(x) for x in BODY.moments], [number(x) for x in BODY.torque]
+    I, n = [number(x) for x in ASYMMETRIC.moments], [number(x) for x in ASYMMETRIC.torque]
     G = [a * w for a, w in zip(I, omega, strict=True)]
     G1 = [a * w for a, w in zip(I, rate, strict=True)]
     T = dot(omega, G) / 2
@@ -126,7 +126,7 @@ def test_misprint_of_the_area_integral_in_omega_and_in_momentum_alone(name):
     with mpmath.workdps(WORKING):
         form = FORMS[name].for_scene(REGULAR)
         values, k = numbers(form)
-        I, unit = [number(x) for x in BODY.moments], mpf(2) ** REGULAR.time_unit
+        I, unit = [number(x) for x in ASYMMETRIC.moments], mpf(2) ** REGULAR.time_unit
         mass = [k["mass"] / a if name == "momentum-only" else 1 for a in I]
         rates = form.field(values, k, MP)
         omega = [x * m / unit for x, m in zip(values[:3], mass, strict=True)]
@@ -144,7 +144,7 @@ def test_not_every_solution_of_the_equations_in_omega_solves_euler_and_poisson()
     there, a branch point; the D carried along here does leave 0.
     """
     with mpmath.workdps(WORKING):
-        I, n = [number(x) for x in BODY.moments], [number(x) for x in BODY.torque]
+        I, n = [number(x) for x in ASYMMETRIC.moments], [number(x) for x in ASYMMETRIC.torque]
 
         def cone(r):
             w = [mpf(1) / 2, mpf(1) / 3, r]
@@ -155,13 +155,13 @@ def test_not_every_solution_of_the_equations_in_omega_solves_euler_and_poisson()
         m, T = cross(omega, G), dot(omega, G) / 2
         h = T + mpmath.sqrt(dot(n, n) - dot(m, m))
         still = [mpf(0)] * 3
-        gamma = gamma_from_omega(BODY, omega, still, h, number)
+        gamma = gamma_from_omega(ASYMMETRIC, omega, still, h, number)
         f = dot(G, gamma)
         assert close([dot(gamma, gamma)], [1])
         assert close(source_equations(omega, still, h, f), [0, 0, 0])
         assert mpmath.norm(cross(gamma, omega)) > mpf(1) / 10
 
-        scene = Scene(BODY, omega, (0, 0, 1))  # this omega with a gamma that only fills the place
+        scene = Scene(ASYMMETRIC, omega, (0, 0, 1))  # a gamma that only fills the place
         k = {**numbers(omega_only.for_scene(REGULAR))[1], **numbers(omega_only.for_scene(scene))[1]}
         form = omega_only.for_scene(scene)
         unit, mass = mpf(2) ** scene.time_unit, k["mass"]

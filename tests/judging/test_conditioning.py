@@ -25,13 +25,7 @@ from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor.build import build
-
-
-def asymmetric(spin: str, times: list[object]) -> Scene:
-    """The asymmetric body of the hard cases: regular with spin 3, chaotic with 1.1."""
-    body = Body.of_moments(["2", "1.5", "1"], ["0.3", "0.2", "0.5"], 1)
-    return Scene(body, ("0.3", "0.2", spin), ("0.6", 0, "0.8"), times=tuple(times))
-
+from shared.motions import asymmetric
 
 # -- kappa against motions of perturbed inputs ------------------------------------------------
 
@@ -92,15 +86,8 @@ SCENES = {
     "hanging by its weight": lambda: polhode.load("lagrange/negative-weight"),
     "chaotic": lambda: asymmetric("1.1", [10, 40]),
     "backward": lambda: asymmetric("3", [-2, -9]),
-    "in units of 2**-40": lambda: fast(),
+    "in units of 2**-40": lambda: asymmetric(3, [Fraction(7, 2**40)], rate=2**40),
 }
-
-
-def fast() -> Scene:
-    """The asymmetric body with its unit of time scaled by 2**40."""
-    body = Body.of_moments(["2", "1.5", "1"], ["0.3", "0.2", "0.5"], 4**40)
-    omega = tuple(Fraction(x) * 2**40 for x in ("0.3", "0.2", "3"))
-    return Scene(body, omega, ("0.6", 0, "0.8"), times=(Fraction(7, 2**40),))
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -395,15 +382,9 @@ def test_an_end_at_the_start_is_refused():
 
 def test_the_exponent_is_per_unit_of_the_scenes_time():
     slow = polhode.lyapunov(asymmetric("1.1", [1]), 2000)
-    quick = polhode.lyapunov(chaotic_fast(), Fraction(2000, 2**40))
+    quick = polhode.lyapunov(asymmetric("1.1", rate=2**40), Fraction(2000, 2**40))
     assert slow.verdict == quick.verdict == "chaotic"
     assert quick.exponent / 2**40 == pytest.approx(slow.exponent, rel=4 * 2.0**-53)
-
-
-def chaotic_fast() -> Scene:
-    body = Body.of_moments(["2", "1.5", "1"], ["0.3", "0.2", "0.5"], 4**40)
-    omega = tuple(Fraction(x) * 2**40 for x in ("0.3", "0.2", "1.1"))
-    return Scene(body, omega, ("0.6", 0, "0.8"))
 
 
 @pytest.mark.parametrize("name", ["euler/largest-axis", "lagrange/nutation", "euler/no-gamma"])

@@ -176,6 +176,7 @@ class Coverage:
 
         self.measured = coverage.Coverage(data_file=None, source=[str(TOP / SOURCE)])
         self.seconds: dict[str, float] = {}
+        self.failed: set[str] = set()
         self.measured.start()
         self.measured.switch_context("import")
 
@@ -183,9 +184,10 @@ class Coverage:
         self.measured.switch_context(nodeid)
 
     def pytest_runtest_logreport(self, report: Any) -> None:
-        if not report.failed:
-            spent = self.seconds.get(report.nodeid, 0.0) + report.duration
-            self.seconds[report.nodeid] = spent
+        spent = self.seconds.get(report.nodeid, 0.0) + report.duration
+        self.seconds[report.nodeid] = spent
+        if report.failed:  # it would kill every mutant
+            self.failed.add(report.nodeid)
 
     def lines(self) -> dict[str, dict[int, list[str]]]:
         self.measured.stop()
@@ -202,13 +204,9 @@ def make_map(target: Path) -> None:
 
     sys.path.insert(0, str(TOP / "src"))
     plugin = Coverage()
-    ignored = [
-        "--ignore=tests/test_house.py",
-        "--ignore=tests/measure",
-        "--ignore=tests/test_readme.py",
-    ]
-    pytest.main(["-p", "no:cacheprovider", "-p", "no:xdist", *ignored], plugins=[plugin])
-    names = list(plugin.seconds)
+    ignored = [f"--ignore=tests/{name}" for name in ("test_house.py", "test_readme.py")]
+    pytest.main(["-p", "no:cacheprovider", "-n0", *ignored], plugins=[plugin])
+    names = [name for name in plugin.seconds if name not in plugin.failed]
     number = {name: k for k, name in enumerate(names)}
     lines = {
         file: {n: [number[name] for name in tests if name in number] for n, tests in rows.items()}
@@ -279,17 +277,7 @@ class Copy:
     def fails(self, names: list[str], limit: int) -> str | None:
         """The first test that fails; empty where the time went out, None where none fails."""
         done = subprocess.run(
-            [
-                sys.executable,
-                "-m",
-                "pytest",
-                "-x",
-                "-p",
-                "no:cacheprovider",
-                "-p",
-                "no:xdist",
-                *names,
-            ],
+            [sys.executable, "-m", "pytest", "-x", "-n0", "-p", "no:cacheprovider", *names],
             cwd=self.folder,
             env={**os.environ, "PYTHONPATH": "src", "PYTHONDONTWRITEBYTECODE": "1"},
             capture_output=True,

@@ -12,17 +12,10 @@ import polhode
 from polhode.numbers import number_types
 from polhode.numbers.convert import exactly
 from polhode.scenes import scene_file
+from shared.motions import heavy
 from shared.policies import change_policy
 
-HEAVY = (
-    "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
-    'omega = [0.3, 0.4, {spin}]\ngamma = ["2/7", "3/7", "6/7"]\n[run]\nend = {end}\nsamples = 5\n'
-)
 NUMBERS = ("double", "extended", "quad", "mp")
-
-
-def heavy(end: str = "20", spin: str = "1.1", more: str = "") -> polhode.Scene:
-    return scene_file.parse(HEAVY.format(end=end, spin=spin) + more)
 
 
 def ulps(a, b, number) -> float:
@@ -41,7 +34,7 @@ def test_output_times_come_back_to_the_bit(number, end):
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_between_output_times_as_accurate_as_at_them(number):
-    scene = scene_file.parse(HEAVY.format(end=20, spin="1.1"))
+    scene = heavy()
     run = polhode.integrate(scene, number)
     fine = polhode.integrate(
         scene, number_types.mp(run.number.most_digits + 12), at=["1/3", "7.7", "sqrt(2)*14"]

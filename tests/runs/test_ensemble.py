@@ -22,17 +22,10 @@ from polhode.runs import sweep
 from polhode.scenes import scene_file, vary
 from polhode.taylor import batches
 from polhode.taylor.outcomes import Outcome
+from shared.motions import heavy, heavy_file
 from shared.policies import change_policy
 
-HEAVY = (
-    "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
-    'omega = [0.3, 0.4, 1.1]\ngamma = ["2/7", "3/7", "6/7"]\n[run]\nend = {end}\nsamples = 5\n'
-)
 NUMBERS = ("double", "extended", "quad", "mp")
-
-
-def heavy(end: str = "20") -> polhode.Scene:
-    return scene_file.parse(HEAVY.format(end=end), "heavy.toml")
 
 
 def ulps(a, b, number) -> float:
@@ -156,7 +149,7 @@ def test_members_one_by_one():
 
 
 def test_a_normalised_vertical_may_be_varied():
-    scene = scene_file.parse(HEAVY.format(end=1).replace("[run]", "normalise = true\n[run]"))
+    scene = scene_file.parse(heavy_file("1").replace("[run]", "normalise = true\n[run]"))
     many = polhode.integrate_many(scene, {"start.gamma[1]": [0, 1, "sqrt(2)"]})
     assert np.allclose((many.states[:, 0, 3:] ** 2).sum(axis=1), 1, rtol=4e-16, atol=0)
 
@@ -229,7 +222,7 @@ def test_both_halves_of_a_symmetric_inertia_are_one_number():
 
 
 def test_events_are_refused():
-    scene = scene_file.parse(HEAVY.format(end=1) + '[[events]]\nname = "equator"\n')
+    scene = scene_file.parse(heavy_file("1") + '[[events]]\nname = "equator"\n')
     with pytest.raises(polhode.BadInput, match="events = equator: expected none in a sweep"):
         polhode.integrate_many(scene, {"body.weight": [1]})
 

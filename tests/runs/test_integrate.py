@@ -26,6 +26,7 @@ from polhode.taylor import heyoka_numbers, policy
 from polhode.taylor.build import build
 from polhode.taylor.integrator import Integrator
 from polhode.taylor.outcomes import Outcome
+from shared.motions import heavy_file
 from shared.policies import change_policy
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50), NumberType("mp", 333)]
@@ -183,10 +184,7 @@ def test_the_states_are_those_of_the_bare_integrator_bit_for_bit():
     from polhode.scenes import scene_file
 
     ours = polhode.integrate(
-        scene_file.parse(
-            "schema = 1\n[body]\nmoments = [2, 3, 4]\n[start]\nomega = [0.3, 0.4, 1.1]\n"
-            'gamma = ["2/7", "3/7", "6/7"]\n[run]\nend = 1000\nsamples = 11\n'
-        ),
+        scene_file.parse(heavy_file("1000", samples=11, weight="0")),
         project=False,
     )
     theirs = bare.propagate_grid(np.linspace(0, 1000, 11))

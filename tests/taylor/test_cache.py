@@ -13,10 +13,8 @@ from pathlib import Path
 
 import pytest
 
-SCENE = (
-    "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
-    'omega = [0.3, 0.4, 1.1]\ngamma = ["2/7", "3/7", "6/7"]\n[run]\nend = 5\nsamples = 3\n'
-)
+from shared.motions import heavy_file
+
 UNPRIVILEGED = ["setpriv", "--bounding-set", "-dac_override", "--inh-caps", "-dac_override"]
 
 
@@ -44,7 +42,7 @@ def polhode(arguments, cwd, cache, before=(), limit=None, **environment):
 def home(tmp_path_factory):
     """A folder with a scene, a good cache, and what a run of the scene prints."""
     folder = tmp_path_factory.mktemp("cache")
-    (folder / "scene.toml").write_text(SCENE)
+    (folder / "scene.toml").write_text(heavy_file("5", samples=3))
     done = polhode(["run", "scene.toml", "--json"], folder, folder / "good")
     assert done.returncode == 0, done.stderr
     assert (folder / "good" / "cache.db").stat().st_size > 10_000

@@ -236,7 +236,8 @@ def test_corrections_depend_on_no_output_time_and_no_chunk(monkeypatch):
     assert len(many.times) == 12_001
     assert len(lumped.times) == 151
     assert np.max(np.abs(many.states[-1] - one.states[-1])) < 1e-14
-    for run in (many, lumped):
+    some = replace(many, times=many.times[::240], states=many.states[::240])
+    for run in (some, lumped):
         assert polhode.compare(run).worst > 13
     change_policy(monkeypatch, chunk=5)
     assert polhode.integrate(scene, at=[300], project=7).projection.count == one.projection.count

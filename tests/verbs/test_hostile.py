@@ -13,16 +13,9 @@ import pytest
 
 from polhode import cli
 from polhode.common import files
+from shared.motions import free_file
 
-TOP = """schema = 1
-[body]
-moments = [2, 3, 4]
-[start]
-omega = [0.3, -0.4, 1.1]
-gamma = [0.6, 0, 0.8]
-[run]
-at = [0, 1]
-"""
+TOP = free_file("at = [0, 1]")
 COMMAND = [sys.executable, "-m", "polhode"]
 
 

@@ -15,22 +15,12 @@ import pytest
 from polhode import cli
 from polhode.numbers.expression import decimal
 from polhode.scenes.words import STATE
+from shared.motions import free_file
 
 DONE, BAD_INPUT, NOT_REACHED = 0, 2, 3
 CASE = "euler/flat"  # cheap; gamma, a closed form, times 0 to 100
 
-SCENE = """
-schema = 1
-[body]
-moments = [2, 3, 4]
-[start]
-omega = [0.3, -0.4, 1.1]
-gamma = ["3/5", 0, "4/5"]
-[run]
-end = 2
-samples = 3
-outputs = ["angles", "attitude"]
-"""
+SCENE = free_file('end = 2\nsamples = 3\noutputs = ["angles", "attitude"]')
 
 
 @pytest.fixture(autouse=True)

@@ -14,11 +14,9 @@ import pytest
 
 import polhode
 from polhode import cli
+from shared.motions import heavy_file
 
-HEAVY = (
-    "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
-    'omega = [0.3, 0.4, 1.1]\ngamma = ["2/7", "3/7", "6/7"]\n[run]\nend = 20\nsamples = 3\n'
-)
+HEAVY = heavy_file(samples=3)
 
 
 @pytest.fixture

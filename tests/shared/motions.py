@@ -1,0 +1,48 @@
+"""Scenes that tests of many packages take.
+
+``heavy`` and ``free_file``: a body of moments 2, 3, 4.  ``asymmetric``: one of moments 2, 3/2, 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+from polhode.scenes import scene_file
+from polhode.scenes.body import Body
+from polhode.scenes.scene import Scene
+
+ASYMMETRIC = Body.of_moments(
+    (2, Fraction(3, 2), 1), (Fraction(3, 10), Fraction(1, 5), Fraction(1, 2)), 1
+)
+
+
+def heavy_file(end: str = "20", spin: str = "1.1", samples: int = 5, weight: str = "1") -> str:
+    """The scene file of a heavy body without any symmetry."""
+    return (
+        f"schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = {weight}\n"
+        f'[start]\nomega = [0.3, 0.4, {spin}]\ngamma = ["2/7", "3/7", "6/7"]\n'
+        f"[run]\nend = {end}\nsamples = {samples}\n"
+    )
+
+
+def heavy(end: str = "20", spin: str = "1.1", more: str = "", **changes: Any) -> Scene:
+    """The same as a scene named heavy.toml; ``more``: lines behind the last table."""
+    return scene_file.parse(heavy_file(end, spin, **changes) + more, "heavy.toml")
+
+
+def free_file(run: str) -> str:
+    """The scene file of a free body; ``run``: the lines of its last table."""
+    return (
+        "schema = 1\n[body]\nmoments = [2, 3, 4]\n"
+        f"[start]\nomega = [0.3, -0.4, 1.1]\ngamma = [0.6, 0, 0.8]\n[run]\n{run}\n"
+    )
+
+
+def asymmetric(spin: Any = 3, times: Sequence[Any] = (), rate: int = 1, **changes: Any) -> Scene:
+    """A heavy asymmetric body: regular with spin 3, chaotic with 1.1; all ``rate`` times faster."""
+    heavier = Body.of_moments(ASYMMETRIC.moments, ASYMMETRIC.centre, rate**2)
+    omega = tuple(rate * Fraction(w) for w in ("0.3", "0.2", spin))
+    start = {"omega": omega, "gamma": (Fraction(3, 5), 0, Fraction(4, 5))}
+    return Scene(heavier, times=tuple(times), **(start | changes))
