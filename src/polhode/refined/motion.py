@@ -1,0 +1,224 @@
+"""The front: a scene's states at exact times, to any number of digits, with their errors.
+
+A run in double goes ahead, block by block its intervals are refined, and each block starts from
+the exact state in which the one before ended.  The cost is linear in time, and what is held at a
+time is one run in double of some thousand steps, one block, and 300 bytes an interval for the
+error estimate.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from polhode.refined.base import Base, base
+from polhode.refined.block import WIDTH, Block, cut
+from polhode.refined.estimate import Estimate, Side, Stretch, estimate, made
+from polhode.refined.kernels import kernels
+from polhode.refined.limbs import Limbs
+from polhode.refined.problem import Problem, in_unit, out_of_unit, problem
+from polhode.refined.sweeps import Constants, Solved, solve
+from polhode.refined.tables import tables
+from polhode.refined.trouble import CannotRefine, TooFarOff, TooLong
+from polhode.scene import Scene
+
+STEPS_AN_INTERVAL = 6
+_DRIFT = 2e-11  # of the double run at a block's end, beyond which it restarts there
+_REDOS = 40  # of one block
+_RARE = 0.02  # of a block's intervals: so few are halved, of more the nodes are increased
+_MORE_NODES = 2
+
+#: Called now and then with the fraction of the time done and the steps of the run in double.
+Progress = Callable[[float, int], None]
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """What is asked of each interval: the error ``target`` of its end, in numbers of ``limbs``."""
+
+    target: float
+    limbs: Limbs
+    sweeps: int
+
+    def nodes(self, m: int) -> int:
+        """Gauss nodes on an interval of m steps.
+
+        Legendre coefficients of the field fall by exp(2 asinh(15/m)) from one to the next in their
+        square: measured over bodies of all kinds.
+        """
+        return math.ceil(-math.log(self.target / 100) / (2 * math.asinh(15 / m))) + 3
+
+    @property
+    def tail(self) -> float:
+        """The last Legendre coefficient that may stand."""
+        return 2 * math.sqrt(1e4 * self.target)
+
+
+QUAD = Accuracy(1e-34, Limbs(4, 24), 6)
+
+
+def accuracy(digits: int) -> Accuracy:
+    """Enough for so many digits on each interval; 34 are quad's."""
+    bits = math.ceil(digits * math.log2(10)) + 3
+    width = 24 if digits <= 34 else 23 if digits <= 60 else 22
+    count = max(4, math.ceil((bits - 44) / width) + 1)
+    return Accuracy(10.0**-digits, Limbs(count, width), 3 + math.ceil(digits / 10))
+
+
+@dataclass(frozen=True)
+class Motion:
+    """States at the times asked for, in the form's axes and the scene's own unit of time.
+
+    ``states``: a row (w1 w2 w3 g1 g2 g3) a time, integers times 2**-``bits``.  ``estimate``: their
+    errors and the condition kappa.  ``steps``: of the run in double.
+    """
+
+    times: tuple[Fraction, ...]
+    states: list[list[int]]
+    bits: int
+    estimate: Estimate
+    steps: int
+    intervals: int
+    sweeps: float
+
+    def exactly(self, i: int) -> list[Fraction]:
+        """The i-th state as rationals."""
+        return [Fraction(x, 1 << self.bits) for x in self.states[i]]
+
+
+def refine(
+    scene: Scene,
+    times: Sequence[Fraction],
+    wanted: Accuracy = QUAD,
+    m: int = STEPS_AN_INTERVAL,
+    progress: Progress | None = None,
+) -> Motion:
+    """The motion of a scene at times (its own unit), of one sign, away from 0, exact rationals.
+
+    ``m``: steps of the run in double to an interval; another one gives a run to compare with.
+    Raises CannotRefine where the motion cannot be refined, BadInput for another form than the
+    principal one.
+    """
+    backward = times[-1] < 0
+    exact = problem(scene, wanted.limbs.finest + 64, backward)
+    run = _Run(exact, [abs(t) for t in times], wanted, m)
+    run.to_the_end(progress)
+    states = run.found
+    if backward:
+        states = [[-x for x in row[:3]] + row[3:] for row in states]
+    errors = estimate(run.stretches, run.sides, 2.0**-wanted.limbs.bits)
+    count = sum(len(stretch.made) for stretch in run.stretches) + len(run.sides)
+    bits = wanted.limbs.finest
+    sweeps = run.sweeps / max(1, run.blocks)
+    return Motion(tuple(times), states, bits, errors, run.steps, count, sweeps)
+
+
+class _Run:
+    """A refinement under way: an exact state at an edge of the present run in double."""
+
+    def __init__(
+        self, exact: Problem, times: Sequence[Fraction], wanted: Accuracy, m: int
+    ) -> None:
+        self.problem, self.times, self.wanted, self.m = exact, times, wanted, m
+        self.found: list[list[int]] = []
+        self.stretches: list[Stretch] = []
+        self.sides: list[Side] = []
+        self.steps = self.sweeps = self.blocks = 0
+        self._state = exact.state
+        self._origin = Fraction(0)
+        self._width = WIDTH
+        self._edges_passed = 0
+        self._nodes = wanted.nodes(m)
+
+    def to_the_end(self, progress: Progress | None) -> None:
+        """Base after base, until every output is there."""
+        while len(self.found) < len(self.times):
+            now = base(self.problem, self._state, self._origin, self.times[-1], self.m)
+            self.steps += now.steps
+            self._constants = self._in_unit(now.unit)
+            self._through(now, progress)
+
+    def _in_unit(self, unit: int) -> Constants:
+        limbs = self.wanted.limbs
+        split = np.array([limbs.split(k) for k in self.problem.coefficients_in(unit)])
+        table = tables(limbs, self._nodes)
+        return Constants(
+            limbs, kernels(limbs), table, split, self.wanted.target, self.wanted.sweeps
+        )
+
+    def _through(self, now: Base, progress: Progress | None) -> None:
+        """The blocks of one base, until its end or until it has drifted too far."""
+        limbs = self.wanted.limbs
+        state = np.array([limbs.split(x) for x in in_unit(self._state, now.unit)])
+        clocks = [now.clock(t) for t in self.times[len(self.found) :]]
+        edges, at, redos = now.edges, 0, 0
+        while clocks:
+            block = cut(now, edges, at, self._width, clocks, state, limbs)
+            try:
+                solved = solve(self._constants, block.intervals(self._constants.tables.nodes))
+                self._check_tails(solved)
+            except TooFarOff as far:
+                if far.good < 1:
+                    raise CannotRefine("the run in double drifts within one interval") from None
+                self._width = far.good
+            except TooLong as long:
+                edges = np.insert(edges, *block.halves(long.which, at))
+            except _TooFewNodes:
+                self._nodes += _MORE_NODES
+                self._constants = self._in_unit(now.unit)
+            else:
+                redos = -1
+                self._keep(block, solved, now.unit)
+                clocks = clocks[len(block.clocks) :]
+                at += block.chain
+                state = limbs.renormalised(solved.states[:, :, block.chain])
+                self._width = min(2 * self._width, WIDTH)
+                drifted = block.chain and solved.drift[block.chain - 1] > _DRIFT
+                if drifted or (at == len(edges) - 1 and not now.final):
+                    break
+                if progress is not None:
+                    progress(float(now.time(edges[at]) / self.times[-1]), self.steps)
+            redos += 1
+            if redos > _REDOS:
+                raise CannotRefine("a block cannot be refined")
+        self._state = out_of_unit([limbs.value(x) for x in state], now.unit)
+        self._origin = now.time(edges[at])
+
+    def _check_tails(self, solved: Solved) -> None:
+        """Raise TooLong or _TooFewNodes where the nodes do not resolve the motion."""
+        large = solved.tails > self.wanted.tail
+        if large.mean() > _RARE:
+            raise _TooFewNodes
+        if large.any():
+            raise TooLong(large)
+
+    def _keep(self, block: Block, solved: Solved, unit: int) -> None:
+        """Outputs and error estimate of a block."""
+        limbs, chain, scale = self.wanted.limbs, block.chain, 2.0**unit
+        ends = solved.states[:, :, block.chain + 1 :]
+        for c in range(len(block.clocks)):
+            whole = [limbs.integer(ends[v, :, c]) for v in range(6)]
+            self.found.append([_shifted(x, unit) for x in whole[:3]] + whole[3:])
+        ratio = np.array([scale] * 3 + [1.0] * 3)
+        transitions = solved.transitions * (ratio[:, None] / ratio)
+        errors = made(solved.unfinished, solved.tails)
+        if chain:
+            self.stretches.append(Stretch(transitions[:chain], errors[:chain], scale))
+        for i, parent in enumerate(block.parents, start=chain):
+            edge = self._edges_passed + int(parent)
+            self.sides.append(Side(edge, transitions[i], float(errors[i]), scale))
+        self._edges_passed += chain
+        self.sweeps += solved.sweeps
+        self.blocks += 1
+
+
+class _TooFewNodes(Exception):
+    """Many intervals of a block need more nodes."""
+
+
+def _shifted(x: int, by: int) -> int:
+    return x << by if by >= 0 else x >> -by

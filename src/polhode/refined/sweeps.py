@@ -1,0 +1,266 @@
+"""The sweeps over a block of intervals: exact defects, corrections in double.
+
+On every interval, S the state at its start, the stages X_j and the end X satisfy
+
+    X_j = S + sum_i A_ji H f(X_i),    X = S + sum_i b_i H f(X_i),
+
+Gauss collocation, whose ends are good to the square of what the stages neglect.  Of the present x,
+the defect r = S + A H f(x) - x is computed in limbs; the correction E of x, e of S then solves
+
+    E = e + r + A (H J E),    e' = e + r_end + b (H J E),
+
+in double, to first order.  The transition of an interval follows from Y(t), the inverse of the
+state's derivative by the state at the middle, Y' = -Y J: with it e' = Phi e + delta without any
+iteration, Phi = Y(1)^-1 Y(0), delta = r_end + Y(1)^-1 sum_j b_j Y_j H J r_j.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from polhode.refined.chain import Chain
+from polhode.refined.kernels import COEFFICIENTS, VARIABLES, Kernels
+from polhode.refined.limbs import Limbs
+from polhode.refined.tables import LARGEST_FIELD, Tables
+from polhode.refined.trouble import CannotRefine, TooFarOff, TooLong
+
+_TURNS = 60  # of an iteration
+_TRANSITIONS = 3e-12  # to which the transition matrices are iterated
+_STAGES = 1e-11  # to which corrections of the stages are, relative to the largest
+_FAR, _NEAR = 3e-9, 1e-9  # drift of the run in double that is not put up with, and that is
+_SLOWEST = 10.0  # a sweep must reduce the defect by as much
+_FIRST = 1e-12  # of relative error of a correction, beside what is known
+_LOOK = 3  # turns between two looks at an iteration's change
+
+
+@dataclass(frozen=True, eq=False)
+class Constants:
+    """What all blocks of a run share: the numbers' kind, compiled functions, tables, the body's
+    coefficients as limbs (9, L), the error wanted on each interval, the sweeps allowed."""
+
+    limbs: Limbs
+    kernels: Kernels
+    tables: Tables
+    coefficients: Any
+    target: float
+    sweeps: int
+
+
+@dataclass(frozen=True, eq=False)
+class Intervals:
+    """N intervals: a chain of K, one after the other, and others that nothing depends on.
+
+    ``states``: limbs (6, L, slots) of the states at ends; the first ``known`` are final, the
+    others guesses.  Interval i starts at slot ``starts[i]`` and ends at slot known + i; the first
+    K of them are a chain.  ``guess``: stages (6, M, N) in double; ``lengths``: limbs (L, N) of H.
+    """
+
+    states: Any
+    known: int
+    starts: Any
+    chain: int
+    guess: Any
+    lengths: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A block's final states, and what its error estimate is made of; arrays over the intervals.
+
+    ``drift``: how far the guess was off, at each end (N,).  ``unfinished``: error left of the
+    last correction.  ``tails``: last Legendre coefficients of H f.  ``transitions``: (N, 6, 6).
+    """
+
+    states: Any
+    drift: Any
+    unfinished: Any
+    tails: Any
+    transitions: Any
+    sweeps: int
+
+
+def solve(constants: Constants, work: Intervals) -> Solved:
+    """Sweep until the error left is below the target.
+
+    Raises TooFarOff, TooLong or CannotRefine.
+    """
+    sweep = _Sweep(constants, work)
+    first = drift = before = None
+    for count in range(1, constants.sweeps + 1):
+        defect, end_defect, tails = sweep.defects()
+        e = sweep.ends(defect, end_defect)
+        errors = np.abs(e).max(axis=0)
+        if first is None:
+            _check_drift(errors, work)
+            drift = errors[work.known :].copy()
+        sweep.move_ends(e)
+        size = np.abs(defect).max(axis=(0, 1))
+        rho = size.max(initial=0.0)
+        largest = max(rho, errors.max(initial=0.0))
+        if not np.isfinite(largest) or (before is not None and rho > before / _SLOWEST):
+            raise CannotRefine("the sweeps do not converge")
+        if first is None:
+            first = largest
+        relative = sweep.change + first + _FIRST
+        if count >= 2 and largest * relative < constants.target:
+            unfinished = np.maximum(size, errors[work.starts]) * relative
+            return Solved(sweep.states, drift, unfinished, tails, sweep.transitions, count)
+        sweep.move_stages(defect, e)
+        before = rho
+    raise CannotRefine("the sweeps do not converge")
+
+
+def _check_drift(errors: Any, work: Intervals) -> None:
+    far = errors[work.known : work.known + work.chain]
+    if not np.isfinite(errors).all() or errors.max(initial=0.0) > _FAR:
+        off = ~(far < _NEAR)
+        raise TooFarOff(int(off.argmax()) if off.any() else work.chain)
+
+
+class _Sweep:
+    """The arrays of a block under way: states at ends and stages, and the transitions."""
+
+    def __init__(self, constants: Constants, work: Intervals) -> None:
+        self.constants, self.work = constants, work
+        self.states = work.states.copy()
+        guess = work.guess
+        _, self.nodes, self.count = guess.shape
+        size = self.nodes * self.count
+        limbs = constants.limbs
+        self.stages = np.ascontiguousarray(limbs.split_doubles(guess).swapaxes(0, 1))
+        # the kernels' inputs are filled in place: x, and after it what they act on
+        self._push = np.empty((2 * VARIABLES, size))
+        self._push[:VARIABLES] = guess.reshape(VARIABLES, size)
+        self._gather = np.empty((2 * VARIABLES + VARIABLES**2, size))
+        self._gather[:VARIABLES] = self._push[:VARIABLES]
+        self._fill_parameters()
+        self._transitions(guess)
+
+    def _fill_parameters(self) -> None:
+        limbs, coefficients = self.constants.limbs, self.constants.coefficients
+        shape = (COEFFICIENTS + 1, limbs.count, self.nodes, self.count)
+        exact = np.empty(shape)
+        exact[:COEFFICIENTS] = coefficients[:, :, None, None]
+        exact[COEFFICIENTS] = self.work.lengths[:, None, :]
+        self._exact = exact.reshape(shape[0] * shape[1], -1)
+        self.lengths = self.work.lengths.sum(axis=0)
+        plain = np.empty((COEFFICIENTS + 1, self.nodes, self.count))
+        plain[:COEFFICIENTS] = coefficients.sum(axis=1)[:, None, None]
+        plain[COEFFICIENTS] = self.lengths
+        self._plain = plain.reshape(COEFFICIENTS + 1, -1)
+
+    def _transitions(self, guess: Any) -> None:
+        """Y on the coarse nodes by Picard's iteration, then everywhere."""
+        tables, n = self.constants.tables, self.count
+        coarse = len(tables.coarse)
+        given = np.empty((VARIABLES + VARIABLES**2, coarse * n))
+        np.matmul(tables.thinned, guess, out=given[:VARIABLES].reshape(VARIABLES, coarse, n))
+        y = given[VARIABLES:].reshape(VARIABLES**2, coarse, n)
+        one = np.eye(VARIABLES).reshape(-1, 1, 1)
+        y[:] = one
+        parameters = self._plain.reshape(COEFFICIENTS + 1, self.nodes, n)[:, :coarse]
+        parameters = np.ascontiguousarray(parameters).reshape(COEFFICIENTS + 1, -1)
+        pushed = np.empty((VARIABLES**2, coarse * n))
+        rates = pushed.reshape(VARIABLES**2, coarse, n)
+        following = np.empty_like(rates)
+        for turn in range(1, _TURNS + 1):
+            self.constants.kernels.costate(given, pars=parameters, outputs=pushed)
+            np.matmul(tables.coarse, rates, out=following)
+            np.subtract(one, following, out=following)
+            look = turn % _LOOK == 0
+            if look:
+                self.change = float(np.abs(following - y).max())
+            y[:] = following
+            if look and self.change < _TRANSITIONS:
+                break
+        else:
+            raise CannotRefine("transition matrices do not converge")
+        self.constants.kernels.costate(given, pars=parameters, outputs=pushed)
+        fine = tables.fine
+        inner = self._gather[2 * VARIABLES :].reshape(VARIABLES**2, self.nodes, n)
+        np.matmul(fine[: self.nodes], rates, out=inner)
+        np.subtract(one, inner, out=inner)
+        ends = one - np.matmul(fine[self.nodes :], rates)  # (36, 2, N)
+        start, end = (
+            np.ascontiguousarray(ends[:, i].T).reshape(n, VARIABLES, VARIABLES) for i in (0, 1)
+        )
+        self._back = np.linalg.inv(end)
+        self.transitions = self._back @ start
+        self._chain = Chain(self.transitions[: self.work.chain])
+
+    def defects(self) -> tuple[Any, Any, Any]:
+        """r at the stages (6, M, N), at the ends (6, N), and the last Legendre coefficients (N,).
+
+        The large parts cancel first: each partial sum is as short as what is left of it.
+        """
+        limbs, tables = self.constants.limbs, self.constants.tables
+        field = np.empty((VARIABLES, limbs.count, self.nodes, self.count))
+        self.constants.kernels.field(
+            self.stages.reshape(VARIABLES * limbs.count, -1),
+            pars=self._exact,
+            outputs=field.reshape(VARIABLES * limbs.count, -1),
+        )
+        self._check_field(field)
+        levels, tail = tables.integrated(field)
+        start = self.states[:, :, self.work.starts]
+        end = self.states[:, :, self.work.known :]
+        m = self.nodes
+        r = (start[:, 0, None] - self.stages[:, 0]) + levels[0][:, :m]
+        r_end = (start[:, 0] - end[:, 0]) + levels[0][:, m]
+        for i, level in enumerate([*levels[1:], tail], start=1):
+            r += start[:, i, None] - self.stages[:, i]
+            r += level[:, :m]
+            r_end += start[:, i] - end[:, i]
+            r_end += level[:, m]
+        return r, r_end, tables.last_coefficients(levels, tail)
+
+    def _check_field(self, field: Any) -> None:
+        largest = np.abs(field[:, 0]).max(axis=(0, 1))
+        if not (largest <= LARGEST_FIELD).all():
+            if not np.isfinite(largest).all():
+                raise CannotRefine("a stage became infinite")
+            raise TooLong(largest > LARGEST_FIELD)
+
+    def ends(self, defect: Any, end_defect: Any) -> Any:
+        """e at every slot, (6, slots)."""
+        gather = self._gather
+        gather[VARIABLES : 2 * VARIABLES] = defect.reshape(VARIABLES, -1)
+        gathered = np.empty((VARIABLES, self.nodes * self.count))
+        self.constants.kernels.gather(gather, pars=self._plain, outputs=gathered)
+        sums = self.constants.tables.weights @ gathered.reshape(VARIABLES, self.nodes, self.count)
+        delta = end_defect.T + np.matmul(self._back, sums.T[:, :, None])[:, :, 0]  # (N, 6)
+        work, chain = self.work, self.work.chain
+        e = np.zeros((work.known + self.count, VARIABLES))
+        if chain:
+            e[work.known : work.known + chain] = self._chain.solve(delta[:chain])
+        begin = e[work.starts[chain:], :, None]
+        e[work.known + chain :] = (self.transitions[chain:] @ begin)[:, :, 0] + delta[chain:]
+        return e.T
+
+    def move_ends(self, e: Any) -> None:
+        """Add e to the states at the ends."""
+        self.constants.limbs.adjust(self.states.swapaxes(0, 1), e)
+
+    def move_stages(self, defect: Any, e: Any) -> None:
+        """Add the corrections E to the stages, from E = r + e by Picard's iteration."""
+        shape = (VARIABLES, self.nodes, self.count)
+        source = defect + e[:, None, self.work.starts]
+        correction = self._push[VARIABLES:].reshape(shape)
+        correction[:] = source
+        pushed, following = np.empty((VARIABLES, self.nodes * self.count)), np.empty(shape)
+        enough = _STAGES * float(np.abs(source).max(initial=0.0))
+        for turn in range(1, _TURNS + 1):
+            self.constants.kernels.push(self._push, pars=self._plain, outputs=pushed)
+            np.matmul(self.constants.tables.integrals, pushed.reshape(shape), out=following)
+            following += source
+            look = turn % _LOOK == 0
+            change = float(np.abs(following - correction).max(initial=0.0)) if look else 0.0
+            correction[:] = following
+            if look and change <= enough:
+                break
+        else:
+            raise CannotRefine("corrections do not converge")
+        self.constants.limbs.adjust(self.stages.swapaxes(0, 1), correction)
