@@ -35,8 +35,8 @@ class Kernels(NamedTuple):
     """Compiled functions; arguments and results are rows, a column a node.
 
     ``field``: 6 L limbs of x -> 6 L limbs of H f(x); parameters 10 L, limbs of k1 ... k9 and H.
-    ``push``: x, E -> H J(x) E (6).  ``costate``: x, Y by rows -> H Y J(x) (36).
-    ``gather``: x, r, Y -> Y (H J(x) r) (6).  These three in double, parameters k1 ... k9, H.
+    ``push``: x, a, b -> H J(x) (a + b) (6).  ``costate``: x, Y - 1 by rows -> -H Y J(x) (36).
+    ``gather``: x, r, Y - 1 -> Y (H J(x) r) (6).  These three in double, parameters k1 ... k9, H.
     """
 
     field: Any
@@ -108,18 +108,17 @@ def _pushed(x: Sequence[Any], e: Sequence[Any]) -> list[Any]:
 
 
 def _push() -> Any:
-    x, e = (hy.make_vars(*_names(letter, VARIABLES)) for letter in "xe")
-    return hy.cfunc(_pushed(x, e), [*x, *e])
+    x, a, b = (hy.make_vars(*_names(letter, VARIABLES)) for letter in "xab")
+    return hy.cfunc(_pushed(x, [p + q for p, q in zip(a, b, strict=True)]), [*x, *a, *b])
 
 
 def _costate() -> Any:
     x, y = hy.make_vars(*_names("x", VARIABLES)), hy.make_vars(*_names("y", VARIABLES**2))
-    length = hy.par[COEFFICIENTS]
+    length = -hy.par[COEFFICIENTS]
     entries = {at: length * entry for at, entry in _jacobian(x).items()}
-    rows = [y[i : i + VARIABLES] for i in range(0, len(y), VARIABLES)]
     found = [
         _added([row[i] * entry for (i, j), entry in entries.items() if j == column])
-        for row in rows
+        for row in _with_one(y)
         for column in range(VARIABLES)
     ]
     return hy.cfunc(found, [*x, *y])
@@ -129,9 +128,16 @@ def _gather() -> Any:
     x, r = (hy.make_vars(*_names(letter, VARIABLES)) for letter in "xr")
     y = hy.make_vars(*_names("y", VARIABLES**2))
     pushed = _pushed(x, r)
-    rows = [y[i : i + VARIABLES] for i in range(0, len(y), VARIABLES)]
-    found = [_added([a * b for a, b in zip(row, pushed, strict=True)]) for row in rows]
+    found = [_added([a * b for a, b in zip(row, pushed, strict=True)]) for row in _with_one(y)]
     return hy.cfunc(found, [*x, *r, *y])
+
+
+def _with_one(y: list[Any]) -> list[list[Any]]:
+    """The rows of 1 + y."""
+    return [
+        [y[VARIABLES * i + j] + 1.0 if i == j else y[VARIABLES * i + j] for j in range(VARIABLES)]
+        for i in range(VARIABLES)
+    ]
 
 
 def _added(terms: list[Any]) -> Any:

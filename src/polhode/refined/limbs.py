@@ -37,9 +37,11 @@ class Limbs:
 
     @property
     def bits(self) -> int:
-        """Bits behind the point that sums and products keep: the last limb's own arithmetic is
-        in double, on numbers 2**-(width·(count - 1)) in size, and loses nine of its 53."""
-        return self.width * (self.count - 1) + 44
+        """Bits behind the point to which products are right.
+
+        They neglect what has an index sum above count + 2, 2**-(width·(count + 1)) and less.
+        """
+        return self.width * (self.count + 1) - 4
 
     @property
     def finest(self) -> int:
@@ -110,7 +112,7 @@ class Levels:
     """A sum of products of limbs before it is one number: by the sum of the limbs' indices.
 
     ``exact``: the sums for index sums 2 to L, each exact.  ``tail``: what index sums L + 1 and
-    L + 2 add up to, in double.  Those above are below 2**-44 of the last limb's size.
+    L + 2 add up to, in double.  Those above are neglected.
     """
 
     def __init__(self, exact: list[Any], tail: Any) -> None:

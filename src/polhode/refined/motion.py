@@ -18,11 +18,10 @@ import numpy as np
 from polhode.refined.base import Base, base
 from polhode.refined.block import WIDTH, Block, cut
 from polhode.refined.estimate import Estimate, Side, Stretch, estimate, made
-from polhode.refined.kernels import kernels
 from polhode.refined.limbs import Limbs
 from polhode.refined.problem import Problem, in_unit, out_of_unit, problem
+from polhode.refined.self_test import trusted_kernels, trusted_tables
 from polhode.refined.sweeps import Constants, Solved, solve
-from polhode.refined.tables import tables
 from polhode.refined.trouble import CannotRefine, TooFarOff, TooLong
 from polhode.scene import Scene
 
@@ -65,7 +64,7 @@ def accuracy(digits: int) -> Accuracy:
     """Enough for so many digits on each interval; 34 are quad's."""
     bits = math.ceil(digits * math.log2(10)) + 3
     width = 24 if digits <= 34 else 23 if digits <= 60 else 22
-    count = max(4, math.ceil((bits - 44) / width) + 1)
+    count = max(4, math.ceil((bits + 4) / width) - 1)
     return Accuracy(10.0**-digits, Limbs(count, width), 3 + math.ceil(digits / 10))
 
 
@@ -145,9 +144,13 @@ class _Run:
     def _in_unit(self, unit: int) -> Constants:
         limbs = self.wanted.limbs
         split = np.array([limbs.split(k) for k in self.problem.coefficients_in(unit)])
-        table = tables(limbs, self._nodes)
         return Constants(
-            limbs, kernels(limbs), table, split, self.wanted.target, self.wanted.sweeps
+            limbs,
+            trusted_kernels(limbs),
+            trusted_tables(limbs, self._nodes),
+            split,
+            self.wanted.target,
+            self.wanted.sweeps,
         )
 
     def _through(self, now: Base, progress: Progress | None) -> None:

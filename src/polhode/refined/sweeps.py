@@ -16,6 +16,7 @@ iteration, Phi = Y(1)^-1 Y(0), delta = r_end + Y(1)^-1 sum_j b_j Y_j H J r_j.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,7 +30,8 @@ from polhode.refined.trouble import CannotRefine, TooFarOff, TooLong
 
 _TURNS = 60  # of an iteration
 _TRANSITIONS = 3e-12  # to which the transition matrices are iterated
-_STAGES = 1e-11  # to which corrections of the stages are, relative to the largest
+_STAGES = 1e-11  # to which corrections of the stages are at best, relative to the largest
+_COARSE = 1e-4  # and at least
 _FAR, _NEAR = 3e-9, 1e-9  # drift of the run in double that is not put up with, and that is
 _SLOWEST = 10.0  # a sweep must reduce the defect by as much
 _FIRST = 1e-12  # of relative error of a correction, beside what is known
@@ -108,9 +110,19 @@ def solve(constants: Constants, work: Intervals) -> Solved:
         if count >= 2 and largest * relative < constants.target:
             unfinished = np.maximum(size, errors[work.starts]) * relative
             return Solved(sweep.states, drift, unfinished, tails, sweep.transitions, count)
-        sweep.move_stages(defect, e)
+        sweep.move_stages(defect, e, _enough(largest, relative, constants.target))
         before = rho
     raise CannotRefine("the sweeps do not converge")
+
+
+def _enough(largest: float, relative: float, target: float) -> float:
+    """How well to solve for the stages: the defect left, times ``relative``, should be below the
+    target, after as few more sweeps as possible, all of them solved equally well."""
+    needed = 0.1 * target / (largest * relative) if largest else 1.0
+    sweeps = 1
+    while needed ** (1 / sweeps) < _STAGES:
+        sweeps += 1
+    return min(_COARSE, needed ** (1 / sweeps))
 
 
 def _check_drift(errors: Any, work: Intervals) -> None:
@@ -132,7 +144,7 @@ class _Sweep:
         limbs = constants.limbs
         self.stages = np.ascontiguousarray(limbs.split_doubles(guess).swapaxes(0, 1))
         # the kernels' inputs are filled in place: x, and after it what they act on
-        self._push = np.empty((2 * VARIABLES, size))
+        self._push = np.empty((3 * VARIABLES, size))
         self._push[:VARIABLES] = guess.reshape(VARIABLES, size)
         self._gather = np.empty((2 * VARIABLES + VARIABLES**2, size))
         self._gather[:VARIABLES] = self._push[:VARIABLES]
@@ -153,39 +165,28 @@ class _Sweep:
         self._plain = plain.reshape(COEFFICIENTS + 1, -1)
 
     def _transitions(self, guess: Any) -> None:
-        """Y on the coarse nodes by Picard's iteration, then everywhere."""
+        """Y - 1 on the coarse nodes by Picard's iteration, then everywhere."""
         tables, n = self.constants.tables, self.count
-        coarse = len(tables.coarse)
-        given = np.empty((VARIABLES + VARIABLES**2, coarse * n))
+        coarse, costate = len(tables.coarse), self.constants.kernels.costate
+        given = np.zeros((VARIABLES + VARIABLES**2, coarse * n))
         np.matmul(tables.thinned, guess, out=given[:VARIABLES].reshape(VARIABLES, coarse, n))
         y = given[VARIABLES:].reshape(VARIABLES**2, coarse, n)
-        one = np.eye(VARIABLES).reshape(-1, 1, 1)
-        y[:] = one
         parameters = self._plain.reshape(COEFFICIENTS + 1, self.nodes, n)[:, :coarse]
         parameters = np.ascontiguousarray(parameters).reshape(COEFFICIENTS + 1, -1)
         pushed = np.empty((VARIABLES**2, coarse * n))
         rates = pushed.reshape(VARIABLES**2, coarse, n)
-        following = np.empty_like(rates)
-        for turn in range(1, _TURNS + 1):
-            self.constants.kernels.costate(given, pars=parameters, outputs=pushed)
-            np.matmul(tables.coarse, rates, out=following)
-            np.subtract(one, following, out=following)
-            look = turn % _LOOK == 0
-            if look:
-                self.change = float(np.abs(following - y).max())
-            y[:] = following
-            if look and self.change < _TRANSITIONS:
-                break
-        else:
-            raise CannotRefine("transition matrices do not converge")
-        self.constants.kernels.costate(given, pars=parameters, outputs=pushed)
-        fine = tables.fine
+
+        def turn() -> None:
+            costate(given, pars=parameters, outputs=pushed)
+            np.matmul(tables.coarse, rates, out=y)
+
+        self.change = _iterated(turn, y, _TRANSITIONS)
+        costate(given, pars=parameters, outputs=pushed)
         inner = self._gather[2 * VARIABLES :].reshape(VARIABLES**2, self.nodes, n)
-        np.matmul(fine[: self.nodes], rates, out=inner)
-        np.subtract(one, inner, out=inner)
-        ends = one - np.matmul(fine[self.nodes :], rates)  # (36, 2, N)
+        np.matmul(tables.fine[: self.nodes], rates, out=inner)
+        ends = np.matmul(tables.fine[self.nodes :], rates)  # (36, 2, N)
         start, end = (
-            np.ascontiguousarray(ends[:, i].T).reshape(n, VARIABLES, VARIABLES) for i in (0, 1)
+            np.eye(VARIABLES) + ends[:, i].T.reshape(n, VARIABLES, VARIABLES) for i in (0, 1)
         )
         self._back = np.linalg.inv(end)
         self.transitions = self._back @ start
@@ -244,23 +245,34 @@ class _Sweep:
         """Add e to the states at the ends."""
         self.constants.limbs.adjust(self.states.swapaxes(0, 1), e)
 
-    def move_stages(self, defect: Any, e: Any) -> None:
-        """Add the corrections E to the stages, from E = r + e by Picard's iteration."""
+    def move_stages(self, defect: Any, e: Any, enough: float) -> None:
+        """Add the corrections E to the stages, by Picard's iteration of E - (r + e) from 0."""
         shape = (VARIABLES, self.nodes, self.count)
-        source = defect + e[:, None, self.work.starts]
-        correction = self._push[VARIABLES:].reshape(shape)
-        correction[:] = source
-        pushed, following = np.empty((VARIABLES, self.nodes * self.count)), np.empty(shape)
-        enough = _STAGES * float(np.abs(source).max(initial=0.0))
-        for turn in range(1, _TURNS + 1):
+        source = self._push[VARIABLES : 2 * VARIABLES].reshape(shape)
+        np.add(defect, e[:, None, self.work.starts], out=source)
+        rest = self._push[2 * VARIABLES :].reshape(shape)
+        rest[:] = 0.0
+        pushed = np.empty((VARIABLES, self.nodes * self.count))
+
+        def turn() -> None:
             self.constants.kernels.push(self._push, pars=self._plain, outputs=pushed)
-            np.matmul(self.constants.tables.integrals, pushed.reshape(shape), out=following)
-            following += source
-            look = turn % _LOOK == 0
-            change = float(np.abs(following - correction).max(initial=0.0)) if look else 0.0
-            correction[:] = following
-            if look and change <= enough:
-                break
-        else:
-            raise CannotRefine("corrections do not converge")
-        self.constants.limbs.adjust(self.stages.swapaxes(0, 1), correction)
+            np.matmul(self.constants.tables.integrals, pushed.reshape(shape), out=rest)
+
+        _iterated(turn, rest, enough * float(np.abs(source).max(initial=0.0)))
+        self.constants.limbs.adjust(self.stages.swapaxes(0, 1), source + rest)
+
+
+def _iterated(turn: Callable[[], None], values: Any, enough: float) -> float:
+    """Take turns that renew ``values`` until one changes them by no more than that; its change."""
+    for _ in range(0, _TURNS, _LOOK):
+        for _ in range(_LOOK - 1):
+            turn()
+        before = values.copy()
+        turn()
+        before -= values
+        change = max(float(before.max(initial=0.0)), -float(before.min(initial=0.0)))
+        if change <= enough:
+            return change
+        if not np.isfinite(change):
+            break
+    raise CannotRefine("an iteration does not converge")

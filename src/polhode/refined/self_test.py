@@ -1,0 +1,124 @@
+"""Before a process refines anything: are the compiled field and the products by levels exact here?
+
+Only these two, and the arithmetic of limbs, decide which digits come out; a fault in what corrects
+the stages would show as sweeps that do not converge.  A compiler that contracts or reassociates,
+a damaged cache of compiled code, a BLAS of fewer digits: all would show here.
+"""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from polhode.refined.kernels import COEFFICIENTS, FIELD_SHIFT, VARIABLES, Kernels, kernels
+from polhode.refined.limbs import Limbs
+from polhode.refined.tables import LARGEST_FIELD, Tables, tables
+from polhode.refined.trouble import CannotRefine
+
+NODES = 8  # that the field is tried at
+LONGEST = 16  # H
+_COLUMNS = 2
+
+
+@cache
+def trusted_kernels(limbs: Limbs) -> Kernels:
+    """The compiled functions, tried; raises CannotRefine."""
+    found = kernels(limbs)
+    if field_error(found, limbs) > 2.0**-limbs.bits:
+        raise CannotRefine("the compiled field fails its self-test")
+    return found
+
+
+@cache
+def trusted_tables(limbs: Limbs, nodes: int) -> Tables:
+    """The tables for so many nodes, their products tried; raises CannotRefine."""
+    try:
+        found = tables(limbs, nodes)
+    except ValueError as fault:
+        raise CannotRefine(str(fault)) from None
+    if not products_are_exact(found, limbs):
+        raise CannotRefine("matrix products in double fail their self-test")
+    return found
+
+
+def field_error(compiled: Kernels, limbs: Limbs, nodes: int = NODES, seed: int = 1) -> float:
+    """The largest error of H f, over max(1, H), at random states; all in integers beside it."""
+    draw = random.Random(seed)
+    one = 1 << limbs.finest
+    k = [[draw.randint(-one, one) for _ in range(nodes)] for _ in range(COEFFICIENTS)]
+    x = [[draw.randint(-one, one) for _ in range(nodes)] for _ in range(VARIABLES)]
+    lengths, exact = [], []
+    for n in range(nodes):
+        rates = field([row[n] for row in x], [row[n] for row in k], one)
+        largest = max(1, *map(abs, rates))
+        most = int(LARGEST_FIELD) * one**4 // largest
+        length = min(draw.randint(0, LONGEST * one), most)
+        lengths.append(length)
+        exact.append([rate * length for rate in rates])
+    given = _columns(limbs, x)
+    parameters = _columns(limbs, [*k, lengths])
+    found = np.empty((VARIABLES * limbs.count, nodes))
+    compiled.field(given, pars=parameters, outputs=found)
+    if not np.isfinite(found).all():
+        return float("inf")
+    worst = Fraction(0)
+    for n in range(nodes):
+        for v in range(VARIABLES):
+            value = limbs.value(found[v * limbs.count : (v + 1) * limbs.count, n])
+            error = abs(value - Fraction(exact[n][v], one**4))
+            worst = max(worst, error / max(1, Fraction(lengths[n], one)))
+    return float(worst)
+
+
+def field(x: list[int], k: list[int], one: int) -> list[int]:
+    """The rates (3.29) in integers: x and k in units of 1/one, the rates in units of 1/one³."""
+    w, g = x[:3], x[3:]
+    found = []
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        weight = k[3 + 2 * a] * g[b] + k[4 + 2 * a] * g[c]
+        found.append(k[a] * w[b] * w[c] + one * weight)
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        found.append(one * (g[b] * w[c] - g[c] * w[b]))
+    return found
+
+
+def _columns(limbs: Limbs, rows: list[list[int]]) -> Any:
+    """Integers in units of 2**-finest as limbs, the limbs of a row one below the other."""
+    split = np.array([[limbs.split_integer(x) for x in row] for row in rows])
+    return np.ascontiguousarray(split.transpose(0, 2, 1).reshape(-1, len(rows[0])))
+
+
+def products_are_exact(table: Tables, limbs: Limbs, seed: int = 1) -> bool:
+    """Whether the levels of A·F equal integer arithmetic, bit for bit, for fields up to 4."""
+    kind = limbs.shifted(FIELD_SHIFT)
+    most = int(LARGEST_FIELD) << kind.finest
+    draw = random.Random(seed)
+    shape = (VARIABLES, len(table.nodes), _COLUMNS, limbs.count)
+    numbers = [kind.split_integer(draw.randint(-most, most)) for _ in range(np.prod(shape[:3]))]
+    given = np.ascontiguousarray(np.array(numbers).reshape(shape).transpose(0, 3, 1, 2))
+    levels, _ = table.integrated(given)
+    row = int(np.abs(table.levels[-1]).sum(axis=1).argmax())
+    return all(
+        level[0, row, 0] * 2.0 ** limbs.place(i + 2)
+        == exact_product(rows[row], given[0, :, :, 0], limbs)
+        for i, (level, rows) in enumerate(zip(levels, table.levels, strict=True))
+    )
+
+
+def exact_product(row: Any, field: Any, limbs: Limbs) -> int:
+    """A row of ``Tables.levels`` times the limbs (L, M) of a field, in units of its level."""
+    nodes = field.shape[1]
+    top = len(row) // nodes  # limbs A_top ... A_1 against F_1 ... F_top
+    table, kind = limbs.shifted(-FIELD_SHIFT), limbs.shifted(FIELD_SHIFT)
+    total = 0
+    for j in range(1, top + 1):
+        part = row[(j - 1) * nodes : j * nodes] * 2.0 ** table.place(top + 1 - j)
+        other = field[j - 1] * 2.0 ** kind.place(j)
+        total += sum(int(a) * int(f) for a, f in zip(part.tolist(), other.tolist(), strict=True))
+    return total
