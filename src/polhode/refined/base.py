@@ -10,13 +10,13 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from polhode.forms import principal
-from polhode.heyoka_types import EXPRESSIONS
-from polhode.idle import Idle
+from polhode.equations.forms import principal
 from polhode.refined.limbs import rounded
 from polhode.refined.problem import Problem, in_unit
 from polhode.refined.tables import LARGEST_FIELD
 from polhode.refined.trouble import CannotRefine
+from polhode.taylor.heyoka_numbers import EXPRESSIONS
+from polhode.taylor.pool import Idle
 
 STEPS = 8000  # of a base; its polynomials take a kilobyte a step
 _LOOKS, _PER_LOOK = 24, 20  # at the first steps, to guess the unit of time
@@ -98,9 +98,7 @@ def _length(span: Fraction, unit: int) -> float:
     return min(float(span * Fraction(2) ** unit), _LONGEST)
 
 
-def _first_guess(
-    ta: Any, problem: Problem, state: tuple[Fraction, ...], span: Fraction
-) -> int:
+def _first_guess(ta: Any, problem: Problem, state: tuple[Fraction, ...], span: Fraction) -> int:
     """The unit of time that the fastest |w| of the first steps asks for."""
     fastest = math.hypot(*map(float, state[:3]))
     unit = problem.unit(fastest)

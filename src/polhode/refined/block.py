@@ -71,7 +71,13 @@ class Block:
 
 
 def cut(
-    base: Base, edges: Any, at: int, width: int, clocks: Sequence[Fraction], state: Any, limbs: Limbs
+    base: Base,
+    edges: Any,
+    at: int,
+    width: int,
+    clocks: Sequence[Fraction],
+    state: Any,
+    limbs: Limbs,
 ) -> Block:
     """The block from the edge ``at``, of so many intervals or as many as the outputs leave room.
 

@@ -1,4 +1,4 @@
-"""The recursion e_{n+1} = Phi_n e_n + delta_n over a block's intervals, the one thing in sequence."""
+"""The recursion e_{n+1} = Phi_n e_n + delta_n over a block: the one thing in sequence."""
 
 from __future__ import annotations
 

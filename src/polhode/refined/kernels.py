@@ -2,10 +2,11 @@
 
 The Euler–Poisson equations in principal axes (3.29), with x = (w1, w2, w3, g1, g2, g3):
 
-    w1' = k1 w2 w3 + k4 g2 + k5 g3,  w2' = k2 w3 w1 + k6 g3 + k7 g1,  w3' = k3 w1 w2 + k8 g1 + k9 g2,
-    gamma' = gamma × w,
+    w1' = k1 w2 w3 + k4 g2 + k5 g3,
+    w2' = k2 w3 w1 + k6 g3 + k7 g1,
+    w3' = k3 w1 w2 + k8 g1 + k9 g2,    gamma' = gamma × w,
 
-k1 ... k9 in the order of :data:`polhode.forms.principal.NAMES`.
+k1 ... k9 in the order of :data:`polhode.equations.forms.principal.NAMES`.
 
 Four functions of one node each, all of them times the length H of the node's interval.  The body's
 constants are parameters, so that one compiled set serves every body.  heyoka neither simplifies

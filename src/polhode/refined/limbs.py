@@ -13,7 +13,7 @@ alone, and rely on each operation being rounded on its own, to nearest, as IEEE 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -66,11 +66,11 @@ class Limbs:
             whole -= limb << below
         return [*found, float(whole) * 2.0**-self.finest]
 
-    def value(self, limbs: Sequence[float]) -> Fraction:
+    def value(self, limbs: Iterable[float]) -> Fraction:
         """The exact sum of limbs."""
         return sum((Fraction(float(x)) for x in limbs), Fraction(0))
 
-    def integer(self, limbs: Sequence[float]) -> int:
+    def integer(self, limbs: Iterable[float]) -> int:
         """The sum of limbs in units of 2**-finest; of the last one, what is below is dropped."""
         return sum(int(float(x) * 2.0**self.finest) for x in limbs)
 
@@ -154,7 +154,8 @@ def product(x: Sequence[Any], y: Sequence[Any]) -> Levels:
 def _sum(x: Sequence[Any], y: Sequence[Any], total: int) -> Any:
     """The sum of x_i y_j, i + j = total, counted from 1."""
     count = len(x)
-    terms = [x[i - 1] * y[total - i - 1] for i in range(max(1, total - count), min(total, count + 1)) if 1 <= total - i <= count]
+    indices = range(max(1, total - count), min(count, total - 1) + 1)
+    terms = [x[i - 1] * y[total - i - 1] for i in indices]
     found = terms[0]
     for term in terms[1:]:
         found = found + term

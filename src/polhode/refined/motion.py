@@ -23,7 +23,7 @@ from polhode.refined.problem import Problem, in_unit, out_of_unit, problem
 from polhode.refined.self_test import trusted_kernels, trusted_tables
 from polhode.refined.sweeps import Constants, Solved, solve
 from polhode.refined.trouble import CannotRefine, TooFarOff, TooLong
-from polhode.scene import Scene
+from polhode.scenes.scene import Scene
 
 STEPS_AN_INTERVAL = 6
 _DRIFT = 2e-11  # of the double run at a block's end, beyond which it restarts there
@@ -119,9 +119,7 @@ def refine(
 class _Run:
     """A refinement under way: an exact state at an edge of the present run in double."""
 
-    def __init__(
-        self, exact: Problem, times: Sequence[Fraction], wanted: Accuracy, m: int
-    ) -> None:
+    def __init__(self, exact: Problem, times: Sequence[Fraction], wanted: Accuracy, m: int) -> None:
         self.problem, self.times, self.wanted, self.m = exact, times, wanted, m
         self.found: list[list[int]] = []
         self.stretches: list[Stretch] = []

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from polhode import exact
-from polhode.errors import BadInput
-from polhode.exact import Exact
-from polhode.forms import equations
-from polhode.forms.principal import NAMES
-from polhode.scene import Scene
+from polhode.common.errors import BadInput
+from polhode.equations.form import equations
+from polhode.equations.forms.principal import NAMES
+from polhode.numbers import exact
+from polhode.numbers.exact import Exact
+from polhode.scenes.scene import Scene
 
 GYROSCOPIC = 3  # of the coefficients; the others are the weight's and scale like 1/time²
 

@@ -70,7 +70,7 @@ def field_error(compiled: Kernels, limbs: Limbs, nodes: int = NODES, seed: int =
         for v in range(VARIABLES):
             value = limbs.value(found[v * limbs.count : (v + 1) * limbs.count, n])
             error = abs(value - Fraction(exact[n][v], one**4))
-            worst = max(worst, error / max(1, Fraction(lengths[n], one)))
+            worst = max(worst, error / max(Fraction(1), Fraction(lengths[n], one)))
     return float(worst)
 
 

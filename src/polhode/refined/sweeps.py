@@ -16,6 +16,7 @@ iteration, Phi = Y(1)^-1 Y(0), delta = r_end + Y(1)^-1 sum_j b_j Y_j H J r_j.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -120,9 +121,9 @@ def _enough(largest: float, relative: float, target: float) -> float:
     target, after as few more sweeps as possible, all of them solved equally well."""
     needed = 0.1 * target / (largest * relative) if largest else 1.0
     sweeps = 1
-    while needed ** (1 / sweeps) < _STAGES:
+    while math.pow(needed, 1 / sweeps) < _STAGES:
         sweeps += 1
-    return min(_COARSE, needed ** (1 / sweeps))
+    return min(_COARSE, math.pow(needed, 1 / sweeps))
 
 
 def _check_drift(errors: Any, work: Intervals) -> None:
