@@ -22,6 +22,7 @@ from polhode.refined.limbs import Limbs
 from polhode.refined.problem import Problem, in_unit, out_of_unit, problem
 from polhode.refined.self_test import trusted_kernels, trusted_tables
 from polhode.refined.sweeps import Constants, Solved, solve
+from polhode.refined.threads import one_thread
 from polhode.refined.trouble import CannotRefine, TooFarOff, TooLong
 from polhode.scenes.scene import Scene
 
@@ -105,7 +106,8 @@ def refine(
     backward = times[-1] < 0
     exact = problem(scene, wanted.limbs.finest + 64, backward)
     run = _Run(exact, [abs(t) for t in times], wanted, m)
-    run.to_the_end(progress)
+    with one_thread():
+        run.to_the_end(progress)
     states = run.found
     if backward:
         states = [[-x for x in row[:3]] + row[3:] for row in states]
