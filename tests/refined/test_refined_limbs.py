@@ -5,6 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+
 from polhode.refined.limbs import Levels, Limbs, product, rounded
 
 KINDS = [Limbs(4, 24), Limbs(7, 23), Limbs(15, 22)]
@@ -104,7 +105,7 @@ def test_a_product_is_right_to_the_bits_that_the_kind_claims(kind):
 
 
 def well_formed_but_for_rounding(limbs, kind):
-    """As well formed, but a head that was rounded from a sum in double may be a hair too far off."""
+    """As well formed, but a head that was rounded from a sum may be a hair too far off."""
     for i, x in enumerate(limbs, start=1):
         if i < kind.count:
             assert Fraction(float(x)) * 2 ** kind.place(i) % 1 == 0

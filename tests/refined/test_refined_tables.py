@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+
 from polhode.refined.gauss import gauss
 from polhode.refined.kernels import FIELD_SHIFT
 from polhode.refined.limbs import Limbs
@@ -96,7 +97,9 @@ def test_the_whole_product_is_right_to_the_last_bits(limbs, nodes):
     numbers = [Fraction(int(x), 1) for x in draw.integers(-(2**62), 2**62, nodes)]
     exact = [x * 4 / 2**62 + unit * int(k) for x, k in zip(numbers, range(nodes), strict=True)]
     field = np.array([kind.split(x) for x in exact]).T
-    levels, tail = t.integrated(np.broadcast_to(field[None, :, :, None], (6, *field.shape, 1)).copy())
+    levels, tail = t.integrated(
+        np.broadcast_to(field[None, :, :, None], (6, *field.shape, 1)).copy()
+    )
     bits = limbs.finest + 64
     g = gauss(nodes, bits)
     worst = Fraction(0)

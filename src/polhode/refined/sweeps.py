@@ -34,7 +34,7 @@ _TRANSITIONS = 3e-12  # to which the transition matrices are iterated
 _STAGES = 1e-11  # to which corrections of the stages are at best, relative to the largest
 _COARSE = 1e-4  # and at least
 _FAR, _NEAR = 3e-9, 1e-9  # drift of the run in double that is not put up with, and that is
-_SLOWEST = 10.0  # a sweep must reduce the defect by as much
+_SLOWEST = 10.0  # a sweep must reduce defect and correction by as much
 _FIRST = 1e-12  # of relative error of a correction, beside what is known
 _LOOK = 3  # turns between two looks at an iteration's change
 
@@ -101,9 +101,8 @@ def solve(constants: Constants, work: Intervals) -> Solved:
             drift = errors[work.known :].copy()
         sweep.move_ends(e)
         size = np.abs(defect).max(axis=(0, 1))
-        rho = size.max(initial=0.0)
-        largest = max(rho, errors.max(initial=0.0))
-        if not np.isfinite(largest) or (before is not None and rho > before / _SLOWEST):
+        largest = max(size.max(initial=0.0), errors.max(initial=0.0))
+        if not np.isfinite(largest) or (before is not None and largest > before / _SLOWEST):
             raise CannotRefine("the sweeps do not converge")
         if first is None:
             first = largest
@@ -112,7 +111,7 @@ def solve(constants: Constants, work: Intervals) -> Solved:
             unfinished = np.maximum(size, errors[work.starts]) * relative
             return Solved(sweep.states, drift, unfinished, tails, sweep.transitions, count)
         sweep.move_stages(defect, e, _enough(largest, relative, constants.target))
-        before = rho
+        before = largest
     raise CannotRefine("the sweeps do not converge")
 
 

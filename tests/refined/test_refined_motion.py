@@ -1,0 +1,318 @@
+"""Refined runs against closed forms, against themselves in other intervals, at their limits."""
+
+import random
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.common.errors import BadInput
+from polhode.numbers.convert import exactly
+from polhode.refined import base, self_test
+from polhode.refined.kernels import Kernels, kernels
+from polhode.refined.motion import QUAD, Accuracy, accuracy, refine
+from polhode.refined.trouble import CannotRefine
+from polhode.scenes import library
+from polhode.scenes.body import Body
+from polhode.scenes.scene import Scene
+
+
+def brick(w3="3", weight=1):
+    """The body of the design's tables: moments 2, 3/2, 1, centre of mass off all axes."""
+    body = Body.of_moments([2, "1.5", 1], ["0.3", "0.2", "0.5"], weight)
+    return Scene(body, ("0.3", "0.2", w3), ("0.6", 0, "0.8"))
+
+
+def run(scene, *times, wanted=QUAD, **options):
+    """A refinement at times in the scene's units."""
+    unit = Fraction(2) ** scene.time_unit
+    return refine(scene, [Fraction(t) / unit for t in times], wanted, **options)
+
+
+def distance(found, other, i=-1):
+    """Largest differences of w and of gamma."""
+    pairs = list(zip(found.exactly(i), other.exactly(i), strict=True))
+    return [max(abs(float(a - b)) for a, b in pairs[k : k + 3]) for k in (0, 3)]
+
+
+def error(found, scene, t, i=-1, digits=45):
+    """Largest errors of w and gamma, w in the scene's own unit, by the closed form."""
+    exact = [exactly(x) for x in polhode.reference(scene).at([t], digits)[0]]
+    exact[:3] = [x * Fraction(2) ** scene.time_unit for x in exact[:3]]
+    pairs = list(zip(found.exactly(i), exact, strict=False))
+    return [max([abs(float(a - b)) for a, b in pairs[k : k + 3]] or [0.0]) for k in (0, 3)]
+
+
+def within(errors, found, i=-1):
+    return bool((np.array(errors) <= found.estimate.errors[i]).all())
+
+
+CLOSED = [  # case, end, least and most correct digits of w and gamma
+    ("euler/flat", 100, 33.5, 36.5),
+    ("euler/dzhanibekov", 30, 30, 33),
+    ("euler/backward", -100, 33.5, 36.5),
+    ("euler/tiny-units", 100, 34, 37),
+    ("lagrange/spherical-pendulum", 40, 33.5, 36.5),
+    ("kovalevskaya/generic", 20, 34, 36.5),
+    ("kovalevskaya/bobylev-steklov", 20, 33, 36),
+    ("pendulum/upright", 20, 28, 31),
+    ("hard/dzhanibekov-1e-9", 50, 30, 33),
+    ("hard/near-homoclinic", 40, 25, 29),
+]
+
+
+@pytest.mark.parametrize(("name", "end", "least", "most"), CLOSED)
+def test_closed_forms_and_the_estimate(name, end, least, most):
+    scene = library.load(name)
+    times = [Fraction(end, 7), Fraction(end)]
+    found = run(scene, *times)
+    for i, t in enumerate(times):
+        errors = error(found, scene, t, i)
+        assert within(errors, found, i)
+    digits = -np.log10(max(errors))
+    assert least <= digits <= most
+    assert max(found.estimate.errors[-1]) < 1e6 * max(errors)  # an estimate that says something
+
+
+def test_another_grouping_of_steps_agrees_within_the_estimate():
+    draw = random.Random(5)
+    for k in range(8):
+        a, b = (Fraction(draw.randint(20, 100), 50) for _ in range(2))
+        c = a + b - Fraction(draw.randint(1, 80), 50) * min(a, b)
+        moments = [a, b, c] if k % 4 else [a, a, a / 10000]  # slender, too
+        centre = [Fraction(draw.randint(-50, 50), 100) for _ in range(3)]
+        body = Body.of_moments(moments, centre, 0 if k == 5 else 1)
+        omega = tuple(Fraction(draw.randint(-200, 200), 100) for _ in range(3))
+        scene = Scene(body, omega, ("0.48", "0.6", "0.64"))
+        end = 10 if k % 2 else -10
+        six, five = run(scene, end), run(scene, end, m=5)
+        assert within(distance(six, five), six)
+        assert six.states != five.states
+        assert six.intervals <= five.intervals
+
+
+@dataclass(frozen=True)
+class FewNodes(Accuracy):
+    """So many nodes, however few they are."""
+
+    count: int = 12
+
+    def nodes(self, m):
+        return self.count
+
+    @property
+    def tail(self):
+        return 1.0
+
+
+def test_the_ends_are_good_to_the_square_of_the_stages():
+    """Two more nodes take away what two more Legendre coefficients are, squared: 5² to the 4th
+    power at best; measured 60 to 80 a node."""
+    scene, end = brick(), 100
+    true = run(scene, end, wanted=accuracy(40))
+    errors = [
+        max(distance(run(scene, end, wanted=FewNodes(1e-34, QUAD.limbs, 8, n), m=4), true))
+        for n in (15, 17, 19, 21)
+    ]
+    assert 1e-23 < errors[0] < 1e-20
+    for before, after in pairwise(errors):
+        assert 1e3 < before / after < 2e4
+
+
+def test_guesses_that_are_off_change_less_than_the_estimate(monkeypatch):
+    scene = brick()
+    found = run(scene, 30)
+    before, draw = base.Base.states, np.random.default_rng(3)
+    monkeypatch.setattr(
+        base.Base,
+        "states",
+        lambda self, t: before(self, t) + draw.uniform(-1e-12, 1e-12, (6, *t.shape)),
+    )
+    other = run(scene, 30)
+    assert other.states != found.states
+    assert within(distance(found, other), found)
+    assert within(distance(found, other), other)
+
+
+def test_guesses_too_far_off_are_refused(monkeypatch):
+    before, draw = base.Base.states, np.random.default_rng(3)
+    monkeypatch.setattr(
+        base.Base,
+        "states",
+        lambda self, t: before(self, t) + draw.uniform(-1e-5, 1e-5, (6, *t.shape)),
+    )
+    with pytest.raises(CannotRefine, match="drifts within one interval"):
+        run(brick(), 30)
+
+
+def test_there_and_back():
+    scene = brick()
+    there = run(scene, 50)
+    unit = Fraction(2) ** scene.time_unit
+    end = there.exactly(0)
+    # gamma is of length 1 to 1e-35 only: the start of the way back is not checked, but given
+    from polhode.refined import motion
+    from polhode.refined.problem import problem
+
+    exact = problem(scene, 200, backward=False)
+    back = motion._Run(
+        replace(exact, state=(*(-x for x in end[:3]), *end[3:])), [50 / unit], QUAD, 6
+    )
+    back.to_the_end(None)
+    home = [Fraction(x, 1 << there.bits) for x in back.found[0]]
+    home = [-x for x in home[:3]] + home[3:]
+    off = max(abs(float(a - b)) for a, b in zip(home, exact.state, strict=True))
+    assert 0 < off < there.estimate.kappa[0] * 1e-33
+    assert off < 2 * there.estimate.kappa[0] * there.estimate.errors[0].max()
+
+
+def test_outputs_do_not_change_the_motion_and_agree_with_a_run_that_ends_there():
+    scene = brick()
+    ends = [Fraction(k, 7) for k in range(1, 71)]
+    many, one = run(scene, 0, *ends), run(scene, 10)
+    assert max(distance(many, one)) < 2e-36  # the sums in double, not the levels, know of others
+    start = [*(x * Fraction(2) ** scene.time_unit for x in scene.omega), *scene.gamma]
+    assert max(abs(float(a - b)) for a, b in zip(many.exactly(0), start, strict=True)) < 1e-37
+    for i in (1, 20, 45):
+        alone = run(scene, ends[i - 1])
+        assert max(distance_at(many, i, alone)) < 1e-35
+
+
+def distance_at(found, i, other):
+    pairs = list(zip(found.exactly(i), other.exactly(0), strict=True))
+    return [abs(float(a - b)) for a, b in pairs]
+
+
+def test_outputs_that_crowd():
+    scene = brick()
+    crowd = [1 + Fraction(k, 10**6) for k in range(700)]
+    found, last = run(scene, *crowd, 3), run(scene, 3)
+    assert len(found.states) == 701
+    assert within(distance(found, last), last)
+    alone = run(scene, crowd[650])
+    assert max(distance_at(found, 650, alone)) < 1e-35
+
+
+def test_backward_is_forward_with_the_rates_turned_about():
+    scene = brick()
+    turned = replace(scene, omega=tuple(-w for w in scene.omega))
+    back, forward = run(scene, -5, -20), run(turned, 5, 20)
+    for a, b in zip(back.states, forward.states, strict=True):
+        assert a == [-x for x in b[:3]] + b[3:]
+
+
+def test_the_unit_of_time_changes_no_bit():
+    scene = brick()
+    factor = Fraction(2) ** 40
+    fast = Scene(
+        Body.of_moments([2, "1.5", 1], ["0.3", "0.2", "0.5"], factor**2),
+        tuple(w * factor for w in scene.omega),
+        scene.gamma,
+    )
+    assert fast.time_unit != scene.time_unit
+    assert run(scene, 20).states == run(fast, 20 / factor).states
+
+
+def test_a_body_that_hangs_at_rest_or_has_nothing_to_move_it():
+    hanging = Scene(Body.of_moments([2, "1.5", 1], [0, 0, 1], 1), (0, 0, 0), (0, 0, -1))
+    still = Scene(Body.of_moments([2, "1.5", 1]), (0, 0, 0), (0, 0, 1))
+    for scene in (hanging, still):
+        found = run(scene, 100)
+        start = [*scene.omega, *scene.gamma]
+        assert max(abs(float(a - b)) for a, b in zip(found.exactly(0), start, strict=True)) < 1e-35
+        assert np.isfinite(found.estimate.errors).all()
+
+
+def test_released_from_rest():
+    scene = Scene(Body.of_moments([2, "1.5", 1], ["0.3", "0.2", "0.5"], 1), (0, 0, 0), (1, 0, 0))
+    found, five = run(scene, 10), run(scene, 10, m=5)
+    assert within(distance(found, five), found)
+    assert max(found.estimate.errors[0]) < 1e-31
+
+
+def test_a_violent_pendulum_cuts_its_intervals():
+    scene = brick(weight=50)
+    found, five = run(scene, 10), run(scene, 10, m=5)
+    assert found.intervals > found.steps / 6
+    assert within(distance(found, five), found)
+
+
+def test_no_estimate_where_the_motion_multiplies_errors_too_much():
+    found = run(library.load("hard/chaotic-long"), 30, 330)
+    assert np.isfinite(found.estimate.errors[0]).all()
+    assert found.estimate.kappa[1] > 1e14
+    assert np.isinf(found.estimate.errors[1]).all()
+
+
+def test_fifty_digits():
+    scene = library.load("lagrange/spherical-pendulum")
+    found = run(scene, 5, wanted=accuracy(50))
+    errors = error(found, scene, 5, digits=62)
+    assert within(errors, found)
+    assert 1e-56 < max(errors) < 1e-50
+    assert max(found.estimate.errors[0]) < 1e-47
+
+
+@pytest.mark.slow  # the field in 15 limbs takes ten seconds to compile where no cache holds it
+def test_a_hundred_digits_by_the_closed_form():
+    scene = library.load("kovalevskaya/generic")
+    found = run(scene, 3, wanted=accuracy(100))
+    errors = error(found, scene, Fraction(3), digits=112)
+    assert within(errors, found)
+    assert 1e-110 < max(errors) < 1e-99
+
+
+def test_only_the_principal_form_is_refined():
+    with pytest.raises(BadInput, match="principal"):
+        run(replace(brick(), form="general"), 1)
+
+
+def test_progress_is_told_and_an_interrupt_gets_through():
+    told = []
+    run(brick(), 300, progress=lambda done, steps: told.append((done, steps)))
+    assert told == sorted(told)
+    assert len(told) >= 2
+    assert 0 < told[0][0] < told[-1][0] <= 1
+
+    def stop(done, steps):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run(brick(), 300, progress=stop)
+
+
+def test_a_compiler_that_reassociates_is_found_out(monkeypatch):
+    import heyoka
+
+    def careless(out, given, **options):
+        return compiled(out, given, fast_math=True, **options)
+
+    compiled = heyoka.cfunc
+    monkeypatch.setattr("polhode.refined.kernels.hy.cfunc", careless)
+    spoilt = kernels.__wrapped__(QUAD.limbs)
+    assert self_test.field_error(spoilt, QUAD.limbs) > 2.0**-QUAD.limbs.bits
+
+
+@pytest.mark.parametrize("output", range(24))
+def test_a_fault_in_any_limb_of_the_field_is_found_out(output):
+    good = kernels(QUAD.limbs)
+
+    def off(given, pars, outputs):
+        good.field(given, pars=pars, outputs=outputs)
+        outputs[output] *= 1 + (2.0**-20 if output % 4 == 3 else 2.0**-52)
+
+    limbs = QUAD.limbs
+    faulty = self_test.field_error(Kernels(off, *good[1:]), limbs)
+    assert self_test.field_error(good, limbs) < 2.0**-limbs.bits
+    assert faulty > 2 * self_test.field_error(good, limbs)
+
+
+def test_a_failed_self_test_refuses_refinement(monkeypatch):
+    monkeypatch.setattr(self_test, "field_error", lambda *_: 1e-30)
+    self_test.trusted_kernels.cache_clear()
+    with pytest.raises(CannotRefine, match="self-test"):
+        run(brick(), 1)
+    self_test.trusted_kernels.cache_clear()
