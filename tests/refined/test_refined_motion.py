@@ -161,7 +161,7 @@ def test_there_and_back():
     back = motion._Run(
         replace(exact, state=(*(-x for x in end[:3]), *end[3:])), [50 / unit], QUAD, 6
     )
-    back.to_the_end(None)
+    back.to_the_end(None, None)
     home = [Fraction(x, 1 << there.bits) for x in back.found[0]]
     home = [-x for x in home[:3]] + home[3:]
     off = max(abs(float(a - b)) for a, b in zip(home, exact.state, strict=True))

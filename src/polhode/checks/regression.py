@@ -107,7 +107,10 @@ def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
 def _line(scene: Scene, reference: Remembered, number: str, known: Conditioning | None) -> Line:
     band = scene.expect.get(number)
     run = integrate(
-        scene, number, digits=number_types.DEFAULT_MP_DIGITS if number == "mp" else None
+        scene,
+        number,
+        digits=number_types.DEFAULT_MP_DIGITS if number == "mp" else None,
+        method="taylor",  # the bands are those of heyoka's own steps
     )
     if not run.outcome.done:
         return Line(scene.name, number, 0.0, band, None, run.outcome.value)

@@ -180,7 +180,9 @@ class TwoPrecisions:
         for _ in range(4):
             coarse_type = number_types.mp_for(digits + spare, scene.log10_angle)
             fine_type = number_types.NumberType("mp", coarse_type.bits + 40)
-            coarse, fine = (integrate(scene, kind) for kind in (coarse_type, fine_type))
+            coarse, fine = (
+                integrate(scene, kind, method="taylor") for kind in (coarse_type, fine_type)
+            )
             if not (coarse.outcome.done and fine.outcome.done):
                 break
             agreement = worst_digits(coarse.states, fine.states, scene, cap=coarse_type.most_digits)

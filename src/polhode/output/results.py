@@ -49,11 +49,15 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
         answer["digits"] = run.digits
     answer |= {
         "form": run.scene.form,
+        "method": run.method,
         "regime": regime,
         "columns": list(run.columns),
         "times": run.time_strings(),
         "states": run.state_strings(),
     }
+    if run.errors is not None:
+        answer["error"] = [None if x is None else f"{x:.1e}" for x in run.errors]
+        answer["proven"] = False
     if run.angles is not None:
         answer["angles"] = strings(run.angles, run.number)
     if "attitude" in run.scene.outputs:

@@ -62,16 +62,23 @@ class Base:
 
 
 def base(
-    problem: Problem, state: tuple[Fraction, ...], origin: Fraction, end: Fraction, m: int
+    problem: Problem,
+    state: tuple[Fraction, ...],
+    origin: Fraction,
+    end: Fraction,
+    m: int,
+    most: int = STEPS,
 ) -> Base:
     """Run in double from ``state`` at ``origin`` towards ``end`` (scene's unit), m steps a group.
+
+    ``most``: steps to take.
 
     Raises CannotRefine where the run does not succeed.
     """
     ta = _IDLE.take(_KEY) or _integrator()
     unit = _first_guess(ta, problem, state, end - origin)
     for _ in range(4):
-        found, fastest = _run(ta, problem, state, origin, end, unit, m)
+        found, fastest = _run(ta, problem, state, origin, end, unit, m, most)
         fit = problem.unit(fastest * 2.0**unit)
         if unit - 1 <= fit <= unit:
             _IDLE.put(_KEY, ta)
@@ -118,11 +125,12 @@ def _run(
     end: Fraction,
     unit: int,
     m: int,
+    most: int,
 ) -> tuple[Base, float]:
     """One run in one unit of time, and the largest |w| in it."""
     _begin(ta, problem, state, unit)
     last = _length(end - origin, unit)
-    outcome, *_, polynomials, _ = ta.propagate_until(last, max_steps=STEPS, c_output=True)
+    outcome, *_, polynomials, _ = ta.propagate_until(last, max_steps=most, c_output=True)
     whole = outcome == hy.taylor_outcome.time_limit
     if not whole and outcome != hy.taylor_outcome.step_limit:
         raise CannotRefine("the run in double failed")

@@ -9,13 +9,15 @@ error estimate.
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
-from polhode.refined.base import Base, base
+from polhode.refined.base import STEPS, Base, base
 from polhode.refined.block import WIDTH, Block, cut
 from polhode.refined.estimate import Estimate, Side, Stretch, estimate, made
 from polhode.refined.limbs import Limbs
@@ -58,23 +60,36 @@ class Accuracy:
         return 2 * math.sqrt(1e4 * self.target)
 
 
-QUAD = Accuracy(1e-34, Limbs(4, 24), 6)
+#: Limbs for the digits wanted; few kinds, because each has a field of its own to compile.
+_KINDS = (
+    *(Limbs(4, 24), Limbs(5, 23), Limbs(6, 23), Limbs(7, 23), Limbs(8, 23)),
+    *(Limbs(10, 22), Limbs(12, 22), Limbs(15, 22), Limbs(19, 22)),
+)
+_GUARD_BITS = 3
+MOST_DIGITS = int((_KINDS[-1].bits - _GUARD_BITS) / math.log2(10))
 
 
 def accuracy(digits: int) -> Accuracy:
-    """Enough for so many digits on each interval; 34 are quad's."""
-    bits = math.ceil(digits * math.log2(10)) + 3
-    width = 24 if digits <= 34 else 23 if digits <= 60 else 22
-    count = max(4, math.ceil((bits + 4) / width) - 1)
-    return Accuracy(10.0**-digits, Limbs(count, width), 3 + math.ceil(digits / 10))
+    """Enough for so many digits on each interval, 34 for quad; raises CannotRefine above 130."""
+    bits = digits * math.log2(10) + _GUARD_BITS
+    for limbs in _KINDS:
+        if limbs.bits >= bits:
+            return Accuracy(10.0**-digits, limbs, 3 + math.ceil(digits / 10))
+    raise CannotRefine(f"{digits} digits are more than {MOST_DIGITS}")
+
+
+QUAD = accuracy(34)
+
+INTERRUPTED, STEP_LIMIT = "interrupted", "step limit"
 
 
 @dataclass(frozen=True)
 class Motion:
     """States at the times asked for, in the form's axes and the scene's own unit of time.
 
-    ``states``: a row (w1 w2 w3 g1 g2 g3) a time, integers times 2**-``bits``.  ``estimate``: their
-    errors and the condition kappa.  ``steps``: of the run in double.
+    ``states``: a row (w1 w2 w3 g1 g2 g3) a time, integers times 2**-``bits``; fewer than the times
+    asked for where the run was ``stopped`` at the time ``reached``.  ``estimate``: their errors
+    and the condition kappa.  ``steps``: of the run in double.  ``sweeps``: on average.
     """
 
     times: tuple[Fraction, ...]
@@ -84,10 +99,35 @@ class Motion:
     steps: int
     intervals: int
     sweeps: float
+    reached: Fraction
+    stopped: str | None
+    _marks: tuple[tuple[Fraction, Problem], ...]
+    _wanted: Accuracy
 
     def exactly(self, i: int) -> list[Fraction]:
         """The i-th state as rationals."""
         return [Fraction(x, 1 << self.bits) for x in self.states[i]]
+
+    def at(self, times: Sequence[Fraction]) -> list[list[int]]:
+        """States at other times up to ``reached``, in any order: from the last block before each.
+
+        Raises CannotRefine.
+        """
+        begun = [mark for mark, _ in self._marks]
+        found: dict[Fraction, list[int]] = {}
+        ahead = sorted({abs(t) for t in times})
+        while ahead:
+            index = bisect_right(begun, ahead[0]) - 1
+            after = begun[index + 1] if index + 1 < len(begun) else None
+            near = ahead if after is None else ahead[: bisect_left(ahead, after)]
+            origin, exact = self._marks[index]
+            run = _Run(exact, [t - origin for t in near], self._wanted, STEPS_AN_INTERVAL)
+            with one_thread():
+                run.to_the_end(None, None)
+            found |= zip(near, run.found, strict=True)
+            ahead = ahead[len(near) :]
+        backward = self.times[-1] < 0 if self.times else self.reached < 0
+        return [_turned(found[abs(t)], backward) for t in times]
 
 
 def refine(
@@ -96,26 +136,41 @@ def refine(
     wanted: Accuracy = QUAD,
     m: int = STEPS_AN_INTERVAL,
     progress: Progress | None = None,
+    max_steps: int | None = None,
 ) -> Motion:
     """The motion of a scene at times (its own unit), of one sign, away from 0, exact rationals.
 
     ``m``: steps of the run in double to an interval; another one gives a run to compare with.
-    Raises CannotRefine where the motion cannot be refined, BadInput for another form than the
-    principal one.
+    ``max_steps``: of the run in double.  Ctrl-C stops the run at the block it is at.  Raises
+    CannotRefine where the motion cannot be refined, BadInput for another form than the principal
+    one.
     """
     backward = times[-1] < 0
     exact = problem(scene, wanted.limbs.finest + 64, backward)
     run = _Run(exact, [abs(t) for t in times], wanted, m)
     with one_thread():
-        run.to_the_end(progress)
-    states = run.found
-    if backward:
-        states = [[-x for x in row[:3]] + row[3:] for row in states]
-    errors = estimate(run.stretches, run.sides, 2.0**-wanted.limbs.bits)
-    count = sum(len(stretch.made) for stretch in run.stretches) + len(run.sides)
-    bits = wanted.limbs.finest
-    sweeps = run.sweeps / max(1, run.blocks)
-    return Motion(tuple(times), states, bits, errors, run.steps, count, sweeps)
+        stopped = run.to_the_end(progress, max_steps)
+    whole = min(len(run.found), len(run.sides))  # an interrupt may have come between the two
+    count = sum(len(stretch.made) for stretch in run.stretches) + whole
+    reached = run.origin if stopped else abs(times[-1])
+    return Motion(
+        times=tuple(times[:whole]),
+        states=[_turned(row, backward) for row in run.found[:whole]],
+        bits=wanted.limbs.finest,
+        estimate=estimate(run.stretches, run.sides[:whole], 2.0**-wanted.limbs.bits),
+        steps=run.steps,
+        intervals=count,
+        sweeps=run.sweeps / max(1, run.blocks),
+        reached=-reached if backward else reached,
+        stopped=stopped,
+        _marks=tuple(run.marks),
+        _wanted=wanted,
+    )
+
+
+def _turned(row: list[int], backward: bool) -> list[int]:
+    """A state of the motion that runs forward as one of the scene's."""
+    return [-x for x in row[:3]] + row[3:] if backward else row
 
 
 class _Run:
@@ -127,19 +182,28 @@ class _Run:
         self.stretches: list[Stretch] = []
         self.sides: list[Side] = []
         self.steps = self.sweeps = self.blocks = 0
+        self.marks = [(Fraction(0), exact)]  # where the blocks began
+        self.origin = Fraction(0)
         self._state = exact.state
-        self._origin = Fraction(0)
         self._width = WIDTH
         self._edges_passed = 0
         self._nodes = wanted.nodes(m)
 
-    def to_the_end(self, progress: Progress | None) -> None:
-        """Base after base, until every output is there."""
-        while len(self.found) < len(self.times):
-            now = base(self.problem, self._state, self._origin, self.times[-1], self.m)
-            self.steps += now.steps
-            self._constants = self._in_unit(now.unit)
-            self._through(now, progress)
+    def to_the_end(self, progress: Progress | None, max_steps: int | None) -> str | None:
+        """Base after base, until every output is there; else why not."""
+        try:
+            while len(self.found) < len(self.times):
+                if max_steps is not None and self.steps >= max_steps:
+                    return STEP_LIMIT
+                most = min(STEPS, STEPS if max_steps is None else max_steps - self.steps)
+                end = self.times[-1]
+                now = base(self.problem, self._state, self.origin, end, self.m, most)
+                self.steps += now.steps
+                self._constants = self._in_unit(now.unit)
+                self._through(now, progress)
+        except KeyboardInterrupt:
+            return INTERRUPTED
+        return None
 
     def _in_unit(self, unit: int) -> Constants:
         limbs = self.wanted.limbs
@@ -179,17 +243,24 @@ class _Run:
                 clocks = clocks[len(block.clocks) :]
                 at += block.chain
                 state = limbs.renormalised(solved.states[:, :, block.chain])
+                self._advance(now, float(edges[at]), state)
                 self._width = min(2 * self._width, WIDTH)
+                if progress is not None:
+                    progress(float(self.origin / self.times[-1]), self.steps)
                 drifted = block.chain and solved.drift[block.chain - 1] > _DRIFT
                 if drifted or (at == len(edges) - 1 and not now.final):
-                    break
-                if progress is not None:
-                    progress(float(now.time(edges[at]) / self.times[-1]), self.steps)
+                    return
             redos += 1
             if redos > _REDOS:
                 raise CannotRefine("a block cannot be refined")
+
+    def _advance(self, now: Base, clock: float, state: Any) -> None:
+        """Go on from an exact state at a time of the base's clock."""
+        limbs = self.wanted.limbs
         self._state = out_of_unit([limbs.value(x) for x in state], now.unit)
-        self._origin = now.time(edges[at])
+        self.origin = now.time(clock)
+        if self.origin > self.marks[-1][0]:
+            self.marks.append((self.origin, replace(self.problem, state=self._state)))
 
     def _check_tails(self, solved: Solved) -> None:
         """Raise TooLong or _TooFewNodes where the nodes do not resolve the motion."""

@@ -1,4 +1,4 @@
-"""heyoka on one thread while blocks are refined: their kernels take microseconds, threads longer."""
+"""heyoka on one thread while blocks are refined: threads cost more than the kernels do."""
 
 from __future__ import annotations
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, nearest
 from polhode.common.provenance import provenance
 from polhode.equations.readout import Readout
 from polhode.numbers.convert import exact_number
 from polhode.numbers.number_types import NumberType
+from polhode.runs import refinement
 from polhode.runs.dense import Dense
 from polhode.runs.march import Progress
+from polhode.runs.refinement import METHODS
 from polhode.runs.request import choose_number, rounded_times, rounded_tolerance
 from polhode.runs.run import Run
 from polhode.runs.trajectory import Trajectory
@@ -32,6 +35,7 @@ def integrate(
     max_steps: int | None = None,
     inputs: NumberType | None = None,
     project: bool | int | None = None,
+    method: str = "auto",
     progress: Progress | None = None,
 ) -> Trajectory:
     """Integrate the Euler–Poisson equations (3.29) of a scene with heyoka's Taylor method.
@@ -42,8 +46,12 @@ def integrate(
     coefficients to this narrower type first, to see what that rounding alone does.  ``project``:
     put the state back on the exact scene's first integrals every so many steps, True as often as
     costs about a tenth of the run's time, False never; left out, as True in double and extended at
-    full tolerance, else never (a form other than the principal one never).  ``progress``: called
-    now and then with the fraction of the time done and the steps taken.
+    full tolerance, else never (a form other than the principal one never).  ``method``: "taylor",
+    steps in the number type; "refined", a run in double corrected by exact arithmetic
+    (:mod:`polhode.refined`), for quad and more digits; "auto", refined where that can be done and
+    is faster.  Where a refinement does not succeed the steps are taken: the trajectory's
+    ``method`` tells which it was.  ``progress``: called now and then with the fraction of the time
+    done and the steps taken.
 
     The trajectory can be called at any time that it reached, see :class:`polhode.runs.dense.Dense`.
     Ctrl-C ends the run within a second; the trajectory then holds what was reached.  Raises
@@ -63,6 +71,11 @@ def integrate(
     tolerance = rounded_tolerance(scene, chosen, tol)
     times = rounded_times(scene, chosen)
     every = None if inputs is not None else _cadence(scene, chosen, tolerance, project)
+    refined, failed = _refined(
+        scene, chosen, times, digits, tolerance, max_steps, inputs, project, method, progress
+    )
+    if refined is not None:
+        return refined
     run = Run(scene, chosen, tolerance, max_steps, inputs, every)
     outcome, rows = run.to(times, progress)
     read = Readout(scene, chosen)
@@ -83,9 +96,57 @@ def integrate(
         provenance={
             **provenance(scene.text),
             "seconds": {"build": run.build_seconds, "run": run.seconds - run.build_seconds},
+            **failed,
         },
         dense=Dense(run),
     )
+
+
+def _refined(
+    scene: Scene,
+    number: NumberType,
+    times: list[Fraction],
+    digits: int | None,
+    tolerance: Fraction | None,
+    max_steps: int | None,
+    inputs: NumberType | None,
+    project: bool | int | None,
+    method: str,
+    progress: Progress | None,
+) -> tuple[Trajectory | None, dict[str, str]]:
+    """The trajectory by refinement, None where it is to be integrated; why a refinement failed."""
+    if method not in METHODS:
+        raise BadInput(scene.name, "method", method, nearest(method, list(METHODS)))
+    if method == "taylor":
+        return None, {}
+    hindrance = refinement.why_not(scene, number, tolerance, inputs, project)
+    if hindrance is not None and method == "refined":
+        raise BadInput(scene.name, "method", method, f"{hindrance}, or the method taylor")
+    if hindrance is not None or (method == "auto" and not refinement.worth_it(scene, number)):
+        return None, {}
+    from polhode.refined.trouble import CannotRefine
+
+    began = time.perf_counter()
+    try:
+        found = refinement.refinement(scene, number, times, digits, max_steps, progress)
+    except CannotRefine as fault:
+        return None, {"not refined": str(fault)}
+    seconds = time.perf_counter() - began
+    return Trajectory(
+        scene=scene,
+        number=number,
+        times=found.times,
+        states=Readout(scene, number).states(found.rows),
+        outcome=found.outcome,
+        steps=found.steps,
+        reached=found.reached,
+        tolerance=float(number.eps),
+        digits=digits,
+        provenance={**provenance(scene.text), "seconds": {"build": 0.0, "run": seconds}},
+        dense=found.dense,
+        method="refined",
+        errors=found.errors,
+    ), {}
 
 
 def _cadence(

@@ -36,7 +36,9 @@ class Trajectory(ByValue):
     ``states``: shape (len(times), 3 or 6), p q r [gamma1 gamma2 gamma3]: an ndarray for double and
     extended, rows of mpf above.  ``attitude``: there where hodographs were asked for, too.
     ``steps``: Taylor steps taken.  ``events``: one for each event of the scene.  ``projection``:
-    None where the state was not put back on the first integrals.
+    None where the state was not put back on the first integrals.  ``method``: "taylor" or
+    "refined"; a refined run's ``errors`` are estimates, one a state, of the largest error over its
+    columns: None where the motion multiplies errors too much for one.
     """
 
     scene: Scene
@@ -54,6 +56,8 @@ class Trajectory(ByValue):
     projection: Projection | None = None
     provenance: Mapping[str, Any] = field(default_factory=dict, compare=False)
     dense: Callable[[Any], Row | Rows] | None = field(default=None, repr=False, compare=False)
+    method: str = "taylor"
+    errors: tuple[float | None, ...] | None = None
 
     def __call__(self, t: Any) -> Row | Rows:
         """The state at time t, or the states at several times.

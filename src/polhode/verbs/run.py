@@ -25,6 +25,7 @@ from polhode.verbs.terminal import (
 )
 
 if TYPE_CHECKING:
+    from polhode.runs.trajectory import Trajectory
     from polhode.taylor.outcomes import EventTimes
 
 HELP = "integrate a scene"
@@ -38,6 +39,11 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("--at", metavar="T,T...", help="output times instead of the scene's")
     parser.add_argument(
         "--tol", metavar="X", help="tolerance of a step, the type's eps unless given"
+    )
+    parser.add_argument(
+        "--method",
+        default="auto",
+        help="taylor: steps in the number type; refined: a run in double, corrected exactly; auto",
     )
     parser.add_argument("--form", metavar="F", help="form of the equations")
     parser.add_argument("--outputs", metavar="O,O", help="angles, attitude, hodographs")
@@ -83,6 +89,7 @@ def main(options: Namespace) -> int:
             tol=options.tol,
             max_steps=options.max_steps,
             project=False if options.no_project else options.project_every,
+            method=options.method,
             progress=progress.show,
         )
     answer = results.of_run(found, reference.regime)
@@ -98,9 +105,10 @@ def main(options: Namespace) -> int:
     if not options.json:
         note(
             f"{scene.name}: {answer['number']} ({answer['bits']} bits), {answer['regime']}; "
-            f"{answer['outcome']}, {answer['steps']} steps; "
-            + (f"projected {found.projection}" if found.projected else f"drift {found.drift}")
+            f"{answer['outcome']}, {answer['steps']} steps; {_accuracy(found)}"
         )
+        if "not refined" in found.provenance:
+            note(f"{scene.name}: not refined: {found.provenance['not refined']}")
         for event in found.events:
             note(_told(event))
     if done:
@@ -113,6 +121,15 @@ def main(options: Namespace) -> int:
         f"{found.cause}{advice}{wrote}"
     )
     return INTERRUPTED if found.outcome is Outcome.INTERRUPTED else NOT_REACHED
+
+
+def _accuracy(found: Trajectory) -> str:
+    """What a run itself tells about its accuracy."""
+    if found.errors is not None:
+        known = [x for x in found.errors if x is not None]
+        lost = "" if len(known) == len(found.errors) else ", beyond it no estimate"
+        return f"refined, estimated error {max(known, default=0.0):.1e}{lost}"
+    return f"projected {found.projection}" if found.projected else f"drift {found.drift}"
 
 
 def _told(event: EventTimes) -> str:

@@ -59,7 +59,12 @@ def _case(scene: Scene) -> dict[str, Any]:
 def _run(
     scene: Scene, reference: Remembered, name: str, known: Conditioning | None
 ) -> dict[str, Any]:
-    run = integrate(scene, name, digits=number_types.DEFAULT_MP_DIGITS if name == "mp" else None)
+    run = integrate(
+        scene,
+        name,
+        digits=number_types.DEFAULT_MP_DIGITS if name == "mp" else None,
+        method="taylor",
+    )
     found: dict[str, Any] = {
         "number": name,
         "bits": run.number.bits,

@@ -1,0 +1,161 @@
+"""A run of a scene by refinement (polhode.refined): when it can be, and how it is handed out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from polhode.equations import equilibrium
+from polhode.equations.form import equations
+from polhode.equations.readout import Readout
+from polhode.numbers.number_types import LOG10_2, NumberType
+from polhode.runs.dense import Dense
+from polhode.runs.march import Progress
+from polhode.scenes.scene import Scene
+from polhode.taylor.outcomes import Outcome
+
+METHODS = ("auto", "taylor", "refined")
+
+_LEAST_ANGLE = 5.0  # radians turned: a shorter run of heyoka's own takes no longer
+_LEAST_ANGLE_MP = 100.0  # for more limbs than quad's, whose field takes seconds to compile once
+_TRIES = 3  # with more digits each, until the estimate holds those asked for
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """What a refined run gives.
+
+    ``rows``: the form's variables at ``times``, as rationals.  ``errors``: largest error over the
+    columns of each state, absolute, its rounding to the run's type included; None where the
+    motion multiplies errors too much for an estimate.  ``dense``: the state at any time reached.
+    """
+
+    times: tuple[Fraction, ...]
+    rows: list[list[Fraction]]
+    errors: tuple[float | None, ...]
+    outcome: Outcome
+    steps: int
+    reached: Fraction
+    dense: Any
+
+
+def why_not(
+    scene: Scene,
+    number: NumberType,
+    tolerance: Fraction | None,
+    inputs: NumberType | None,
+    project: bool | int | None,
+) -> str | None:
+    """What stands against refining such a run; None where nothing does."""
+    if number.bits <= 64:
+        return "quad or more digits"
+    digits = _digits(number)
+    from polhode.refined.motion import MOST_DIGITS
+
+    if digits > MOST_DIGITS:
+        return f"at most {MOST_DIGITS} digits"
+    if scene.form != "principal":
+        return "the form principal"
+    if scene.modelled:
+        return "no outputs beside the state"
+    if scene.events:
+        return "no events"
+    if tolerance is not None or inputs is not None or project:
+        return "no tolerance, rounded inputs or projection of its own"
+    if equilibrium.stands_still(scene):
+        return "a motion that does not stand still"
+    return None
+
+
+def worth_it(scene: Scene, number: NumberType) -> bool:
+    """Whether a run is long enough for refinement to be the faster way."""
+    least = _LEAST_ANGLE if _digits(number) <= 34 else _LEAST_ANGLE_MP
+    return bool(10.0**scene.log10_angle >= least)
+
+
+def refinement(
+    scene: Scene,
+    number: NumberType,
+    times: Sequence[Fraction],
+    digits: int | None,
+    max_steps: int | None,
+    progress: Progress | None,
+) -> Refinement:
+    """Refine a run at times (scene's units); ``digits``: to be had by the estimate, if it can be.
+
+    Raises CannotRefine.
+    """
+    from polhode.refined.motion import MOST_DIGITS, accuracy, refine
+
+    unit = Fraction(2) ** scene.time_unit
+    inside = [t / unit for t in times]
+    wanted = max(34, _digits(number))
+    for _ in range(_TRIES):
+        found = refine(scene, inside, accuracy(wanted), progress=progress, max_steps=max_steps)
+        lacking = 0 if digits is None else _lacking(found, digits)
+        if not 0 < lacking <= MOST_DIGITS - wanted or found.stopped:
+            break
+        wanted += lacking
+    rows = [found.exactly(i) for i in range(len(found.states))]
+    count = len(equations(scene).variables)
+    outcome = Outcome(found.stopped) if found.stopped else Outcome.REACHED_END
+    reached = found.reached * unit
+    return Refinement(
+        tuple(times[: len(rows)]),
+        [row[:count] for row in rows],
+        _errors(scene, number, found, rows),
+        outcome,
+        found.steps,
+        reached,
+        RefinedDense(scene, number, reached, found),
+    )
+
+
+def _digits(number: NumberType) -> int:
+    return int(number.bits * LOG10_2)
+
+
+def _lacking(found: Any, digits: int) -> int:
+    """How many more digits the estimate asks for; 0 where it is infinite: no more would help."""
+    errors = found.estimate.errors
+    if not len(errors) or not math.isfinite(errors.max()):
+        return 0
+    fastest = max(abs(x) for row in found.states for x in row[:3]) / 2.0**found.bits
+    worst = max(errors[:, 0].max() / (fastest or 1.0), errors[:, 1].max())
+    return max(0, math.ceil(digits + math.log10(worst)))
+
+
+def _errors(
+    scene: Scene, number: NumberType, found: Any, rows: list[list[Fraction]]
+) -> tuple[float | None, ...]:
+    """The estimate of each row in the scene's axes and units, rounded to its type."""
+    turned = 1.0 if scene.body.axes.trivial else math.sqrt(3.0)  # of a vector's largest component
+    scale, half_eps = 2.0**-scene.time_unit, float(number.eps) / 2
+    errors: list[float | None] = []
+    for row, (omega, gamma) in zip(rows, found.estimate.errors.tolist(), strict=True):
+        w, g = (float(max(map(abs, part))) for part in (row[:3], row[3:]))
+        error = turned * max(scale * (omega + half_eps * w), gamma + half_eps * g)
+        errors.append(error if math.isfinite(error) else None)
+    return tuple(errors)
+
+
+class RefinedDense(Dense):
+    """A refined run's state at any time: refined again from the block before it."""
+
+    def __init__(self, scene: Scene, number: NumberType, reached: Fraction, motion: Any) -> None:
+        self.scene, self.number, self.reached = scene, number, reached
+        self._unit = Fraction(2) ** scene.time_unit
+        self._motion = motion
+
+    def __call__(self, t: Any) -> Any:
+        """The state at t, or rows at several times; see :class:`polhode.runs.dense.Dense`."""
+        several = not isinstance(t, str) and hasattr(t, "__len__")
+        times = [self._time(x) for x in (t if several else [t])]
+        count = len(equations(self.scene).variables)
+        bits = self._motion.bits
+        rows = [[Fraction(x, 1 << bits) for x in row[:count]] for row in self._motion.at(times)]
+        states = Readout(self.scene, self.number).states(rows)
+        return states if several else states[0]
