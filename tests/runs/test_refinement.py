@@ -1,0 +1,152 @@
+"""Runs by refinement as ``integrate`` hands them out: choice, errors, fallback, dense output."""
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+import polhode
+from polhode.cli import main
+from polhode.common.errors import BadInput
+from polhode.numbers import number_types
+from polhode.numbers.convert import exactly
+from polhode.refined import motion, self_test
+from polhode.runs import refinement
+from polhode.taylor.outcomes import Outcome
+
+SCENE = "kovalevskaya/generic"
+
+
+def errors(run, digits=45):
+    """The largest error of each state by the closed form."""
+    exact = polhode.reference(run.scene).at(run.times, digits)
+    return [
+        max(abs(float(exactly(a) - exactly(b))) for a, b in zip(row, true, strict=True))
+        for row, true in zip(run.states, exact, strict=True)
+    ]
+
+
+@pytest.mark.parametrize("name", [SCENE, "euler/turned-axes", "euler/no-gamma", "euler/backward"])
+def test_quad_runs_are_refined_and_tell_their_errors(name):
+    scene = polhode.load(name)
+    run = polhode.integrate(scene, "quad", at=[scene.end / 3, scene.end])
+    assert run.method == "refined"
+    assert run.outcome is Outcome.REACHED_END
+    for true, told in zip(errors(run), run.errors, strict=True):
+        assert true <= told < 1e6 * true
+    assert polhode.compare(run).worst > 33
+
+
+def test_a_method_asked_for_is_taken():
+    refined, steps = (
+        polhode.integrate(SCENE, "quad", at=[50], method=method) for method in ("refined", "taylor")
+    )
+    assert (refined.method, steps.method) == ("refined", "taylor")
+    assert steps.errors is None
+    assert max(errors(refined)) < max(errors(steps)) / 4  # the inputs' rounding alone costs more
+
+
+def test_what_cannot_be_refined_takes_steps_or_is_refused():
+    scene = polhode.load(SCENE)
+    for options in (
+        {"number": "double"},
+        {"number": "quad", "tol": "1e-20"},
+        {"number": "quad", "project": True},
+        {"digits": 300},
+    ):
+        assert polhode.integrate(scene, at=[1], **options).method == "taylor"
+        with pytest.raises(BadInput, match=r"method = refined: expected .*taylor"):
+            polhode.integrate(scene, at=[1], method="refined", **options)
+    for other in (replace(scene, form="general"), replace(scene, outputs=("angles",))):
+        assert polhode.integrate(other, "quad", at=[6]).method == "taylor"
+    with pytest.raises(BadInput, match="method = fast: expected auto, taylor, refined"):
+        polhode.integrate(scene, "quad", at=[1], method="fast")
+
+
+def test_a_short_run_takes_heyokas_own_steps():
+    assert polhode.integrate(SCENE, "quad", at=["1/10"]).method == "taylor"
+    assert polhode.integrate(SCENE, "quad", at=["1/10"], method="refined").method == "refined"
+
+
+def test_a_refinement_that_fails_falls_back_and_says_so(monkeypatch):
+    monkeypatch.setattr(self_test, "field_error", lambda *_: 1e-30)
+    self_test.trusted_kernels.cache_clear()
+    try:
+        run = polhode.integrate(SCENE, "quad", at=[10], method="refined")
+    finally:
+        self_test.trusted_kernels.cache_clear()
+    assert run.method == "taylor"
+    assert run.provenance["not refined"] == "the compiled field fails its self-test"
+    assert max(errors(run)) < 1e-31
+
+
+def test_the_state_at_any_time():
+    run = polhode.integrate(SCENE, "quad", at=[300])
+    assert len(run.dense._motion._marks) > 1
+    times = [Fraction(t) for t in ("250", "1/3", "0", "299.5", "140")]
+    dense = replace(run, times=tuple(times), states=run(times))
+    assert max(errors(dense)) < max(run.errors)
+    assert run("250") == run([250])[0]
+    with pytest.raises(BadInput, match="a time from 0 to 300"):
+        run(301)
+    back = polhode.integrate("euler/backward", "quad", at=[-30])
+    dense = replace(back, times=(Fraction(-7),), states=[back(-7)])
+    assert max(errors(dense)) < max(back.errors)
+
+
+def test_an_interrupt_leaves_what_was_reached(monkeypatch):
+    def stop(done, steps):
+        if done > 0.4:
+            raise KeyboardInterrupt
+
+    run = polhode.integrate(SCENE, "quad", at=range(1, 301), progress=stop)
+    assert run.outcome is Outcome.INTERRUPTED
+    assert 100 < len(run.times) < 300
+    assert 0 < run.times[-1] <= run.reached < 300
+    assert max(errors(replace(run, times=run.times[-1:], states=run.states[-1:]))) < 1e-31
+
+
+def test_a_limit_on_the_steps():
+    run = polhode.integrate(SCENE, "quad", at=[10, 300], max_steps=200)
+    assert run.outcome is Outcome.STEP_LIMIT
+    assert run.steps == 200
+    assert run.times == (10,)
+
+
+def test_digits_asked_for_are_digits_had():
+    """A motion that multiplies errors: with quad's own accuracy 28 digits would be lacking."""
+    run = polhode.integrate("hard/dzhanibekov-1e-12", digits=31, at=[70], number="quad")
+    assert run.method == "refined"
+    plain = polhode.integrate("hard/dzhanibekov-1e-12", "quad", at=[70])
+    assert plain.errors[0] > 1e-29 > 1e-31 > run.errors[0]
+    assert max(errors(run)) < 1e-31
+
+
+def test_where_no_estimate_can_be_had_it_is_none():
+    run = polhode.integrate("hard/chaotic-long", "quad", at=[30, 330])
+    assert run.errors[0] is not None
+    assert run.errors[1] is None
+
+
+def test_the_command_line_tells_method_and_errors(capsys):
+    assert main(["run", SCENE, "--number", "quad", "--at", "5,20", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["method"] == "refined"
+    assert answer["proven"] is False
+    assert [float(x) < 1e-31 for x in answer["error"]] == [True, True]
+    assert main(["run", SCENE, "--number", "quad", "--at", "20", "--method", "taylor"]) == 0
+    assert "drift" in capsys.readouterr().err
+    assert main(["run", SCENE, "--number", "quad", "--at", "20"]) == 0
+    assert "refined, estimated error " in capsys.readouterr().err
+    assert main(["run", SCENE, "--number", "double", "--at", "20", "--method", "refined"]) == 2
+
+
+def test_what_is_worth_refining():
+    quad, fifty = (
+        polhode.integrate(SCENE, at=[1], number=n, method="taylor") for n in ("quad", "mp")
+    )
+    far = polhode.load(SCENE).at((Fraction(30),))
+    assert refinement.worth_it(far, quad.number)
+    assert not refinement.worth_it(far, fifty.number)
+    assert motion.MOST_DIGITS >= 130
