@@ -143,10 +143,7 @@ def test_the_command_line_tells_method_and_errors(capsys):
 
 
 def test_what_is_worth_refining():
-    quad, fifty = (
-        polhode.integrate(SCENE, at=[1], number=n, method="taylor") for n in ("quad", "mp")
-    )
     far = polhode.load(SCENE).at((Fraction(30),))
-    assert refinement.worth_it(far, quad.number)
-    assert not refinement.worth_it(far, fifty.number)
+    assert refinement.worth_it(far, number_types.QUAD)
+    assert not refinement.worth_it(far, number_types.mp())
     assert motion.MOST_DIGITS >= 130
