@@ -65,7 +65,7 @@ def why_not(
         return "no events"
     if tolerance is not None or inputs is not None or project:
         return "no tolerance, rounded inputs or projection of its own"
-    if equilibrium.stands_still(scene):
+    if equilibrium.at_rest(scene).state:
         return "a motion that does not stand still"
     return None
 
