@@ -270,18 +270,52 @@ def test_only_the_principal_form_is_refined():
         run(replace(brick(), form="general"), 1)
 
 
-def test_progress_is_told_and_an_interrupt_gets_through():
-    told = []
-    run(brick(), 300, progress=lambda done, steps: told.append((done, steps)))
+def test_progress_is_told_and_an_interrupt_stops_the_run():
+    scene, told = brick(), []
+    whole = run(scene, 50, 300, progress=lambda done, steps: told.append((done, steps)))
     assert told == sorted(told)
     assert len(told) >= 2
     assert 0 < told[0][0] < told[-1][0] <= 1
+    assert whole.stopped is None
+    assert whole.reached == whole.times[-1]
 
     def stop(done, steps):
         raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
-        run(brick(), 300, progress=stop)
+    part = run(scene, 50, 300, progress=stop)
+    assert part.stopped == "interrupted"
+    assert whole.times[0] <= part.reached < whole.reached
+    assert part.states == whole.states[:1]
+    assert len(part.estimate.errors) == 1
+    nothing = run(scene, 300, progress=stop)
+    assert nothing.states == []
+    assert nothing.reached > 0
+
+
+def test_a_limit_on_the_steps_of_the_double_run():
+    found = run(brick(), 10, 300, max_steps=300)
+    assert found.stopped == "step limit"
+    assert found.steps == 300
+    assert len(found.states) == 1
+
+
+def test_the_state_at_any_time_from_the_last_block_before_it():
+    scene = brick()
+    unit = Fraction(2) ** scene.time_unit
+    found = run(scene, 300)
+    times = [Fraction(t) / unit for t in ("299", "17", "1/3", "0", "250.125", "17")]
+    together = found.at(times)
+    for t, state in zip(times, together, strict=True):
+        alone = found.at([t])[0]  # in other company: sums in double are rounded otherwise
+        assert off(state, alone) < 2e-36 * 2**found.bits
+        if t:
+            assert off(state, refine(scene, [t]).states[0]) < 1e-33 * 2**found.bits
+    start = [x * 2**found.bits for x in (*(w * unit for w in scene.omega), *scene.gamma)]
+    assert off(together[3], start) < 1e-37 * 2**found.bits
+
+
+def off(state, other):
+    return max(abs(a - b) for a, b in zip(state, other, strict=True))
 
 
 def test_a_compiler_that_reassociates_is_found_out(monkeypatch):
