@@ -142,6 +142,29 @@ def test_the_command_line_tells_method_and_errors(capsys):
     assert main(["run", SCENE, "--number", "double", "--at", "20", "--method", "refined"]) == 2
 
 
+def test_about_tells_whether_the_self_test_passed(capsys, monkeypatch):
+    assert main(["about", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["refined"] == "self-test passed"
+    monkeypatch.setattr(self_test, "field_error", lambda *_: 1e-30)
+    self_test.trusted_kernels.cache_clear()
+    assert main(["about"]) == 0
+    told = capsys.readouterr().out
+    self_test.trusted_kernels.cache_clear()
+    assert "refined   not here: the compiled field fails its self-test" in told
+
+
+def test_a_cache_that_breaks_the_compiler_falls_back(monkeypatch):
+    def damaged(limbs):
+        raise RuntimeError("damaged")
+
+    monkeypatch.setattr(self_test, "kernels", damaged)
+    self_test.trusted_kernels.cache_clear()
+    run = polhode.integrate(SCENE, "quad", at=[10])
+    self_test.trusted_kernels.cache_clear()
+    assert run.method == "taylor"
+    assert run.provenance["not refined"] == "the field cannot be compiled: damaged"
+
+
 def test_what_is_worth_refining():
     far = polhode.load(SCENE).at((Fraction(30),))
     assert refinement.worth_it(far, number_types.QUAD)

@@ -27,7 +27,10 @@ _COLUMNS = 2
 @cache
 def trusted_kernels(limbs: Limbs) -> Kernels:
     """The compiled functions, tried; raises CannotRefine."""
-    found = kernels(limbs)
+    try:
+        found = kernels(limbs)
+    except (RuntimeError, ValueError) as fault:
+        raise CannotRefine(f"the field cannot be compiled: {fault}") from None
     if field_error(found, limbs) > 2.0**-limbs.bits:
         raise CannotRefine("the compiled field fails its self-test")
     return found

@@ -30,6 +30,7 @@ def main(options: Namespace) -> int:
         },
         "cases": len(library.names()),
         "cache": heyoka_numbers.cache(),
+        "refined": _self_test(),
     }
     if options.json:
         print_json(facts)
@@ -46,4 +47,19 @@ def main(options: Namespace) -> int:
     if "fault" in cache:
         state = f"none, every run compiles again ({' '.join(cache['fault'].split())})"
     say(f"{'cache':<10}{state}")
+    say(f"{'refined':<10}{facts['refined']}")
     return DONE
+
+
+def _self_test() -> str:
+    """Whether runs of quad and more digits can be refined here."""
+    from polhode.refined.motion import QUAD
+    from polhode.refined.self_test import trusted_kernels, trusted_tables
+    from polhode.refined.trouble import CannotRefine
+
+    try:
+        trusted_kernels(QUAD.limbs)
+        trusted_tables(QUAD.limbs, QUAD.nodes(6))
+    except CannotRefine as fault:
+        return f"not here: {fault}"
+    return "self-test passed"
