@@ -35,7 +35,9 @@ _STAGES = 1e-11  # to which corrections of the stages are at best, relative to t
 _COARSE = 1e-4  # and at least
 _FAR, _NEAR = 3e-9, 1e-9  # drift of the run in double that is not put up with, and that is
 _SLOWEST = 10.0  # a sweep must reduce defect and correction by as much
-_FIRST = 1e-12  # of relative error of a correction, beside what is known
+_RELATIVE = 1e-12  # error of a correction, relative, beside what is known of it
+_GUESS = 1e-12  # how far off the guess is, about
+_NEARLY = 100.0  # times the target: the sweep may be the last one
 _LOOK = 3  # turns between two looks at an iteration's change
 
 
@@ -91,9 +93,11 @@ def solve(constants: Constants, work: Intervals) -> Solved:
     Raises TooFarOff, TooLong or CannotRefine.
     """
     sweep = _Sweep(constants, work)
-    first = drift = before = None
+    first = drift = None
+    before, enough = _GUESS, 1.0
     for count in range(1, constants.sweeps + 1):
-        defect, end_defect, tails = sweep.defects()
+        levels = _levels(constants, before, before * min(1.0, enough + sweep.change) * _RELATIVE)
+        defect, end_defect, tails = sweep.defects(levels)
         e = sweep.ends(defect, end_defect)
         errors = np.abs(e).max(axis=0)
         if first is None:
@@ -102,17 +106,31 @@ def solve(constants: Constants, work: Intervals) -> Solved:
         sweep.move_ends(e)
         size = np.abs(defect).max(axis=(0, 1))
         largest = max(size.max(initial=0.0), errors.max(initial=0.0))
-        if not np.isfinite(largest) or (before is not None and largest > before / _SLOWEST):
+        if not np.isfinite(largest) or (count > 1 and largest > before / _SLOWEST):
             raise CannotRefine("the sweeps do not converge")
         if first is None:
             first = largest
-        relative = sweep.change + first + _FIRST
-        if count >= 2 and largest * relative < constants.target:
+        relative = sweep.change + first + _RELATIVE
+        whole = levels == constants.limbs.count
+        if whole and count >= 2 and largest * relative < constants.target:
             unfinished = np.maximum(size, errors[work.starts]) * relative
             return Solved(sweep.states, drift, unfinished, tails, sweep.transitions, count)
-        sweep.move_stages(defect, e, _enough(largest, relative, constants.target))
+        enough = _enough(largest, relative, constants.target)
+        sweep.move_stages(defect, e, enough)
         before = largest
     raise CannotRefine("the sweeps do not converge")
+
+
+def _levels(constants: Constants, before: float, left: float) -> int:
+    """How many levels of the products this sweep can make use of, the tail counted.
+
+    The defect, no larger than ``before``, can be reduced no further than its 1e-24 part; where the
+    error ``left`` may be the one wanted, all of them are.
+    """
+    count, width = constants.limbs.count, constants.limbs.width
+    if left < _NEARLY * constants.target:
+        return count
+    return min(count, 2 + math.ceil(-math.log2(before * _RELATIVE**2) / width))
 
 
 def _enough(largest: float, relative: float, target: float) -> float:
@@ -180,7 +198,7 @@ class _Sweep:
             costate(given, pars=parameters, outputs=pushed)
             np.matmul(tables.coarse, rates, out=y)
 
-        self.change = _iterated(turn, y, _TRANSITIONS)
+        self.change = _iterated(turn, y[:, :: coarse - 1], _TRANSITIONS)
         costate(given, pars=parameters, outputs=pushed)
         inner = self._gather[2 * VARIABLES :].reshape(VARIABLES**2, self.nodes, n)
         np.matmul(tables.fine[: self.nodes], rates, out=inner)
@@ -192,10 +210,11 @@ class _Sweep:
         self.transitions = self._back @ start
         self._chain = Chain(self.transitions[: self.work.chain])
 
-    def defects(self) -> tuple[Any, Any, Any]:
+    def defects(self, count: int) -> tuple[Any, Any, Any]:
         """r at the stages (6, M, N), at the ends (6, N), and the last Legendre coefficients (N,).
 
         The large parts cancel first: each partial sum is as short as what is left of it.
+        ``count``: levels of the products that are made.
         """
         limbs, tables = self.constants.limbs, self.constants.tables
         field = np.empty((VARIABLES, limbs.count, self.nodes, self.count))
@@ -205,18 +224,19 @@ class _Sweep:
             outputs=field.reshape(VARIABLES * limbs.count, -1),
         )
         self._check_field(field)
-        levels, tail = tables.integrated(field)
+        levels = tables.integrated(field, count)
         start = self.states[:, :, self.work.starts]
         end = self.states[:, :, self.work.known :]
         m = self.nodes
         r = (start[:, 0, None] - self.stages[:, 0]) + levels[0][:, :m]
         r_end = (start[:, 0] - end[:, 0]) + levels[0][:, m]
-        for i, level in enumerate([*levels[1:], tail], start=1):
+        for i in range(1, limbs.count):
             r += start[:, i, None] - self.stages[:, i]
-            r += level[:, :m]
             r_end += start[:, i] - end[:, i]
-            r_end += level[:, m]
-        return r, r_end, tables.last_coefficients(levels, tail)
+            if i < len(levels):
+                r += levels[i][:, :m]
+                r_end += levels[i][:, m]
+        return r, r_end, tables.last_coefficients(levels)
 
     def _check_field(self, field: Any) -> None:
         largest = np.abs(field[:, 0]).max(axis=(0, 1))
@@ -258,12 +278,15 @@ class _Sweep:
             self.constants.kernels.push(self._push, pars=self._plain, outputs=pushed)
             np.matmul(self.constants.tables.integrals, pushed.reshape(shape), out=rest)
 
-        _iterated(turn, rest, enough * float(np.abs(source).max(initial=0.0)))
+        _iterated(turn, rest[:, -2:], enough * float(np.abs(source).max(initial=0.0)))
         self.constants.limbs.adjust(self.stages.swapaxes(0, 1), source + rest)
 
 
 def _iterated(turn: Callable[[], None], values: Any, enough: float) -> float:
-    """Take turns that renew ``values`` until one changes them by no more than that; its change."""
+    """Take turns until one changes ``values`` by no more than that; its change.
+
+    ``values``: where changes are largest, farthest from where the integrals begin.
+    """
     for _ in range(0, _TURNS, _LOOK):
         for _ in range(_LOOK - 1):
             turn()

@@ -41,25 +41,30 @@ class Tables:
     fine: Any
     thinned: Any
 
-    def integrated(self, field: Any) -> tuple[list[Any], Any]:
-        """All rows times H f: field (6, L, M, N) in limbs -> levels and tail, (6, M + 3, N) each.
+    def integrated(self, field: Any, count: int | None = None) -> list[Any]:
+        """All rows times H f: field (6, L, M, N) in limbs -> levels 2 to L, tail: (6, M + 3, N).
 
         Rows 0 to M - 1: from the interval's start to a node; M: to its end; M + 1 and M + 2: the
         last two Legendre coefficients of H f, times 2**-6.  The levels are exact, in whatever
-        order they are summed: :func:`tables` has checked the bound.
+        order they are summed: :func:`tables` has checked the bound.  ``count``: so many of them
+        alone, the tail counted; what is left out is 2**-(B count) in size.
         """
-        variables, count, nodes, n = field.shape
-        levels = [
+        variables, limbs, nodes, n = field.shape
+        wanted = limbs if count is None else min(count, limbs)
+        found = [
             np.matmul(table, field[:, : i + 1].reshape(variables, (i + 1) * nodes, n))
-            for i, table in enumerate(self.levels)
+            for i, table in enumerate(self.levels[:wanted])
         ]
-        return levels, np.matmul(self.tail, field.reshape(variables, count * nodes, n))
+        if wanted == limbs:
+            whole = field.reshape(variables, limbs * nodes, n)
+            found.append(np.matmul(self.tail, whole))
+        return found
 
     @staticmethod
-    def last_coefficients(levels: list[Any], tail: Any) -> Any:
+    def last_coefficients(levels: list[Any]) -> Any:
         """The larger of the last two Legendre coefficients of H f, over all components, (N,)."""
-        rows = tail[:, -2:].copy()
-        for level in reversed(levels):
+        rows = levels[-1][:, -2:].copy()
+        for level in reversed(levels[:-1]):
             rows += level[:, -2:]
         return np.abs(rows).max(axis=(0, 1)) * 2.0**_SMALLER
 
