@@ -1,0 +1,202 @@
+"""The axes in which a case has its normal form, and the conditions that it asks of a scene.
+
+A signed permutation P of the principal axes takes the moments to their permutation, polar vectors
+(Mg r0, gamma) v to P v, and the angular velocity, an axial vector, to det(P) P w: reflections are
+allowed.  A case fits a scene if one of the 48 brings the scene to where all its conditions hold.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from polhode.body import Vector, cross, dot, is_zero, minus
+from polhode.exact import ONE, ZERO, Exact, exact, sign, sqrt
+from polhode.references.rounding import log2
+
+_EVEN = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+
+
+@dataclass(frozen=True)
+class NormalAxes:
+    """Axis n of the normal form is ``signs[n]`` times principal axis ``order[n]``."""
+
+    order: tuple[int, int, int]
+    signs: tuple[int, int, int]
+
+    @property
+    def determinant(self) -> int:
+        """1, or -1 for a reflection."""
+        x, y, z = self.signs
+        return x * y * z * (1 if self.order in _EVEN else -1)
+
+    def polar(self, v: Sequence[Any]) -> tuple[Any, Any, Any]:
+        """A polar vector, from principal axes to the normal ones; any scalars."""
+        x, y, z = (s * v[i] for s, i in zip(self.signs, self.order, strict=True))
+        return x, y, z
+
+    def axial(self, v: Sequence[Any]) -> tuple[Any, Any, Any]:
+        """An axial vector, from principal axes to the normal ones."""
+        x, y, z = (self.determinant * u for u in self.polar(v))
+        return x, y, z
+
+    def polar_back(self, v: Sequence[Any]) -> list[Any]:
+        """A polar vector, from the normal axes to the principal ones."""
+        found: list[Any] = [None] * 3
+        for s, i, x in zip(self.signs, self.order, v, strict=True):
+            found[i] = s * x
+        return found
+
+    def axial_back(self, v: Sequence[Any]) -> list[Any]:
+        """An axial vector, from the normal axes to the principal ones."""
+        return [self.determinant * x for x in self.polar_back(v)]
+
+    def placed(self, moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> Placed:
+        """A scene, given in principal axes, in these."""
+        a, b, c = (moments[i] for i in self.order)
+        return Placed((a, b, c), self.polar(torque), self.axial(omega), self.polar(gamma))
+
+
+#: All 48, the scene's own axes first.
+ALL_AXES = tuple(
+    NormalAxes(order, signs)
+    for order in (*_EVEN, (1, 0, 2), (0, 2, 1), (2, 1, 0))
+    for signs in itertools.product((1, -1), repeat=3)
+)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A body and its start in some axes, exactly; ``torque`` is Mg r0."""
+
+    moments: Vector
+    torque: Vector
+    omega: Vector
+    gamma: Vector
+
+    @property
+    def speed(self) -> Exact:
+        """A size of w: the largest of |w| and sqrt(P/A), P = |Mg r0| and A the largest moment."""
+        fourth = dot(self.torque, self.torque) / max(self.moments) ** 2
+        return sqrt(max(dot(self.omega, self.omega), sqrt(fourth)))
+
+    @property
+    def energy(self) -> Exact:
+        """H = w.Iw/2 + T.gamma."""
+        kinetic = sum((m * w * w for m, w in zip(self.moments, self.omega, strict=True)), ZERO)
+        return kinetic / 2 + dot(self.torque, self.gamma)
+
+    @property
+    def area(self) -> Exact:
+        """F = Iw.gamma."""
+        parts = zip(self.moments, self.omega, self.gamma, strict=True)
+        return sum((m * w * g for m, w, g in parts), ZERO)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One condition of a case: what it says, and by how much a scene is off.
+
+    ``off`` is relative to the size of what is compared; 0 where the condition holds.
+    """
+
+    text: str
+    off: Exact
+
+    @property
+    def holds(self) -> bool:
+        """Whether it holds, by the rule for *equal*."""
+        return sign(self.off) == 0
+
+
+def _momentum(scene: Placed) -> Vector:
+    a, b, c = (m * w for m, w in zip(scene.moments, scene.omega, strict=True))
+    return a, b, c
+
+
+def equal(text: str, left: Exact | int, right: Exact | int, size: Exact | None = None) -> Condition:
+    """left = right; ``size`` in place of |left| + |right|."""
+    left, right = exact(left), exact(right)
+    difference = left - right
+    if sign(difference) == 0:
+        return Condition(text, ZERO)
+    return Condition(text, abs(difference) / (abs(left) + abs(right) if size is None else size))
+
+
+def positive(text: str, value: Exact, size: Exact) -> Condition:
+    """value > 0: an equality is off by 1, since nothing near it need fit."""
+    if sign(value) > 0:
+        return Condition(text, ZERO)
+    return Condition(text, max(abs(value) / size, ONE))
+
+
+def moving(scene: Placed) -> Condition:
+    """Not all six right-hand sides vanish."""
+    momentum = _momentum(scene)
+    moment = minus(cross(scene.gamma, scene.torque), cross(scene.omega, momentum))
+    still = is_zero(moment) and is_zero(cross(scene.gamma, scene.omega))
+    return Condition("no permanent rotation", ONE if still else ZERO)
+
+
+def matching(
+    scene: Placed, gamma: Sequence[Exact], squares: Sequence[Exact] | None = None
+) -> Iterator[Condition]:
+    """The start's gamma is that of the formulas; so are q^2 and r^2, if they are given."""
+    if squares is not None:
+        size = scene.speed * scene.speed
+        for name, w, square in zip("qr", scene.omega[1:], squares, strict=True):
+            yield equal(f"{name}^2 as p requires", w * w, square, size)
+    for i, (one, other) in enumerate(zip(scene.gamma, gamma, strict=True)):
+        yield equal(f"gamma{i + 1} as w requires", one, other, ONE)
+
+
+def on_axis_1(scene: Placed) -> Iterator[Condition]:
+    """The centre of mass is on the positive axis 1."""
+    size = sqrt(dot(scene.torque, scene.torque))
+    yield equal("y0 = 0", scene.torque[1], ZERO, size)
+    yield equal("z0 = 0", scene.torque[2], ZERO, size)
+    yield positive("x0 > 0", scene.torque[0], size)
+
+
+#: The conditions of a case, in the order in which they are tested.
+Conditions = Callable[[Placed], Iterator[Condition]]
+
+PrincipalScene = tuple[Vector, Vector, Vector, Vector]
+
+
+def fitting(conditions: Conditions, scene: PrincipalScene) -> tuple[NormalAxes, Placed] | None:
+    """The first axes in which all conditions hold, and the scene in them.
+
+    ``scene`` is moments, Mg r0, w and gamma in principal axes.
+    """
+    for axes in ALL_AXES:
+        placed = axes.placed(*scene)
+        if all(condition.holds for condition in conditions(placed)):
+            return axes, placed
+    return None
+
+
+def shortfall(conditions: Conditions, scene: PrincipalScene) -> Condition | None:
+    """In the axes that come nearest: the condition that fails most; None where all hold."""
+    best: Condition | None = None
+    least = math.inf
+    for axes in ALL_AXES:
+        worst: Condition | None = None
+        try:
+            for condition in conditions(axes.placed(*scene)):
+                if condition.holds:
+                    continue
+                if worst is None or condition.off > worst.off:
+                    worst = condition
+                if log2(worst.off) >= least:
+                    break
+        except (ZeroDivisionError, ValueError):  # constants that are not real
+            worst = Condition("real constants of the motion" if worst is None else worst.text, ONE)
+        if worst is None:
+            return None
+        if log2(worst.off) < least:
+            best, least = worst, log2(worst.off)
+    return best
