@@ -21,7 +21,7 @@ from typing import Any
 import mpmath
 from mpmath import mpf
 
-from polhode.references.euler_motion import Quaternion, product
+from polhode.closed_forms.attitude.quaternion import Quaternion, product
 
 #: w and gamma at a time, in the frame of the attitude, at the precision in force.
 State = Callable[[Any], tuple[Sequence[Any], Sequence[Any]]]

@@ -13,9 +13,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.body import Vector, cross, dot, is_zero, minus
-from polhode.exact import ONE, ZERO, Exact, exact, sign, sqrt
-from polhode.references.rounding import log2
+from polhode.closed_forms.families import Misfit
+from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.numbers.exact import ONE, ZERO, Exact, exact, log10, sign, sqrt, total
+from polhode.scenes.body import Vector, cross, dot, is_zero, minus
 
 _EVEN = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
@@ -86,25 +87,27 @@ class Placed:
     @property
     def energy(self) -> Exact:
         """H = w.Iw/2 + T.gamma."""
-        kinetic = sum((m * w * w for m, w in zip(self.moments, self.omega, strict=True)), ZERO)
+        kinetic = total(m * w * w for m, w in zip(self.moments, self.omega, strict=True))
         return kinetic / 2 + dot(self.torque, self.gamma)
 
     @property
     def area(self) -> Exact:
         """F = Iw.gamma."""
         parts = zip(self.moments, self.omega, self.gamma, strict=True)
-        return sum((m * w * g for m, w, g in parts), ZERO)
+        return total(m * w * g for m, w, g in parts)
 
 
 @dataclass(frozen=True)
 class Condition:
     """One condition of a case: what it says, and by how much a scene is off.
 
-    ``off`` is relative to the size of what is compared; 0 where the condition holds.
+    ``off`` is relative to the size of what is compared; 0 where the condition holds, 1 where an
+    ungraded one, with nothing between, does not.
     """
 
     text: str
     off: Exact
+    graded: bool = True
 
     @property
     def holds(self) -> bool:
@@ -126,11 +129,9 @@ def equal(text: str, left: Exact | int, right: Exact | int, size: Exact | None =
     return Condition(text, abs(difference) / (abs(left) + abs(right) if size is None else size))
 
 
-def positive(text: str, value: Exact, size: Exact) -> Condition:
-    """value > 0: an equality is off by 1, since nothing near it need fit."""
-    if sign(value) > 0:
-        return Condition(text, ZERO)
-    return Condition(text, max(abs(value) / size, ONE))
+def positive(text: str, value: Exact) -> Condition:
+    """value > 0: it holds or it does not, since nothing near its edge need fit."""
+    return Condition(text, ZERO if sign(value) > 0 else ONE, graded=False)
 
 
 def moving(scene: Placed) -> Condition:
@@ -138,7 +139,7 @@ def moving(scene: Placed) -> Condition:
     momentum = _momentum(scene)
     moment = minus(cross(scene.gamma, scene.torque), cross(scene.omega, momentum))
     still = is_zero(moment) and is_zero(cross(scene.gamma, scene.omega))
-    return Condition("no permanent rotation", ONE if still else ZERO)
+    return Condition("no permanent rotation", ONE if still else ZERO, graded=False)
 
 
 def matching(
@@ -158,45 +159,51 @@ def on_axis_1(scene: Placed) -> Iterator[Condition]:
     size = sqrt(dot(scene.torque, scene.torque))
     yield equal("y0 = 0", scene.torque[1], ZERO, size)
     yield equal("z0 = 0", scene.torque[2], ZERO, size)
-    yield positive("x0 > 0", scene.torque[0], size)
+    yield positive("x0 > 0", scene.torque[0])
 
 
 #: The conditions of a case, in the order in which they are tested.
 Conditions = Callable[[Placed], Iterator[Condition]]
 
-PrincipalScene = tuple[Vector, Vector, Vector, Vector]
 
-
-def fitting(conditions: Conditions, scene: PrincipalScene) -> tuple[NormalAxes, Placed] | None:
-    """The first axes in which all conditions hold, and the scene in them.
-
-    ``scene`` is moments, Mg r0, w and gamma in principal axes.
-    """
+def placed_in(conditions: Conditions, scene: PrincipalScene) -> tuple[NormalAxes, Placed] | None:
+    """The first axes in which all conditions hold, and the scene in them; None where none do."""
+    if scene.gamma is None or is_zero(scene.torque):
+        return None
     for axes in ALL_AXES:
-        placed = axes.placed(*scene)
+        placed = axes.placed(scene.moments, scene.torque, scene.omega, scene.gamma)
         if all(condition.holds for condition in conditions(placed)):
             return axes, placed
     return None
 
 
-def shortfall(conditions: Conditions, scene: PrincipalScene) -> Condition | None:
-    """In the axes that come nearest: the condition that fails most; None where all hold."""
-    best: Condition | None = None
-    least = math.inf
+def shortfall(conditions: Conditions, scene: PrincipalScene) -> Misfit | None:
+    """In the axes that come nearest, the condition that fails most; None where all hold."""
+    if scene.gamma is None or is_zero(scene.torque):
+        return Misfit("a body on which the weight has a moment")
+    best, least = Condition("real constants of the motion", ONE, graded=False), math.inf
     for axes in ALL_AXES:
-        worst: Condition | None = None
-        try:
-            for condition in conditions(axes.placed(*scene)):
-                if condition.holds:
-                    continue
-                if worst is None or condition.off > worst.off:
-                    worst = condition
-                if log2(worst.off) >= least:
-                    break
-        except (ZeroDivisionError, ValueError):  # constants that are not real
-            worst = Condition("real constants of the motion" if worst is None else worst.text, ONE)
+        placed = axes.placed(scene.moments, scene.torque, scene.omega, scene.gamma)
+        worst = _worst(conditions, placed, least)
         if worst is None:
             return None
-        if log2(worst.off) < least:
-            best, least = worst, log2(worst.off)
-    return best
+        if log10(worst.off) < least:
+            best, least = worst, log10(worst.off)
+    return Misfit(best.text, best.off if best.graded else None)
+
+
+def _worst(conditions: Conditions, placed: Placed, least: float) -> Condition | None:
+    """The condition that fails most; no further than one that is off by more than 10^least."""
+    worst: Condition | None = None
+    try:
+        for condition in conditions(placed):
+            if condition.holds:
+                continue
+            if worst is None or condition.off > worst.off:
+                worst = condition
+            if log10(worst.off) >= least:
+                break
+    except (ZeroDivisionError, ValueError):  # constants that are not real
+        text = "real constants of the motion" if worst is None else worst.text
+        return Condition(text, ONE, graded=False)
+    return worst

@@ -6,7 +6,8 @@ After a period T the body has turned about the vertical by an angle D, so
 
 the attitude is known over one period, and with it the growth of the arguments of
 
-    al = q0 + i q3 = cos(theta/2) exp i(psi + phi)/2,  bt = q1 + i q2 = sin(theta/2) exp i(psi - phi)/2.
+    al = q0 + i q3 = cos(theta/2) exp i(psi + phi)/2,
+    bt = q1 + i q2 = sin(theta/2) exp i(psi - phi)/2.
 """
 
 from __future__ import annotations
@@ -18,9 +19,9 @@ from typing import Any
 import mpmath
 from mpmath import mpc, mpf
 
-from polhode.references.euler_motion import Quaternion, product
-from polhode.references.theta import Functions
-from polhode.references.winding import bisected
+from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.attitude.winding import bisected
+from polhode.closed_forms.functions.jacobi import Functions
 
 _STEP = 2  # radians between two marks of the count
 _LATER = 0.1237  # of a period: the count of whole periods begins at no special place

@@ -10,24 +10,25 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import mpmath
 from mpmath import mpf
 
-from polhode.body import Vector, dot
+from polhode.closed_forms.attitude.angles import Attitude, angles
+from polhode.closed_forms.attitude.axes import Axes
 from polhode.closed_forms.attitude.azimuth import Azimuth
-from polhode.closed_forms.attitude.normal_form import Condition, Placed, fitting
+from polhode.closed_forms.attitude.normal_form import Conditions, placed_in
 from polhode.closed_forms.attitude.one_orbit import OneOrbit
-from polhode.exact import ZERO, Exact, sqrt
-from polhode.references.euler_angles import Attitude, angles
-from polhode.references.euler_axes import Axes
-from polhode.references.euler_motion import Quaternion
-from polhode.references.rounding import log2, number, rounded_up, shortened
-from polhode.references.start import start_quaternion, start_sign
-from polhode.references.theta import MP
+from polhode.closed_forms.attitude.quaternion import Quaternion
+from polhode.closed_forms.attitude.start import start_quaternion, start_sign
+from polhode.closed_forms.functions.jacobi import MP
+from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
+from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.numbers.exact import ZERO, Exact, sqrt
+from polhode.scenes.body import Vector, dot
 
 _GUARD = 40  # bits beyond the digits asked for and the growth of phases
 _SLACK = 24  # of these, what the set-up may use up; where it needs more it is made with more
@@ -63,6 +64,9 @@ class OrbitMotion(ABC):
     ``regime`` names the kind of motion; it is decided once, by exact arithmetic.
     """
 
+    #: What the family asks of a scene in the axes of its normal form, in order.
+    conditions: ClassVar[Conditions]
+
     def __init__(
         self,
         moments: Vector,
@@ -74,7 +78,8 @@ class OrbitMotion(ABC):
     ) -> None:
         self._turn, self._gamma, self._psi = Axes(axes), gamma, psi
         principal, vertical = (_triple(self._turn.principal(v)) for v in (omega, gamma))
-        found = fitting(self.conditions, (moments, torque, principal, vertical))
+        scene = PrincipalScene(moments, torque, principal, vertical)
+        found = placed_in(type(self).conditions, scene)
         if found is None:
             raise ValueError(f"not a motion of {type(self).__name__}")
         self._axes, self.normal = found
@@ -86,11 +91,6 @@ class OrbitMotion(ABC):
         self._orbits: dict[int, Orbit] = {}
         self._attitudes: dict[int, Attitude] = {}
         self._rows: dict[int, Axes] = {}
-
-    @staticmethod
-    @abstractmethod
-    def conditions(scene: Placed) -> Iterator[Condition]:
-        """What the family asks of a scene in the axes of its normal form, in order."""
 
     @abstractmethod
     def _regime(self) -> str:

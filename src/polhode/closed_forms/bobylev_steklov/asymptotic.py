@@ -18,9 +18,9 @@ from typing import Any
 import mpmath
 from mpmath import mpc, mpf
 
-from polhode.references.euler_motion import Quaternion, product
-from polhode.references.theta import Functions
-from polhode.references.winding import bisected
+from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.attitude.winding import bisected
+from polhode.closed_forms.functions.jacobi import Functions
 
 
 @dataclass(frozen=True)

@@ -19,27 +19,20 @@ Ga = 1 is asymptotic to the rotation p about the upright axis 1: r = +-sqrt(R1) 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import mpmath
 
-from polhode.closed_forms.attitude.normal_form import (
-    Condition,
-    Placed,
-    equal,
-    moving,
-    on_axis_1,
-)
+from polhode.closed_forms.attitude.angles import Attitude
 from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms.attitude.quaternion import Quaternion
 from polhode.closed_forms.bobylev_steklov.asymptotic import Asymptotic
+from polhode.closed_forms.bobylev_steklov.conditions import conditions
 from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
-from polhode.exact import ZERO, sign, sqrt
-from polhode.references.euler_angles import Attitude
-from polhode.references.euler_motion import Quaternion
-from polhode.references.rounding import number
+from polhode.closed_forms.functions.rounding import number
+from polhode.numbers.exact import ZERO, sign, sqrt
 
 SWINGING = "Bobylev-Steklov, r changes its sign"
 TURNING = "Bobylev-Steklov, r keeps its sign"
@@ -86,17 +79,7 @@ class _Motion:
 class BobylevSteklov(OrbitMotion):
     """One motion of Bobylev and Steklov; :class:`OrbitMotion` says what it is asked."""
 
-    @staticmethod
-    def conditions(scene: Placed) -> Iterator[Condition]:
-        """A = 2C, the centre on axis 1, q = 0 and x0 gamma3 Mg = C p r; not a rotation."""
-        A, _, C = scene.moments
-        p, q, r = scene.omega
-        yield equal("A = 2C", A, 2 * C)
-        yield from on_axis_1(scene)
-        yield equal("q = 0", q, 0, scene.speed)
-        k = scene.torque[0] / C
-        yield equal("Mg x0 gamma3 = C p r", k * scene.gamma[2], p * r, k)
-        yield moving(scene)
+    conditions = staticmethod(conditions)
 
     def _regime(self) -> str:
         return (ASYMPTOTIC, SWINGING, TURNING)[self._exact["side"]]

@@ -10,7 +10,7 @@ from typing import Any
 
 import mpmath
 
-from polhode.references.theta import MP, Jacobi, jacobi
+from polhode.closed_forms.functions.jacobi import MP, Jacobi, jacobi
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,12 @@ equations give
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.body import Vector
-from polhode.exact import Exact
-from polhode.references.rounding import number
+from polhode.numbers.exact import Exact
+from polhode.scenes.body import Vector
 
 
 def value(polynomial: Sequence[Any], x: Any) -> Any:
@@ -50,15 +49,13 @@ class Frame:
         """q^2 and r^2."""
         return value(self.Q, p), value(self.R, p)
 
-    def rounded(self, bits: int) -> Frame:
-        """The same with exact numbers rounded to so many bits."""
+    def mapped(self, convert: Callable[[Exact], Any]) -> Frame:
+        """The same with its numbers converted."""
         rows = (self.one, self.two, self.three, self.Q, self.R)
-        return Frame(*([number(x, bits) for x in row] for row in rows))
+        return Frame(*([convert(x) for x in row] for row in rows))
 
 
-def frame(
-    moments: Vector, c: Exact, h: Exact, Q: Sequence[Exact], R: Sequence[Exact]
-) -> Frame:
+def frame(moments: Vector, c: Exact, h: Exact, Q: Sequence[Exact], R: Sequence[Exact]) -> Frame:
     """The polynomials, exact; the degree of R is not below that of Q, nor below 2."""
     A, B, C = moments
     one = [-C * x / (2 * c) for x in R]

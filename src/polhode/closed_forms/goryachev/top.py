@@ -16,49 +16,20 @@ roots of c0 + c2 X + c4 X^2 and X3 = -b0/b2 > X2, v = v0 + nu t and E = d + X2 c
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import mpmath
 
-from polhode.closed_forms.attitude.normal_form import (
-    Condition,
-    Placed,
-    equal,
-    matching,
-    on_axis_1,
-    positive,
-)
 from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
-from polhode.closed_forms.functions.frame import Frame, frame
-from polhode.exact import ZERO, Exact, sign, sqrt
-from polhode.references.rounding import number
+from polhode.closed_forms.functions.frame import Frame
+from polhode.closed_forms.functions.rounding import number
+from polhode.closed_forms.goryachev.conditions import coefficients, conditions, frame_of
+from polhode.numbers.exact import Exact, sign, sqrt
 
 REGIME = "Goryachev"
-
-
-def coefficients(scene: Placed) -> dict[str, Exact]:
-    """Of a body that fits."""
-    (_, B, C), c = scene.moments, scene.torque[0]
-    D = 9 * B - 8 * C
-    one, two, three = B - 2 * C, 3 * B - 2 * C, 3 * B - 4 * C
-    b0 = 4 * B * C * c / (one * two * three)
-    return {
-        "b0": b0,
-        "b2": -16 * C * C / (D * D),
-        "c0": 2 * b0 * one * two / (B * C),
-        "c2": 16 * three * (9 * B * B - 28 * B * C + 16 * C * C) / (B * D * D),
-        "c4": -256 * C * C * three * three * (5 * B - 4 * C) / (B * b0 * D**4),
-        "h": b0 * (9 * B * B - 22 * B * C + 12 * C * C) / (4 * C),
-    }
-
-
-def _frame(scene: Placed, x: dict[str, Exact]) -> Frame:
-    Q, R = (x["b0"], ZERO, x["b2"]), (x["c0"], ZERO, x["c2"], ZERO, x["c4"])
-    return frame(scene.moments, scene.torque[0], x["h"], Q, R)
 
 
 @dataclass(frozen=True)
@@ -98,16 +69,7 @@ class _Motion:
 class Goryachev(OrbitMotion):
     """One motion of Goryachev; :class:`OrbitMotion` says what it is asked."""
 
-    @staticmethod
-    def conditions(scene: Placed) -> Iterator[Condition]:
-        """Those of the body, then q^2, r^2 and gamma as functions of p."""
-        A, B, C = scene.moments
-        yield from on_axis_1(scene)
-        yield equal("A (9B - 8C) = 16 C (B - C)", A * (9 * B - 8 * C), 16 * C * (B - C))
-        yield positive("B > 2C", B - 2 * C, B)
-        yield positive("3B < 8C", 8 * C - 3 * B, B)
-        found = _frame(scene, coefficients(scene))
-        yield from matching(scene, found.gamma(*scene.omega), found.squares(scene.omega[0]))
+    conditions = staticmethod(conditions)
 
     def _regime(self) -> str:
         return REGIME
@@ -118,7 +80,11 @@ class Goryachev(OrbitMotion):
         (A, B, C), (p, q, _) = self.normal.moments, self.normal.omega
         x = coefficients(self.normal)
         root = sqrt(x["c2"] * x["c2"] - 4 * x["c0"] * x["c4"])
-        X2, d, X3 = (root + x["c2"]) / (-2 * x["c4"]), (root - x["c2"]) / (-2 * x["c4"]), -x["b0"] / x["b2"]
+        X2, d, X3 = (
+            (root + x["c2"]) / (-2 * x["c4"]),
+            (root - x["c2"]) / (-2 * x["c4"]),
+            -x["b0"] / x["b2"],
+        )
         total = X2 + d
         E = d * total / (p * p + d)
         m, m1 = X2 * (X3 + d) / (X3 * total), d * (X3 - X2) / (X3 * total)
@@ -142,7 +108,7 @@ class Goryachev(OrbitMotion):
         sn, cn, dn = (mpmath.sqrt(x[name]) for name in ("sn2", "cn2", "dn2"))
         return _Motion(
             functions,
-            _frame(self.normal, coefficients(self.normal)).rounded(bits),
+            frame_of(self.normal, coefficients(self.normal)).mapped(lambda y: number(y, bits)),
             functions.phase(sign(p) * sn, s * sign(r) * cn, dn),
             mpmath.sqrt(x["nu2"]),
             s,

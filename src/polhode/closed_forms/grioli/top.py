@@ -13,61 +13,21 @@ angle to the vertical is I11/sqrt(I11^2 + J^2).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import mpmath
 
-from polhode.body import Vector, dot, scaled
-from polhode.closed_forms.attitude.normal_form import (
-    Condition,
-    Placed,
-    equal,
-    matching,
-    positive,
-)
+from polhode.closed_forms.attitude.angles import Attitude
 from polhode.closed_forms.attitude.one_orbit import OneOrbit
 from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
-from polhode.exact import ONE, ZERO, Exact, sign, sqrt
-from polhode.references.euler_angles import Attitude
-from polhode.references.euler_motion import Quaternion, product
-from polhode.references.rounding import number, vector
+from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.functions.rounding import number, vector
+from polhode.closed_forms.grioli.conditions import SpinFrame, conditions, spin_frame
 
 REGIME = "Grioli's regular precession"
-
-
-@dataclass(frozen=True)
-class _Constants:
-    """The frame e1, e2, e3 and the numbers of one motion, exact; cos and sin of ph0."""
-
-    e1: Vector
-    e2: Vector
-    P: Exact
-    I11: Exact
-    J: Exact
-    n: Exact
-    cos: Exact
-    sin: Exact
-
-    def gamma(self) -> Vector:
-        """gamma at t = 0."""
-        c, s, factor = self.cos, self.sin, self.n * self.n / self.P
-        one, two = -self.J * c, self.I11 * c - self.J * s * s
-        x, y = (one * a + two * b for a, b in ((self.e1[0], self.e2[0]), (self.e1[2], self.e2[2])))
-        return factor * x, factor * s * (self.I11 + self.J * c), factor * y
-
-
-def _constants(scene: Placed) -> _Constants:
-    (A, B, C), T, w = scene.moments, scene.torque, scene.omega
-    P = sqrt(dot(T, T))
-    x, _, z = e1 = scaled(1 / P, T)
-    e2 = (-z, ZERO, x)
-    n = dot(w, e1)
-    # -w.e3 = q.  Where the spin is 0 the conditions have failed already.
-    cos, sin = (dot(w, e2) / n, w[1] / n) if sign(n) else (ONE, ZERO)
-    return _Constants(e1, e2, P, A + C - B, (C - A) * x * z, n, cos, sin)
 
 
 @dataclass(frozen=True)
@@ -106,26 +66,14 @@ class _Motion:
 class Grioli(OrbitMotion):
     """One precession of Grioli; :class:`OrbitMotion` says what it is asked."""
 
-    @staticmethod
-    def conditions(scene: Placed) -> Iterator[Condition]:
-        """Those of the body, of the spin, of w, of gamma."""
-        (A, B, C), (T1, T2, T3) = scene.moments, scene.torque
-        yield positive("A > B", A - B, A)
-        yield positive("B > C", B - C, A)
-        yield equal("y0 = 0", T2, ZERO, sqrt(dot(scene.torque, scene.torque)))
-        yield equal("x0^2 (B - C) = z0^2 (A - B)", T1 * T1 * (B - C), T3 * T3 * (A - B))
-        x = _constants(scene)
-        fourth = x.n**4 * (x.I11 * x.I11 + x.J * x.J)
-        yield equal("n^4 (I11^2 + J^2) = (Mg |r0|)^2", fourth, x.P * x.P, x.P * x.P)
-        yield equal("|w|^2 = 2 n^2", dot(scene.omega, scene.omega), 2 * x.n * x.n)
-        yield from matching(scene, x.gamma())
+    conditions = staticmethod(conditions)
 
     def _regime(self) -> str:
         return REGIME
 
     @cached_property
-    def _exact(self) -> _Constants:
-        return _constants(self.normal)
+    def _exact(self) -> SpinFrame:
+        return spin_frame(self.normal)
 
     def _orbit(self, bits: int) -> Orbit:
         x = self._exact

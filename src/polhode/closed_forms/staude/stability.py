@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from polhode.closed_forms.attitude.normal_form import Placed
-from polhode.exact import ZERO, Exact, sign
+from polhode.numbers.exact import ZERO, Exact, sign
 
 STABLE, UNSTABLE, UNDECIDED = "spectrally stable", "unstable", "stability undecided"
 
@@ -61,6 +61,4 @@ def _jacobian(scene: Placed) -> list[list[Exact]]:
 
 
 def _product(one: list[list[Exact]], other: list[list[Exact]]) -> list[list[Exact]]:
-    return [
-        [sum((row[k] * other[k][j] for k in range(6)), ZERO) for j in range(6)] for row in one
-    ]
+    return [[sum((row[k] * other[k][j] for k in range(6)), ZERO) for j in range(6)] for row in one]

@@ -8,22 +8,21 @@ State and theta, phi stay, psi' = om.  Whether the rotation is stable is decided
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from mpmath import mpf
 
-from polhode.body import cross, dot, is_zero, minus
-from polhode.closed_forms.attitude.normal_form import Condition, Placed, equal
+from polhode.closed_forms.attitude.angles import Attitude
 from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.functions.jacobi import Functions
+from polhode.closed_forms.functions.rounding import number, shortened
+from polhode.closed_forms.staude.conditions import conditions
 from polhode.closed_forms.staude.stability import Stability, stability
-from polhode.exact import sign, sqrt
-from polhode.references.euler_angles import Attitude
-from polhode.references.euler_motion import Quaternion, product
-from polhode.references.rounding import number, shortened
-from polhode.references.theta import Functions
+from polhode.numbers.exact import sign
+from polhode.scenes.body import dot, is_zero
 
 HANGING, UPRIGHT = "rest, hanging", "rest, upright"
 ROTATION = "permanent rotation"
@@ -78,18 +77,7 @@ class _Uniform:
 class Staude(OrbitMotion):
     """One permanent rotation, or rest; :class:`OrbitMotion` says what it is asked."""
 
-    @staticmethod
-    def conditions(scene: Placed) -> Iterator[Condition]:
-        """w along gamma, and the moment of the weight balances the gyroscopic one."""
-        p, q, r = scene.omega
-        A, B, C = scene.moments
-        across = cross(scene.gamma, scene.omega)
-        yield equal("w along gamma", sqrt(dot(across, across)), 0, scene.speed)
-        lacking = minus(
-            cross(scene.gamma, scene.torque), cross(scene.omega, (A * p, B * q, C * r))
-        )
-        size = sqrt(dot(scene.torque, scene.torque))
-        yield equal("gamma x Mg r0 = w x Iw", sqrt(dot(lacking, lacking)), 0, size)
+    conditions = staticmethod(conditions)
 
     @cached_property
     def stability(self) -> Stability:
@@ -103,7 +91,7 @@ class Staude(OrbitMotion):
         return f"{ROTATION}, {self.stability.verdict}"
 
     def frequencies(self, digits: int) -> dict[str, mpf]:
-        """"precession": psi', the rate about the vertical; none at rest."""
+        """ "precession": psi', the rate about the vertical; none at rest."""
         if is_zero(self.normal.omega):
             return {}
         found = number(self._rotation, self._bits((), digits))

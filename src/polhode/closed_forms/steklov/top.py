@@ -14,47 +14,23 @@ v = v0 + nu t; the signs of p and r are those that p' = a1 q r asks for, r keeps
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import mpmath
 
-from polhode.closed_forms.attitude.normal_form import (
-    Condition,
-    Placed,
-    matching,
-    on_axis_1,
-    positive,
-)
 from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
-from polhode.exact import Exact, exact, sign
-from polhode.references.rounding import number
+from polhode.closed_forms.functions.rounding import number
+from polhode.closed_forms.steklov.conditions import coefficients, conditions
+from polhode.numbers.exact import Exact, sign
 
 #: By the sign of A - B: which of p and q is a sine, and where axis 1 points when p = 0.
 REGIMES = {
     1: "Steklov, A > B: axis 1 passes the lower vertical",
     -1: "Steklov, A < B: axis 1 passes the upper vertical",
 }
-
-
-def _constants(scene: Placed) -> dict[str, Exact]:
-    """Of a body that fits."""
-    (A, B, C), c = scene.moments, scene.torque[0]
-    e, a1 = sign(B - A), (B - C) / A
-    M, N = ((A - B) * (A - C) / (A - 2 * X) for X in (C, B))
-    return {
-        "b0": -e * c / (M * a1),
-        "b2": A * (A - C) / ((A - 2 * B) * (B - C)),
-        "c0": e * c / (N * a1),
-        "c2": -A * (A - B) / ((A - 2 * C) * (B - C)),
-        "e": exact(e),
-        "M": M / c,
-        "N": N / c,
-        "G": (M - N) * A / (2 * (B - C) * c),
-    }
 
 
 @dataclass(frozen=True)
@@ -90,19 +66,7 @@ class _Motion:
 class Steklov(OrbitMotion):
     """One motion of Steklov; :class:`OrbitMotion` says what it is asked."""
 
-    @staticmethod
-    def conditions(scene: Placed) -> Iterator[Condition]:
-        """Those of the body, then q^2, r^2 and gamma as functions of p."""
-        A, B, C = scene.moments
-        yield from on_axis_1(scene)
-        yield positive("A > 2C", A - 2 * C, A)
-        yield positive("A < 2B", 2 * B - A, A)
-        yield positive("A != B", abs(A - B), A)
-        x, (p, q, r) = _constants(scene), scene.omega
-        gamma = x["e"] + x["G"] * p * p, x["M"] * p * q, x["N"] * p * r
-        yield from matching(
-            scene, gamma, (x["b0"] + x["b2"] * p * p, x["c0"] + x["c2"] * p * p)
-        )
+    conditions = staticmethod(conditions)
 
     def _regime(self) -> str:
         A, B, _ = self.normal.moments
@@ -112,7 +76,7 @@ class Steklov(OrbitMotion):
     def _exact(self) -> dict[str, Exact]:
         """The constants; squares of amplitudes, and of sn, cn, dn at t = 0."""
         (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega
-        x, c = _constants(self.normal), self.normal.torque[0]
+        x, c = coefficients(self.normal), self.normal.torque[0]
         p2, q2 = -x["b0"] / x["b2"], x["b0"]
         if sign(A - B) > 0:
             r2, nu2 = x["c0"], c / (A - B)

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from mpmath import mpf
 
-import orbit_checks as checks
-from closed_form_checks import fractions, number
-from polhode import exact
 from polhode.closed_forms.staude.stability import STABLE, UNDECIDED, UNSTABLE, Stability
 from polhode.closed_forms.staude.top import HANGING, UPRIGHT, Staude
+from polhode.numbers import exact
+from shared import orbit_checks as checks
+from shared.closed_form_checks import fractions, number
 
 F = Fraction
 MOMENTS = (F(2), F(3, 2), F(6, 5))
@@ -23,7 +23,10 @@ def rotation(moments, gamma, om, mu):
     return moments, torque, tuple(om * g for g in gamma), gamma
 
 
-SHEET = {mu: rotation(MOMENTS, fractions(("2/7", "3/7", "6/7")), F(2), F(mu)) for mu in ("11", "3", "13/2")}
+SHEET = {
+    mu: rotation(MOMENTS, fractions(("2/7", "3/7", "6/7")), F(2), F(mu))
+    for mu in ("11", "3", "13/2")
+}
 IRRATIONAL = rotation(
     (F(2), exact.sqrt(F(2)), F(6, 5)),
     (exact.sqrt(F(1, 2)), F(1, 2), F(1, 2)),
@@ -160,8 +163,10 @@ def test_equations():
             moments, torque = ([number(x) for x in row] for row in start[:2])
             (row,) = Staude(*start).at([F(1)], 100)
             w, g = row[:3], row[3:]
-            for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-                moment = (moments[j] - moments[k]) * w[j] * w[k] + g[j] * torque[k] - g[k] * torque[j]
+            for _, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+                moment = (
+                    (moments[j] - moments[k]) * w[j] * w[k] + g[j] * torque[k] - g[k] * torque[j]
+                )
                 assert abs(moment) < mpf(10) ** -97
                 assert abs(g[j] * w[k] - g[k] * w[j]) < mpf(10) ** -97
 

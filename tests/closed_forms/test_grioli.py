@@ -6,10 +6,10 @@ import mpmath
 import pytest
 from mpmath import mpf
 
-import orbit_checks as checks
-from closed_form_checks import fractions
-from polhode import exact
 from polhode.closed_forms.grioli.top import REGIME, Grioli
+from polhode.numbers import exact
+from shared import orbit_checks as checks
+from shared.closed_form_checks import fractions
 
 F = Fraction
 
@@ -20,7 +20,10 @@ def precession(A, B, C, P, cos, sin, *, backward=False, sides=(1, 1)):
     With nu the angle of the precession's axis to the vertical: the momentum must turn with the
     weight; J and I11 are the products of inertia in the frame of the spin.
     """
-    x, z = (s * exact.sqrt(y) for s, y in zip(sides, ((A - B) / (A - C), (B - C) / (A - C)), strict=True))
+    x, z = (
+        s * exact.sqrt(y)
+        for s, y in zip(sides, ((A - B) / (A - C), (B - C) / (A - C)), strict=True)
+    )
     e1, e2 = (x, F(0), z), (-z, F(0), x)
     I11, J = A + C - B, (C - A) * x * z
     n = exact.sqrt(P / exact.sqrt(I11 * I11 + J * J))
@@ -55,7 +58,9 @@ MOTIONS = {
 def test_the_definition_gives_the_sheets_scene():
     A, B, C = SHEET[0]
     found = precession(A, B, C, F(1), F(1), F(0), sides=(1, 1))
-    assert all(x == y for one, two in zip(found, SHEET, strict=True) for x, y in zip(one, two, strict=True))
+    assert all(
+        x == y for one, two in zip(found, SHEET, strict=True) for x, y in zip(one, two, strict=True)
+    )
 
 
 @pytest.mark.parametrize("name", MOTIONS)
@@ -137,7 +142,9 @@ def member(rng):
     t = F(rng.randint(-40, 40), 10)
     cos, sin = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
     sides = rng.choice((1, -1)), rng.choice((1, -1))
-    return precession(A, B, C, F(rng.randint(1, 50), 10), cos, sin, backward=rng.random() < 0.5, sides=sides)
+    return precession(
+        A, B, C, F(rng.randint(1, 50), 10), cos, sin, backward=rng.random() < 0.5, sides=sides
+    )
 
 
 def test_random_members():

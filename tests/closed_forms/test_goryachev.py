@@ -5,9 +5,9 @@ from fractions import Fraction
 import pytest
 from mpmath import mpf
 
-import orbit_checks as checks
-from polhode import exact
 from polhode.closed_forms.goryachev.top import REGIME, Goryachev
+from polhode.numbers import exact
+from shared import orbit_checks as checks
 
 F = Fraction
 

@@ -1,4 +1,4 @@
-"""Bobylev and Steklov's motions: stored values, equations, an independent integration, membership."""
+"""Bobylev and Steklov's motions: stored values, equations, a Taylor run, membership."""
 
 from fractions import Fraction
 
@@ -6,17 +6,17 @@ import mpmath
 import pytest
 from mpmath import mpf
 
-import orbit_checks as checks
-from closed_form_checks import fractions
-from polhode import exact
 from polhode.closed_forms.bobylev_steklov.top import (
     ASYMPTOTIC,
     SWINGING,
     TURNING,
     BobylevSteklov,
 )
-from polhode.references.kovalevskaya import KovalevskayaTop
-from polhode.references.pendulum import Pendulum
+from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
+from polhode.closed_forms.pendulum.top import Pendulum
+from polhode.numbers import exact
+from shared import orbit_checks as checks
+from shared.closed_form_checks import fractions
 
 F = Fraction
 ROOT = exact.sqrt(F(2))
@@ -29,7 +29,13 @@ MOTIONS = {
     "from a turning point of r": (*BODY, ("6/5", "0", "1"), ("-4/5", "0", "3/5"), SWINGING),
     "dn, from a turning point of r": (*BODY, ("2/5", "0", "3"), ("4/5", "0", "3/5"), TURNING),
     "from r = 0": (*BODY, ("6/5", "0", "0"), ("3/5", "-4/5", "0"), SWINGING),
-    "hanging": (("2", "1.3", "1"), ("-2", "0", "0"), ("6/5", "0", "-1"), ("16/25", "-12/25", "15/25"), SWINGING),
+    "hanging": (
+        ("2", "1.3", "1"),
+        ("-2", "0", "0"),
+        ("6/5", "0", "-1"),
+        ("16/25", "-12/25", "15/25"),
+        SWINGING,
+    ),
     # Ga = g1 + r^2/4 = 1, p = 2 g3/r: from gamma = (23, 24, 36)/49, r^2 = 4 (1 - 23/49).
     "sech": (
         *BODY,
@@ -37,7 +43,13 @@ MOTIONS = {
         ("23/49", "24/49", "36/49"),
         ASYMPTOTIC,
     ),
-    "B the largest moment": (("2", "2.9", "1"), ("2", "0", "0"), ("6/5", "0", "1"), ("16/25", "12/25", "15/25"), SWINGING),
+    "B the largest moment": (
+        ("2", "2.9", "1"),
+        ("2", "0", "0"),
+        ("6/5", "0", "1"),
+        ("16/25", "12/25", "15/25"),
+        SWINGING,
+    ),
     "irrational": (
         (2 * ROOT, ROOT + F(1, 3), ROOT),
         (2 * ROOT, F(0), F(0)),
