@@ -7,7 +7,8 @@ The azimuth al of a unit vector e fixed in the body, seen from space with z alon
 (for e = e3 it is psi - pi/2, Yehia 3.33).  Time is cut into panels in which the body turns by at
 most two radians; in each, e is the direction, of 13, that stays farthest from the vertical, and al'
 is expanded in Chebyshev polynomials (Clenshaw & Curtis 1960), whose number is doubled until the
-last coefficients are below the precision.  Panels are made as they are needed and kept.
+last coefficients are below the precision.  Panels are made as they are needed and kept.  The series
+is one in any quantity s that grows with time, t itself or an angle in which the motion is simpler.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ from mpmath import mpf
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 
-#: w and gamma at a time, in the frame of the attitude, at the precision in force.
-State = Callable[[Any], tuple[Sequence[Any], Sequence[Any]]]
+#: w, gamma and dt/ds at an s, in the frame of the attitude, at the precision in force.
+State = Callable[[Any], tuple[Sequence[Any], Sequence[Any], Any]]
 
 TURN = 2  # radians a panel, at most
 _NODES = 0.16  # Chebyshev intervals tried first, for each bit
@@ -39,21 +40,21 @@ _DIRECTIONS = tuple(
 
 @dataclass(frozen=True)
 class _Panel:
-    """One panel: the direction e, the series of its azimuth, the attitude where it begins."""
+    """One panel in s: the direction e, the series of its azimuth, the attitude where it begins."""
 
     begin: Any
-    length: Any
+    end: Any
     direction: tuple[int, ...]
     azimuth: Sequence[Any]  # Chebyshev coefficients of its growth since ``begin``
     start: Quaternion  # at ``begin``
     upright: Quaternion  # the inverse of :func:`_upright` there, after ``start``
 
-    def turned(self, t: Any, gamma: Sequence[Any]) -> Quaternion:
-        """The attitude at t in the panel, where the vertical is ``gamma``."""
-        x = 2 * (t - self.begin) / self.length - 1
-        c, s = mpmath.cos_sin(_series(self.azimuth, x) / 2)
+    def turned(self, s: Any, gamma: Sequence[Any]) -> Quaternion:
+        """The attitude at s in the panel, where the vertical is ``gamma``."""
+        x = (2 * s - self.begin - self.end) / (self.end - self.begin)
+        cosine, sine = mpmath.cos_sin(_series(self.azimuth, x) / 2)
         turn = product(self.upright, _upright(gamma, self.direction))
-        found = product((c, mpf(0), mpf(0), s), turn)
+        found = product((cosine, mpf(0), mpf(0), sine), turn)
         # Within a panel the body turns by less than pi: of the two signs one is continuous.
         if sum(a * b for a, b in zip(found, self.start, strict=True)) < 0:
             w, x, y, z = (-v for v in found)
@@ -63,11 +64,15 @@ class _Panel:
 
 @dataclass(eq=False)
 class Azimuth:
-    """The quaternion body -> space at t >= 0, at the precision in force when it was made."""
+    """The quaternion body -> space at t >= 0, at the precision in force when it was made.
+
+    ``clock``: s as a function of t >= 0.
+    """
 
     state: State
     start: Quaternion
     rate: Any  # a bound of |w|
+    clock: Callable[[Any], Any]
     _panels: list[_Panel] = field(default_factory=list)
 
     def at(self, t: Any) -> Quaternion:
@@ -78,33 +83,38 @@ class Azimuth:
         count = max(0, int(mpmath.ceil(t / length)) - 1)
         while len(self._panels) <= count:
             self._grow(length)
-        return self._panels[count].turned(t, self.state(t)[1])
+        s = self.clock(t)
+        return self._panels[count].turned(s, self.state(s)[1])
 
     def _grow(self, length: Any) -> None:
-        begin = len(self._panels) * length
+        before = self._panels[-1] if self._panels else None
+        begin = before.end if before else self.clock(mpf(0))
+        end = self.clock((len(self._panels) + 1) * length)
         gamma = self.state(begin)[1]
-        start = self._panels[-1].turned(begin, gamma) if self._panels else self.start
-        direction, azimuth = _expanded(self.state, begin, length)
+        start = before.turned(begin, gamma) if before else self.start
+        direction, azimuth = _expanded(self.state, begin, end)
         w, x, y, z = _upright(gamma, direction)
         upright = product(start, (w, -x, -y, -z))  # a turn about the vertical
-        self._panels.append(_Panel(begin, length, direction, azimuth, start, upright))
+        self._panels.append(_Panel(begin, end, direction, azimuth, start, upright))
 
 
-def _expanded(state: State, begin: Any, length: Any) -> tuple[tuple[int, ...], list[Any]]:
+def _expanded(state: State, begin: Any, end: Any) -> tuple[tuple[int, ...], list[Any]]:
     """The direction of a panel and the series of its azimuth's growth."""
     count = 2 * int(mpmath.ceil(_NODES * mpmath.mp.prec))
-    known: dict[tuple[int, int], tuple[Sequence[Any], Sequence[Any]]] = {}
+    known: dict[tuple[int, int], tuple[Sequence[Any], Sequence[Any], Any]] = {}
+    half = (end - begin) / 2
     for _ in range(_MOST_DOUBLINGS + 1):
         cosines, values = _cosines(count, mpmath.mp.prec), []
         for j in range(count + 1):
             shared = _reduced(j, count)
             if shared not in known:
-                known[shared] = state(begin + length * (1 + cosines[j]) / 2)
+                known[shared] = state(begin + half * (1 + cosines[j]))
             values.append(known[shared])
         direction = max(
-            _DIRECTIONS, key=lambda e: min(_sine2(e, gamma) for _, gamma in values[:: count // 8])
+            _DIRECTIONS,
+            key=lambda e: min(_sine2(e, gamma) for _, gamma, _ in values[:: count // 8]),
         )
-        rates = [_rate(direction, w, gamma) * length / 2 for w, gamma in values]
+        rates = [_rate(direction, w, gamma) * half * pace for w, gamma, pace in values]
         series = _coefficients(rates, cosines)
         scale = max(max(abs(x) for x in series), mpf(1))
         if max(abs(x) for x in series[-3:]) <= mpmath.ldexp(scale, _GUARD - mpmath.mp.prec):

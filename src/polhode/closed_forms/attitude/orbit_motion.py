@@ -12,7 +12,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import mpmath
 from mpmath import mpf
@@ -50,6 +50,19 @@ class Orbit(Protocol):
 
     def at(self, t: Any) -> Sequence[Any]:
         """p, q, r, gamma1, gamma2, gamma3."""
+        ...
+
+
+@runtime_checkable
+class Clocked(Protocol):
+    """An orbit that is simpler in a quantity s that grows with time."""
+
+    def clock(self, t: Any) -> Any:
+        """s at t >= 0, continuous."""
+        ...
+
+    def along(self, s: Any) -> tuple[Sequence[Any], Any]:
+        """The state at s, and dt/ds."""
         ...
 
 
@@ -157,7 +170,10 @@ class OrbitMotion(ABC):
 
     def _state(self, t: Any, bits: int) -> list[Any]:
         """w and gamma in the scene's axes, at the precision in force."""
-        row = self._made(bits).at(t)
+        return self._placed(self._made(bits).at(t), bits)
+
+    def _placed(self, row: Sequence[Any], bits: int) -> list[Any]:
+        """A state in the scene's axes."""
         turn = self._scene_axes(bits)
         w, g = self._axes.axial_back(row[:3]), self._axes.polar_back(row[3:])
         return [*turn.scene(w), *turn.scene(g)]
@@ -208,13 +224,17 @@ class OrbitMotion(ABC):
     def _turning(self, start: Quaternion, rate: Any, bits: int) -> Attitude:
         """The attitude from ``start``, by quadrature of an azimuth over one period."""
 
-        def state(t: Any) -> tuple[Sequence[Any], Sequence[Any]]:
-            row = self._state(t, bits)
-            return row[:3], row[3:]
-
-        period = self._made(bits).period
+        orbit, one = self._made(bits), mpf(1)
+        period = orbit.period
         assert period is not None
-        return OneOrbit(start, Azimuth(state, start, rate).at, rate, period)
+
+        def state(s: Any) -> tuple[Sequence[Any], Sequence[Any], Any]:
+            row, pace = orbit.along(s) if isinstance(orbit, Clocked) else (orbit.at(s), one)
+            row = self._placed(row, bits)
+            return row[:3], row[3:], pace
+
+        clock = orbit.clock if isinstance(orbit, Clocked) else lambda t: t
+        return OneOrbit(start, Azimuth(state, start, rate, clock).at, rate, period)
 
     @cached_property
     def _sign(self) -> int:

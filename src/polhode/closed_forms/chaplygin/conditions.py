@@ -68,7 +68,9 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     x, (p, q, r) = coefficients(scene), scene.omega
     rest = q * q - x.b2 * p * p
     yield equal("(q^2 - b2 p^2)^3 = B1^3 p^2", rest**3, x.cube * p * p, size**6)
-    yield equal("r^2 - c2 p^2 = C1/B1 (q^2 - b2 p^2)", r * r - x.c2 * p * p, x.ratio * rest, size**2)
+    yield equal(
+        "r^2 - c2 p^2 = C1/B1 (q^2 - b2 p^2)", r * r - x.c2 * p * p, x.ratio * rest, size**2
+    )
     if sign(p) == 0:
         yield from _at_rest(scene, x)
         return

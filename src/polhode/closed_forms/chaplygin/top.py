@@ -17,6 +17,7 @@ r = z Z,
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,7 +56,17 @@ class _Motion:
 
     def at(self, t: Any) -> tuple[Any, ...]:
         """p, q, r, gamma1, gamma2, gamma3."""
-        z, Y, Z = self.flow.at(t)
+        return self._state(*self.flow.at(t))
+
+    def clock(self, t: Any) -> Any:
+        """The angle x of the flow."""
+        return self.flow.clock(t)
+
+    def along(self, s: Any) -> tuple[Sequence[Any], Any]:
+        """The state at the angle, and dt/dx."""
+        return self._state(*self.flow.along(s)), self.flow.pace(s)
+
+    def _state(self, z: Any, Y: Any, Z: Any) -> tuple[Any, ...]:
         (A, B, C), c = self.moments, self.c
         p, q, r = z * z * z, z * Y, z * Z
         two = (A - B) * p * q - C * (B - C) * (self.c2 * p * q + self.C1 * Y / 3) / A

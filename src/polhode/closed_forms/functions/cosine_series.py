@@ -72,9 +72,7 @@ def _transform(points: list[Any]) -> list[Any]:
     if n == 1:
         return points
     even, odd = _transform(points[::2]), _transform(points[1::2])
-    turned = [
-        w.conjugate() * z for w, z in zip(_cosines(n, mpmath.mp.prec), odd, strict=False)
-    ]
+    turned = [w.conjugate() * z for w, z in zip(_cosines(n, mpmath.mp.prec), odd, strict=False)]
     return [a + b for a, b in zip(even, turned, strict=True)] + [
         a - b for a, b in zip(even, turned, strict=True)
     ]

@@ -73,8 +73,18 @@ class OneDegree:
         """z, y, w."""
         period = self.period
         time = self.begin + t
-        time -= period * mpmath.nint(time / period)
-        x = self._phase(time)
+        return self.along(self._phase(time - period * mpmath.nint(time / period)))
+
+    def clock(self, t: Any) -> Any:
+        """x at t, continuous: from x0 at t = 0."""
+        return self._phase(self.begin + t)
+
+    def pace(self, x: Any) -> Any:
+        """dt/dx."""
+        return 1 / self._rate(x)
+
+    def along(self, x: Any) -> tuple[Any, Any, Any]:
+        """z, y, w at x."""
         c, (cosine, sine) = mpmath.cos(x), mpmath.cos_sin(x / 2)
         z, half = self.M - self.D * c, mpmath.sqrt(2 * self.D)
         y, w = (

@@ -10,6 +10,7 @@ is a Fourier series in an angle between two zeros of Q R (:mod:`..functions.one_
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,7 +42,17 @@ class _Motion:
 
     def at(self, t: Any) -> tuple[Any, ...]:
         """p, q, r, gamma1, gamma2, gamma3."""
-        p, q, r = self.flow.at(t)
+        return self._state(*self.flow.at(t))
+
+    def clock(self, t: Any) -> Any:
+        """The angle x of the flow."""
+        return self.flow.clock(t)
+
+    def along(self, s: Any) -> tuple[Sequence[Any], Any]:
+        """The state at the angle, and dt/dx."""
+        return self._state(*self.flow.along(s)), self.flow.pace(s)
+
+    def _state(self, p: Any, q: Any, r: Any) -> tuple[Any, ...]:
         return p, q, r, *self.frame.gamma(p, q, r)
 
 
