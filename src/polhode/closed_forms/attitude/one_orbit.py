@@ -21,7 +21,7 @@ from mpmath import mpc, mpf
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.attitude.winding import bisected
-from polhode.closed_forms.functions.jacobi import Functions
+from polhode.closed_forms.functions.jacobi import SeriesFunctions
 
 _STEP = 2  # radians between two marks of the count
 _LATER = 0.1237  # of a period: the count of whole periods begins at no special place
@@ -41,7 +41,7 @@ class OneOrbit:
     _marks: dict[int, list[tuple[Any, Any]]] = field(default_factory=dict)
     _whole: list[Any] = field(default_factory=list)
 
-    def at(self, t: Any, fn: Functions) -> Quaternion:
+    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         del fn
         if not t:

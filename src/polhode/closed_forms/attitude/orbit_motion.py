@@ -18,7 +18,7 @@ import mpmath
 from mpmath import mpf
 
 from polhode.closed_forms.attitude.angles import Attitude, angles
-from polhode.closed_forms.attitude.axes import Axes
+from polhode.closed_forms.attitude.axes import MotionAxes
 from polhode.closed_forms.attitude.azimuth import Azimuth
 from polhode.closed_forms.attitude.normal_form import Conditions, placed_in
 from polhode.closed_forms.attitude.one_orbit import OneOrbit
@@ -89,7 +89,7 @@ class OrbitMotion(ABC):
         psi: Exact = ZERO,
         axes: tuple[tuple[Exact, ...], ...] | None = None,
     ) -> None:
-        self._turn, self._gamma, self._psi = Axes(axes), gamma, psi
+        self._turn, self._gamma, self._psi = MotionAxes(axes), gamma, psi
         principal, vertical = (_triple(self._turn.principal(v)) for v in (omega, gamma))
         scene = PrincipalScene(moments, torque, principal, vertical)
         found = placed_in(type(self).conditions, scene)
@@ -103,7 +103,12 @@ class OrbitMotion(ABC):
         self._extra = 0
         self._orbits: dict[int, Orbit] = {}
         self._attitudes: dict[int, Attitude] = {}
-        self._rows: dict[int, Axes] = {}
+        self._rows: dict[int, MotionAxes] = {}
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """The family's conditions, all of which hold."""
+        return tuple(condition.text for condition in type(self).conditions(self.normal))
 
     @abstractmethod
     def _regime(self) -> str:
@@ -178,7 +183,7 @@ class OrbitMotion(ABC):
         w, g = self._axes.axial_back(row[:3]), self._axes.polar_back(row[3:])
         return [*turn.scene(w), *turn.scene(g)]
 
-    def _scene_axes(self, bits: int) -> Axes:
+    def _scene_axes(self, bits: int) -> MotionAxes:
         if bits not in self._rows:
             self._rows[bits] = self._turn.mapped(lambda x: number(x, bits))
         return self._rows[bits]

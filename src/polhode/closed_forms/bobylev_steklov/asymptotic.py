@@ -20,7 +20,7 @@ from mpmath import mpc, mpf
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.attitude.winding import bisected
-from polhode.closed_forms.functions.jacobi import Functions
+from polhode.closed_forms.functions.jacobi import SeriesFunctions
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Asymptotic:
     v0: Any
     positive: bool  # s = 1
 
-    def at(self, t: Any, fn: Functions) -> Quaternion:
+    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         del fn
         return self._seen(t, self.p * t / 2) if t else self.start

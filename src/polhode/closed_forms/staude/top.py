@@ -17,7 +17,7 @@ from mpmath import mpf
 from polhode.closed_forms.attitude.angles import Attitude
 from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
-from polhode.closed_forms.functions.jacobi import Functions
+from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.rounding import number, shortened
 from polhode.closed_forms.staude.conditions import conditions
 from polhode.closed_forms.staude.stability import Stability, stability
@@ -49,7 +49,7 @@ class _Uniform:
     start: Quaternion
     om: Any
 
-    def at(self, t: Any, fn: Functions) -> Quaternion:
+    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         c, s = fn.cos_sin(self.om * t / 2)
         return product((c, 0 * c, 0 * c, s), self.start) if t else self.start
