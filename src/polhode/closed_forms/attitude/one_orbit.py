@@ -12,7 +12,7 @@ the attitude is known over one period, and with it the growth of the arguments o
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -39,6 +39,7 @@ class OneOrbit:
     rate: Any
     period: Any
     _marks: dict[int, list[tuple[Any, Any]]] = field(default_factory=dict)
+    _loops: dict[int, tuple[Sequence[Any], Sequence[Any]]] = field(default_factory=dict)
     _whole: list[Any] = field(default_factory=list)
 
     def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
@@ -67,8 +68,7 @@ class OneOrbit:
             return self._counted(mpf(0), t)
         count = int(mpmath.floor((abs(t) - first) / self.period))
         rest = abs(t) - first - count * self.period
-        begin = self._counted(mpf(0), sense * first)
-        loop = [self._exactly(sense, x) for x in self._from(sense, first, self.period)]
+        begin, loop = self._turns(sense, first)
         more = self._from(sense, first, rest)
         one, other = (a + count * b + c for a, b, c in zip(begin, loop, more, strict=True))
         return one, other
@@ -91,6 +91,14 @@ class OneOrbit:
     def floats(self, speed: Any) -> OneOrbit:
         """Not needed: the arguments' growth is always known."""
         raise NotImplementedError
+
+    def _turns(self, sense: int, first: Any) -> tuple[Sequence[Any], Sequence[Any]]:
+        """The growth until ``first`` and over the period after it, counted once."""
+        if sense not in self._loops:
+            begin = self._counted(mpf(0), sense * first)
+            loop = [self._exactly(sense, x) for x in self._from(sense, first, self.period)]
+            self._loops[sense] = begin, loop
+        return self._loops[sense]
 
     def _exactly(self, sense: int, counted: Any) -> Any:
         """The growth over a whole period, of which the count gives the turns."""

@@ -41,18 +41,17 @@ class Asymptotic:
     def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         del fn
-        return self._seen(t, self.p * t / 2) if t else self.start
+        return self._seen(self.v0 + self.nu * t, self.p * t / 2) if t else self.start
 
-    def _seen(self, t: Any, turned: Any) -> Quaternion:
-        """The attitude at t, with ``turned`` in place of p t/2."""
-        w, x, y, z = self._place(mpf(0), mpf(0))
-        c, *axis = product((w, -x, -y, -z), self._place(t, turned))
+    def _seen(self, v: Any, turned: Any) -> Quaternion:
+        """The attitude at v, with ``turned`` in place of p t/2."""
+        w, x, y, z = self._place(self.v0, mpf(0))
+        c, *axis = product((w, -x, -y, -z), self._place(v, turned))
         second, third, first = axis
         x, y, z = self.placed((first, second, third))
         return product(self.start, (c, x, y, z))
 
-    def _place(self, t: Any, turned: Any) -> Quaternion:
-        v = self.v0 + self.nu * t
+    def _place(self, v: Any, turned: Any) -> Quaternion:
         root = mpmath.sqrt(self.p**2 + self.nu**2)
         phase = mpmath.expj(turned) / root
         al = mpc(self.p, self.nu * mpmath.tanh(v)) * phase
@@ -64,23 +63,20 @@ class Asymptotic:
     def arguments(self, t: Any) -> tuple[Any, Any] | None:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t.
 
-        Without their common turn about the vertical the two parameters move at most at 2 nu, and
-        from |v| = ``last`` on they stand still.
+        Without their common turn about the vertical the two parameters move at most at sqrt(2) in
+        x = atan(sinh v), dx = sech v dv; from |v| = ``last`` on their directions stay.
         """
-        last = mpmath.mp.prec * mpmath.ln2 / 2 + 8
-        pace = 4 * self.nu
-        ends = sorted((mpf(0), t))
-        bounds = [(side * last - self.v0) / self.nu for side in (-1, 1)]
-        begin, end = (min(max(x, bounds[0]), bounds[1]) for x in ends)
+        last = mpmath.mp.prec * mpmath.ln2 / 3
+
+        def moved(v: Any) -> Any:
+            return 3 * mpmath.atan(mpmath.sinh(min(max(v, -last), last)))
 
         def fine(x: Any) -> tuple[Any, Any]:
-            q0, q1, q2, q3 = self._seen(x / pace, mpf(0))
+            q0, q1, q2, q3 = self._seen(mpmath.asinh(mpmath.tan(x / 3)), mpf(0))
             return mpc(q0, q3), mpc(q1, q2)
 
-        if t < 0:
-            begin, end = end, begin
         turned = self.determinant * self.p * t / 2
-        one, other = bisected(fine, begin * pace, end * pace)
+        one, other = bisected(fine, moved(self.v0), moved(self.v0 + self.nu * t))
         return turned + one, turned + other
 
     def speed(self) -> Any:

@@ -205,7 +205,7 @@ def real_zeros(polynomial: Sequence[Any]) -> list[Any]:
     prec = mpmath.mp.prec
     with mpmath.extraprec(prec // 2 + 32):
         roots = mpmath.polyroots(list(reversed(polynomial)), maxsteps=200, extraprec=prec)
-    scale = max(abs(z) for z in roots)
+    scale = max((abs(z) for z in roots), default=mpf(0))
     small = mpmath.ldexp(scale, -prec // 2)
     return sorted(+z.real for z in map(mpmath.mpc, roots) if abs(z.imag) < small)
 
