@@ -101,18 +101,19 @@ def test_angles_through_the_poles(name):
     """Axis 1 renamed to 3: it meets the vertical exactly, at the start too, again and again."""
     top = Steklov(*checks.renamed(MOTIONS[name][0], (1, 2, 0), (1, 1, 1)), checks.PSI)
     for sense in (1, -1):
-        times = [sense * F(k, 20) for k in range(1, 24)] + [sense * F(10**6)]
+        times = [sense * F(k, 10) for k in range(1, 18)] + [sense * F(10**6)]
         rows = top.angles(times, 20)
         for (psi, _, phi), (q0, q1, q2, q3) in zip(rows, top.attitude(times, 20), strict=True):
             for z, angle in ((mpc(q0, q3), (psi + phi) / 2), (mpc(q1, q2), (psi - phi) / 2)):
-                turns = (mpmath.arg(z) - angle) / mpmath.pi
-                assert abs(turns - mpmath.nint(turns)) < 1e-12
+                with mpmath.workdps(30):
+                    turns = (mpmath.arg(z) - angle) / mpmath.pi
+                    assert abs(turns - mpmath.nint(turns)) < 1e-18
         jumps = 0
         for (psi, _, phi), (after, _, other) in itertools.pairwise(rows[:-1]):
             # Of the sum and the difference one is continuous.
             grown = after - psi, other - phi
-            assert min(abs(grown[0] + grown[1]), abs(grown[0] - grown[1])) < 0.7
-            jumps += abs(grown[0]) > 2.5
+            assert min(abs(grown[0] + grown[1]), abs(grown[0] - grown[1])) < 1.3
+            jumps += abs(grown[0]) > 2
         assert jumps >= 1
     if name == "from p = 0":
         ((psi, theta, phi),) = top.angles([F(0)], 20)

@@ -120,6 +120,10 @@ def _momentum(scene: Placed) -> Vector:
     return a, b, c
 
 
+_NOT_REAL = Condition("real constants of the motion", ONE, graded=False)
+_ORDERS = 3  # of magnitude by which conditions that fail together may differ
+
+
 def equal(text: str, left: Exact | int, right: Exact | int, size: Exact | None = None) -> Condition:
     """left = right; ``size`` in place of |left| + |right|."""
     left, right = exact(left), exact(right)
@@ -178,32 +182,35 @@ def placed_in(conditions: Conditions, scene: PrincipalScene) -> tuple[NormalAxes
 
 
 def shortfall(conditions: Conditions, scene: PrincipalScene) -> Misfit | None:
-    """In the axes that come nearest, the condition that fails most; None where all hold."""
+    """In the axes that come nearest, the condition that fails; None where all hold.
+
+    Of several, the first that is off by about as much as the worst: those that follow from it fail
+    too.
+    """
     if scene.gamma is None or is_zero(scene.torque):
         return Misfit("a body on which the weight has a moment")
-    best, least = Condition("real constants of the motion", ONE, graded=False), math.inf
+    best, least = _NOT_REAL, math.inf
     for axes in ALL_AXES:
         placed = axes.placed(scene.moments, scene.torque, scene.omega, scene.gamma)
-        worst = _worst(conditions, placed, least)
-        if worst is None:
+        failing = _failing(conditions, placed, least)
+        if not failing:
             return None
-        if log10(worst.off) < least:
-            best, least = worst, log10(worst.off)
+        worst = max(log10(condition.off) for condition in failing)
+        if worst < least:
+            best = next(c for c in failing if log10(c.off) > worst - _ORDERS)
+            least = worst
     return Misfit(best.text, best.off if best.graded else None)
 
 
-def _worst(conditions: Conditions, placed: Placed, least: float) -> Condition | None:
-    """The condition that fails most; no further than one that is off by more than 10^least."""
-    worst: Condition | None = None
+def _failing(conditions: Conditions, placed: Placed, least: float) -> list[Condition]:
+    """The conditions that fail, up to one that is off by more than 10^least."""
+    failing: list[Condition] = []
     try:
         for condition in conditions(placed):
-            if condition.holds:
-                continue
-            if worst is None or condition.off > worst.off:
-                worst = condition
-            if log10(worst.off) >= least:
-                break
+            if not condition.holds:
+                failing.append(condition)
+                if log10(condition.off) >= least:
+                    break
     except (ZeroDivisionError, ValueError):  # constants that are not real
-        text = "real constants of the motion" if worst is None else worst.text
-        return Condition(text, ONE, graded=False)
-    return worst
+        failing.append(_NOT_REAL)
+    return failing
