@@ -113,3 +113,39 @@ def test_only_the_family_that_fits_is_made(name, loaded):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == [f"polhode.closed_forms.{loaded}.top"]
+
+
+#: A case of a family, what is changed by 1e-30 in its file, and the condition that then fails.
+OFF = {
+    "staude/stable": ('omega = ["4/7"', 'omega = ["4/7 + 1e-30"', "staude", "w along gamma"),
+    "bobylev-steklov/cn": ('["6/5", 0,', '["6/5", "1e-30",', "bobylev-steklov", "q = 0"),
+    "grioli/precession": ('["1/5", 0,', '["1/5", "1e-30",', "grioli", "w| = "),
+    "steklov/upper": ('["5/2"', '["5/2 + 1e-30"', "steklov", "as p requires"),
+    "goryachev/motion": ('["28/17"', '["28/17 + 1e-30"', "goryachev", "A (9B - 8C)"),
+    "n-kowalewski/motion": ('"18/5"', '"18/5 + 1e-30"', "n-kowalewski", "A (10B - 9C)"),
+    "chaplygin/motion": ('"1/8"', '"1/8 + 1e-30"', "chaplygin", "B1^3"),
+}
+
+
+@pytest.mark.parametrize("case", OFF)
+def test_a_case_moved_by_1e_30_is_refused_and_is_near_to_its_family(case):
+    old, new, kind, condition = OFF[case]
+    text = (TOP / "cases" / f"{case}.toml").read_text()
+    assert closed_form(scene_file.parse(text))[0] == kind
+    assert old in text
+    moved = text.replace(old, new, 1)
+    if "gamma = " in moved and kind == "staude":
+        assert closed_form(scene_file.parse(moved)) is None
+    with pytest.raises(BadInput) as refused:
+        reference(scene_file.parse(moved + f'\n[reference]\nkind = "{kind}"\n'))
+    told = str(refused.value)
+    assert f"{kind} needs " in told
+    assert "e-3" in told or "e-2" in told  # off by 1e-31 to 1e-29
+    ((name, missed),) = families.near(scene_file.parse(moved))
+    assert name == kind
+    assert 1e-33 < float(missed.off) < 1e-27
+    assert condition in missed.condition or kind in ("steklov", "chaplygin", "grioli")
+
+
+def test_a_scene_far_from_every_family_is_near_none():
+    assert families.near(scene("[3, 2, 1.5]", "[0.3, 0.2, 0.5]", "[0.3, 0.2, 1.1]")) == []

@@ -8,6 +8,7 @@ and one word in :data:`polhode.scenes.words.REFERENCES`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from functools import cache
 from importlib import import_module
 from typing import Any, NamedTuple, Protocol
@@ -17,6 +18,8 @@ from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import Exact, binary, rounded
 from polhode.scenes.body import Vector
 from polhode.scenes.scene import Scene
+
+_NEAR = Fraction(1, 1000)
 
 Rows = tuple[tuple[Exact, ...], ...]
 
@@ -120,6 +123,48 @@ FAMILIES = (
     Family("lagrange", "lagrange.axes:fits", "lagrange.top:LagrangeTop"),
     Family("kovalevskaya", "kovalevskaya.axes:fits", "kovalevskaya.top:KovalevskayaTop"),
     Family("pendulum", "pendulum.conditions:fits", "pendulum.top:Pendulum"),
+    Family(
+        "staude",
+        "staude.conditions:fits",
+        "staude.top:Staude",
+        "staude.conditions:misfit",
+    ),
+    Family(
+        "bobylev-steklov",
+        "bobylev_steklov.conditions:fits",
+        "bobylev_steklov.top:BobylevSteklov",
+        "bobylev_steklov.conditions:misfit",
+    ),
+    Family(
+        "grioli",
+        "grioli.conditions:fits",
+        "grioli.top:Grioli",
+        "grioli.conditions:misfit",
+    ),
+    Family(
+        "steklov",
+        "steklov.conditions:fits",
+        "steklov.top:Steklov",
+        "steklov.conditions:misfit",
+    ),
+    Family(
+        "goryachev",
+        "goryachev.conditions:fits",
+        "goryachev.top:Goryachev",
+        "goryachev.conditions:misfit",
+    ),
+    Family(
+        "n-kowalewski",
+        "n_kowalewski.conditions:fits",
+        "n_kowalewski.top:NKowalewski",
+        "n_kowalewski.conditions:misfit",
+    ),
+    Family(
+        "chaplygin",
+        "chaplygin.conditions:fits",
+        "chaplygin.top:Chaplygin",
+        "chaplygin.conditions:misfit",
+    ),
 )
 
 
@@ -146,6 +191,17 @@ def misfit(scene: Scene, kind: str) -> Misfit | None:
             found: Misfit | None = _code(family.misfit)(in_principal_axes(scene))
             return found
     return None
+
+
+def near(scene: Scene, within: Fraction = _NEAR) -> list[tuple[str, Misfit]]:
+    """The families that a scene misses by no more than ``within``, each with its Misfit."""
+    found, principal = [], in_principal_axes(scene)
+    for family in FAMILIES:
+        if family.misfit is not None:
+            missed: Misfit | None = _code(family.misfit)(principal)
+            if missed is not None and missed.off is not None and missed.off <= within:
+                found.append((family.name, missed))
+    return found
 
 
 def _made(family: Family, scene: Scene, principal: PrincipalScene) -> ClosedForm:

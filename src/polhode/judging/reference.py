@@ -94,6 +94,12 @@ class Reference:
         return max(errors(rows, finer, scale, bits))
 
     @property
+    def conditions(self) -> tuple[str, ...]:
+        """The conditions on body and start that hold exactly, of a family that names them."""
+        found: tuple[str, ...] = getattr(self._motion, "held", ())
+        return found
+
+    @property
     def curve(self) -> dict[str, Any] | None:
         """The algebraic curve of a Kovalevskaya top: H, K2, its roots e and period matrix tau."""
         curve = getattr(self._motion, "curve", None)

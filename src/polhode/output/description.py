@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from polhode.closed_forms.families import near
 from polhode.common.deadline import TooLong, within
 from polhode.common.errors import BadInput
 from polhode.equations import equilibrium
@@ -40,7 +41,11 @@ def described(scene: Scene) -> dict[str, Any]:
     if values.area is not None:
         facts["integrals"] |= {"f": shown(values.area)}
     if isinstance(reference, Reference):
+        if reference.conditions:
+            facts["conditions"] = list(reference.conditions)
         facts |= _frequencies(reference)
+    else:
+        facts |= _near(scene)
     if (still := equilibrium.name(scene)) is not None:
         facts["motion"] = f"{still}: the state is constant"
     facts |= {
@@ -54,6 +59,12 @@ def described(scene: Scene) -> dict[str, Any]:
         "time_unit": f"2**{scene.time_unit}",
     }
     return facts
+
+
+def _near(scene: Scene) -> dict[str, Any]:
+    """The closed forms that the scene is near to, each with the condition that fails."""
+    found = [f"{name}: {missed}" for name, missed in near(scene)]
+    return {"near": found} if found else {}
 
 
 def _frequencies(reference: Reference) -> dict[str, Any]:

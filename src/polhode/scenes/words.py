@@ -4,7 +4,10 @@ from __future__ import annotations
 
 #: What ``reference.kind`` may ask for: the first that fits, a closed form by the name of its family
 #: (polhode.closed_forms.families), or two integrations.
-REFERENCES = ("auto", "euler", "lagrange", "kovalevskaya", "pendulum", "two-precisions")
+REFERENCES = (
+    *("auto", "euler", "lagrange", "kovalevskaya", "pendulum", "staude", "bobylev-steklov"),
+    *("grioli", "steklov", "goryachev", "n-kowalewski", "chaplygin", "two-precisions"),
+)
 
 
 #: The forms of the equations (polhode.equations.forms), in the order of the source.

@@ -14,6 +14,13 @@ _TITLES = {
     "lagrange": "Against the closed form of the Lagrange top",
     "kovalevskaya": "Against the closed form of the Kovalevskaya top",
     "pendulum": "Against the closed form of the physical pendulum",
+    "staude": "Against permanent rotations",
+    "bobylev-steklov": "Against the closed form of Bobylev and Steklov's motions",
+    "grioli": "Against Grioli's regular precession",
+    "steklov": "Against the closed form of Steklov's motions",
+    "goryachev": "Against the closed form of Goryachev's motions",
+    "n-kowalewski": "Against the closed form of N. Kowalewski's motions",
+    "chaplygin": "Against the closed form of Chaplygin's motions",
     "two-precisions": "Against two integrations at different precision (no closed form)",
 }
 

@@ -1,0 +1,1 @@
+"""Bobylev and Steklov's motions."""

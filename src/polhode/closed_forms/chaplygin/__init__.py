@@ -1,0 +1,1 @@
+"""Chaplygin's motions of 1904."""

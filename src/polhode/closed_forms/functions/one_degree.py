@@ -1,0 +1,219 @@
+"""Motion of one degree of freedom between two simple zeros: z' = k sqrt(Q(z)) sqrt(R(z)).
+
+The square roots y = sqrt(Q), w = sqrt(R) move with z: y^2 = Q, w^2 = R, z' = k y w.  Between
+adjacent zeros z1 < z2 of Q R, z = M - D cos x,
+
+    x' = |k| sqrt(Q0 R0),    Q = Q0 (z - z1 if that is its zero)(z2 - z if that is its zero),
+
+R likewise; Q0 and R0 have no zero there, and the time t(x) = integral dx/x' is a Fourier series.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import mpmath
+from mpmath import mpf
+
+from polhode.closed_forms.functions.cosine_series import cosine_series, integral, integrated
+from polhode.closed_forms.functions.frame import value
+
+_STEP = mpf(1) / 2  # of Newton's iteration, at most
+_MOST_STEPS = 60
+
+
+@dataclass(frozen=True)
+class _Factor:
+    """Q or R between the two zeros: its quotient by those of its zeros that are ends."""
+
+    quotient: Sequence[Any]
+    low: bool
+    high: bool
+
+    def root(self, z: Any, half: Any, sine: Any, cosine: Any) -> Any:
+        """The square root, with the signs of sin x/2 and cos x/2; ``half`` = sqrt(2 D)."""
+        found = mpmath.sqrt(value(self.quotient, z))
+        if self.low:
+            found *= half * sine
+        return found * half * cosine if self.high else found
+
+
+@dataclass(frozen=True)
+class OneDegree:
+    """The motion at the precision in force when it was made (:func:`one_degree`)."""
+
+    factors: tuple[_Factor, _Factor]
+    k: Any
+    M: Any
+    D: Any
+    signs: tuple[int, int]
+    series: Sequence[Any]
+    x0: Any
+
+    @cached_property
+    def begin(self) -> Any:
+        """t(x0)."""
+        return integral(self.series, self.x0)
+
+    @property
+    def period(self) -> Any:
+        """Of z, y and w: one of z if both ends are zeros of the same polynomial, else two."""
+        both = any(factor.low == factor.high for factor in self.factors)
+        return (2 if both else 4) * mpmath.pi * self.series[0]
+
+    @property
+    def fastest(self) -> Any:
+        """The mean rate of x."""
+        return 1 / self.series[0]
+
+    def at(self, t: Any) -> tuple[Any, Any, Any]:
+        """z, y, w."""
+        period = self.period
+        time = self.begin + t
+        return self.along(self._phase(time - period * mpmath.nint(time / period)))
+
+    def clock(self, t: Any) -> Any:
+        """x at t, continuous: from x0 at t = 0."""
+        return self._phase(self.begin + t)
+
+    def pace(self, x: Any) -> Any:
+        """dt/dx."""
+        return 1 / self._rate(x)
+
+    def along(self, x: Any) -> tuple[Any, Any, Any]:
+        """z, y, w at x."""
+        c, (cosine, sine) = mpmath.cos(x), mpmath.cos_sin(x / 2)
+        z, half = self.M - self.D * c, mpmath.sqrt(2 * self.D)
+        y, w = (
+            sign * factor.root(z, half, sine, cosine)
+            for sign, factor in zip(self.signs, self.factors, strict=True)
+        )
+        return z, y, w
+
+    def _phase(self, time: Any) -> Any:
+        """x at a time, by Newton's iteration from the mean rate: in doubles, then in full."""
+        x = mpf(0)
+        for precision in (53, mpmath.mp.prec):
+            with mpmath.workprec(precision):
+                series = self._short if precision == 53 else self.series
+                x = x or time / series[0]
+                x = self._newton(x, time, series)
+        return x
+
+    @cached_property
+    def _short(self) -> list[Any]:
+        """The series to a double's precision."""
+        with mpmath.workprec(53):
+            found = [+a for a in self.series]
+        small = mpmath.ldexp(abs(found[0]), -60)
+        while len(found) > 1 and abs(found[-1]) < small:
+            found.pop()
+        return found
+
+    def _newton(self, x: Any, time: Any, series: Sequence[Any]) -> Any:
+        close = mpmath.ldexp(1 + abs(x), 6 - mpmath.mp.prec)
+        for _ in range(_MOST_STEPS):
+            step = (time - integral(series, x)) * self._rate(x)
+            if abs(step) > _STEP:
+                step = mpmath.sign(step) * _STEP
+            x += step
+            if abs(step) < close:
+                return x
+            if abs(step) < mpmath.ldexp(1, -mpmath.mp.prec // 2 - 4):
+                return x + (time - integral(series, x)) * self._rate(x)
+        raise ArithmeticError("Newton's iteration for the time does not end")
+
+    def _rate(self, x: Any) -> Any:
+        z = self.M - self.D * mpmath.cos(x)
+        one, other = (value(factor.quotient, z) for factor in self.factors)
+        return abs(self.k) * mpmath.sqrt(one * other)
+
+
+def one_degree(
+    Q: Sequence[Any], R: Sequence[Any], k: Any, start: tuple[Any, Any, Any]
+) -> OneDegree:
+    """The motion from z0, y0, w0 with y0^2 = Q(z0), w0^2 = R(z0), at the precision in force.
+
+    Raises ArithmeticError unless z0 lies between two simple zeros.
+    """
+    z0, y0, w0 = start
+    low, high = _ends(Q, R, start)
+    M, D = (low[0] + high[0]) / 2, (high[0] - low[0]) / 2
+    factors = []
+    for which, polynomial in enumerate((Q, R)):
+        quotient = list(polynomial)
+        if low[1] == which:
+            quotient = _divided(quotient, low[0])
+        if high[1] == which:
+            quotient = [-c for c in _divided(quotient, high[0])]
+        factors.append(_Factor(quotient, low[1] == which, high[1] == which))
+    both = factors[0], factors[1]
+
+    def time_rate(c: Any) -> Any:
+        z = M - D * c
+        product = value(both[0].quotient, z) * value(both[1].quotient, z)
+        if product <= 0:
+            raise ArithmeticError("no motion between these zeros")
+        return 1 / (abs(k) * mpmath.sqrt(product))
+
+    series = integrated(cosine_series(time_rate))
+    rate = 1 / time_rate((M - z0) / D)
+    x0 = mpmath.atan2(k * y0 * w0 / (D * rate), (M - z0) / D)
+    cosine, sine = mpmath.cos_sin(x0 / 2)
+    half = mpmath.sqrt(2 * D)
+    one, other = (factor.root(z0, half, sine, cosine) for factor in both)
+    sense = 1 if k > 0 else -1
+    if abs(y0) >= abs(w0):
+        first = 1 if y0 * one > 0 else -1
+        signs = first, sense * first
+    else:
+        second = 1 if w0 * other > 0 else -1
+        signs = sense * second, second
+    return OneDegree(both, k, M, D, signs, series, x0)
+
+
+def _ends(
+    Q: Sequence[Any], R: Sequence[Any], start: tuple[Any, Any, Any]
+) -> tuple[tuple[Any, int], tuple[Any, int]]:
+    """The zeros next to z0, each with the polynomial it is of (0: Q, 1: R)."""
+    z0, y0, w0 = start
+    zeros = []
+    for which, (polynomial, root) in enumerate(((Q, y0), (R, w0))):
+        found = real_zeros(polynomial)
+        if not root and found:  # z0 itself is one of them
+            nearest = min(range(len(found)), key=lambda i: abs(found[i] - z0))
+            found[nearest] = z0
+        zeros += [(z, which) for z in found]
+    below = [pair for pair in zeros if pair[0] < z0]
+    above = [pair for pair in zeros if pair[0] > z0]
+    at = [pair for pair in zeros if pair[0] == z0]
+    choices = [(at[0], min(above, default=None)), (max(below, default=None), at[0])] if at else []
+    for low, high in choices or [(max(below, default=None), min(above, default=None))]:
+        if low is None or high is None:
+            continue
+        middle = (low[0] + high[0]) / 2
+        if value(Q, middle) > 0 and value(R, middle) > 0:
+            return low, high
+    raise ArithmeticError("the start does not lie between two simple zeros")
+
+
+def real_zeros(polynomial: Sequence[Any]) -> list[Any]:
+    """The real zeros of a polynomial with simple ones, at the precision in force, ascending."""
+    prec = mpmath.mp.prec
+    with mpmath.extraprec(prec // 2 + 32):
+        roots = mpmath.polyroots(list(reversed(polynomial)), maxsteps=200, extraprec=prec)
+    scale = max((abs(z) for z in roots), default=mpf(0))
+    small = mpmath.ldexp(scale, -prec // 2)
+    return sorted(+z.real for z in map(mpmath.mpc, roots) if abs(z.imag) < small)
+
+
+def _divided(polynomial: Sequence[Any], zero: Any) -> list[Any]:
+    """The quotient by (z - zero), the rest left out."""
+    found, carry = [], mpf(0)
+    for c in reversed(polynomial[1:]):
+        carry = c + carry * zero
+        found.append(carry)
+    return found[::-1]

@@ -1,0 +1,1 @@
+"""Goryachev's motions of 1899."""

@@ -1,0 +1,1 @@
+"""Grioli's regular precession."""

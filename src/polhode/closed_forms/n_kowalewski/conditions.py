@@ -1,0 +1,64 @@
+"""Which scenes are N. Kowalewski's motions; their coefficients."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from polhode.closed_forms.attitude.normal_form import (
+    Condition,
+    Placed,
+    equal,
+    matching,
+    on_axis_1,
+    placed_in,
+    positive,
+    shortfall,
+)
+from polhode.closed_forms.families import Misfit
+from polhode.closed_forms.functions.frame import Frame, frame
+from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.numbers.exact import sqrt
+
+
+def frame_of(scene: Placed) -> Frame:
+    """gamma, q^2 and r^2 as polynomials in p, of a body that fits.
+
+    The coefficients are those for C = c3 = 1 times powers of c3, which |gamma| = 1 gives.
+    """
+    (A, B, C), c = scene.moments, scene.torque[0]
+    x = B / C
+    D, three, two = 10 * x - 9, 4 * x - 3, 2 * x - 3
+    b2 = -36 / (D * D)
+    b1 = -3888 * three * two**2 / (x * D**4)
+    c2 = 18 * two * (61 * x * x - 156 * x + 81) / (x * D**2)
+    c1 = 486 * three * two**2 * (122 * x**3 - 495 * x * x + 648 * x - 243) / (x * x * D**4)
+    b0 = 944784 * three * (x - 1) ** 2 * two**3 / (x * x * D**6)
+    quartic = 488 * x**4 + 30 * x**3 - 4131 * x * x + 5832 * x - 2187
+    c0 = 8748 * (x - 1) * three * two**3 * quartic / (x**3 * D**6)
+    cubic = 1310 * x**3 - 4815 * x * x + 5724 * x - 2187
+    h = 1458 * three**2 * two**3 * cubic / (x * x * D**6)
+    level, lever = h - (x * b0 + c0) / 2, (x - 1) * C / (2 * A)
+    K = level**2 + b0 * (lever * c1) ** 2 + c0 * (x * lever * b1) ** 2
+    c3 = sqrt(sqrt(K * C * C / (c * c)))
+    Q, R = (b0 / c3**2, b1 / c3, b2), (c0 / c3**2, c1 / c3, c2, c3)
+    return frame(scene.moments, c, C * h / c3**2, Q, R)
+
+
+def conditions(scene: Placed) -> Iterator[Condition]:
+    """Those of the body, then q^2, r^2 and gamma as functions of p."""
+    A, B, C = scene.moments
+    yield from on_axis_1(scene)
+    yield equal("A (10B - 9C) = 18 C (B - C)", A * (10 * B - 9 * C), 18 * C * (B - C))
+    yield positive("B > 3C/2", 2 * B - 3 * C)
+    found = frame_of(scene)
+    yield from matching(scene, found.gamma(*scene.omega), found.squares(scene.omega[0]))
+
+
+def fits(scene: PrincipalScene) -> bool:
+    """Whether body and start belong to the family."""
+    return placed_in(conditions, scene) is not None
+
+
+def misfit(scene: PrincipalScene) -> Misfit | None:
+    """The condition that fails; None where all hold."""
+    return shortfall(conditions, scene)

@@ -1,0 +1,1 @@
+"""Permanent rotations: Staude's, and rest."""

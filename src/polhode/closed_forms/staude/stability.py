@@ -1,0 +1,64 @@
+"""The spectrum of a permanent rotation, decided exactly.
+
+The linearised equations of (w, gamma) at a permanent rotation have the characteristic polynomial
+lam^2 (lam^4 + b lam^2 + d) with, J being their matrix,
+
+    b = -tr J^2/2,    d = (tr J^2)^2/8 - tr J^4/4.
+
+All lam are imaginary and, but for lam = 0, simple if b > 0, d > 0 and b^2 > 4d.  One has a positive
+real part if b < 0, d < 0 or b^2 < 4d.  What is left is not decided by the linear equations:
+d = 0 <= b, or b^2 = 4d.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from polhode.closed_forms.attitude.normal_form import Placed
+from polhode.numbers.exact import ZERO, Exact, sign
+
+STABLE, UNSTABLE, UNDECIDED = "spectrally stable", "unstable", "stability undecided"
+
+_CYCLE = ((1, 2), (2, 0), (0, 1))
+
+
+@dataclass(frozen=True)
+class Stability:
+    """The coefficients b and d, and what they say."""
+
+    b: Exact
+    d: Exact
+
+    @property
+    def verdict(self) -> str:
+        """STABLE, UNSTABLE or UNDECIDED."""
+        b, d = sign(self.b), sign(self.d)
+        gap = sign(self.b * self.b - 4 * self.d)
+        if b < 0 or d < 0 or gap < 0:
+            return UNSTABLE
+        return STABLE if b > 0 and d > 0 and gap > 0 else UNDECIDED
+
+
+def stability(scene: Placed) -> Stability:
+    """Of a start that is a permanent rotation."""
+    square = _product(*[_jacobian(scene)] * 2)
+    trace = sum((square[i][i] for i in range(6)), ZERO)
+    fourth = sum((square[i][j] * square[j][i] for i in range(6) for j in range(6)), ZERO)
+    return Stability(-trace / 2, trace * trace / 8 - fourth / 4)
+
+
+def _jacobian(scene: Placed) -> list[list[Exact]]:
+    """Of I w' = gamma x T - w x I w, gamma' = gamma x w in (w, gamma)."""
+    moments, torque, w, g = scene.moments, scene.torque, scene.omega, scene.gamma
+    rows: list[list[Exact]] = [[ZERO] * 6 for _ in range(6)]
+    for i, (j, k) in enumerate(_CYCLE):
+        spin = (moments[j] - moments[k]) / moments[i]
+        rows[i][j], rows[i][k] = spin * w[k], spin * w[j]
+        rows[i][3 + j], rows[i][3 + k] = torque[k] / moments[i], -torque[j] / moments[i]
+        rows[3 + i][3 + j], rows[3 + i][3 + k] = w[k], -w[j]
+        rows[3 + i][k], rows[3 + i][j] = g[j], -g[k]
+    return rows
+
+
+def _product(one: list[list[Exact]], other: list[list[Exact]]) -> list[list[Exact]]:
+    return [[sum((row[k] * other[k][j] for k in range(6)), ZERO) for j in range(6)] for row in one]

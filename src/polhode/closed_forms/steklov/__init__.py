@@ -1,0 +1,1 @@
+"""Steklov's motions of 1899."""
