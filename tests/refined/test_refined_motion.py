@@ -1,6 +1,7 @@
 """Refined runs against closed forms, against themselves in other intervals, at their limits."""
 
 import random
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
@@ -350,3 +351,15 @@ def test_a_failed_self_test_refuses_refinement(monkeypatch):
     with pytest.raises(CannotRefine, match="self-test"):
         run(brick(), 1)
     self_test.trusted_kernels.cache_clear()
+
+
+def test_threads_do_not_disturb_each_other():
+    import heyoka
+
+    scenes = [brick(), brick("1.1"), brick("5")]
+    alone = [run(scene, 20).states for scene in scenes]
+    before = heyoka.get_nthreads()
+    with ThreadPoolExecutor(3) as pool:
+        together = list(pool.map(lambda scene: run(scene, 20).states, scenes * 3))
+    assert together == alone * 3
+    assert heyoka.get_nthreads() == before
