@@ -305,6 +305,7 @@ def test_the_state_at_any_time_from_the_last_block_before_it():
     unit = Fraction(2) ** scene.time_unit
     found = run(scene, 300)
     times = [Fraction(t) / unit for t in ("299", "17", "1/3", "0", "250.125", "17")]
+    assert found.at(found.times) == found.states
     together = found.at(times)
     for t, state in zip(times, together, strict=True):
         alone = found.at([t])[0]  # in other company: another run in double

@@ -109,13 +109,14 @@ class Motion:
         return [Fraction(x, 1 << self.bits) for x in self.states[i]]
 
     def at(self, times: Sequence[Fraction]) -> list[list[int]]:
-        """States at other times up to ``reached``, in any order: from the last block before each.
+        """States at times up to ``reached``, in any order: from the last block before each.
 
-        Raises CannotRefine.
+        At the output times they are the run's own.  Raises CannotRefine.
         """
+        known = dict(zip(self.times, self.states, strict=True))
         begun = [mark for mark, _ in self._marks]
         found: dict[Fraction, list[int]] = {}
-        ahead = sorted({abs(t) for t in times})
+        ahead = sorted({abs(t) for t in times if t not in known})
         while ahead:
             index = bisect_right(begun, ahead[0]) - 1
             after = begun[index + 1] if index + 1 < len(begun) else None
@@ -127,7 +128,7 @@ class Motion:
             found |= zip(near, run.found, strict=True)
             ahead = ahead[len(near) :]
         backward = self.times[-1] < 0 if self.times else self.reached < 0
-        return [_turned(found[abs(t)], backward) for t in times]
+        return [known[t] if t in known else _turned(found[abs(t)], backward) for t in times]
 
 
 def refine(
