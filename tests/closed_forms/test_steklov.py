@@ -103,9 +103,9 @@ def test_angles_through_the_poles(name):
     for sense in (1, -1):
         times = [sense * F(k, 10) for k in range(1, 18)] + [sense * F(10**6)]
         rows = top.angles(times, 20)
-        for (psi, _, phi), (q0, q1, q2, q3) in zip(rows, top.attitude(times, 20), strict=True):
-            for z, angle in ((mpc(q0, q3), (psi + phi) / 2), (mpc(q1, q2), (psi - phi) / 2)):
-                with mpmath.workdps(30):
+        with mpmath.workdps(30):
+            for (psi, _, phi), (q0, q1, q2, q3) in zip(rows, top.attitude(times, 20), strict=True):
+                for z, angle in ((mpc(q0, q3), (psi + phi) / 2), (mpc(q1, q2), (psi - phi) / 2)):
                     turns = (mpmath.arg(z) - angle) / mpmath.pi
                     assert abs(turns - mpmath.nint(turns)) < 1e-18
         jumps = 0

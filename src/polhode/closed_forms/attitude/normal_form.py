@@ -63,9 +63,9 @@ class NormalAxes:
 
 #: All 48, the scene's own axes first.
 ALL_AXES = tuple(
-    NormalAxes(order, signs)
+    NormalAxes(order, (x, y, z))
     for order in (*_EVEN, (1, 0, 2), (0, 2, 1), (2, 1, 0))
-    for signs in itertools.product((1, -1), repeat=3)
+    for x, y, z in itertools.product((1, -1), repeat=3)
 )
 
 

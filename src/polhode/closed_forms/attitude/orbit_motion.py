@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
-from typing import Any, ClassVar, Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import mpmath
 from mpmath import mpf
@@ -20,7 +20,7 @@ from mpmath import mpf
 from polhode.closed_forms.attitude.angles import Attitude, angles
 from polhode.closed_forms.attitude.axes import MotionAxes
 from polhode.closed_forms.attitude.azimuth import Azimuth
-from polhode.closed_forms.attitude.normal_form import Conditions, placed_in
+from polhode.closed_forms.attitude.normal_form import Condition, Placed, placed_in
 from polhode.closed_forms.attitude.one_orbit import OneOrbit
 from polhode.closed_forms.attitude.quaternion import Quaternion
 from polhode.closed_forms.attitude.start import start_quaternion, start_sign
@@ -77,9 +77,6 @@ class OrbitMotion(ABC):
     ``regime`` names the kind of motion; it is decided once, by exact arithmetic.
     """
 
-    #: What the family asks of a scene in the axes of its normal form, in order.
-    conditions: ClassVar[Conditions]
-
     def __init__(
         self,
         moments: Vector,
@@ -104,6 +101,11 @@ class OrbitMotion(ABC):
         self._orbits: dict[int, Orbit] = {}
         self._attitudes: dict[int, Attitude] = {}
         self._rows: dict[int, MotionAxes] = {}
+
+    @staticmethod
+    @abstractmethod
+    def conditions(scene: Placed) -> Iterator[Condition]:
+        """What the family asks of a scene in the axes of its normal form, in order."""
 
     @property
     def held(self) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from mpmath import mpc, mpf
 
 _FIRST = 32
 _MOST = 1 << 13
-_GUARD = 8  # bits
+_GUARD = 24  # bits that the values carry more: their rounding must not look like a tail
 
 
 def cosine_series(F: Callable[[Any], Any]) -> list[Any]:
@@ -24,7 +24,14 @@ def cosine_series(F: Callable[[Any], Any]) -> list[Any]:
 
     Raises ArithmeticError where more than 8192 terms would be needed.
     """
-    count, known = _FIRST, {}
+    precision = mpmath.mp.prec
+    with mpmath.extraprec(_GUARD):
+        return _grown(F, precision)
+
+
+def _grown(F: Callable[[Any], Any], precision: int) -> list[Any]:
+    count: int = _FIRST
+    known: dict[int, Any] = {}
     while count <= _MOST:
         cosines = _cosines(2 * count, mpmath.mp.prec)
         for j in range(count + 1):
@@ -33,9 +40,9 @@ def cosine_series(F: Callable[[Any], Any]) -> list[Any]:
                 known[place] = F(cosines[j].real)
         found = _coefficients([known[j * (_MOST // count)] for j in range(count + 1)])
         size = max(abs(x) for x in found)
-        small = mpmath.ldexp(size, _GUARD - mpmath.mp.prec)
+        small = mpmath.ldexp(size, -precision)
         if max(abs(x) for x in found[-4:]) <= small:
-            while len(found) > 1 and abs(found[-1]) <= small / 16:
+            while len(found) > 1 and abs(found[-1]) <= small / 4:
                 found.pop()
             return found
         count *= 2
