@@ -47,6 +47,9 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
     }
     if run.digits is not None:
         answer["digits"] = run.digits
+    if run.correct_digits is not None:
+        answer["correct_digits"] = round_down(run.correct_digits)
+        answer["checked_by"] = run.checked_by
     answer |= {
         "form": run.scene.form,
         "method": run.method,
@@ -74,6 +77,10 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
             "largest": f"{run.projection.largest:.3e}",
             "sum": f"{run.projection.sum:.3e}",
         }
+    if run.correct_digits is None:
+        answer["digits_left"] = [round_down(x) for x in run.expected.digits]
+        after = run.expected.lost_after
+        answer["no_digits_left_after"] = None if after is None else float(f"{after:.3g}")
     answer |= {
         "drift": of_drift(run.drift),
         "outcome": run.outcome.value,
@@ -82,6 +89,11 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
         "provenance": dict(run.provenance),
     }
     return answer
+
+
+def round_down(digits: float) -> float:
+    """Digits to two places, never more than there are."""
+    return math.floor(100 * digits) / 100
 
 
 def of_hodographs(curves: Hodographs, number: NumberType) -> dict[str, Any]:
