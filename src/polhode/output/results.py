@@ -22,6 +22,7 @@ from polhode.numbers.decimals import (
 )
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
+from polhode.output.right_digits import right_rows
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 from polhode.scenes.words import ANGLES, ATTITUDE, SPACE
@@ -123,8 +124,9 @@ def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> d
     """The object that ``reference --json`` prints: the closed form to so many digits."""
     scene = reference.scene
     number = NumberType("mp", number_types.bits_for(digits + 1))
+    printed = number.printed_digits
     # A decimal time is taken exactly; any other is rounded so far down that no digit notices.
-    fine = NumberType("mp", number.bits + 32 + int(4 * scene.at(tuple(times)).log10_angle))
+    fine = NumberType("mp", 3 * number.bits + 64 + int(4 * scene.at(tuple(times)).log10_angle))
     held = [t if is_decimal(t) else fine.rounded(t) for t in times]
     answer: dict[str, Any] = {
         "scene": scene.name,
@@ -136,14 +138,14 @@ def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> d
         "reference": reference.kind,
         "columns": list(scene.columns),
         "times": [in_full(exactly(t)) for t in held],
-        "states": strings(reference.at(held, digits + 1), number),
+        "states": strings(right_rows(reference.at, held, printed), number),
     }
     if "angles" in scene.outputs:
-        answer["angles"] = strings(reference.angles(held, digits + 1), number)
+        answer["angles"] = strings(right_rows(reference.angles, held, printed), number)
     if "attitude" in scene.outputs:
-        answer["attitude"] = strings(reference.attitude(held, digits + 1), number)
+        answer["attitude"] = strings(right_rows(reference.attitude, held, printed), number)
     if "hodographs" in scene.outputs:
-        answer["hodographs"] = of_hodographs(reference.hodographs(held, digits + 1), number)
+        answer["hodographs"] = of_hodographs(reference.hodographs(held, printed + 4), number)
     answer |= {"outcome": "reached end", "steps": 0, "provenance": provenance(scene.text)}
     return answer
 
