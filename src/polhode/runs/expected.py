@@ -49,7 +49,8 @@ def expected(
 
     if not times:
         return Expected((), None, None)
-    held = min(number.most_digits, -math.log10(tolerance))
+    full = tolerance <= float(number.eps)
+    held = number.most_digits if full else -math.log10(tolerance)
     asked = scene.at((times[-1],))
     most = max(_FEWEST_STEPS, int(_SHARE * policy.seconds(number, steps) / _TANGENT))
     found = growth(asked, held, most)
