@@ -17,7 +17,7 @@ from polhode.taylor.outcomes import Outcome
 
 def test_digits_of_a_chaotic_motion_are_had():
     """Before: 36 digits printed, none of them right."""
-    run = polhode.integrate("general/asymmetric-chaotic", digits=15, at=[200, 400])
+    run = polhode.integrate("general/asymmetric-chaotic", digits=15, at=[200, 400], method="taylor")
     assert run.outcome is Outcome.REACHED_END
     assert run.checked_by == "second run"
     true = once(run.scene, mp(70)).states
@@ -36,23 +36,23 @@ def test_the_first_choice_suffices_on_a_separatrix(monkeypatch):
 
 
 def test_a_run_that_is_short_is_made_again(monkeypatch):
-    monkeypatch.setattr(assured, "needed", lambda *_: assured.Need(0.0, 100.0))
-    run = polhode.integrate("euler/separatrix", digits=15, at=[100])
+    monkeypatch.setattr(assured, "needed", lambda *_: assured.Need(0.0, 1000.0))
+    run = polhode.integrate("euler/separatrix", digits=15, at=[400])
     assert run.outcome is Outcome.REACHED_END
-    assert 15 <= run.correct_digits < 34
+    assert 15 <= run.correct_digits < 150
     monkeypatch.setattr(assured, "MOST_RUNS", 1)
-    short = polhode.integrate("euler/separatrix", digits=15, at=[100])
+    short = polhode.integrate("euler/separatrix", digits=15, at=[400])
     assert short.outcome is Outcome.TOO_FEW_DIGITS
-    assert 0 < short.correct_digits < 15
+    assert 0 <= short.correct_digits < 1
 
 
 def test_where_the_digits_cannot_be_had_the_exit_code_is_3(capsys):
-    tight = ["--digits", "15", "--number", "extended", "--at", "20,100"]
+    tight = ["--digits", "15", "--number", "extended", "--at", "20,400"]
     assert cli.main(["run", "euler/separatrix", *tight, "--json"]) == 3
     out, err = capsys.readouterr()
     answer = json.loads(out)
     assert answer["outcome"] == "too few digits"
-    assert 0 < answer["correct_digits"] < 14
+    assert 0 <= answer["correct_digits"] < 1
     assert f"15 digits were asked for, {answer['correct_digits']} are right" in err
 
 
@@ -72,7 +72,7 @@ def test_a_plain_run_says_from_when_on_no_digit_is_left(capsys):
     assert 10 < early < 13
     assert late == 0
     assert 80 < answer["no_digits_left_after"] < 120  # kappa·eps reaches 1 at t = 100
-    assert "fewer than half are right from t = " in err
+    assert "fewer than half to be right from t = " in err
     assert "and none from t = 10" in err
 
 
@@ -98,7 +98,7 @@ def test_an_ordinary_run_is_not_warned_of(capsys):
 )
 def test_what_is_expected_is_what_is_had(name, number):
     """Within a digit and a half: one tangent, and roundings at random."""
-    run = once(name, number, project=False)
+    run = once(name, number, project=False, method="taylor")
     had = polhode.compare(run).digits[-1]
     assert -0.5 < had - run.expected.digits[-1] < 1.5
 

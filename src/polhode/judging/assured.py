@@ -39,6 +39,7 @@ def integrate(
     max_steps: int | None = None,
     inputs: NumberType | None = None,
     project: bool | int | None = None,
+    method: str = "auto",
     progress: Progress | None = None,
 ) -> Trajectory:
     """Integrate the Euler–Poisson equations (3.29) of a scene with heyoka's Taylor method.
@@ -49,7 +50,10 @@ def integrate(
     alone does.  ``project``: put the state back on the exact scene's first integrals every so many
     steps, True as often as costs about a tenth of the run's time, False never; left out, as True in
     double and extended at full tolerance, else never (a form other than the principal one never).
-    ``progress``: called now and then with the fraction of the time done and the steps taken.
+    ``method``: "taylor", steps in the number type; "refined", a run in double corrected by exact
+    arithmetic (:mod:`polhode.refined`), for quad and more digits; "auto", refined where that can be
+    done and is faster; the trajectory's ``method`` tells which it was.  ``progress``: called now
+    and then with the fraction of the time done and the steps taken.
 
     ``digits``: the correct digits wanted.  They choose the number type, by how much this motion
     multiplies errors on the way; the run is then checked, by the closed form or by a second run in
@@ -85,6 +89,7 @@ def integrate(
             max_steps=max_steps,
             inputs=inputs,
             project=project,
+            method=method,
             progress=progress,
         )
         if digits is None or not (run.outcome.done and run.times):
@@ -189,7 +194,9 @@ def checked(run: Trajectory, progress: Progress | None = None) -> Trajectory:
     if true is None:
         plain = replace(scene, events=(), outputs=(), form="principal", reference="auto")
         longer = max(10 * run.steps, 1000)
-        second = runs.integrate(plain, wider(run.number), max_steps=longer, progress=progress)
+        second = runs.integrate(
+            plain, wider(run.number), max_steps=longer, method="taylor", progress=progress
+        )
         if second.outcome is Outcome.INTERRUPTED:
             return replace(run, outcome=Outcome.INTERRUPTED)
         if not second.outcome.done:

@@ -60,6 +60,26 @@ def expected(
     return Expected(digits, found.reaches(held / 2), found.reaches(held))
 
 
+def by_errors(
+    errors: Sequence[float | None], number: NumberType, times: Sequence[Fraction], states: Any
+) -> Expected:
+    """What a refined run is expected to have: by its own estimates, None for no digit left."""
+    held = number.most_digits
+    speed = max((math.hypot(*(float(x) for x in row[:3])) for row in states), default=0.0) or 1.0
+
+    def right(error: float | None) -> float:
+        if error is None:
+            return 0.0
+        return held if error == 0 else max(0.0, min(held, -math.log10(error / min(1.0, speed))))
+
+    digits = tuple(right(error) for error in errors)
+    below = [
+        next((to_double(t) for t, d in zip(times, digits, strict=True) if d <= least), None)
+        for least in (held / 2, 0.0)
+    ]
+    return Expected(digits, below[0], below[1])
+
+
 def _leading(scene: Scene, times: Sequence[Fraction], states: Any) -> dict[float, Any]:
     """The states of a run as what leads a tangent; empty where they are too far apart."""
     import numpy as np

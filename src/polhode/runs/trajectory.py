@@ -15,7 +15,7 @@ from polhode.equations.integrals import Drift, drift
 from polhode.numbers.decimals import decimal_in_full, shown, strings
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row, Rows, Value
-from polhode.runs.expected import Expected, expected
+from polhode.runs.expected import Expected, by_errors, expected
 from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import EventTimes, Outcome, Projection
 
@@ -95,13 +95,15 @@ class Trajectory(ByValue):
         """The correct digits to expect, from how much the motion multiplies errors.
 
         For a method that rounds the state once a step: putting it back on the integrals can only
-        save more.
+        save more.  A refined run has its own estimates.
 
         >>> import polhode
         >>> run = polhode.integrate("euler/separatrix", at=[1, 30, 400])
         >>> [round(d) for d in run.expected.digits], 40 < run.expected.lost_after < 140
         ([15, 12, 0], True)
         """
+        if self.errors is not None:
+            return by_errors(self.errors, self.number, self.times, self.states)
         return expected(
             self.scene, self.number, self.tolerance, self.steps, self.times, self.states
         )

@@ -154,7 +154,7 @@ def _tell_digits(found: Trajectory) -> None:
     lost = expected.lost_after
     none = "" if lost is None else f", and none from t = {brief(lost, 3)} on"
     note(
-        f"polhode: {name}: of the {printed} digits printed fewer than half are right from "
+        f"polhode: {name}: of the {printed} digits printed expect fewer than half to be right from "
         f"t = {brief(expected.halved_after, 3)} on{none}: this motion multiplies errors; "
-        f"--digits D has D right"
+        f"--digits D gives D right ones"
     )
