@@ -152,9 +152,9 @@ def _tell_digits(found: Trajectory) -> None:
         return
     printed = found.number.printed_digits
     lost = expected.lost_after
-    none = "" if lost is None else f", and none from t = {brief(lost, 3)} on"
+    none = "" if lost is None else f", and none from t = {lost:.3g} on"
     note(
         f"polhode: {name}: of the {printed} digits printed expect fewer than half to be right from "
-        f"t = {brief(expected.halved_after, 3)} on{none}: this motion multiplies errors; "
+        f"t = {expected.halved_after:.3g} on{none}: this motion multiplies errors; "
         f"--digits D gives D right ones"
     )
