@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING as _TYPE_CHECKING
 if _TYPE_CHECKING:
     from polhode.common.errors import BadInput
     from polhode.common.provenance import __version__
+    from polhode.judging.assured import integrate
     from polhode.judging.conditioning import Conditioning, conditioning
     from polhode.judging.judgement import Judgement, compare
     from polhode.judging.lyapunov import Lyapunov, lyapunov
     from polhode.judging.reference import Reference, TwoPrecisions, reference
     from polhode.judging.rolling import Rolling, rolling
-    from polhode.runs.integrate import integrate
     from polhode.runs.sweep import Ensemble, integrate_many
     from polhode.runs.trajectory import Trajectory
     from polhode.scenes.body import Body
@@ -48,7 +48,7 @@ _HOMES = {
     "__version__": "common.provenance",
     "compare": "judging.judgement",
     "conditioning": "judging.conditioning",
-    "integrate": "runs.integrate",
+    "integrate": "judging.assured",
     "integrate_many": "runs.sweep",
     "load": "scenes.library",
     "lyapunov": "judging.lyapunov",

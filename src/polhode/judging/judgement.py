@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 
 SPARE_DIGITS = 6  # of the reference beyond what can be told
 MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
-MOST_ASKED = 20  # times at which a run is held against the digits asked for
 SHOWN = 11  # times that are printed
 _SHORT = 24  # characters of a time that is printed with all its digits
 
@@ -318,19 +317,6 @@ def compare(
         raise BadInput(about.name, "header", None, expected)
     _ = found.digits  # what cannot be judged is refused here
     return found
-
-
-def compare_as_asked(run: Trajectory, against: AnyReference) -> Judgement:
-    """The judgement of a run at a few of its times: whether it has the digits asked for."""
-    kept = few(len(run.times), MOST_ASKED)
-    part = replace(
-        run,
-        times=tuple(run.times[k] for k in kept),
-        states=[run.states[k] for k in kept],
-        angles=None,
-        attitude=None,
-    )
-    return compare(part, against)
 
 
 def _wording(found: Judgement) -> str:

@@ -19,6 +19,7 @@ DIGITS_HELD = {"double": 15, "extended": 18, "quad": 33}  # what --digits may as
 NAMES = ("double", "extended", "quad", "mp")
 DEFAULT_MP_DIGITS = 50
 MAX_DIGITS = 4000  # that --digits may ask for
+_SPARE = 0.5  # digits that an expected loss may fall short
 
 
 @dataclass(frozen=True)
@@ -80,16 +81,20 @@ def named(name: str, mp_digits: float = DEFAULT_MP_DIGITS) -> NumberType:
     return fixed[name] if name in fixed else mp(mp_digits)
 
 
-def for_digits(digits: int, log10_angle: float) -> NumberType:
+def for_digits(digits: int, log10_angle: float, lost: float = 0.0) -> NumberType:
     """The cheapest type for so many correct digits after a turn through 10**log10_angle radians.
 
     Rounding of the start and the coefficients grows like the angle, the phase error of the steps
-    like its 3/2 power times a small factor; the guard digits cover both.
+    like its 3/2 power times a small factor; the guard digits cover both.  ``lost``: the digits that
+    this very motion is expected to lose on the way, where they were measured.
     """
     for name, held in DIGITS_HELD.items():
-        if digits + math.ceil(log10_angle) <= held and (name != "extended" or extended_here()):
-            return named(name)
-    return mp_for(digits, log10_angle)
+        kind = named(name)
+        enough = digits + math.ceil(log10_angle) <= held
+        enough = enough and digits + lost + (lost > 0) * _SPARE <= kind.most_digits
+        if enough and (name != "extended" or extended_here()):
+            return kind
+    return mp_for(digits, log10_angle, lost)
 
 
 def wider(number: NumberType) -> NumberType:
@@ -110,6 +115,6 @@ def extended_here() -> bool:
     return bool(np.finfo(np.longdouble).nmant == EXTENDED.bits - 1)
 
 
-def mp_for(digits: int, log10_angle: float) -> NumberType:
-    """The mp type for so many correct digits after a turn through 10**log10_angle radians."""
-    return mp(digits + math.ceil(1.5 * log10_angle) + 3)
+def mp_for(digits: int, log10_angle: float, lost: float = 0.0) -> NumberType:
+    """The mp type for so many correct digits, see :func:`for_digits`."""
+    return mp(digits + max(math.ceil(1.5 * log10_angle), math.ceil(lost)) + 3)

@@ -22,6 +22,7 @@ from polhode.numbers.decimals import (
 )
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
+from polhode.output.right_digits import right_rows
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 from polhode.scenes.words import ANGLES, ATTITUDE, SPACE
@@ -47,6 +48,9 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
     }
     if run.digits is not None:
         answer["digits"] = run.digits
+    if run.correct_digits is not None:
+        answer["correct_digits"] = round_down(run.correct_digits)
+        answer["checked_by"] = run.checked_by
     answer |= {
         "form": run.scene.form,
         "method": run.method,
@@ -74,6 +78,10 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
             "largest": f"{run.projection.largest:.3e}",
             "sum": f"{run.projection.sum:.3e}",
         }
+    if run.correct_digits is None:
+        answer["digits_left"] = [round_down(x) for x in run.expected.digits]
+        after = run.expected.lost_after
+        answer["no_digits_left_after"] = None if after is None else float(f"{after:.3g}")
     answer |= {
         "drift": of_drift(run.drift),
         "outcome": run.outcome.value,
@@ -82,6 +90,11 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
         "provenance": dict(run.provenance),
     }
     return answer
+
+
+def round_down(digits: float) -> float:
+    """Digits to two places, never more than there are."""
+    return math.floor(100 * digits) / 100
 
 
 def of_hodographs(curves: Hodographs, number: NumberType) -> dict[str, Any]:
@@ -111,8 +124,9 @@ def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> d
     """The object that ``reference --json`` prints: the closed form to so many digits."""
     scene = reference.scene
     number = NumberType("mp", number_types.bits_for(digits + 1))
+    printed = number.printed_digits
     # A decimal time is taken exactly; any other is rounded so far down that no digit notices.
-    fine = NumberType("mp", number.bits + 32 + int(4 * scene.at(tuple(times)).log10_angle))
+    fine = NumberType("mp", 3 * number.bits + 64 + int(4 * scene.at(tuple(times)).log10_angle))
     held = [t if is_decimal(t) else fine.rounded(t) for t in times]
     answer: dict[str, Any] = {
         "scene": scene.name,
@@ -124,14 +138,14 @@ def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> d
         "reference": reference.kind,
         "columns": list(scene.columns),
         "times": [in_full(exactly(t)) for t in held],
-        "states": strings(reference.at(held, digits + 1), number),
+        "states": strings(right_rows(reference.at, held, printed), number),
     }
     if "angles" in scene.outputs:
-        answer["angles"] = strings(reference.angles(held, digits + 1), number)
+        answer["angles"] = strings(right_rows(reference.angles, held, printed), number)
     if "attitude" in scene.outputs:
-        answer["attitude"] = strings(reference.attitude(held, digits + 1), number)
+        answer["attitude"] = strings(right_rows(reference.attitude, held, printed), number)
     if "hodographs" in scene.outputs:
-        answer["hodographs"] = of_hodographs(reference.hodographs(held, digits + 1), number)
+        answer["hodographs"] = of_hodographs(reference.hodographs(held, printed + 4), number)
     answer |= {"outcome": "reached end", "steps": 0, "provenance": provenance(scene.text)}
     return answer
 

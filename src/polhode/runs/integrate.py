@@ -38,10 +38,14 @@ def integrate(
     method: str = "auto",
     progress: Progress | None = None,
 ) -> Trajectory:
-    """Integrate the Euler–Poisson equations (3.29) of a scene with heyoka's Taylor method.
+    """Integrate the Euler–Poisson equations (3.29) of a scene with heyoka's Taylor method, once.
+
+    :func:`polhode.judging.assured.integrate`, which is polhode.integrate, also sees to it that
+    digits asked for are had.
 
     ``number``: double (default), extended, quad or mp (50 digits), or a NumberType.  ``digits``:
-    the digits wanted, which choose the number type.  ``at``: output times instead of the scene's.
+    the digits wanted, which choose the number type by the angle turned alone.  ``at``: output times
+    instead of the scene's.
     ``tol``: the tolerance of a step, the type's eps unless given.  ``inputs``: round start and
     coefficients to this narrower type first, to see what that rounding alone does.  ``project``:
     put the state back on the exact scene's first integrals every so many steps, True as often as
@@ -56,13 +60,6 @@ def integrate(
     The trajectory can be called at any time that it reached, see :class:`polhode.runs.dense.Dense`.
     Ctrl-C ends the run within a second; the trajectory then holds what was reached.  Raises
     BadInput for what cannot be integrated.
-
-    >>> import polhode
-    >>> run = polhode.integrate("kovalevskaya/generic", digits=30, at=[1, "7/3"])
-    >>> run
-    <Trajectory of kovalevskaya/generic: quad, 2 times to t = 2.3333333333333333, reached end>
-    >>> polhode.compare(run).reached
-    True
     """
     scene = library.load(scene)
     if at is not None:

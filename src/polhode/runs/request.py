@@ -12,8 +12,13 @@ from polhode.numbers.number_types import NumberType
 from polhode.scenes.scene import Scene
 
 
-def choose_number(scene: Scene, number: str | NumberType | None, digits: int | None) -> NumberType:
-    """The number type that was named, or the cheapest one that holds the digits wanted."""
+def choose_number(
+    scene: Scene, number: str | NumberType | None, digits: int | None, lost: float = 0.0
+) -> NumberType:
+    """The number type that was named, or the cheapest one that holds the digits wanted.
+
+    ``lost``: the digits that the motion is expected to lose, where that was measured.
+    """
     name = number.name if isinstance(number, NumberType) else number
     if name is not None and name not in number_types.NAMES:
         raise BadInput(scene.name, "number", name, nearest(name, list(number_types.NAMES)))
@@ -25,11 +30,11 @@ def choose_number(scene: Scene, number: str | NumberType | None, digits: int | N
         raise BadInput(scene.name, "digits", digits, f"1 to {number_types.MAX_DIGITS}")
     if digits is None:
         return number_types.named(number or "double")
-    chosen = number_types.for_digits(digits, scene.log10_angle)
+    chosen = number_types.for_digits(digits, scene.log10_angle, lost)
     if number is None or number == chosen.name:
         return chosen
     if number == "mp":
-        return number_types.mp_for(digits, scene.log10_angle)
+        return number_types.mp_for(digits, scene.log10_angle, lost)
     if number_types.named(number).bits < chosen.bits:
         raise BadInput(scene.name, "digits", digits, f"fewer in {number}; {chosen.name} holds them")
     return number_types.named(number)

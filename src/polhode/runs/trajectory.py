@@ -15,6 +15,7 @@ from polhode.equations.integrals import Drift, drift
 from polhode.numbers.decimals import decimal_in_full, shown, strings
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row, Rows, Value
+from polhode.runs.expected import Expected, by_errors, expected
 from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import EventTimes, Outcome, Projection
 
@@ -38,7 +39,8 @@ class Trajectory(ByValue):
     ``steps``: Taylor steps taken.  ``events``: one for each event of the scene.  ``projection``:
     None where the state was not put back on the first integrals.  ``method``: "taylor" or
     "refined"; a refined run's ``errors`` are estimates, one a state, of the largest error over its
-    columns: None where the motion multiplies errors too much for one.
+    columns: None where the motion multiplies errors too much for one.  ``digits``: those asked
+    for; ``correct_digits``: how many were found right, by what ``checked_by`` says.
     """
 
     scene: Scene
@@ -58,6 +60,8 @@ class Trajectory(ByValue):
     dense: Callable[[Any], Row | Rows] | None = field(default=None, repr=False, compare=False)
     method: str = "taylor"
     errors: tuple[float | None, ...] | None = None
+    correct_digits: float | None = None
+    checked_by: str = ""
 
     def __call__(self, t: Any) -> Row | Rows:
         """The state at time t, or the states at several times.
@@ -85,6 +89,24 @@ class Trajectory(ByValue):
         if not self.times:
             return Drift(None, None, None)
         return drift(self.scene, self.states, self.number.bits)
+
+    @cached_property
+    def expected(self) -> Expected:
+        """The correct digits to expect, from how much the motion multiplies errors.
+
+        For a method that rounds the state once a step: putting it back on the integrals can only
+        save more.  A refined run has its own estimates.
+
+        >>> import polhode
+        >>> run = polhode.integrate("euler/separatrix", at=[1, 30, 400])
+        >>> [round(d) for d in run.expected.digits], 40 < run.expected.lost_after < 140
+        ([15, 12, 0], True)
+        """
+        if self.errors is not None:
+            return by_errors(self.errors, self.number, self.times, self.states)
+        return expected(
+            self.scene, self.number, self.tolerance, self.steps, self.times, self.states
+        )
 
     @cached_property
     def hodographs(self) -> Hodographs | None:

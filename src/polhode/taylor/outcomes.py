@@ -28,6 +28,7 @@ class Outcome(Enum):
     STEP_UNDERFLOW = "step underflow"
     STEP_LIMIT = "step limit"
     SINGULAR = "singular set"
+    TOO_FEW_DIGITS = "too few digits"
     INTERRUPTED = "interrupted"
     NOT_RUN = "not run"
 
@@ -66,6 +67,10 @@ _CAUSES = {
     "singular set": (
         "the form of the equations met its singular set",
         "use a form without one there, such as principal (--form)",
+    ),
+    "too few digits": (
+        "the end was reached with fewer correct digits than were asked for",
+        "ask for fewer digits or a shorter run, and let --digits choose number type and tolerance",
     ),
     "interrupted": ("the run was interrupted", "run again, or ask for a shorter run"),
     "not run": ("the sweep was interrupted before this member was done", "run it again"),

@@ -52,3 +52,10 @@ def of(number: NumberType) -> Policy:
         return row
     steps = int(row.chunk * float((_CHUNK_BITS / number.bits) ** _CHUNK_POWER))
     return row._replace(chunk=max(1, steps))
+
+
+def seconds(number: NumberType, steps: float) -> float:
+    """About how long so many steps take: a chunk of the table takes a fifth of a second."""
+    row = TABLE[number.name]
+    wide = (number.bits / _CHUNK_BITS) ** _CHUNK_POWER if number.name == "mp" else 1.0
+    return 0.2 * steps / row.chunk * wide

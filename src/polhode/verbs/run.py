@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from polhode.numbers.decimals import brief
 from polhode.output import results
 from polhode.scenes import library
-from polhode.scenes.scene import Scene
 from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
@@ -64,9 +63,8 @@ def main(options: Namespace) -> int:
     """Integrate a scene."""
     from dataclasses import replace
 
-    from polhode.judging.judgement import compare_as_asked
+    from polhode.judging.assured import integrate
     from polhode.judging.reference import reference as reference_of
-    from polhode.runs.integrate import integrate
     from polhode.taylor.outcomes import Outcome
 
     scene = library.load(options.scene)
@@ -94,8 +92,6 @@ def main(options: Namespace) -> int:
         )
     answer = results.of_run(found, reference.regime)
     done = found.outcome.done
-    if done and options.digits is not None and reference.is_closed_form:
-        answer["correct_digits"] = round(compare_as_asked(found, reference).worst, 2)
     if path is not None and done:
         results.write_trajectory(path, answer)
     if options.json:
@@ -111,8 +107,8 @@ def main(options: Namespace) -> int:
             note(f"{scene.name}: not refined: {found.provenance['not refined']}")
         for event in found.events:
             note(_told(event))
+    _tell_digits(found)
     if done:
-        _warn_of_lost_digits(scene, options.digits, answer)
         return DONE
     advice = f"; {found.advice}" if found.advice else ""
     wrote = "" if path is None else f"; {path} was not written"
@@ -144,11 +140,21 @@ def _told(event: EventTimes) -> str:
     return f"event {event.name}: {len(event.times)}{when}{lost}"
 
 
-def _warn_of_lost_digits(scene: Scene, wanted: int | None, answer: dict[str, Any]) -> None:
-    """Say so where a run has fewer digits than were asked for: the motion multiplies errors."""
-    held = answer.get("correct_digits")
-    if wanted is not None and held is not None and held < wanted:
-        note(
-            f"polhode: {scene.name}: {wanted} digits were asked for, {held} are correct by the "
-            f"closed form: this motion multiplies errors; ask for {2 * wanted - int(held) + 1}"
-        )
+def _tell_digits(found: Trajectory) -> None:
+    """What the digits printed are worth: those found right, or where the motion takes most."""
+    name, right = found.scene.name, found.correct_digits
+    if right is not None:
+        had = f"{results.round_down(right)} are right by the {found.checked_by}"
+        note(f"{name}: {found.digits} digits were asked for, {had}")
+        return
+    expected = found.expected
+    if expected.halved_after is None:
+        return
+    printed = found.number.printed_digits
+    lost = expected.lost_after
+    none = "" if lost is None else f", and none from t = {lost:.3g} on"
+    note(
+        f"polhode: {name}: of the {printed} digits printed expect fewer than half to be right from "
+        f"t = {expected.halved_after:.3g} on{none}: this motion multiplies errors; "
+        f"--digits D gives D right ones"
+    )
