@@ -10,9 +10,8 @@ from collections import Counter
 from pathlib import Path
 from random import Random
 
-from fuzz import generate, promise
-
 import polhode
+from fuzz import generate, promise
 
 CLASSES = ("scene", "table", "command", "call")
 

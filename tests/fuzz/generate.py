@@ -9,9 +9,8 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from fuzz import hostile_values as values
-
 import polhode
+from fuzz import hostile_values as values
 
 #: Right scenes, as tables of TOML text.
 SCENES: list[dict[str, dict[str, str]]] = [
@@ -31,21 +30,47 @@ SCENES: list[dict[str, dict[str, str]]] = [
     },
     {
         "": {"schema": "1"},
-        "body": {"inertia": "[[2, 0, 0], [0, 2, 0], [0, 0, 1]]", "centre": "[1, 0, 0]", "weight": "1"},
+        "body": {
+            "inertia": "[[2, 0, 0], [0, 2, 0], [0, 0, 1]]",
+            "centre": "[1, 0, 0]",
+            "weight": "1",
+        },
         "start": {"momentum": "[0.3, 0.2, 1.1]", "gamma": "[3, 0, 4]", "normalise": "true"},
         "run": {"at": "[1]", "form": '"quaternion"'},
-        "[events]": {"name": '"x"', "zero": '"p - gamma1/2"', "direction": '"rising"', "stop": "true"},
+        "[events]": {
+            "name": '"x"',
+            "zero": '"p - gamma1/2"',
+            "direction": '"rising"',
+            "stop": "true",
+        },
         "[published]": {"t": "1", "quantity": '"p"', "value": '"0.1"', "cite": '"z"', "right": "1"},
     },
     {
         "": {"schema": "1"},
-        "body": {"inertia": "[[2, 0.1, 0], [0.1, 3, 0], [0, 0, 4]]", "centre": "[1, 2, 3]", "weight": "0.1"},
+        "body": {
+            "inertia": "[[2, 0.1, 0], [0.1, 3, 0], [0, 0, 4]]",
+            "centre": "[1, 2, 3]",
+            "weight": "0.1",
+        },
         "start": {"omega": '["1/3", "sqrt(2)", 0]', "gamma": '["sin(1)", "cos(1)", 0]'},
         "run": {"end": "-2"},
     },
 ]
-SECTIONS = ("", "body", "start", "run", "reference", "expect", "[events]", "[published]", "x", "body.x")
-KEYS = sorted({key for scene in SCENES for table in scene.values() for key in table} | {"x", '"a b"', "end"})
+SECTIONS = (
+    "",
+    "body",
+    "start",
+    "run",
+    "reference",
+    "expect",
+    "[events]",
+    "[published]",
+    "x",
+    "body.x",
+)
+KEYS = sorted(
+    {key for scene in SCENES for table in scene.values() for key in table} | {"x", '"a b"', "end"}
+)
 
 Case = Callable[[], list[str]]
 
@@ -92,9 +117,13 @@ def mangled(random: Random, text: bytes) -> bytes:
         elif turn == 2:
             held[at:at] = held[at : at + 40]
         elif turn == 3:
-            held[at:at] = random.choice([b"\r", b"\r\n", b"\0", b"\xff\xfe", b"\xef\xbb\xbf", b'"""', b"'"])
+            held[at:at] = random.choice(
+                [b"\r", b"\r\n", b"\0", b"\xff\xfe", b"\xef\xbb\xbf", b'"""', b"'"]
+            )
         elif turn == 4:
-            held[at:at] = random.choice([b"[", b"]", b"{", b"}", b"=", b",", b"#", b".", b'"', b"\\", b"-"])
+            held[at:at] = random.choice(
+                [b"[", b"]", b"{", b"}", b"=", b",", b"#", b".", b'"', b"\\", b"-"]
+            )
         else:
             held[:] = held[:at]
     return bytes(held)
@@ -103,7 +132,10 @@ def mangled(random: Random, text: bytes) -> bytes:
 def table_file(random: Random) -> bytes:
     """A table, changed in its header, its cells, or its bytes."""
     header = ["t", "p", "q", "r", "gamma1", "gamma2", "gamma3"]
-    rows = [["0", "0.3", "-0.4", "1.1", "0.6", "0", "0.8"], ["1", "0.3", "0.4", "1.1", "0", "0.6", "0.8"]]
+    rows = [
+        ["0", "0.3", "-0.4", "1.1", "0.6", "0", "0.8"],
+        ["1", "0.3", "0.4", "1.1", "0", "0.6", "0.8"],
+    ]
     for _ in range(random.choice((1, 1, 2, 3))):
         turn, k = random.random(), random.randrange(len(header))
         if turn < 0.25:
@@ -128,12 +160,24 @@ SCENE: dict[str, Any] = {"name": "x", "title": "", "tags": (), "outputs": (), "r
 SCENE |= {"events": (), "published": (), "expect": {}, "source": "", "cite": ()}
 
 FLAGS: dict[str, list[str]] = {
-    "run": ["--digits", "--number", "--at", "--tol", "--form", "--outputs", "--max-steps", "--no-project"]
-    + ["--project-every", "-o", "--json", "--no-such"],
+    "run": [
+        *("--digits", "--number", "--at", "--tol", "--form", "--outputs", "--max-steps"),
+        *("--no-project", "--project-every", "-o", "--json", "--no-such"),
+    ],
     "reference": ["--at", "--digits", "--json"],
     "show": ["--json"],
     "compare": ["--number", "--digits", "--json"],
-    "sweep": ["--vary", "--digits", "--number", "--at", "--tol", "--max-steps", "--workers", "-o", "--json"],
+    "sweep": [
+        "--vary",
+        "--digits",
+        "--number",
+        "--at",
+        "--tol",
+        "--max-steps",
+        "--workers",
+        "-o",
+        "--json",
+    ],
     "plot": ["--what", "-o", "--end", "--scene", "--number", "--digits"],
     "study": ["--quick", "-o"],
     "list": ["--tag"],
@@ -148,13 +192,20 @@ def command(random: Random) -> list[str]:
     verb = random.choice([*FLAGS])
     words = [verb]
     if verb in ("run", "reference", "show", "sweep", "plot", "compare", "study"):
-        words.append(random.choice(["top.toml", *values.WORDS]) if random.random() < 0.6 else "top.toml")
+        words.append(
+            random.choice(["top.toml", *values.WORDS]) if random.random() < 0.6 else "top.toml"
+        )
     if verb == "compare":
         words.append("top.toml" if random.random() < 0.6 else random.choice(values.WORDS))
     if verb == "study":  # a study takes minutes: never a right one
         words[1] = random.choice([w for w in values.WORDS if w not in ("-", "--")])
     if verb == "plot":
-        words += ["--what", random.choice(["angles", "integrals", "x"]), "-o", random.choice(values.WORDS)]
+        words += [
+            "--what",
+            random.choice(["angles", "integrals", "x"]),
+            "-o",
+            random.choice(values.WORDS),
+        ]
     if verb == "sweep":
         words += ["--vary", random.choice(values.WORDS)]
     for _ in range(random.choice((0, 1, 1, 2))):
@@ -171,15 +222,27 @@ def call(random: Random, scene: polhode.Scene) -> tuple[str, Callable[[], Any]]:
     hostile = values.python(np.array, mpf)
     good: dict[str, tuple[list[Any], dict[str, Any]]] = {
         "load": ([scene], {}),
-        "integrate": ([scene], {"at": [0], "digits": 10, "max_steps": 5, "project": None, "tol": None}),
+        "integrate": (
+            [scene],
+            {"at": [0], "digits": 10, "max_steps": 5, "project": None, "tol": None},
+        ),
         "reference": ([scene], {}),
         "reference.at": ([[0]], {"digits": 10}),
         "reference.angles": ([[0]], {"digits": 10}),
-        "compare": ([[[0.3, -0.4, 1.1, 0.6, 0, 0.8]], scene], {"at": [0], "columns": None, "number": None}),
-        "integrate_many": ([scene, {"x": [1]}], {"at": [0], "max_steps": 5, "workers": 1, "tol": None}),
+        "compare": (
+            [[[0.3, -0.4, 1.1, 0.6, 0, 0.8]], scene],
+            {"at": [0], "columns": None, "number": None},
+        ),
+        "integrate_many": (
+            [scene, {"x": [1]}],
+            {"at": [0], "max_steps": 5, "workers": 1, "tol": None},
+        ),
         "Body": ([[[2, 0, 0], [0, 3, 0], [0, 0, 4]], [0, 0, 0], 0], {}),
         "Body.of_moments": ([[2, 3, 4]], {"centre": [0, 0, 1], "weight": 1}),
-        "Scene": ([scene.body, (1, 2, 3)], {"gamma": (0, 0, 1), "psi": 0, "times": (1,), "form": "principal", **SCENE}),
+        "Scene": (
+            [scene.body, (1, 2, 3)],
+            {"gamma": (0, 0, 1), "psi": 0, "times": (1,), "form": "principal", **SCENE},
+        ),
         "Event": ([], {"name": "x", "zero": "p", "direction": "any", "stop": False}),
         "rolling": ([None], {}),
         "conditioning": ([scene, [0]], {"number": "double", "max_steps": 10}),

@@ -28,7 +28,7 @@ def whole(source: str, key: str, value: Any, least: int, most: int | None = None
 def each(
     source: str, key: str, values: Any, read: Callable[[Any], T], expected: str
 ) -> tuple[T, ...]:
-    """Each of some values read, such as the times ``at``; a ValueError of ``read`` names its one."""
+    """Each of some values read, such as the times ``at``; what ``read`` refuses is named."""
     if isinstance(values, (str, bytes)) or not isinstance(values, (Iterable, Sequence)):
         raise BadInput(source, key, values, expected)
     found = []
@@ -44,7 +44,9 @@ def each(
     return tuple(found)
 
 
-def of_kind(source: str, key: str, value: Any, kinds: type | tuple[type, ...], expected: str) -> None:
+def of_kind(
+    source: str, key: str, value: Any, kinds: type | tuple[type, ...], expected: str
+) -> None:
     """Refuse a value that is of none of some classes."""
     if not isinstance(value, kinds):
         raise BadInput(source, key, value, expected)

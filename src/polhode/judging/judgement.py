@@ -231,9 +231,7 @@ class Judgement(ByValue):
             return rows(ask, self.times, self._wanted)
         start = [to_mpf(x, self._bits) for x in self.reference.scene.start]
         there = [
-            k
-            for k, t in enumerate(self.times)
-            if t != 0 and any(x is not None for x in states[k])
+            k for k, t in enumerate(self.times) if t != 0 and any(x is not None for x in states[k])
         ]
 
         def most_right(found: list[Any]) -> float:

@@ -152,7 +152,11 @@ class Body:
         cls, moments: Sequence[Any], centre: Sequence[Any] = (0, 0, 0), weight: Any = 0
     ) -> Body:
         """A body given in principal axes by its moments A, B, C."""
-        return cls(diagonal(exact_vector(moments, key="moments")), centre, weight)
+        return cls(
+            diagonal(exact_vector(moments, key="moments")),
+            exact_vector(centre, key="centre"),
+            weight,
+        )
 
     @property
     def moments(self) -> Vector:

@@ -130,7 +130,9 @@ class Scene:
         for key in ("name", "title", "form", "reference", "source"):
             of_kind("Scene", key, getattr(self, key), str, "text")
         for key, kind in _PARTS.items():
-            parts = each(self.name, key, getattr(self, key), lambda x: x, f"a list of {kind.__name__}")
+            parts = each(
+                self.name, key, getattr(self, key), lambda x: x, f"a list of {kind.__name__}"
+            )
             for k, part in enumerate(parts):
                 of_kind(self.name, f"{key}[{k + 1}]", part, kind, f"{kind.__name__}")
             object.__setattr__(self, key, parts)

@@ -16,7 +16,15 @@ from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import NAMES
 from polhode.scenes.body import Body, Matrix, UnphysicalBody, Vector, diagonal, dot, scaled
 from polhode.scenes.scene import Event, Published, Scene, even_times
-from polhode.scenes.words import ANGLES, ATTITUDE, DIRECTIONS, READY_MADE, REFERENCES, SECTION, STATE
+from polhode.scenes.words import (
+    ANGLES,
+    ATTITUDE,
+    DIRECTIONS,
+    READY_MADE,
+    REFERENCES,
+    SECTION,
+    STATE,
+)
 
 MAX_FILE = 100_000  # bytes
 MAX_LINE = 10_000  # characters: a TOML key of thousands of parts costs quadratic time

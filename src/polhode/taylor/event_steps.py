@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 from polhode.numbers.expression import Algebra, evaluate
+from polhode.numbers.number_types import NumberType
 from polhode.scenes.scene import Event, Scene
 from polhode.taylor import heyoka_numbers
 from polhode.taylor.kinds import HeyokaIntegrator
-
-if TYPE_CHECKING:
-    from polhode.taylor.events import Watch
 
 _PATIENCE = 8  # steps in a row that do not change the time; the last one before an end may be such
 
@@ -22,15 +21,14 @@ class AfterStep:
     to zero.  Steps of zero count towards no limit: they would go on for ever.
     """
 
-    def __init__(self, watch: Watch) -> None:
-        self.watch = watch
-        self.idle = 0
-        self.eps = heyoka_numbers.scalar(watch.number.eps, watch.number)
+    def __init__(self, stopped: Callable[[], bool], number: NumberType) -> None:
+        self.stopped, self.idle = stopped, 0
+        self.eps = heyoka_numbers.scalar(number.eps, number)
 
     def __call__(self, ta: HeyokaIntegrator) -> bool:
         moved = abs(ta.last_h) > abs(ta.time) * self.eps
         self.idle = 0 if moved else self.idle + 1
-        return self.watch.stop is None and self.idle < _PATIENCE
+        return not self.stopped() and self.idle < _PATIENCE
 
     def __deepcopy__(self, _: object) -> AfterStep:
         return self
@@ -50,22 +48,24 @@ def is_entire(scene: Scene, event: Event) -> bool:
     return not isinstance(found, _Sort) or found.entire
 
 
-class _Sort(NamedTuple):
+@dataclass(frozen=True)
+class _Sort:
     """What is known of an expression: whether it varies, and whether it always has a value."""
 
     varies: bool
     entire: bool
 
     def both(self, other: _Sort) -> _Sort:
+        """What is known of a sum or a product."""
         return _Sort(self.varies or other.varies, self.entire and other.entire)
 
-    __add__ = __sub__ = __mul__ = both  # type: ignore[assignment]
+    __add__ = __sub__ = __mul__ = both
 
     def __neg__(self) -> _Sort:
         return self
 
     def __truediv__(self, other: _Sort) -> _Sort:
-        return self.both(other)._replace(entire=self.entire and not other.varies)
+        return replace(self.both(other), entire=self.entire and not other.varies)
 
     def __pow__(self, n: int) -> _Sort:
         return self if n >= 0 else _root(self)
