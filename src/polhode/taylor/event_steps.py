@@ -26,6 +26,7 @@ class AfterStep:
         self.eps = heyoka_numbers.scalar(number.eps, number)
 
     def __call__(self, ta: HeyokaIntegrator) -> bool:
+        """Whether to go on."""
         moved = abs(ta.last_h) > abs(ta.time) * self.eps
         self.idle = 0 if moved else self.idle + 1
         return not self.stopped() and self.idle < _PATIENCE
