@@ -213,10 +213,17 @@ def test_one_study_leaves_the_others_as_they_are(tmp_path, monkeypatch):
     assert "--quick" in (tmp_path / "published.md").read_text()
 
 
-def test_a_folder_that_is_missing_is_refused_before_the_work(tmp_path):
+def test_a_folder_that_is_missing_is_made(tmp_path, monkeypatch):
+    Studies(monkeypatch)
+    report.write_study("published", tmp_path / "new" / "deep")
+    assert (tmp_path / "new" / "deep" / "published.json").is_file()
+
+
+def test_a_folder_that_cannot_be_made_is_refused_before_the_work(tmp_path):
+    (tmp_path / "file").touch()
     for write in (report.write_report, lambda folder: report.write_study("accuracy", folder)):
-        with pytest.raises(BadInput, match="an existing folder"):
-            write(tmp_path / "nowhere")
+        with pytest.raises(BadInput, match="a folder to write to"):
+            write(tmp_path / "file" / "below")
 
 
 def test_an_unknown_study_is_refused_with_the_nearest_name(tmp_path):

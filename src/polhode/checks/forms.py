@@ -11,7 +11,7 @@ from fractions import Fraction
 
 from polhode.common.errors import BadInput
 from polhode.judging.digits import worst_digits
-from polhode.runs.integrate import integrate
+from polhode.runs.integrate import integrate, undisturbed
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.words import FORMS
@@ -40,7 +40,7 @@ def cross_checks(tick: Callable[[str], None] | None = None) -> Iterator[CrossChe
     """Each scene in each form against its principal form."""
     for name in SCENES:
         scene = replace(library.load(name), outputs=(), events=(), form="principal")
-        trusted = integrate(scene, digits=DIGITS, at=[TIME])
+        trusted = undisturbed(integrate(scene, digits=DIGITS, at=[TIME]))
         for form in FORMS:
             if tick is not None:
                 tick(f"{name} in the form {form}")
@@ -51,7 +51,7 @@ def cross_checks(tick: Callable[[str], None] | None = None) -> Iterator[CrossChe
 def _checked(form: str, trusted: Trajectory) -> CrossCheck:
     scene = trusted.scene
     try:
-        run = integrate(replace(scene, form=form), trusted.number)
+        run = undisturbed(integrate(replace(scene, form=form), trusted.number))
     except BadInput as refusal:
         return CrossCheck(scene.name, form, None, f"refused: {refusal.expected}")
     if not run.outcome.done:

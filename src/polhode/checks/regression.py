@@ -16,7 +16,7 @@ from polhode.judging.judgement import Judgement, compare
 from polhode.judging.reference import Remembered
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers import number_types
-from polhode.runs.integrate import integrate
+from polhode.runs.integrate import integrate, undisturbed
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 
@@ -106,12 +106,9 @@ def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
 
 def _line(scene: Scene, reference: Remembered, number: str, known: Conditioning | None) -> Line:
     band = scene.expect.get(number)
-    run = integrate(
-        scene,
-        number,
-        digits=number_types.DEFAULT_MP_DIGITS if number == "mp" else None,
-        method="taylor",  # the bands are those of heyoka's own steps
-    )
+    digits = number_types.DEFAULT_MP_DIGITS if number == "mp" else None
+    # the bands are those of heyoka's own steps
+    run = undisturbed(integrate(scene, number, digits=digits, method="taylor"))
     if not run.outcome.done:
         return Line(scene.name, number, 0.0, band, None, run.outcome.value)
     judged = compare(run, reference, known=known)

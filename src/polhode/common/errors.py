@@ -33,11 +33,11 @@ class StdoutFault(Exception):
         super().__init__(fault.strerror)
 
 
-def nearest(word: str, known: list[str]) -> str:
+def nearest(word: object, known: list[str]) -> str:
     """The words allowed, the nearest one first in mind: for the end of an error message."""
     from difflib import get_close_matches
 
-    close = get_close_matches(word, known, n=1)
+    close = get_close_matches(word, known, n=1) if isinstance(word, str) else []
     listed = ", ".join(known) if len(known) <= 20 else f"one of {len(known)} names"
     return f"{listed} (did you mean {close[0]!r}?)" if close else listed
 

@@ -18,6 +18,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from polhode.common.errors import BadInput, StdoutFault
+from polhode.common.interrupts import delayed
 
 STDOUT = Path("-")
 _HANDLES = ("/dev/fd/", "/proc/self/fd/")  # names of what is open already
@@ -71,8 +72,16 @@ def _streamed(handle: int, most: int, name: str, what: str) -> bytes:
 def write_whole(texts: Mapping[Path, str | bytes]) -> None:
     """Write files, text or bytes, that belong together; raises BadInput.
 
-    All are complete before the first one takes its place.
+    All are complete before the first one takes its place; Ctrl-C waits for that.
     """
+    if any(map(is_stream, texts)):  # whose reader may let us wait for ever
+        _write_whole(texts)
+        return
+    with delayed():
+        _write_whole(texts)
+
+
+def _write_whole(texts: Mapping[Path, str | bytes]) -> None:
     staged: dict[Path, str] = {}
     path = Path()
     try:
@@ -109,7 +118,10 @@ def check_writable(
     """
     if is_stream(path):
         return
-    place = path.resolve()
+    try:
+        place = path.resolve()
+    except (OSError, RuntimeError, ValueError) as error:
+        raise BadInput(str(path), "-o", None, f"a place to write to ({error})") from None
     if path.is_dir():
         raise BadInput(str(path), "file", None, "a file, not a folder")
     if suffixes and path.suffix.lower() not in suffixes:
@@ -123,13 +135,22 @@ def check_writable(
             raise BadInput(str(path), "-o", None, "another file than the one that is read")
 
 
+def make_folder(folder: Path) -> None:
+    """A folder to write to, made where it is not there; raises BadInput."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise BadInput(str(folder), "-o", None, f"a folder to write to ({reason})") from None
+
+
 def is_stream(path: Path) -> bool:
     """Whether a path is written to as a stream: ``-`` for stdout, or what is no regular file."""
     if is_stdout(path) or os.path.abspath(path).startswith(_HANDLES):
         return True
     try:
         mode = path.stat().st_mode
-    except OSError:
+    except (OSError, ValueError):
         return False
     return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
 

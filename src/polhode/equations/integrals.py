@@ -16,6 +16,8 @@ C is the moment about the axis of symmetry, which is axis 3 in these formulas.
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -52,7 +54,11 @@ class Drift(NamedTuple):
 
     def __str__(self) -> str:
         told = self._asdict().items()
-        return ", ".join(f"{name} {value:.3e}" for name, value in told if value is not None)
+        return ", ".join(f"{name} {_told(value)}" for name, value in told if value is not None)
+
+
+def _told(drift: float) -> str:
+    return f"over {sys.float_info.max:.1e}" if math.isinf(drift) else f"{drift:.3e}"
 
 
 @dataclass(frozen=True)

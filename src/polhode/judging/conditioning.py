@@ -18,14 +18,16 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from polhode.common.arguments import whole
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
 from polhode.equations.system import System, system
 from polhode.numbers import exact, number_types
-from polhode.numbers.convert import exact_number, exactly, to_double
+from polhode.numbers.convert import exactly, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import DOUBLE, LOG10_2, NumberType
 from polhode.numbers.scalars import FLOATS
+from polhode.runs.request import choose_number
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor import policy
@@ -124,8 +126,9 @@ def conditioning(
     """
     scene = library.load(scene)
     if times is not None:
-        scene = scene.at(tuple(exact_number(t) for t in times))
-    kind = number_types.named(number) if isinstance(number, str) else number
+        scene = scene.at(times)
+    kind = choose_number(scene, number, None)
+    max_steps = whole(scene.name, "max_steps", max_steps, 1)
     unit = Fraction(2) ** scene.time_unit
     outputs = [to_double(t / unit) for t in scene.times]
     asked, looks, note = set(outputs), [], ""

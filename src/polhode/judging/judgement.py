@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
 from polhode.common.text import aligned, few
 from polhode.common.values import ByValue
@@ -26,7 +27,7 @@ from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.decimals import brief, decimal_string, in_full
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType, wider
-from polhode.runs.integrate import integrate
+from polhode.runs.integrate import integrate, undisturbed
 from polhode.runs.request import choose_number
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from polhode.judging.conventions import Reading
 
 SPARE_DIGITS = 6  # of the reference beyond what can be told
+FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
 MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
 SHOWN = 11  # times that are printed
 _SHORT = 24  # characters of a time that is printed with all its digits
@@ -158,7 +160,7 @@ class Judgement(ByValue):
         if run is None:
             raise ValueError("only of a run is it known how its inputs were rounded")
         scene, number = run.scene.at(run.times), wider(run.number)
-        return min(self._digits(integrate(scene, number, inputs=run.number).states))
+        return min(self._digits(undisturbed(integrate(scene, number, inputs=run.number)).states))
 
     @property
     def parts(self) -> dict[str, float]:
@@ -222,12 +224,39 @@ class Judgement(ByValue):
 
     @cached_property
     def _rows(self) -> list[Any]:
-        """The reference's states."""
-        return rows(self.reference.at, self.times, self._wanted)
+        """The reference's states, to as many digits as tell those that are right."""
+        ask, states = self.reference.at, self.subject.states
+        if not self.subject.columns:
+            return rows(ask, self.times, self._wanted)
+        start = [to_mpf(x, self._bits) for x in self.reference.scene.start]
+        there = [
+            k for k, t in enumerate(self.times) if t != 0 and any(x is not None for x in states[k])
+        ]
 
-    def _digits(self, states: Any) -> tuple[float, ...]:
-        scale = rate_scale(self._rows, self.reference.scene, self._bits)
-        found = errors(states, self._rows, scale, self._bits)
+        def most_right(found: list[Any]) -> float:
+            digits = self._digits(states, found)
+            return max((digits[k] for k in there), default=0.0)
+
+        found = self._true(ask, most_right)
+        return [row if t else start for t, row in zip(self.times, found, strict=True)]
+
+    def _true(self, ask: Callable[..., Any], right: Callable[[list[Any]], float]) -> list[Any]:
+        """A reference's rows, asked for more digits until none that are right hide behind them.
+
+        So a table of a thousand digits, few of them right, costs no reference of a thousand.
+        ``right``: how many are right, held against given rows.
+        """
+        wanted = min(self._wanted, FIRST_ASKED)
+        while True:
+            found = rows(ask, self.times, wanted)
+            if wanted == self._wanted or right(found) < wanted - SPARE_DIGITS:
+                return found
+            wanted = min(self._wanted, 4 * wanted)
+
+    def _digits(self, states: Any, true: list[Any] | None = None) -> tuple[float, ...]:
+        true = self._rows if true is None else true
+        scale = rate_scale(true, self.reference.scene, self._bits)
+        found = errors(states, true, scale, self._bits)
         return tuple(digits_of(error, self.subject.held) for error in found)
 
     @cached_property
@@ -243,13 +272,16 @@ class Judgement(ByValue):
             if own is None:
                 continue
             try:
-                true = rows(getattr(self.reference, name), self.times, self._wanted)
+                true = self._true(getattr(self.reference, name), partial(self._part, name, own))
             except ValueError as fault:  # BadInput is one
                 found[name] = str(fault)
                 continue
-            signs = (1, -1) if name == "attitude" else (1,)  # a quaternion may have either
-            found[name] = max(self._part_digits(own, true, s) for s in signs)
+            found[name] = self._part(name, own, true)
         return found
+
+    def _part(self, name: str, own: Any, true: list[Any]) -> float:
+        signs = (1, -1) if name == "attitude" else (1,)  # a quaternion may have either
+        return max(self._part_digits(own, true, s) for s in signs)
 
     def _part_digits(self, own: Any, true: list[Any], side: int) -> float:
         import mpmath
@@ -299,12 +331,16 @@ def compare(
         if not isinstance(what, Trajectory):
             raise BadInput("compare", "against", None, "a reference, or a scene")
         against = what.scene
+    kinds = (Reference, TwoPrecisions, Remembered, Scene, str, Path)
+    of_kind("compare", "against", against, kinds, "a reference, or a scene")
     if isinstance(against, (Scene, str, Path)):
         against = reference(against)
     if isinstance(what, Trajectory):
         found = Judgement(of_run(what), against, known)
     else:
         scene = against.scene
+        if digits is not None and number is None:
+            raise BadInput(scene.name, "digits", digits, "number given with it: mp")
         kind = None if number is None else choose_number(scene, number, digits)
         if isinstance(what, (str, Path)):
             what = read_table(Path(what), kind)

@@ -15,6 +15,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.system import system
@@ -84,10 +85,12 @@ def lyapunov(scene: Scene | str | Path, end: Any = None, max_steps: int = MAX_ST
     scene = library.load(scene)
     unit, slow = 2.0**scene.time_unit, _slowest(scene)
     last = DEFAULT_LENGTH * slow
+    max_steps = whole(scene.name, "max_steps", max_steps, 1)
     if end is not None:
-        if exact_number(end) == 0:
-            raise BadInput(scene.name, "end", 0, "a time other than 0")
-        last = to_double(exact_number(end)) / unit
+        (until,) = each(scene.name, "end", (end,), exact_number, "a time")
+        last = to_double(until) / unit
+        if last == 0 or math.isinf(last):
+            raise BadInput(scene.name, "end", end, "a time other than 0, in a double's range")
     elif abs(to_double(scene.end) / unit) > last:
         last = to_double(scene.end) / unit
     elif sign(scene.end) < 0:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from polhode.closed_forms.families import ClosedForm, closed_form, misfit
+from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.equations.hodographs import Hodographs, hodographs
 from polhode.judging.digits import errors, rate_scale, worst_digits
@@ -24,6 +25,7 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.tops import kind_of_body
 
 MAX_LOG10_ANGLE = 100
+MOST_ASKED = number_types.MAX_DIGITS + 1000  # those for users and what judging them spares
 
 
 class Reference:
@@ -106,6 +108,7 @@ class Reference:
         return None if curve is None else dict(self._told(lambda: curve(50)))
 
     def _asked(self, question: Any, times: Sequence[Any], digits: int) -> Any:
+        digits = _digits(self.scene, digits)
         return self._told(lambda: question(_times(self.scene, times), digits))
 
     def _told(self, answer: Callable[[], Any]) -> Any:
@@ -170,14 +173,15 @@ class TwoPrecisions:
 
         Raises BadInput where the two integrations cannot be made to agree to so many digits.
         """
-        key = (tuple(exact_number(t) for t in times), digits)
+        digits = _digits(self.scene, digits)
+        key = each(self.scene.name, "t", times, exact_number, "a list of times"), digits
         if key not in self._known:
             self._known[key] = self._integrated(*key)
         rows, self.agreement = self._known[key]
         return [list(row) for row in rows]
 
     def _integrated(self, times: tuple[Exact, ...], digits: int) -> tuple[Any, float]:
-        from polhode.runs.integrate import integrate
+        from polhode.runs.integrate import integrate, undisturbed
 
         # The coarse run has some digits to spare, the fine one 12 more; where a motion multiplies
         # errors, what was lost is added and both are made again.
@@ -187,7 +191,8 @@ class TwoPrecisions:
             coarse_type = number_types.mp_for(digits + spare, scene.log10_angle)
             fine_type = number_types.NumberType("mp", coarse_type.bits + 40)
             coarse, fine = (
-                integrate(scene, kind, method="taylor") for kind in (coarse_type, fine_type)
+                undisturbed(integrate(scene, kind, method="taylor"))
+                for kind in (coarse_type, fine_type)
             )
             if not (coarse.outcome.done and fine.outcome.done):
                 break
@@ -277,9 +282,13 @@ def by_sign(times: Sequence[Fraction]) -> list[list[Fraction]]:
     return [part for part in (sorted(ahead), sorted(behind, reverse=True)) if part]
 
 
+def _digits(scene: Scene, digits: Any) -> int:
+    return whole(scene.name, "digits", digits, 1, MOST_ASKED)
+
+
 def _times(scene: Scene, times: Sequence[Any]) -> list[Exact]:
     """Times taken exactly; raises BadInput beyond 10**100 radians, where digits cost more each."""
-    found = [exact_number(t) for t in times]
+    found = [*each(scene.name, "t", times, exact_number, "a list of times")]
     for t in found:
         if scene.log10_rate + exact.log10(t) > MAX_LOG10_ANGLE:
             expected = f"at most 10**{MAX_LOG10_ANGLE} radians turned"

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from polhode.common.arguments import of_kind
+from polhode.common.errors import BadInput
 from polhode.equations.hodographs import GUARD_BITS, turned
 from polhode.judging.derivatives import derivative_weights
 from polhode.numbers.convert import mpf_row, to_mpf
@@ -56,7 +58,7 @@ def rolling(run: Trajectory) -> Rolling:
     ``2·HALF_WINDOW + 1`` samples around each; that of the body's curve from the equations, and
     turned by the attitude: a wrong attitude, a slip of one curve on the other, shows at once.
     Samples must be dense: what the differences leave falls like the 24th power of their
-    distance, what rounding leaves grows like its inverse.  Raises ValueError where
+    distance, what rounding leaves grows like its inverse.  Raises BadInput where
     there are no hodographs or fewer samples than the window holds.
 
     >>> from dataclasses import replace
@@ -68,9 +70,13 @@ def rolling(run: Trajectory) -> Rolling:
     """
     import mpmath
 
+    from polhode.runs.trajectory import Trajectory
+
+    of_kind("rolling", "run", run, Trajectory, "a Trajectory")
     curves, width = run.hodographs, 2 * HALF_WINDOW + 1
     if curves is None or len(run.times) < width:
-        raise ValueError(f"the rolling condition needs hodographs at {width} times or more")
+        needed = f"a run with hodographs at {width} times or more"
+        raise BadInput(run.scene.name, "run.outputs", None, needed)
     bits = run.number.bits + GUARD_BITS
     worst = fastest = body_arc = space_arc = mpmath.mpf(0)
     before: Any = None

@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TextIO
 
+from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
 from polhode.common.files import read_whole
 from polhode.judging.synonyms import KNOWN, Column, column
@@ -62,15 +63,15 @@ def table_of_rows(
     """
     kinds = {"float64": DOUBLE, "longdouble": EXTENDED, "float128": EXTENDED}
     number = number or kinds.get(str(getattr(states, "dtype", "")))
+    times = each("compare", "at", () if at is None else at, _exactly, "a list of times")
     try:
-        times = tuple(exactly(exact_number(t)) for t in (() if at is None else at))
-        rows = [[exactly(exact_number(x)) for x in row] for row in states]
+        rows = [[_exactly(x) for x in row] for row in states]
     except (TypeError, ValueError) as fault:
         raise BadInput("compare", "states", None, f"rows of finite numbers ({fault})") from None
     if at is None or len(times) != len(rows) or not rows:
         raise BadInput("compare", "at", len(times), f"a time for each of {len(rows)} rows")
     known = (*STATE, *ANGLES, *ATTITUDE)
-    for name in columns:
+    for name in each("compare", "columns", columns, str, "a list of names"):
         if name not in known:
             raise BadInput("compare", "columns", name, nearest(name, list(known)))
     if any(len(row) != len(columns) for row in rows):
@@ -148,6 +149,10 @@ def _table(
     ignored = tuple(text for text, known in zip(header, named, strict=True) if known.name is None)
     columns = {name: tuple(values) for name, values in found.items()}
     return Table(str(path), tuple(times), columns, ignored, printed, number, _projected(path))
+
+
+def _exactly(value: Any) -> Fraction:
+    return exactly(exact_number(value))
 
 
 def _radians(degrees: Fraction) -> Fraction:

@@ -73,7 +73,7 @@ def exactly(value: Any) -> Fraction:
             size = int(mantissa) * Fraction(2) ** int(exponent)
             return -size if negative else size
         return Fraction(*value.as_integer_ratio())  # numpy.longdouble
-    except (AttributeError, OverflowError, ValueError):
+    except (AttributeError, OverflowError, TypeError, ValueError):
         raise ValueError("not a finite number") from None
 
 

@@ -8,7 +8,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.files import check_writable, write_whole
+from polhode.common.files import check_writable, is_stream, write_whole
+from polhode.common.interrupts import delayed
 from polhode.equations.integrals import Drift
 from polhode.numbers import decimals
 from polhode.numbers.decimals import decimal_in_full, shown, strings
@@ -52,8 +53,16 @@ def write(path: Path, found: Ensemble) -> None:
     """Write an ensemble whole, by the path's ending; raises BadInput.
 
     ``.csv``: a row for each member and time, what the members have in common and how each ended in
-    a JSON file beside it.  ``.npz``: arrays, see :func:`arrays`.
+    a JSON file beside it.  ``.npz``: arrays, see :func:`arrays`.  Ctrl-C waits for it.
     """
+    if is_stream(path):
+        _write(path, found)
+        return
+    with delayed():
+        _write(path, found)
+
+
+def _write(path: Path, found: Ensemble) -> None:
     if path.suffix.lower() == ".npz":
         import numpy as np
 

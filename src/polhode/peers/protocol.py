@@ -14,12 +14,15 @@ leaves what it had: first {"version", "import", "prepare"} or {"missing"}; for e
 from __future__ import annotations
 
 import json
+import signal
 import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
+
+_SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of Linux
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,7 @@ def serve(
     problems share.  ``build``: compiles for one problem and returns the function from a tolerance
     to a solution.  ``read``: the problem from its JSON.  ``written``: a number as exact text.
     """
+    end_with_parent()
     job = json.load(sys.stdin)
     try:
         version, importing = _clocked(load)
@@ -90,6 +94,17 @@ def serve(
                 continue
             rows = [[written(x) for x in row] for row in solution.rows]
             write({**label, "rows": rows, "steps": solution.steps, **clocks})
+
+
+def end_with_parent() -> None:
+    """Ask the system to end this process when the one that started it ends, in whatever way.
+
+    On Linux; elsewhere a process whose parent was killed goes on until its work is done.
+    """
+    if sys.platform == "linux":
+        import ctypes
+
+        ctypes.CDLL(None).prctl(_SET_DEATH_SIGNAL, signal.SIGKILL, 0, 0, 0)
 
 
 def timed(

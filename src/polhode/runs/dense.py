@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -53,7 +53,8 @@ class Dense:
         ``t``: an int, Fraction, float, numpy or mpmath number, or text such as ``"1/3"``; or a
         sequence of them, for as many rows.  Raises BadInput outside of what was reached.
         """
-        several = not isinstance(t, str) and hasattr(t, "__len__")
+        several = isinstance(t, Iterable) and not isinstance(t, (str, bytes))
+        several = several and getattr(t, "ndim", 1) > 0  # an array of no dimension is a number
         rows = [self._row(self._time(x)) for x in (t if several else [t])]
         states = Readout(self.scene, self.number).states(rows)
         return states if several else states[0]

@@ -8,10 +8,10 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from polhode.common.arguments import whole
 from polhode.common.errors import BadInput, nearest
 from polhode.common.provenance import provenance
 from polhode.equations.readout import Readout
-from polhode.numbers.convert import exact_number
 from polhode.numbers.number_types import NumberType
 from polhode.runs import refinement
 from polhode.runs.dense import Dense
@@ -23,6 +23,7 @@ from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor import policy
+from polhode.taylor.outcomes import Outcome
 
 
 def integrate(
@@ -63,11 +64,13 @@ def integrate(
     """
     scene = library.load(scene)
     if at is not None:
-        scene = scene.at(tuple(exact_number(t) for t in at))
+        scene = scene.at(at)
     chosen = choose_number(scene, number, digits)
     tolerance = rounded_tolerance(scene, chosen, tol)
     times = rounded_times(scene, chosen)
     every = None if inputs is not None else _cadence(scene, chosen, tolerance, project)
+    if max_steps is not None:
+        max_steps = whole(scene.name, "max_steps", max_steps, 1)
     refined, failed = _refined(
         scene, chosen, times, digits, tolerance, max_steps, inputs, project, method, progress
     )
@@ -97,6 +100,13 @@ def integrate(
         },
         dense=Dense(run),
     )
+
+
+def undisturbed(run: Trajectory) -> Trajectory:
+    """A run made on the way to something else; the Ctrl-C that ended it goes on."""
+    if run.outcome is Outcome.INTERRUPTED:
+        raise KeyboardInterrupt
+    return run
 
 
 def _refined(
@@ -150,11 +160,11 @@ def _cadence(
     scene: Scene, number: NumberType, tolerance: Fraction | None, project: bool | int | None
 ) -> int | None:
     """Steps between two corrections of the run, None for none."""
-    if project is not None and project is not False and project < 1:
-        raise BadInput(scene.name, "project", project, "True, False or steps, 1 or more")
+    if project is not None and not isinstance(project, bool):
+        project = whole(scene.name, "project", project, 1)
     if project is None:
         full = tolerance is None or tolerance <= number.eps
         project = full and policy.of(number).projected
     if scene.form != "principal" or project is False:
         return None
-    return policy.of(number).project_every if project is True else int(project)
+    return policy.of(number).project_every if project is True else project

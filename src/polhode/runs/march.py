@@ -32,6 +32,7 @@ def march(
             before = integrator.time
             found, outcome = integrator.chunk(times[len(rows) :], steps)
             if outcome is Outcome.NON_FINITE:
+                rows.extend(row for row in found if all(x - x == 0 for x in row))
                 return outcome
             rows.extend(found)
             if outcome is not Outcome.STEP_LIMIT:

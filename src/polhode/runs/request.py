@@ -5,7 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
-from polhode.common.errors import BadInput, nearest
+from polhode.common.arguments import of_kind, whole
+from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import number_types
 from polhode.numbers.convert import exact_number
 from polhode.numbers.number_types import NumberType
@@ -20,14 +21,17 @@ def choose_number(
     ``lost``: the digits that the motion is expected to lose, where that was measured.
     """
     name = number.name if isinstance(number, NumberType) else number
+    if name is not None:
+        listed = ", ".join(number_types.NAMES)
+        of_kind(scene.name, "number", name, str, f"{listed}, or a NumberType")
     if name is not None and name not in number_types.NAMES:
         raise BadInput(scene.name, "number", name, nearest(name, list(number_types.NAMES)))
     if name == "extended" and not number_types.extended_here():
         raise BadInput(scene.name, "number", name, "quad: long double has no 64 bits here")
+    if digits is not None:
+        digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
     if isinstance(number, NumberType):
         return number
-    if digits is not None and not 1 <= digits <= number_types.MAX_DIGITS:
-        raise BadInput(scene.name, "digits", digits, f"1 to {number_types.MAX_DIGITS}")
     if digits is None:
         return number_types.named(number or "double")
     chosen = number_types.for_digits(digits, scene.log10_angle, lost)
@@ -63,9 +67,9 @@ def rounded_tolerance(scene: Scene, number: NumberType, tol: Any) -> Fraction | 
         return None
     try:
         wanted = exact_number(tol)
-    except ValueError:
-        raise BadInput(scene.name, "tol", str(tol), "a number") from None
+    except (TypeError, ValueError):
+        raise BadInput(scene.name, "tol", plain(tol), "a number") from None
     if not isinstance(wanted, Fraction) or not number.eps <= wanted <= Fraction(1, 10):
         lowest = f"{float(number.eps):.3g}" if number.bits < 1000 else f"2**-{number.bits - 1}"
-        raise BadInput(scene.name, "tol", str(tol), f"between eps = {lowest} and 0.1")
+        raise BadInput(scene.name, "tol", plain(tol), f"between eps = {lowest} and 0.1")
     return wanted

@@ -11,12 +11,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from polhode.common.arguments import whole
 from polhode.common.errors import BadInput
+from polhode.common.interrupts import delayed
 from polhode.common.provenance import provenance
 from polhode.common.values import ByValue
 from polhode.equations.forms import principal
 from polhode.equations.readout import Readout
-from polhode.numbers.convert import exact_number, number_value
+from polhode.numbers.convert import number_value
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
@@ -175,12 +177,18 @@ def integrate_many(
     began = time.perf_counter()
     scene = library.load(scene)
     if at is not None:
-        scene = scene.at(tuple(exact_number(t) for t in at))
+        scene = scene.at(at)
+    if max_steps is not None:
+        max_steps = whole(scene.name, "max_steps", max_steps, 1)
+    if workers is not None:
+        workers = whole(scene.name, "workers", workers, 1)
     plan = _plan(scene, vary, number, digits, tol, max_steps)
     prepared = time.perf_counter()
     found, build = _solved(plan, executor, workers, progress)
     solved = time.perf_counter()
-    states = _states(plan, found)
+    with delayed() as waiting:  # a moment: no finished member is lost over it
+        states = _states(plan, found)
+        waiting.forget()
     seconds = {
         "scenes": prepared - began,
         "build": build,

@@ -14,6 +14,8 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+from polhode.common.arguments import each
+from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.convert import exact_number
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
@@ -24,10 +26,12 @@ Matrix = tuple[Vector, Vector, Vector]
 IDENTITY: Matrix = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
 
 
-def exact_vector(values: Sequence[Any]) -> Vector:
-    """Three numbers of any kind, taken exactly."""
-    a, b, c = (exact_number(value) for value in values)
-    return a, b, c
+def exact_vector(values: Any, source: str = "Body", key: str = "vector") -> Vector:
+    """Three numbers of any kind, taken exactly; raises BadInput."""
+    numbers = each(source, key, values, exact_number, "three numbers")
+    if len(numbers) != 3:
+        raise BadInput(source, key, f"{len(numbers)} numbers", "three numbers")
+    return numbers[0], numbers[1], numbers[2]
 
 
 def dot(a: Vector, b: Vector) -> Exact:
@@ -59,8 +63,14 @@ def is_zero(a: Vector) -> bool:
     return all(sign(component) == 0 for component in a)
 
 
-class UnphysicalBody(ValueError):
-    """Inertia that no body has; the message says which condition fails."""
+class UnphysicalBody(BadInput):
+    """Inertia that no body has; ``expected`` says which condition fails."""
+
+    def __init__(self, expected: str) -> None:
+        super().__init__("Body", "inertia", None, expected)
+
+    def __reduce__(self) -> tuple[type, tuple[str]]:  # type: ignore[override]
+        return type(self), (self.expected,)
 
 
 @dataclass(frozen=True)
@@ -120,10 +130,14 @@ class Body:
     weight: Exact = ZERO
 
     def __post_init__(self) -> None:
-        rows = tuple(exact_vector(row) for row in self.inertia)
+        rows = each("Body", "inertia", self.inertia, lambda row: row, "a 3 x 3 matrix")
+        if len(rows) != 3:
+            raise BadInput("Body", "inertia", f"{len(rows)} rows", "a 3 x 3 matrix")
+        rows = tuple(exact_vector(row, key=f"inertia[{i + 1}]") for i, row in enumerate(rows))
         object.__setattr__(self, "inertia", rows)
-        object.__setattr__(self, "centre", exact_vector(self.centre))
-        object.__setattr__(self, "weight", exact_number(self.weight))
+        object.__setattr__(self, "centre", exact_vector(self.centre, key="centre"))
+        (weight,) = each("Body", "weight", (self.weight,), exact_number, "a number")
+        object.__setattr__(self, "weight", weight)
         for i, j in ((0, 1), (0, 2), (1, 2)):
             if rows[i][j] != rows[j][i]:
                 raise UnphysicalBody("a symmetric matrix")
@@ -138,7 +152,11 @@ class Body:
         cls, moments: Sequence[Any], centre: Sequence[Any] = (0, 0, 0), weight: Any = 0
     ) -> Body:
         """A body given in principal axes by its moments A, B, C."""
-        return cls(diagonal(exact_vector(moments)), exact_vector(centre), exact_number(weight))
+        return cls(
+            diagonal(exact_vector(moments, key="moments")),
+            exact_vector(centre, key="centre"),
+            weight,
+        )
 
     @property
     def moments(self) -> Vector:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, nearest
 from polhode.scenes.scene import Scene
 
@@ -32,6 +33,7 @@ def load(scene: Scene | str | Path) -> Scene:
         return scene
     from polhode.scenes import scene_file
 
+    of_kind("load", "scene", scene, (str, Path), "a Scene, a path, or the name of a case")
     name = str(scene)
     if name in names():
         return scene_file.read(folder() / f"{name}.toml", name)

@@ -6,19 +6,22 @@ Body axes O xyz, O the fixed point; omega = (p, q, r) and gamma, the upward vert
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest
 from polhode.numbers import exact
 from polhode.numbers.convert import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.scenes.body import Body, Vector, dot, exact_vector
+from polhode.scenes.columns import check
 from polhode.scenes.words import (
+    DIRECTIONS,
     FORMS,
     OUTPUTS,
     READY_MADE,
@@ -75,6 +78,10 @@ class Event(NamedTuple):
         return slope == 0 or self.direction in ("any", "rising" if slope > 0 else "falling")
 
 
+#: What a scene holds several of.
+_PARTS = {"tags": str, "cite": str, "outputs": str, "events": Event, "published": Published}
+
+
 class Integrals(NamedTuple):
     """h, f and |gamma|² - 1 with the scales they are judged on; f and gamma None without gamma."""
 
@@ -120,11 +127,26 @@ class Scene:
     source: str = ""  # the text it was read from, for the provenance
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "omega", exact_vector(self.omega))
-        object.__setattr__(self, "psi", exact_number(self.psi))
-        object.__setattr__(self, "times", tuple(exact_number(t) for t in self.times))
+        for key in ("name", "title", "form", "reference", "source"):
+            of_kind("Scene", key, getattr(self, key), str, "text")
+        for key, kind in _PARTS.items():
+            parts = each(
+                self.name, key, getattr(self, key), lambda x: x, f"a list of {kind.__name__}"
+            )
+            for k, part in enumerate(parts):
+                of_kind(self.name, f"{key}[{k + 1}]", part, kind, f"{kind.__name__}")
+            object.__setattr__(self, key, parts)
+        for k, event in enumerate(self.events):
+            self._check_event(f"events[{k + 1}]", event)
+        of_kind(self.name, "expect", self.expect, Mapping, "bands of digits by number type")
+        of_kind(self.name, "body", self.body, Body, "a Body")
+        object.__setattr__(self, "omega", exact_vector(self.omega, self.name, "start.omega"))
+        (psi,) = each(self.name, "start.psi", (self.psi,), exact_number, "a number")
+        object.__setattr__(self, "psi", psi)
+        times = each(self.name, "run.at", self.times, exact_number, "a list of times")
+        object.__setattr__(self, "times", times)
         if self.gamma is not None:
-            object.__setattr__(self, "gamma", exact_vector(self.gamma))
+            object.__setattr__(self, "gamma", exact_vector(self.gamma, self.name, "start.gamma"))
         if self.gamma is None:
             if not self.body.torque_free:
                 raise self._bad("start.gamma", None, "given, since the weight has a moment")
@@ -151,6 +173,21 @@ class Scene:
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)
 
+    def _check_event(self, key: str, event: Event) -> None:
+        for word in ("name", "zero", "direction"):
+            of_kind(self.name, f"{key}.{word}", getattr(event, word), str, "text")
+        of_kind(self.name, f"{key}.stop", event.stop, bool, "True or False")
+        if event.direction not in DIRECTIONS:
+            expected = nearest(event.direction, [*DIRECTIONS])
+            raise self._bad(f"{key}.direction", event.direction, expected)
+        if event.expression is not None:
+            names = (*STATE, "t")
+            try:
+                check(event.expression, names)
+            except ValueError as fault:
+                expected = f"an expression in {' '.join(names)} ({fault})"
+                raise self._bad(f"{key}.zero", event.expression, expected) from None
+
     def _check_times(self, key: str, times: tuple[Exact, ...]) -> None:
         expected = "times of one sign, strictly monotone away from 0"
         before: Exact = ZERO
@@ -161,9 +198,9 @@ class Scene:
                 raise self._bad(f"{key}[{k + 1}]", shown(t), expected)
             before = t
 
-    def at(self, times: tuple[Exact, ...]) -> Scene:
-        """The same scene, asked for at other times."""
-        return replace(self, times=times)
+    def at(self, times: Iterable[Any]) -> Scene:
+        """The same scene, asked for at other times, numbers of any kind; raises BadInput."""
+        return replace(self, times=each(self.name, "at", times, exact_number, "a list of times"))
 
     @cached_property
     def text(self) -> str:

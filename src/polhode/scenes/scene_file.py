@@ -16,7 +16,15 @@ from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import NAMES
 from polhode.scenes.body import Body, Matrix, UnphysicalBody, Vector, diagonal, dot, scaled
 from polhode.scenes.scene import Event, Published, Scene, even_times
-from polhode.scenes.words import ANGLES, ATTITUDE, READY_MADE, REFERENCES, SECTION, STATE
+from polhode.scenes.words import (
+    ANGLES,
+    ATTITUDE,
+    DIRECTIONS,
+    READY_MADE,
+    REFERENCES,
+    SECTION,
+    STATE,
+)
 
 MAX_FILE = 100_000  # bytes
 MAX_LINE = 10_000  # characters: a TOML key of thousands of parts costs quadratic time
@@ -153,7 +161,7 @@ class _Reading:
         try:
             return Body(inertia, centre, weight)
         except UnphysicalBody as fault:
-            raise self.bad(f"body.{key}", value, str(fault)) from None
+            raise self.bad(f"body.{key}", value, fault.expected) from None
 
     def start(self, table: Mapping[str, Any], body: Body) -> tuple[Vector, Vector | None, Exact]:
         if "angles" in table or "rates" in table:
@@ -247,8 +255,8 @@ class _Reading:
             if name.startswith(SECTION):
                 self.readable(f"{key}.name", name.removeprefix(SECTION), (*STATE, "t"))
         direction = self.word(f"{key}.direction", table.get("direction", "any"))
-        if direction not in ("rising", "falling", "any"):
-            known = nearest(direction, ["rising", "falling", "any"])
+        if direction not in DIRECTIONS:
+            known = nearest(direction, [*DIRECTIONS])
             raise self.bad(f"{key}.direction", direction, known)
         stop = table.get("stop", False)
         if not isinstance(stop, bool):

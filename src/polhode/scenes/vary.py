@@ -9,6 +9,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import expression
 from polhode.numbers.convert import exact_number
@@ -71,11 +72,14 @@ def grid(vary: Vary, name: str) -> Grid:
             count *= len(column)
         rows: Iterable[tuple[Exact, ...]] = itertools.product(*columns)
     else:
+        vary = each(name, "vary", vary, lambda member: member, "keys with their values, or members")
+        for k, member in enumerate(vary):
+            of_kind(name, f"vary[{k + 1}]", member, Mapping, "a mapping of keys to values")
         keys = tuple(vary[0]) if vary else ()
         count = len(vary)
         for k, member in enumerate(vary):
             if set(member) != set(keys):
-                listed = ", ".join(map(str, member))
+                listed = ", ".join(map(plain, member))
                 raise BadInput(name, f"member {k + 1}", listed, f"the keys {', '.join(keys)}")
         rows = (tuple(_exact(m[key], key, name) for key in keys) for m in vary)
     if not keys:

@@ -41,3 +41,6 @@ FLIP, SECTION = "flip", "section:"
 
 
 READY_MADE = {"nutation": "p*gamma2 - q*gamma1", "equator": "gamma3", FLIP: None}
+
+#: In which direction an event's expression passes zero, as t grows.
+DIRECTIONS = ("rising", "falling", "any")

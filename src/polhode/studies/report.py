@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from polhode.common.errors import BadInput, nearest
-from polhode.common.files import check_writable, write_whole
+from polhode.common.files import check_writable, make_folder, write_whole
 from polhode.common.provenance import cpu, digest, versions
 from polhode.figures import canvas
 from polhode.output.results import as_json
@@ -169,13 +169,12 @@ def _is_current(folder: Path, name: str, quick: bool) -> bool:
 
 def _check(folder: Path, names: Iterable[str]) -> None:
     """Refuse what would fail at the end, before the work."""
-    if not folder.is_dir():
-        raise BadInput(str(folder), "-o", None, "an existing folder")
+    canvas.require()
+    make_folder(folder)
     for name in names:
         for suffix in (".json", ".md", ".svg"):
             check_writable(folder / f"{name}{suffix}")
     check_writable(folder / PAGE)
-    canvas.require()
 
 
 def _run(name: str, folder: Path, quick: bool, command: str, tick: Tick | None) -> None:

@@ -33,6 +33,7 @@ from polhode.taylor import heyoka_numbers
 from polhode.taylor.event_expressions import TIME, event_expression
 from polhode.taylor.event_limits import Limits
 from polhode.taylor.event_sizes import sign_at_start, size_of
+from polhode.taylor.event_steps import AfterStep, is_entire
 from polhode.taylor.kinds import (
     CompiledFunction,
     Expression,
@@ -84,7 +85,8 @@ class Watch:
     ) -> None:
         self.scene, self.number = scene, number
         self.stop: Fraction | None = None
-        self.after_step = _AfterStep(self) if any(e.stop for e in scene.events) else None
+        asked = any(e.stop or not is_entire(scene, e) for e in scene.events)
+        self.after_step = AfterStep(lambda: self.stop is not None, number) if asked else None
         self.muted = False
         self.forward = sign(scene.end) >= 0
         self.start = [sign_at_start(scene, k) for k in range(len(scene.events))]
@@ -334,17 +336,4 @@ class _Callback:
         self.watch.met(self.k, ta, t)
 
     def __deepcopy__(self, _: object) -> _Callback:
-        return self
-
-
-class _AfterStep:
-    """heyoka's question after each step of a run that an event may end: go on?"""
-
-    def __init__(self, watch: Watch) -> None:
-        self.watch = watch
-
-    def __call__(self, _: HeyokaIntegrator) -> bool:
-        return self.watch.stop is None
-
-    def __deepcopy__(self, _: object) -> _AfterStep:
         return self

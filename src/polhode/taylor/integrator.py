@@ -178,6 +178,8 @@ class Integrator:
         rows, ended = self._through(scalars(ahead, self.number), steps)
         if self._stopped and ended not in (Outcome.NON_FINITE, Outcome.SINGULAR):
             ended = Outcome.STOPPED_AT_EVENT
+        elif ended is Outcome.STOPPED_AT_EVENT and not self._stopped:
+            ended = Outcome.NON_FINITE  # the steps stand still: an event's expression has a pole
         return rows, ended
 
     def again(self, mark: Mark) -> list[Piece]:

@@ -90,6 +90,8 @@ class Variations:
 
     def to(self, time: float, steps: int) -> bool:
         """March to a time in at most so many steps; whether it was reached with finite numbers."""
+        if steps <= 0:  # to heyoka 0 is no limit
+            return False
         outcome, _, _, taken, *_ = self.heyoka.propagate_until(time, max_steps=steps)
         self.steps += int(taken)
         return bool(outcome == hy.taylor_outcome.time_limit)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from polhode.verbs.terminal import DONE, Progress, print_json, say
+from polhode.verbs.terminal import DONE, Progress, folder, print_json, say
 
 HELP = "run all studies and write them as JSON, Markdown and one HTML page"
 
@@ -14,7 +14,9 @@ def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("--quick", action="store_true", help="fewer and shorter cases")
     parser.add_argument("--fresh", action="store_true", help="keep no results of before")
-    parser.add_argument("-o", dest="folder", metavar="DIR", default="reports", help="where to")
+    parser.add_argument(
+        "-o", dest="folder", type=folder, metavar="DIR", default="reports", help="where to"
+    )
 
 
 def main(options: Namespace) -> int:

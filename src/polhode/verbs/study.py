@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from polhode.verbs.terminal import DONE, Progress, print_json, say
+from polhode.verbs.terminal import DONE, Progress, folder, print_json, say
 
 HELP = "run one study and write it"
 
@@ -14,18 +14,20 @@ def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("name", metavar="NAME", help="accuracy, stability, events, ...")
     parser.add_argument("--quick", action="store_true", help="fewer and shorter cases")
-    parser.add_argument("-o", dest="folder", metavar="DIR", default="reports", help="where to")
+    parser.add_argument(
+        "-o", dest="folder", type=folder, metavar="DIR", default="reports", help="where to"
+    )
 
 
 def main(options: Namespace) -> int:
     """Run one study and write it."""
     from polhode.studies import report
 
-    folder = Path(options.folder)
+    place = Path(options.folder)
     with Progress("study") as progress:
-        written = report.write_study(options.name, folder, options.quick, progress.say)
+        written = report.write_study(options.name, place, options.quick, progress.say)
     if options.json:
-        print_json(report.results(folder, options.name))
+        print_json(report.results(place, options.name))
     else:
         say("\n".join(str(path) for path in written))
     return DONE

@@ -6,7 +6,9 @@ import argparse
 import errno
 import io
 import os
+import signal
 import sys
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -33,11 +35,14 @@ class _Closed(io.TextIOBase):
 
 
 def prepare() -> None:
-    """Streams that are there, and that take any character."""
+    """Streams that are there, and that take any character; SIGTERM ends work as Ctrl-C does."""
     if sys.stdout is None:
         sys.stdout = _Closed()
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    main = threading.current_thread() is threading.main_thread()
+    if main and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends like Ctrl-C
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
@@ -67,6 +72,13 @@ def whole(text: str) -> int:
         return int(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"a whole number, not {text[:40]!r}") from None
+
+
+def folder(text: str) -> str:
+    """An option that names a folder."""
+    if not text:
+        raise argparse.ArgumentTypeError("a folder's name; . is the current one")
+    return text
 
 
 def positive(text: str) -> int:

@@ -1,0 +1,52 @@
+"""Arguments given in Python: what they must be, checked in one place; raises BadInput."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from operator import index
+from typing import Any, TypeVar
+
+from polhode.common.errors import BadInput
+
+T = TypeVar("T")
+
+
+def whole(source: str, key: str, value: Any, least: int, most: int | None = None) -> int:
+    """A whole number of any kind, numpy's too, between bounds; no bool, no float."""
+    expected = f"a whole number, {least} " + ("or more" if most is None else f"to {most}")
+    if type(value).__name__ in ("bool", "bool_"):
+        raise BadInput(source, key, value, expected)
+    try:
+        found = index(value)
+    except TypeError:
+        raise BadInput(source, key, value, expected) from None
+    if found < least or (most is not None and found > most):
+        raise BadInput(source, key, value, expected)
+    return found
+
+
+def each(
+    source: str, key: str, values: Any, read: Callable[[Any], T], expected: str
+) -> tuple[T, ...]:
+    """Each of some values read, such as the times ``at``; what ``read`` refuses is named."""
+    if isinstance(values, (str, bytes)) or not isinstance(values, (Iterable, Sequence)):
+        raise BadInput(source, key, values, expected)
+    found = []
+    try:
+        listed = list(values)
+    except TypeError:  # an array of no dimension
+        raise BadInput(source, key, values, expected) from None
+    for k, value in enumerate(listed):
+        try:
+            found.append(read(value))
+        except (TypeError, ValueError) as fault:
+            raise BadInput(source, f"{key}[{k + 1}]", value, f"a number ({fault})") from None
+    return tuple(found)
+
+
+def of_kind(
+    source: str, key: str, value: Any, kinds: type | tuple[type, ...], expected: str
+) -> None:
+    """Refuse a value that is of none of some classes."""
+    if not isinstance(value, kinds):
+        raise BadInput(source, key, value, expected)

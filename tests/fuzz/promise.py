@@ -1,0 +1,127 @@
+"""The promise that holds for any input at all, and the machinery that looks whether it is kept.
+
+No traceback; where the input is refused, exit code 2, nothing on stdout, and one line on stderr
+that names the file, the key and what was expected; nothing written that was not asked for; an end
+within so much processor time and memory; no thread, process or file left behind.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import multiprocessing
+import os
+import re
+import resource
+import signal
+import threading
+import traceback
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from polhode import BadInput, cli
+
+SECONDS = 30.0  # of processor time for one case
+MEGABYTES = 1500  # that one case may add to the largest memory so far
+CODES = {0, 2, 3}
+REFUSAL = re.compile(r"polhode: [^\n]+: expected [^\n]+\n")
+
+
+class Slow(BaseException):
+    """A case that takes too much processor time; no handler of the program's own stops it."""
+
+
+@contextlib.contextmanager
+def limited(seconds: float = SECONDS) -> Iterator[None]:
+    """Processor time, not the clock's: the machine may be busy."""
+
+    def ring(*_: Any) -> None:
+        raise Slow(f"more than {seconds:g} s of processor time")
+
+    before = signal.signal(signal.SIGVTALRM, ring)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        signal.signal(signal.SIGVTALRM, before)
+
+
+def held() -> tuple[Any, ...]:
+    """What a case must leave as it is: files, threads, processes, open handles."""
+    files = {p: (p.stat().st_size, p.stat().st_mtime_ns) for p in Path().iterdir()}
+    handles = len(os.listdir("/proc/self/fd")) if Path("/proc/self/fd").is_dir() else 0
+    threads = {t.name for t in threading.enumerate()}
+    return files, threads, len(multiprocessing.active_children()), handles
+
+
+def broken(work: Callable[[], Any]) -> tuple[list[str], Any]:
+    """Which parts of the promise some work breaks, and what it gave."""
+    before, peak = held(), _peak()
+    faults: list[str] = []
+    given: Any = None
+    try:
+        with limited():
+            given = work()
+    except Slow as slow:
+        faults.append(str(slow))
+    except Exception:
+        faults.append(traceback.format_exc())
+    after = held()
+    names = ("files", "threads", "processes", "open handles")
+    for name, old, new in zip(names, before, after, strict=True):
+        if name != "open handles" and old != new:
+            faults.append(f"{name} changed: {old} -> {new}")
+        elif name == "open handles" and new > old + 8:  # libraries open some for good
+            faults.append(f"{new - old} handles left open")
+    if _peak() - peak > MEGABYTES:
+        faults.append(f"{_peak() - peak} MB of memory")
+    return faults, given
+
+
+def of_command(arguments: list[str]) -> tuple[list[str], int | None]:
+    """The faults of a command that is to write no file, and its exit code."""
+    out, err = io.StringIO(), io.StringIO()
+
+    def work() -> int:
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            return cli.main(arguments)
+
+    faults, code = broken(work)
+    if faults:
+        return faults, code
+    if code not in CODES:
+        faults.append(f"exit code {code}")
+    if "Traceback" in err.getvalue():
+        faults.append(err.getvalue())
+    if code == 2:
+        if out.getvalue():
+            faults.append(f"refused, and yet on stdout: {out.getvalue()[:200]!r}")
+        if not REFUSAL.fullmatch(err.getvalue()):
+            faults.append(f"not one line of refusal: {err.getvalue()[:500]!r}")
+    if any(not (c.isprintable() or c == "\n") for c in err.getvalue() + out.getvalue()):
+        faults.append("a character that is not for terminals")
+    return faults, code
+
+
+def of_call(call: Callable[[], Any]) -> tuple[list[str], bool]:
+    """The faults of a call in Python, which may raise BadInput of one line; whether it did."""
+
+    def work() -> bool:
+        try:
+            call()
+        except BadInput as refusal:
+            text = str(refusal)
+            if "\n" in text or ": expected " not in text or not text.isprintable():
+                raise AssertionError(f"not a line of refusal: {text!r}") from None
+            return True
+        return False
+
+    faults, refused = broken(work)
+    return faults, bool(refused)
+
+
+def _peak() -> int:
+    """The largest memory of this process so far, in megabytes."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
