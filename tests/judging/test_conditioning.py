@@ -166,7 +166,7 @@ def test_the_monodromy_is_the_one_known():
         plain = principal.coefficients(scene.body, 0)
         flow = Variations(plain, start, np.hstack([np.eye(6), np.zeros((6, 6))]), [{}] * 6)
         assert flow.to(float(end), 10**6)
-        assert math.isclose(np.max(np.abs(flow.tangents)), size, rel_tol=0.5)
+        assert math.isclose(np.linalg.norm(flow.tangents, 2), size, rel_tol=0.01)
 
 
 @settings(max_examples=20, deadline=None)
@@ -200,14 +200,18 @@ def test_at_the_start_each_component_is_as_uncertain_as_itself():
 
 
 def test_a_body_at_rest_upright_stays_the_scenes_own():
-    """Kappa grows at the unstable rate, out of a double's range; the state itself stays."""
+    """Kappa grows at an unstable rate, out of a double's range; the state itself stays.
+
+    gamma and the centre lie across the first axis, so that none of their changes tilts the body
+    about another: the rate is sqrt(Mg r0/A), not the faster one.
+    """
     scene = polhode.load("pendulum/upright")
     far = scene.at((Fraction(1000), Fraction(2000)))
     found = conditioning(far, number=mp(1000))
-    assert found.kappa == (math.inf, math.inf) or found.kappa[0] > 1e300
+    assert found.kappa == (math.inf, math.inf)
     a, b = found.log10_kappa
     rate = (b - a) * math.log(10) / 1000
-    assert math.isclose(rate, math.sqrt(1 / 1.07), rel_tol=0.2)
+    assert math.isclose(rate, math.sqrt(1 / 1.5), rel_tol=1e-12)
     assert conditioning(far).lost_after < 45
     assert conditioning(far).digits_possible() == (0.0, 0.0)
 
@@ -327,7 +331,7 @@ def test_a_file_is_judged_by_the_yardstick_of_a_double(tmp_path):
     assert judged.subject.number == DOUBLE
     assert judged.limit == "conditioning"
     expected = conditioning(scene, [40]).digits_possible()[0]
-    assert judged.digits_possible[2] == pytest.approx(expected, abs=0.2)
+    assert judged.digits_possible[2] == pytest.approx(expected, abs=0.01)
     assert len(judged.digits_possible) == len(judged.times) == 5
 
 

@@ -1,18 +1,19 @@
 """Would a test notice?  Small random changes of the code, each run against the tests that touch it.
 
-    python tests/measure/mutants.py map MAP.json
+    python tests/measure/mutants.py map MAP.json [TESTS...]
     python tests/measure/mutants.py run MAP.json RESULT.json [--count 250] [--seed 1] [--package P]
     python tests/measure/mutants.py again MAP.json RESULT.json
     python tests/measure/mutants.py show RESULT.json
 
-``map`` runs the fast tests once under coverage.py (``pip install coverage``) and writes down which
-test touches which line and how long it takes.  ``run`` draws mutants, all places of all rooms
-equally likely, and runs on each one the tests that touch its line: the quickest first, then the
-others, then their neighbours in the same files (which may read what a first test left in a cache),
-until a test fails or about ``BUDGET`` seconds of tests have passed.  Each mutant lives in a copy of
-the project, never in the project itself.  It is killed by a test that fails, or that takes
-``PATIENCE`` times its processor time.  The result is written after every mutant, and a run that
-was interrupted goes on where it was.  ``again`` runs the survivors once more, on today's tests.
+``map`` runs the fast tests (or the TESTS named) once under coverage.py (``pip install coverage``)
+and writes down which test touches which line and how long it takes.  ``run`` draws mutants, all
+places of all rooms equally likely, and runs on each one the tests that touch its line: the quickest
+first, then the others, then their neighbours in the same files (which may read what a first test
+left in a cache), until a test fails or about ``BUDGET`` seconds of tests have passed.  Each mutant
+lives in a copy of the project, never in the project itself.  It is killed by a test that fails, or
+that takes ``PATIENCE`` times its processor time.  The result is written after every mutant, and a
+run that was interrupted goes on where it was.  ``again`` runs the survivors once more, on today's
+tests.
 
 Nothing here passes or fails by itself: survivors are for a reader, who writes a test, or names the
 reason why no test can tell the mutant from the code.
@@ -34,11 +35,16 @@ import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from resource import RUSAGE_CHILDREN, RUSAGE_SELF
 from typing import Any, NamedTuple
 
 TOP = Path(__file__).parents[2]
 SOURCE = Path("src/polhode")
 ROOMS = ("numbers", "equations", "taylor", "judging", "closed_forms")
+#: Tests whose processes are not followed (verbs), or that test no number (figures, pages), are not
+#: among them.
+TESTS = [f"tests/{name}" for name in ("numbers", "scenes", "equations", "judging", "taylor")]
+TESTS += [f"tests/{name}" for name in ("closed_forms", "runs", "checks")]
 FIRST = 25  # tests of the first round
 BUDGET = 90  # seconds of tests a mutant
 PATIENCE = 5  # a test that takes so much longer than before fails
@@ -169,11 +175,12 @@ def drawn(count: int, seed: int, package: str | None) -> list[Mutant]:
 
 
 class Coverage:
-    """A plugin of pytest: which test touches which line, and its seconds."""
+    """A plugin of pytest: which test touches which line, and its seconds of processor time."""
 
-    def __init__(self) -> None:
+    def __init__(self, target: Path) -> None:
         import coverage
 
+        self.target, self.written = target, time.monotonic()
         self.measured = coverage.Coverage(data_file=None, source=[str(TOP / SOURCE)])
         self.seconds: dict[str, float] = {}
         self.failed: set[str] = set()
@@ -182,37 +189,47 @@ class Coverage:
 
     def pytest_runtest_logstart(self, nodeid: str) -> None:
         self.measured.switch_context(nodeid)
+        self.seconds[nodeid] = -spent()
 
     def pytest_runtest_logreport(self, report: Any) -> None:
-        spent = self.seconds.get(report.nodeid, 0.0) + report.duration
-        self.seconds[report.nodeid] = spent
         if report.failed:  # it would kill every mutant
             self.failed.add(report.nodeid)
 
-    def lines(self) -> dict[str, dict[int, list[str]]]:
-        self.measured.stop()
-        data = self.measured.get_data()
-        return {
-            str(Path(file).relative_to(TOP)): data.contexts_by_lineno(file)
-            for file in data.measured_files()
-        }
+    def pytest_runtest_logfinish(self, nodeid: str) -> None:
+        self.seconds[nodeid] += spent()
+        if time.monotonic() > self.written + 60:
+            self.write()
+
+    def write(self) -> None:
+        """The map as JSON: seconds by test, and tests (by number) by line."""
+        names = [name for name, s in self.seconds.items() if name not in self.failed and s >= 0]
+        number = {name: k for k, name in enumerate(names)}
+        data, lines = self.measured.get_data(), {}
+        for file in data.measured_files():
+            rows = data.contexts_by_lineno(file)
+            lines[str(Path(file).relative_to(TOP))] = {
+                n: [number[name] for name in tests if name in number] for n, tests in rows.items()
+            }
+        held = {"tests": names, "seconds": self.seconds, "lines": lines}
+        self.target.write_text(json.dumps(held))
+        self.written = time.monotonic()
 
 
-def make_map(target: Path) -> None:
-    """The map of the tests, as JSON: seconds by test, and tests (by number) by line."""
+def spent() -> float:
+    """Processor time of this process and of those that it waited for."""
+    return sum(sum(resource.getrusage(who)[:2]) for who in (RUSAGE_SELF, RUSAGE_CHILDREN))
+
+
+def make_map(target: Path, tests: list[str]) -> None:
+    """The map of these tests, written every minute."""
     import pytest
 
     sys.path.insert(0, str(TOP / "src"))
-    plugin = Coverage()
-    ignored = [f"--ignore=tests/{name}" for name in ("test_house.py", "test_readme.py")]
-    pytest.main(["-p", "no:cacheprovider", "-n0", *ignored], plugins=[plugin])
-    names = [name for name in plugin.seconds if name not in plugin.failed]
-    number = {name: k for k, name in enumerate(names)}
-    lines = {
-        file: {n: [number[name] for name in tests if name in number] for n, tests in rows.items()}
-        for file, rows in plugin.lines().items()
-    }
-    target.write_text(json.dumps({"tests": names, "seconds": plugin.seconds, "lines": lines}))
+    plugin = Coverage(target)
+    options = ["-p", "no:cacheprovider", "-n0", "-k", "not ctrl_c"]  # coverage swallows Ctrl-C
+    pytest.main([*options, *(tests or TESTS)], plugins=[plugin])
+    plugin.measured.stop()
+    plugin.write()
 
 
 class Map:
@@ -360,7 +377,7 @@ def main() -> None:
     asked = parser.parse_args()
     match asked.what:
         case "map":
-            make_map(asked.files[0])
+            make_map(asked.files[0], list(map(str, asked.files[1:])))
         case "run":
             chosen = drawn(asked.count, asked.seed, asked.package)
             run(Map(asked.files[0]), asked.files[1], chosen)
