@@ -15,7 +15,7 @@ from polhode import path
 from polhode.enclosures.fixed import CLOCK, CYCLE, Problem
 from polhode.enclosures.zonotope import State
 
-MOST_TURN = 2.2  # h |f'(x)| of a step: the majorant alpha is then about twice that
+MOST_TURN = 3.5  # h |f'(x)| of a step: the majorant alpha is then about twice that
 _LEAST_DEGREE = 40
 
 
