@@ -7,16 +7,22 @@ convergence, theta**p = 2**-(P + 8), and short enough for exp(int |A|) to stay s
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode import path
-from polhode.enclosures.fixed import CLOCK, CYCLE, Problem
+from polhode.enclosures.fixed import CLOCK, CYCLE, Motion, Problem
 from polhode.enclosures.zonotope import State
+from polhode.equations.system import system
+from polhode.numbers.convert import to_double
+from polhode.taylor import path
+from polhode.taylor.variations import Variations
 
 MOST_TURN = 3.5  # h |f'(x)| of a step: the majorant alpha is then about twice that
 _LEAST_DEGREE = 40
+_LOOKS = 256
+_MOST_STEPS = 3_000_000
 
 
 class Window(NamedTuple):
@@ -101,3 +107,23 @@ def _series(problem: Problem, states: Any, lengths: Any, count: int) -> Any:
         found[:, k + 1, 3:] = products[:, 3:6] - products[:, 6:]
         found[:, k + 1] *= h / (k + 1)
     return found
+
+
+def tangents(what: Motion, last: float) -> list[float]:
+    """log2 of a tangent's length along the motion, at even times; short where double fails."""
+    scene = what.scene
+    plain = system(replace(scene, form="principal", events=(), outputs=()), ())
+    values = [to_double(x) for x in plain.start]
+    start = np.array(values + [0.0] * (6 - len(values)))
+    tangent = np.linspace(0.6, 1.4, 6)[:, None]
+    if scene.gamma is None:
+        tangent[3:] = 0.0
+    flow = Variations(plain.coefficients, start, tangent)
+    end = last / 2.0**scene.time_unit
+    logs = [math.log2(float(np.max(np.abs(tangent))))]
+    for k in range(1, _LOOKS + 1):
+        if not (flow.to(end * k / _LOOKS, _MOST_STEPS - flow.steps) and flow.finite):
+            break
+        flow.rescale()
+        logs.append(flow.exponent + math.log2(float(np.max(np.abs(flow.tangents)))))
+    return logs

@@ -304,8 +304,10 @@ def gaps(problem: Problem, pieces: Pieces, start: tuple[int, ...]) -> Any:
     found = np.zeros((pieces.count, 6))
     before, level = [fmpz(x) for x in start], problem.fine
     for n, row in enumerate(pieces.rows):
-        found[n] = [difference(x, level, y[0], pieces.level, problem.noise)
-                    for x, y in zip(before, row, strict=True)]
+        found[n] = [
+            difference(x, level, y[0], pieces.level, problem.noise)
+            for x, y in zip(before, row, strict=True)
+        ]
         before, level = [y(1) for y in row], pieces.level
     return found
 

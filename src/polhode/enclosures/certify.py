@@ -11,15 +11,16 @@ from typing import Any
 
 from flint import arb, ctx
 
-from polhode import exact, library
-from polhode.correct_digits import rate_scale
+from polhode.common.errors import BadInput
 from polhode.enclosures import conserved, fixed, march, pilot
 from polhode.enclosures.fixed import MOST_NOISE, Motion, Refused, ball, motion, upper
 from polhode.enclosures.result import Enclosure
-from polhode.errors import BadInput
-from polhode.exact import Exact, sign
-from polhode.precision import exact_number, shown
-from polhode.scene import Scene
+from polhode.numbers import exact
+from polhode.numbers.convert import exact_number
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact, sign
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
 
 MOST_DIGITS = 250
 _MOST_TRIES = 6
@@ -121,9 +122,7 @@ def _found(
         centres = tuple(tuple(_fraction(x.mid()) for x in row) for row in ordered)
         radii = tuple(tuple(upper(x - x.mid()) for x in row) for row in ordered)
     proven = _digits(scene, sides, centres, radii)
-    return Enclosure(
-        scene, tuple(times), centres, radii, proven, digits, noise, steps, 0.0, 1, 0.0
-    )
+    return Enclosure(scene, tuple(times), centres, radii, proven, digits, noise, steps, 0.0, 1, 0.0)
 
 
 def _with_cost(found: Enclosure, seconds: float, tries: int, in_all: float) -> Enclosure:
@@ -151,15 +150,14 @@ def _in_scene_axes(what: Motion, row: Sequence[Any], bits: int) -> list[Any]:
         ]
 
 
-def _digits(
-    scene: Scene, sides: Sequence[_Side], centres: Any, radii: Any
-) -> tuple[float, ...]:
+def _digits(scene: Scene, sides: Sequence[_Side], centres: Any, radii: Any) -> tuple[float, ...]:
     """Proven correct digits at each time, rounded down to a hundredth."""
     squares = [sum(x * x for x in row[:3]) for row in centres]
     largest = max(range(len(squares)), key=squares.__getitem__)
     sure = float(exact.sqrt(squares[largest])) - 2.0 * max(radii[largest][:3])
     if _at_rest(sides[0].motion):
-        sure = float(rate_scale([[0, 0, 0]], scene, 64))
+        rate = scene.pendulum_rate_squared
+        sure = float(exact.sqrt(rate)) if sign(rate) else 1.0
     found = []
     for row in radii:
         worst = max(row[:3]) / sure if sure > 0.0 else math.inf
@@ -173,9 +171,7 @@ def _at_rest(what: Motion) -> bool:
     if any(sign(x) for x in what.start[:3]):
         return False
     pull, push, gamma = what.constants[3:6], what.constants[6:], what.start[3:]
-    torques = (
-        pull[i] * gamma[a] + push[i] * gamma[b] for i, (a, b) in enumerate(fixed.CYCLE)
-    )
+    torques = (pull[i] * gamma[a] + push[i] * gamma[b] for i, (a, b) in enumerate(fixed.CYCLE))
     return all(sign(x) == 0 for x in torques)
 
 

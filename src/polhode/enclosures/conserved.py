@@ -9,7 +9,7 @@ the supremum over |x - y| <= eps.  So for any 6 x k matrix K, with g of columns 
 
     e = (I - K g^T) e + K (c - H(y)) +- |K| w.
 
-K = G G^T g (g^T G G^T g)**-1 is not trusted; the result is kept only if it is smaller.  That
+K = G G^T g (g^T G G^T g)**-1 is not trusted; the result is kept only if its radii have a smaller sum.  That
 grad H · f vanishes identically is decided on polynomials with rational coefficients; h, f and
 |gamma|**2 are conserved for any body and are used with irrational data too.  Where |c_i - H_i(y)|
 exceeds what the set allows, the proof contradicts itself and an error is raised.
@@ -24,7 +24,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, ctx
 
-from polhode import exact
 from polhode.enclosures.bound import TINY, gamma
 from polhode.enclosures.fixed import UP, Motion, Problem, ball, upper
 from polhode.enclosures.polynomial import (
@@ -35,6 +34,7 @@ from polhode.enclosures.polynomial import (
     variable,
 )
 from polhode.enclosures.zonotope import State
+from polhode.numbers import exact
 
 
 class Contradiction(AssertionError):
@@ -78,9 +78,7 @@ def first_integrals(what: Motion) -> dict[str, Polynomial]:
     return found
 
 
-def _kovalevskaya(
-    x: Sequence[Polynomial], what: Motion, order: tuple[int, int, int]
-) -> Polynomial:
+def _kovalevskaya(x: Sequence[Polynomial], what: Motion, order: tuple[int, int, int]) -> Polynomial:
     """|(u + i v)**2 - (c1 + i c2)(gamma_u + i gamma_v)|**2, c = k/C, C about the third axis."""
     i, j, k = order
     c1, c2 = (what.torque[n] / what.moments[k] for n in (i, j))
@@ -147,7 +145,7 @@ def shrunk(problem: Problem, state: State, integrals: Sequence[Integral]) -> Sta
         left[i] = math.ldexp(1.0, problem.noise - problem.fine)
     box = UP * (size @ width + gamma(16) * rounding + left) + TINY
     found = State(state.time, tuple(centre), np.hstack([columns, np.diag(box)]))
-    return found if np.max(found.radii) < eps else state
+    return found if np.sum(found.radii) < np.sum(radii) else state
 
 
 def _measured(

@@ -21,11 +21,11 @@ from typing import Any
 
 from flint import arb, ctx, fmpq, fmpz
 
-from polhode import exact
-from polhode.body import dot
 from polhode.enclosures.polynomial import Polynomial, constant, total, variable
-from polhode.exact import Exact, sign
-from polhode.scene import Scene
+from polhode.numbers import exact
+from polhode.numbers.exact import Exact, sign
+from polhode.scenes.body import dot
+from polhode.scenes.scene import Scene
 
 CLOCK = 14  # times of the grid are integers times 2**-CLOCK
 LEAST_NOISE, MOST_NOISE = 36, 1000  # P: small quantities in units of 2**-P stay within doubles
@@ -112,9 +112,7 @@ def motion(scene: Scene, backward: bool = False) -> Motion:
     pulls = [k[b] / moments[i] for i, (a, b) in enumerate(CYCLE)]
     pushes = [-k[a] / moments[i] for i, (a, b) in enumerate(CYCLE)]
     omega = [(-by if backward else by) * w for w in axes.components(scene.omega)]
-    gamma = (
-        [exact.ZERO] * 3 if scene.gamma is None else [*axes.components(scene.gamma)]
-    )
+    gamma = [exact.ZERO] * 3 if scene.gamma is None else [*axes.components(scene.gamma)]
     return Motion(
         scene,
         unit,

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from polhode import exact
-from polhode.exact import Exact
+from polhode.numbers import exact
+from polhode.numbers.exact import Exact
 
 SIZE = 6
 _NOTHING = (0,) * SIZE

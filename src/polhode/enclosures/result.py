@@ -9,10 +9,10 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from polhode import precision
-from polhode.exact import Exact
-from polhode.precision import shown, to_mpf
-from polhode.scene import Scene
+from polhode.numbers.convert import to_mpf
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact
+from polhode.scenes.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def guaranteed(centre: Fraction, radius: float) -> str:
         return ""
     low, high = centre - Fraction(radius), centre + Fraction(radius)
     if radius == 0.0:
-        places = precision.bits_for(0) + 60
+        places = 60
     else:
         places = math.floor(-math.log10(2.0 * radius)) + 1
     for n in range(places, max(-1, places - 40), -1):

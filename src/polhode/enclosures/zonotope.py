@@ -182,9 +182,7 @@ def _centre(known: Bounds) -> tuple[tuple[int, ...], Any]:
         near = whole + correction
         centre.append(near)
         exact = difference(end, level, fmpz(near), fine, noise)
-        rest[i] = UP * (
-            abs(exact + float(ends[i])) + _lost(known) * (float(sizes[i]) + abs(exact))
-        )
+        rest[i] = UP * (abs(exact + float(ends[i])) + _lost(known) * (float(sizes[i]) + abs(exact)))
     return tuple(centre), rest + TINY
 
 

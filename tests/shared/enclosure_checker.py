@@ -46,9 +46,7 @@ def checked(known: Bounds, n: int, constants: Sequence[Fraction]) -> dict[str, t
         found["delta"] = delta * arb(big), known.delta[n]
         sigma = sum(max(abs(row[j]) for row in e) for j in range(max(len(row) for row in e)))
         found["sigma"] = arb(sigma * big), known.sigma[n]
-        v = [
-            [_poly(known.matrices[n, :, i, j], fmpq(1)) for j in range(6)] for i in range(6)
-        ]
+        v = [[_poly(known.matrices[n, :, i, j], fmpq(1)) for j in range(6)] for i in range(6)]
         found["matrix residual"] = arb(alpha).exp() * arb(_matrix_residual(a, v)), known.rho[n]
         flow = _flow(a)
         miss = max(

@@ -14,13 +14,14 @@ from typing import Any, NamedTuple
 
 from flint import arb, ctx
 
-from polhode import exact
-from polhode.body import Body
 from polhode.enclosures import fixed
 from polhode.enclosures.fixed import Motion, Problem
-from polhode.integration import integrate
-from polhode.precision import NumberType, exactly
-from polhode.scene import Scene
+from polhode.numbers import exact
+from polhode.numbers.convert import exactly
+from polhode.numbers.number_types import NumberType
+from polhode.runs.integrate import integrate
+from polhode.scenes.body import Body
+from polhode.scenes.scene import Scene
 
 KINDS = (
     *("generic", "fast", "slow", "needle", "disc", "nearly symmetric", "free", "hanging", "zeros"),

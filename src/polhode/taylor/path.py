@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
-from polhode.precision import extended_here
+from polhode.numbers.number_types import extended_here
 
 _CYCLE = ((1, 2), (2, 0), (0, 1))
 _MOST_STEPS = 100_000
