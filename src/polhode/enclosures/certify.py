@@ -1,0 +1,185 @@
+"""``polhode.certify``: a scene and times to proven balls, the precision chosen."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from flint import arb, ctx
+
+from polhode.common.errors import BadInput
+from polhode.enclosures import conserved, fixed, march, pilot
+from polhode.enclosures.fixed import MOST_NOISE, Motion, Refused, ball, motion, upper
+from polhode.enclosures.result import Enclosure
+from polhode.numbers import exact
+from polhode.numbers.convert import exact_number
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact, sign
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+
+MOST_DIGITS = 250
+_MOST_TRIES = 6
+_SPARE = 6
+
+
+def certify(
+    scene: Scene | str | Path,
+    at: Sequence[Any] | None = None,
+    digits: int = 15,
+    integrals: bool = True,
+    progress: march.Progress | None = None,
+) -> Enclosure:
+    """Proven balls around the exact motion of any body.
+
+    ``at``: times of either sign in any order, taken exactly; the scene's own unless given.
+    ``digits``: correct digits wanted at every time, 1 to MOST_DIGITS; the precision is chosen from
+    a cheap run and raised until they are proven.  ``integrals``: whether the first integrals
+    shrink the set.  Raises BadInput where the digits cannot be had.
+    """
+    if not isinstance(scene, Scene):
+        scene = library.load(scene)
+    times = scene.times if at is None else tuple(exact_number(t) for t in at)
+    if not times:
+        raise BadInput(scene.name, "at", None, "at least one time")
+    if not 1 <= digits <= MOST_DIGITS:
+        raise BadInput(scene.name, "digits", digits, f"1 to {MOST_DIGITS}")
+    began = time.process_time()
+    sides = [_Side(scene, times, backward) for backward in (False, True)]
+    sides = [side for side in sides if side.places]
+    noise = max(pilot.noise(side.motion, side.last, digits) for side in sides)
+    best: Enclosure | None = None
+    refusal = ""
+    for tries in range(1, _MOST_TRIES + 1):
+        noise = min(noise, MOST_NOISE)
+        started = time.process_time()
+        try:
+            best = _found(scene, times, sides, digits, noise, integrals, progress)
+        except Refused as why:
+            refusal = str(why)
+            if noise == MOST_NOISE:
+                break
+            noise = math.ceil(1.25 * noise) + 20
+            continue
+        seconds = time.process_time() - started
+        best = _with_cost(best, seconds, tries, time.process_time() - began)
+        if best.reached:
+            return best
+        if noise == MOST_NOISE:
+            break
+        noise += math.ceil(pilot.BITS_A_DIGIT * (digits - best.proven)) + _SPARE
+    had = f"{best.proven:.1f} proven" if best else refusal
+    expected = f"digits that can be proven to t = {_farthest(times)} ({had})"
+    raise BadInput(scene.name, "digits", digits, expected)
+
+
+class _Side:
+    """The times of one sign, in order and once each, and where they stand among those asked."""
+
+    def __init__(self, scene: Scene, times: Sequence[Exact], backward: bool) -> None:
+        chosen = [n for n, t in enumerate(times) if (sign(t) < 0) == backward]
+        order = sorted(chosen, key=lambda n: abs(float(times[n])))
+        self.motion: Motion = motion(scene, backward)
+        self.ordered: list[Exact] = []
+        self.places: dict[int, int] = {}  # index among those asked -> index in ``ordered``
+        for n in order:
+            if not self.ordered or sign(times[n] - self.ordered[-1]) != 0:
+                self.ordered.append(times[n])
+            self.places[n] = len(self.ordered) - 1
+
+    @property
+    def last(self) -> Exact:
+        """The time farthest from 0."""
+        return self.ordered[-1]
+
+
+def _found(
+    scene: Scene,
+    times: Sequence[Exact],
+    sides: Sequence[_Side],
+    digits: int,
+    noise: int,
+    integrals: bool,
+    progress: march.Progress | None,
+) -> Enclosure:
+    """The enclosure at one noise level; raises Refused."""
+    rows: dict[int, list[Any]] = {}
+    steps = 0
+    for side in sides:
+        problem = fixed.problem(side.motion, noise)
+        asked = fixed.times(side.motion, side.ordered, noise + 200)
+        known = conserved.prepared(side.motion, 2 * problem.fine + 100) if integrals else []
+        proof = march.run(problem, asked, known, progress=progress)
+        steps += proof.steps
+        turned = [_in_scene_axes(side.motion, row, noise + 100) for row in proof.rows]
+        rows |= {n: turned[place] for n, place in side.places.items()}
+    ordered = [rows[n] for n in range(len(times))]
+    with ctx.workprec(noise + 100):
+        centres = tuple(tuple(_fraction(x.mid()) for x in row) for row in ordered)
+        radii = tuple(tuple(upper(x - x.mid()) for x in row) for row in ordered)
+    proven = _digits(scene, sides, centres, radii)
+    return Enclosure(scene, tuple(times), centres, radii, proven, digits, noise, steps, 0.0, 1, 0.0)
+
+
+def _with_cost(found: Enclosure, seconds: float, tries: int, in_all: float) -> Enclosure:
+    from dataclasses import replace
+
+    return replace(found, seconds=seconds, tries=tries, seconds_in_all=in_all)
+
+
+def _in_scene_axes(what: Motion, row: Sequence[Any], bits: int) -> list[Any]:
+    """A state in principal axes and the proof's unit as balls in the scene's axes and unit."""
+    scene = what.scene
+    with ctx.workprec(bits):
+        by = arb((-1 if what.backward else 1, -what.unit))
+        vectors = [[by * x for x in row[:3]]]
+        if scene.gamma is not None:
+            vectors.append(list(row[3:]))
+        axes = scene.body.axes
+        if axes.trivial:
+            return [x for vector in vectors for x in vector]
+        turn = [[ball(x, bits) for x in unit] for unit in axes.rows]
+        return [
+            turn[0][i] * v[0] + turn[1][i] * v[1] + turn[2][i] * v[2]
+            for v in vectors
+            for i in range(3)
+        ]
+
+
+def _digits(scene: Scene, sides: Sequence[_Side], centres: Any, radii: Any) -> tuple[float, ...]:
+    """Proven correct digits at each time, rounded down to a hundredth."""
+    squares = [sum(x * x for x in row[:3]) for row in centres]
+    largest = max(range(len(squares)), key=squares.__getitem__)
+    sure = float(exact.sqrt(squares[largest])) - 2.0 * max(radii[largest][:3])
+    if _at_rest(sides[0].motion):
+        rate = scene.pendulum_rate_squared
+        sure = float(exact.sqrt(rate)) if sign(rate) else 1.0
+    found = []
+    for row in radii:
+        worst = max(row[:3]) / sure if sure > 0.0 else math.inf
+        worst = max([worst, *row[3:]])
+        found.append(max(0.0, math.floor(-100.0 * math.log10(worst)) / 100.0) if worst < 1 else 0.0)
+    return tuple(found)
+
+
+def _at_rest(what: Motion) -> bool:
+    """Whether w is zero for ever, zero by the rule for *equal*."""
+    if any(sign(x) for x in what.start[:3]):
+        return False
+    pull, push, gamma = what.constants[3:6], what.constants[6:], what.start[3:]
+    torques = (pull[i] * gamma[a] + push[i] * gamma[b] for i, (a, b) in enumerate(fixed.CYCLE))
+    return all(sign(x) == 0 for x in torques)
+
+
+def _fraction(x: Any) -> Fraction:
+    """The exact value of a ball of radius zero."""
+    mantissa, exponent = x.man_exp()
+    return exact.binary(int(mantissa), int(exponent))
+
+
+def _farthest(times: Sequence[Exact]) -> str:
+    return shown(max(times, key=lambda t: abs(float(t))))

@@ -1,0 +1,227 @@
+"""Exact data to integers: the constants, the start and the times of one proof.
+
+Trusted.  With time in a unit 2**n of the scene in which |w| and sqrt(Mg|r0|/smallest moment) are
+at most about 1, in principal axes and with i, a, b cyclic,
+
+    w_i' = bend_i w_a w_b + pull_i gamma_a + push_i gamma_b,      gamma_i' = gamma_a w_b - gamma_b w_a
+    bend_i = (I_a - I_b)/I_i,    pull_i = k_b/I_i,    push_i = -k_a/I_i,      k = Mg r0
+
+The nine constants are rounded to 2**-Q and the start to 2**-S, each with a proven radius (zero for
+numbers that are exact there).  Every small quantity of the proof is a double in units of 2**-P, P
+the noise level.  A run to negative times is one of the start -w, since t -> -t, w -> -w leaves the
+equations as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from flint import arb, ctx, fmpq, fmpz
+
+from polhode.enclosures.polynomial import Polynomial, constant, total, variable
+from polhode.numbers import exact
+from polhode.numbers.exact import Exact, sign
+from polhode.scenes.body import dot
+from polhode.scenes.scene import Scene
+
+CLOCK = 14  # times of the grid are integers times 2**-CLOCK
+LEAST_NOISE, MOST_NOISE = 36, 1000  # P: small quantities in units of 2**-P stay within doubles
+LEAST_FINE = 60  # S: never coarser than the polynomials, or the first jump is lost
+UP = 1.0 + 1e-9  # covers fewer than 1e5 roundings of nonnegative doubles
+_SHARPER = 20  # bits behind 2**-S to which every constant must be known
+_MOST_BITS = 1 << 15
+
+
+class Refused(ArithmeticError):
+    """No proof at this precision; the message says which test failed."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One motion as integers with radii; see the module for symbols.
+
+    ``constants``: bend, pull, push, three each, as integers times 2**-constant_bits; ``slack``:
+    their radii, in units of 2**-noise.  ``factors``: the same constants as doubles;
+    ``factor_slack``: their radii, absolute.  ``start``: six integers times 2**-fine; ``spread``:
+    their radii in units of 2**-noise.
+    """
+
+    noise: int
+    fine: int
+    constant_bits: int
+    constants: tuple[int, ...]
+    slack: tuple[float, ...]
+    factors: tuple[float, ...]
+    factor_slack: tuple[float, ...]
+    start: tuple[int, ...]
+    spread: tuple[float, ...]
+
+    @property
+    def beta(self) -> float:
+        """A bound of |B(e, e)|/|e|²: max(2, |bend_i|)."""
+        bends = zip(self.factors[:3], self.factor_slack[:3], strict=True)
+        return UP * max(2.0, *(abs(x) + r for x, r in bends))
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The exact motion of a scene in principal axes and its proof's unit of time, forward.
+
+    ``constants``: the nine, exact; ``start``: the six, exact, gamma zero where there is none.
+    ``unit``: time is measured in 2**unit of the scene's; ``backward``: t and w changed sign.
+    """
+
+    scene: Scene
+    unit: int
+    backward: bool
+    constants: tuple[Exact, ...]
+    start: tuple[Exact, ...]
+    moments: tuple[Exact, ...]
+    torque: tuple[Exact, ...]
+
+    @property
+    def field(self) -> list[Polynomial]:
+        """The right-hand sides as polynomials."""
+        x = [variable(i) for i in range(6)]
+        bend, pull, push = self.constants[:3], self.constants[3:6], self.constants[6:]
+        rows = []
+        for i, (a, b) in enumerate(CYCLE):
+            terms = [x[a].times(x[b]).scaled(bend[i])]
+            terms += [x[3 + a].scaled(pull[i]), x[3 + b].scaled(push[i])]
+            rows.append(total(terms))
+        for a, b in CYCLE:
+            crossed = x[3 + b].times(x[a]).times(constant(-1))
+            rows.append(x[3 + a].times(x[b]).plus(crossed))
+        return rows
+
+
+CYCLE = ((1, 2), (2, 0), (0, 1))
+
+
+def motion(scene: Scene, backward: bool = False) -> Motion:
+    """The exact motion of a scene, to positive or to negative times."""
+    body, axes = scene.body, scene.body.axes
+    moments, torque = body.moments, axes.components(body.torque)
+    unit = _unit(scene, min(moments))
+    by = Fraction(2) ** unit
+    k = [by * by * x for x in torque]
+    bends = [(moments[a] - moments[b]) / moments[i] for i, (a, b) in enumerate(CYCLE)]
+    pulls = [k[b] / moments[i] for i, (a, b) in enumerate(CYCLE)]
+    pushes = [-k[a] / moments[i] for i, (a, b) in enumerate(CYCLE)]
+    omega = [(-by if backward else by) * w for w in axes.components(scene.omega)]
+    gamma = [exact.ZERO] * 3 if scene.gamma is None else [*axes.components(scene.gamma)]
+    return Motion(
+        scene,
+        unit,
+        backward,
+        (*bends, *pulls, *pushes),
+        (*omega, *gamma),
+        tuple(moments),
+        tuple(k),
+    )
+
+
+def _unit(scene: Scene, smallest: Exact) -> int:
+    """The power of two that brings the fastest rate to about 1."""
+    square = dot(scene.omega, scene.omega)
+    torque = scene.body.torque
+    fourth = max(square * square, dot(torque, torque) / (smallest * smallest))
+    if sign(fourth) == 0:
+        return 0
+    mantissa, exponent = exact.rounded(fourth, 8)
+    return -((exponent + mantissa.bit_length() + 3) // 4)
+
+
+def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Problem:
+    """A motion's data as integers with radii for the noise level 2**-noise.
+
+    Raises Refused where a constant cannot be known sharply enough.
+    """
+    if not LEAST_NOISE <= noise <= MOST_NOISE:
+        raise Refused(f"a noise level of 2**-{noise} is outside {LEAST_NOISE} to {MOST_NOISE}")
+    fine = max(noise + 12, LEAST_FINE)
+    coarse = noise + 12 if constant_bits is None else constant_bits
+    balls = [_sharp(x, fine + _SHARPER) for x in what.constants]
+    with ctx.workprec(4 * fine + 200):
+        constants, slack, factors, factor_slack = [], [], [], []
+        for known in balls:
+            near, radius = _nearest(known, coarse)
+            constants.append(near)
+            slack.append(upper(radius * arb((1, noise))))
+            factor = float(known.mid())
+            factors.append(factor)
+            factor_slack.append(upper(known - arb(factor)))
+        start, spread = [], []
+        for x in what.start:
+            near, radius = _nearest(ball(x, 2 * fine + 100), fine)
+            start.append(near)
+            spread.append(upper(radius * arb((1, noise))))
+    return Problem(
+        noise,
+        fine,
+        coarse,
+        tuple(constants),
+        tuple(slack),
+        tuple(factors),
+        tuple(factor_slack),
+        tuple(start),
+        tuple(spread),
+    )
+
+
+def ball(x: Exact, bits: int) -> Any:
+    """A ball around an exact number, every step carried to so many bits."""
+    with ctx.workprec(bits):
+        if isinstance(x, Fraction):
+            return arb(fmpq(x.numerator, x.denominator))
+        low, high = x.enclosure(bits)
+        return _raw(low).union(_raw(high))
+
+
+def upper(x: Any) -> float:
+    """A double not below |x| for every x of a ball; infinite where it is."""
+    size = x.abs_upper()
+    if not size.is_finite():
+        return float("inf")
+    return UP * float(size) + (0.0 if size.is_zero() else 1e-300)
+
+
+def _raw(number: Any) -> Any:
+    """A raw number of mpmath's as a ball of radius zero; without bounds where it is infinite."""
+    negative, mantissa, exponent, _ = number
+    if mantissa == 0 and exponent != 0:
+        return arb(0, float("inf"))
+    value = arb((int(mantissa), int(exponent)))
+    return -value if negative else value
+
+
+def _sharp(x: Exact, bits: int) -> Any:
+    """A ball around a constant of radius below 2**-bits; raises Refused where none is found."""
+    return sharp(lambda working: ball(x, working), bits)
+
+
+def sharp(made: Callable[[int], Any], bits: int) -> Any:
+    """The first ball of radius below 2**-bits that ``made``, of a working precision, gives."""
+    working = bits + 64
+    while working <= _MOST_BITS:
+        found = made(working)
+        with ctx.workprec(64):
+            if found.rad() < arb((1, -bits)):
+                return found
+        working *= 2
+    raise Refused("a constant of the body is not known sharply enough")
+
+
+def _nearest(known: Any, bits: int) -> tuple[int, Any]:
+    """The integer n for which n·2**-bits is near a ball's midpoint, and |ball - n·2**-bits|."""
+    near = int((known.mid() * arb((1, bits)) + arb((1, -1))).floor().unique_fmpz() or fmpz(0))
+    return near, abs(known - arb((near, -bits)))
+
+
+def times(what: Motion, asked: Sequence[Exact], bits: int) -> list[Any]:
+    """Balls around times of the scene, in the proof's unit and forward."""
+    by = Fraction(2) ** -what.unit * (-1 if what.backward else 1)
+    return [ball(exact.multiply(by, t), bits) for t in asked]

@@ -1,0 +1,125 @@
+"""One run of a proof: windows of steps are approximated, corrected, bounded, and carried on.
+
+Nothing here is believed: a state and balls come only out of ``zonotope.advance``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from flint import arb, ctx
+
+from polhode.enclosures import approximate, bound, conserved, correction, pieces, zonotope
+from polhode.enclosures.fixed import CLOCK, Problem, Refused
+from polhode.enclosures.zonotope import State
+
+_LOST = -34  # a correction above 2**_LOST: the approximation has lost the motion
+_FEWEST, _FIRST = 4, 32
+_MOST_ROUNDS = 60
+
+#: Called now and then with the fraction of the time done and the steps taken.
+Progress = Callable[[float, int], None]
+
+
+@dataclass(frozen=True)
+class Untrusted:
+    """The parts that may be wrong in any way; tests put faulty ones in their place."""
+
+    window: Callable[..., Any] = approximate.window
+    matrices: Callable[..., Any] = correction.matrices
+    correction: Callable[..., Any] = correction.correction
+
+
+HONEST = Untrusted()
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Balls at the times asked for, in the principal axes and the proof's unit, and its cost."""
+
+    rows: list[list[Any]]
+    steps: int
+    end: State
+
+
+def run(
+    problem: Problem,
+    times: Sequence[Any],
+    integrals: Sequence[conserved.Integral] = (),
+    untrusted: Untrusted = HONEST,
+    progress: Progress | None = None,
+) -> Proof:
+    """Balls around the states at times >= 0, increasing, given as balls.  Raises Refused."""
+    state = zonotope.beginning(problem)
+    rows: list[list[Any]] = []
+    end = _last_tick(times, problem)
+    most = 256 if problem.noise <= 150 else 48
+    wide, pace, steps = _FIRST, 0.1, 0
+    while state.time < end:
+        tried = _window(problem, state, end, wide, pace, untrusted)
+        if tried is None:
+            if wide <= _FEWEST:
+                raise Refused("the approximation loses the motion")
+            wide = max(_FEWEST, wide // 2)
+            continue
+        inside = _inside(times[len(rows) :], tried.pieces.times[-1], problem)
+        before = state.time
+        state, found, taken = zonotope.advance(state, tried, inside)
+        rows += found
+        steps += len(taken)
+        pace = math.ldexp(state.time - before, -CLOCK) / len(taken)
+        state = conserved.shrunk(problem, state, integrals)
+        wide = min(most, 2 * wide)
+        if progress is not None:
+            progress(state.time / end, steps)
+    return Proof(rows, steps, state)
+
+
+def _window(
+    problem: Problem, state: State, end: int, wide: int, pace: float, untrusted: Untrusted
+) -> bound.Bounds | None:
+    """A window's polynomials, corrected as far as the noise level asks; None where they are lost."""
+    found = untrusted.window(problem, state, end, wide, pace)
+    if found is None:
+        return None
+    shape = pieces.of_doubles(found.times, found.series)
+    a = bound.jacobian(problem, shape.near, shape.lengths)
+    v = untrusted.matrices(a)
+    last = 10**6
+    for _ in range(_MOST_ROUNDS):
+        known = bound.defects(problem, shape)
+        gaps = bound.gaps(problem, shape, state.centre)
+        e = untrusted.correction(a, known.values, v, gaps)
+        size = correction.size(e, problem.noise)
+        if size > _LOST or size >= last:
+            return None
+        if max(2 * size, size - 40) <= -problem.noise:
+            return bound.bounds(problem, known, e, v)
+        shape = pieces.improved(shape, e, problem.noise, 53 - size)
+        last = size
+    raise Refused("the corrections do not converge")
+
+
+def _last_tick(times: Sequence[Any], problem: Problem) -> int:
+    """The first point of the grid that is not before the last time."""
+    if not times:
+        return 0
+    with ctx.workprec(problem.noise + 200):
+        last = (times[-1] * arb((1, CLOCK))).upper().ceil().unique_fmpz()
+    if last is None or last >= 1 << 60:
+        raise Refused("the last time is too far away")
+    return max(1, int(last))
+
+
+def _inside(times: Sequence[Any], end: int, problem: Problem) -> list[Any]:
+    """Those of the times that come before the end of a window."""
+    found = []
+    with ctx.workprec(problem.noise + 200):
+        for t in times:
+            if not t * arb((1, CLOCK)) <= end:
+                break
+            found.append(t)
+    return found

@@ -1,0 +1,106 @@
+"""Polynomials in p q r gamma1 gamma2 gamma3 with exact coefficients: first integrals and events.
+
+Trusted.  A sum is a mapping from six exponents to a coefficient; rational ones are added and
+multiplied exactly, so that an identity such as grad H · f = 0 is decided, not estimated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from polhode.numbers import exact
+from polhode.numbers.exact import Exact
+
+SIZE = 6
+_NOTHING = (0,) * SIZE
+
+
+class Polynomial(NamedTuple):
+    """A sum of monomials: ``terms`` maps the exponents of the six variables to a coefficient."""
+
+    terms: dict[tuple[int, ...], Exact]
+
+    def plus(self, other: Polynomial) -> Polynomial:
+        """The sum of two polynomials."""
+        terms = dict(self.terms)
+        for key, value in other.terms.items():
+            terms[key] = terms[key] + value if key in terms else value
+        return Polynomial({key: value for key, value in terms.items() if not _is_zero(value)})
+
+    def times(self, other: Polynomial) -> Polynomial:
+        """The product of two polynomials."""
+        found = Polynomial({})
+        for a, x in self.terms.items():
+            moved = {
+                tuple(i + j for i, j in zip(a, b, strict=True)): exact.multiply(x, y)
+                for b, y in other.terms.items()
+            }
+            found = found.plus(Polynomial(moved))
+        return found
+
+    def scaled(self, factor: Exact | int) -> Polynomial:
+        """The polynomial times a number."""
+        return self.times(constant(factor))
+
+    def derivative(self, variable: int) -> Polynomial:
+        """The partial derivative by one of the six variables."""
+        terms: dict[tuple[int, ...], Exact] = {}
+        for key, value in self.terms.items():
+            if key[variable]:
+                lower = (*key[:variable], key[variable] - 1, *key[variable + 1 :])
+                terms[lower] = exact.multiply(Fraction(key[variable]), value)
+        return Polynomial(terms)
+
+    @property
+    def rational(self) -> bool:
+        """Whether every coefficient is a fraction."""
+        return all(isinstance(value, Fraction) for value in self.terms.values())
+
+
+class BallPolynomial(NamedTuple):
+    """The same polynomial with coefficients as balls, for evaluation."""
+
+    terms: tuple[tuple[tuple[int, ...], Any], ...]
+
+    def at(self, state: Sequence[Any]) -> Any:
+        """A ball around the values at every point of a box of six balls."""
+        from flint import arb
+
+        total = arb(0)
+        for key, value in self.terms:
+            for x, power in zip(state, key, strict=True):
+                if power:
+                    value = value * x**power
+            total = total + value
+        return total
+
+
+def constant(value: Exact | int) -> Polynomial:
+    """A number as a polynomial."""
+    number = exact.exact(value)
+    return Polynomial({} if _is_zero(number) else {_NOTHING: number})
+
+
+def variable(index: int) -> Polynomial:
+    """One of the six variables."""
+    return Polynomial({tuple(int(i == index) for i in range(SIZE)): exact.ONE})
+
+
+def total(parts: Sequence[Polynomial]) -> Polynomial:
+    """The sum of any number of polynomials."""
+    found = Polynomial({})
+    for part in parts:
+        found = found.plus(part)
+    return found
+
+
+def rate(of: Polynomial, field: Sequence[Polynomial]) -> Polynomial:
+    """The derivative grad(of) · field along a polynomial field."""
+    return total([of.derivative(i).times(field[i]) for i in range(SIZE)])
+
+
+def _is_zero(value: Exact) -> bool:
+    # Only an exact zero is dropped: an irrational one stays, as a ball around zero.
+    return isinstance(value, Fraction) and value == 0

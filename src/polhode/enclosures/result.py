@@ -1,0 +1,107 @@
+"""A proven enclosure of a motion: balls at the times asked for, and what they cost."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from polhode.numbers.convert import to_mpf
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact
+from polhode.scenes.scene import Scene
+
+
+@dataclass(frozen=True)
+class Enclosure:
+    """Balls that contain the exact states p q r [gamma1 gamma2 gamma3] in the scene's body axes.
+
+    ``centres``: exact midpoints, a row a time; ``radii``: doubles not below the balls' radii.
+    ``digits``: proven correct digits at each time (-log10 of the larger of the radius of w over the
+    largest |w| at the times and the radius of gamma).  ``noise``: the proof's noise level, 2**-noise
+    in its own unit of time.  ``steps`` and ``seconds``: of the run that proved it; ``tries``: the
+    runs that it took; ``seconds_in_all``: those of all of them and of the pilot, CPU.
+    """
+
+    scene: Scene
+    times: tuple[Exact, ...]
+    centres: tuple[tuple[Fraction, ...], ...]
+    radii: tuple[tuple[float, ...], ...]
+    digits: tuple[float, ...]
+    asked: int
+    noise: int
+    steps: int
+    seconds: float
+    tries: int
+    seconds_in_all: float
+
+    @cached_property
+    def midpoints(self) -> list[list[Any]]:
+        """The midpoints as mpf, exact: rows of six (of three without gamma)."""
+        bits = self.noise + 128
+        return [[to_mpf(x, bits) for x in row] for row in self.centres]
+
+    @property
+    def reached(self) -> bool:
+        """Whether the digits asked for are proven at every time."""
+        return all(found >= self.asked for found in self.digits)
+
+    @property
+    def proven(self) -> float:
+        """The fewest proven digits over all times."""
+        return min(self.digits, default=math.inf)
+
+    def strings(self) -> list[list[str]]:
+        """The states as decimals of which every digit is proven; see :func:`guaranteed`."""
+        return [
+            [guaranteed(x, r) for x, r in zip(row, radii, strict=True)]
+            for row, radii in zip(self.centres, self.radii, strict=True)
+        ]
+
+    def __str__(self) -> str:
+        lines = []
+        for t, row, digits in zip(self.times, self.strings(), self.digits, strict=True):
+            lines.append(f"t = {shown(t)}: {digits:.1f} digits proven")
+            names = self.scene.columns
+            lines += [f"  {name:>6} {text}" for name, text in zip(names, row, strict=True)]
+        return "\n".join(lines)
+
+
+def guaranteed(centre: Fraction, radius: float) -> str:
+    """The longest decimal to which every number of a ball rounds: no digit more than is proven.
+
+    ``centre`` +- ``radius``.  Zeros alone, as many as are proven, where the ball is around 0.
+    Empty where not even the integer nearest to it is known.
+    """
+    if not math.isfinite(radius):
+        return ""
+    low, high = centre - Fraction(radius), centre + Fraction(radius)
+    if radius == 0.0:
+        places = 60
+    else:
+        places = math.floor(-math.log10(2.0 * radius)) + 1
+    for n in range(places, max(-1, places - 40), -1):
+        scale = Fraction(10) ** n
+        near = round(low * scale)
+        if near == round(high * scale):
+            return _positional(near, n)
+    return ""
+
+
+def _positional(value: int, places: int) -> str:
+    """value·10**-places."""
+    digits = str(abs(value)).rjust(places + 1, "0")
+    body = digits if places == 0 else f"{digits[:-places]}.{digits[-places:]}"
+    return "-" + body if value < 0 else body
+
+
+def shortest(values: Sequence[float]) -> list[str]:
+    """Radii as decimals of three digits, rounded up."""
+    found = []
+    for value in values:
+        text = f"{value:.2e}"
+        found.append(text if float(text) >= value else f"{value * 1.01:.2e}")
+    return found

@@ -1,0 +1,229 @@
+"""The set that holds the error, carried from step to step; states at any time.
+
+Trusted.  At the grid time t_n the exact state minus the approximation's end is
+
+    z_n in { T G xi + H eta : |xi_i| <= 1, |eta_i| <= 1 },
+
+G the columns as they were last settled, T the product of the V since, H the columns born since.
+J_n = xhat_{n-1}(1) - xhat_n(0) is the jump of the approximation, so the step's z(0) is z_n + J_n,
+and by the theorem of one step (``bound``)
+
+    z_{n+1} in V (z_n + J_n) + [-s, s]**6.
+
+T <- fl(V T) and H <- [fl(V H) | diag(b)] hold that, with
+
+    b = s + |V| (|J_n| + gamma(7) (|T| |G|1 + |H|1)),
+
+since an entry of a product of matrices of six rows is off by at most gamma(6) times the product of
+absolute values.  After SETTLED steps G <- [fl(T G) | diag(|H|1 + gamma(7) |T| |G|1)], T <- I, H is
+emptied: columns are kept and nothing is turned into new axes, so nothing is wrapped.
+
+A step is accepted if r = 2 exp(alpha) (eps + delta + 2 h beta sigma**2) + tiny has
+8 exp(alpha) h beta r <= 1: then the theorem's inequality holds, (sigma + r)**2 being at most
+2 sigma**2 + 2 r**2.  Quantities are in units of 2**-P, so h beta stands times 2**-P.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import arb, arb_poly, ctx, fmpz
+
+from polhode.enclosures.bound import TINY, Bounds, difference, gamma, gaps
+from polhode.enclosures.fixed import CLOCK, UP, Problem, Refused, upper
+
+SETTLED = 24
+MOST_COLUMNS = 80_000  # sums of more would need more than UP for their rounding
+_IDENTITY = np.eye(6)
+
+
+class Step(NamedTuple):
+    """A step that was accepted: |z| <= r on it, and s of the theorem."""
+
+    r: float
+    s: float
+
+
+@dataclass(frozen=True)
+class State:
+    """Where a proof stands: at ``time`` (times 2**-CLOCK) the exact state is in ``centre`` + set.
+
+    ``centre``: six integers times 2**-fine; ``columns``: G, (6, N), in units of 2**-noise.
+    """
+
+    time: int
+    centre: tuple[int, ...]
+    columns: Any
+
+    @property
+    def radii(self) -> Any:
+        """Bounds of the set's components, (6,), in units of 2**-noise."""
+        return UP * np.sum(np.abs(self.columns), axis=1) + TINY
+
+
+def beginning(problem: Problem) -> State:
+    """The start of the motion, with the radii of its rounding."""
+    return State(0, problem.start, np.diag(problem.spread))
+
+
+def advance(
+    state: State, known: Bounds, asked: Sequence[Any]
+) -> tuple[State, list[list[Any]], list[Step]]:
+    """Carry the set through a window's steps; balls at the times asked for, and the steps.
+
+    ``asked``: balls around times inside the window, increasing.  Raises Refused where a step
+    fails its test; nothing of the window is then to be used.
+    """
+    problem, pieces = known.problem, known.pieces
+    if pieces.times[0] != state.time:
+        raise Refused("a window does not begin where the last one ended")
+    jumps = _jumps(state, known)
+    hbs = UP * pieces.lengths * problem.beta * math.ldexp(1.0, -problem.noise) + TINY
+    carried = _Carried(state.columns)
+    rows: list[list[Any]] = []
+    steps: list[Step] = []
+    with ctx.workprec(problem.noise + 100):
+        places = _places(pieces.times, asked)
+    for n in range(pieces.count):
+        hull = carried.hull()
+        jump = jumps[n]
+        eps = UP * (float(np.max(hull)) + float(np.max(jump)))
+        step = _accepted(known, n, eps, float(hbs[n]))
+        steps.append(step)
+        while places and places[0][0] == n:
+            rows.append(_ball(known, n, places.pop(0)[1], carried, jump, hull, eps, step))
+        carried.step(known.ends[n], jump, hull, step.s)
+    centre, rest = _centre(known)
+    carried.settle(rest)
+    return State(pieces.times[-1], centre, carried.settled), rows, steps
+
+
+class _Carried:
+    """T, G and H of the module's set while a window is walked through."""
+
+    def __init__(self, columns: Any) -> None:
+        self.settled = columns
+        self.base = UP * np.sum(np.abs(columns), axis=1) + TINY  # |G|1
+        self.turn = _IDENTITY
+        self.born = np.zeros((6, 6 * SETTLED))
+        self.count = 0
+
+    def hull(self) -> Any:
+        """|T| |G|1 + |H|1, rounded up: bounds of the components."""
+        recent = np.sum(np.abs(self.born[:, : self.count]), axis=1)
+        return UP * (np.abs(self.turn) @ self.base + recent) + TINY
+
+    def step(self, v: Any, jump: Any, hull: Any, s: float) -> None:
+        """z <- V (z + J) + [-s, s]**6."""
+        noise = UP * (s + np.abs(v) @ (jump + gamma(7) * hull)) + TINY
+        self.turn = v @ self.turn
+        count = self.count
+        self.born[:, :count] = v @ self.born[:, :count]
+        self.born[:, count : count + 6] = np.diag(noise)
+        self.count = count + 6
+        if self.count == self.born.shape[1]:
+            self.settle(0.0)
+            if self.settled.shape[1] > MOST_COLUMNS:
+                raise Refused("the set has too many columns")
+
+    def settle(self, rest: Any) -> None:
+        """G <- [fl(T G) | box], the box holding H, what rounding lost and ``rest``."""
+        recent = np.sum(np.abs(self.born[:, : self.count]), axis=1)
+        box = recent + gamma(7) * (np.abs(self.turn) @ self.base) + rest
+        self.settled = np.hstack([self.turn @ self.settled, np.diag(UP * box + TINY)])
+        self.base = UP * np.sum(np.abs(self.settled), axis=1) + TINY
+        self.turn = _IDENTITY
+        self.count = 0
+
+
+def _accepted(known: Bounds, n: int, eps: float, hb: float) -> Step:
+    """The test of the step theorem; raises Refused.  A number that is none fails it."""
+    growth, delta = float(known.growth[n]), float(known.delta[n])
+    sigma, rho = float(known.sigma[n]), float(known.rho[n])
+    r = UP * 2.0 * growth * (eps + delta + 2.0 * hb * sigma * sigma) + TINY
+    if not 8.0 * growth * hb * r <= 0.999:
+        raise Refused("the set has grown too large for the next step")
+    s = UP * (growth * (delta + hb * (sigma + r) ** 2) + rho * eps) + TINY
+    if not s < 1e300:
+        raise Refused("the error of a step has no bound")
+    return Step(r, s)
+
+
+def _jumps(state: State, known: Bounds) -> Any:
+    """Bounds of |J_n|, (W, 6): exact integer parts, and the corrections at both ends."""
+    e = known.correction
+    ends, sizes = np.sum(e, axis=1), np.sum(np.abs(e), axis=1)
+    whole = gaps(known.problem, known.pieces, state.centre)
+    before = np.vstack([np.zeros((1, 6)), ends[:-1]])
+    rounding = np.vstack([np.zeros((1, 6)), sizes[:-1]]) + np.abs(e[:, 0]) + np.abs(whole)
+    return UP * (np.abs(whole + before - e[:, 0]) + _lost(known) * rounding) + TINY
+
+
+def _lost(known: Bounds) -> float:
+    """The relative rounding of a sum of a correction's coefficients."""
+    return gamma(known.correction.shape[1] + known.matrices.shape[1] + 40)
+
+
+def _centre(known: Bounds) -> tuple[tuple[int, ...], Any]:
+    """The approximation's end rounded to 2**-fine, and bounds of what that leaves, (6,)."""
+    problem, pieces = known.problem, known.pieces
+    ends = np.sum(known.correction[-1], axis=0)
+    sizes = np.sum(np.abs(known.correction[-1]), axis=0)
+    level, fine, noise = pieces.level, problem.fine, problem.noise
+    centre, rest = [], np.zeros(6)
+    for i, x in enumerate(pieces.rows[-1]):
+        end = x(1)
+        correction = round(math.ldexp(float(ends[i]), fine - noise)) if ends[i] else 0
+        whole = int(end) << (fine - level) if fine >= level else int(end) >> (level - fine)
+        near = whole + correction
+        centre.append(near)
+        exact = difference(end, level, fmpz(near), fine, noise)
+        rest[i] = UP * (abs(exact + float(ends[i])) + _lost(known) * (float(sizes[i]) + abs(exact)))
+    return tuple(centre), rest + TINY
+
+
+def _places(times: Sequence[int], asked: Sequence[Any]) -> list[tuple[int, Any]]:
+    """For each time the step that holds its ball, and tau in it; raises Refused outside."""
+    found: list[tuple[int, Any]] = []
+    n = 0
+    for t in asked:
+        ticks = t * arb((1, CLOCK))  # exact
+        while n + 1 < len(times) - 1 and ticks > times[n + 1]:
+            n += 1
+        if not (times[n] <= ticks.lower() and ticks.upper() <= times[n + 1]):
+            raise Refused("a time asked for is not inside a step")
+        tau = (ticks - times[n]) / (times[n + 1] - times[n])
+        found.append((n, tau))
+    return found
+
+
+def _ball(
+    known: Bounds, n: int, tau: Any, carried: _Carried, jump: Any, hull: Any, eps: float, step: Step
+) -> list[Any]:
+    """Six balls around the exact state at tau in step n, by (2) of ``bound``."""
+    problem, pieces = known.problem, known.pieces
+    v = known.matrices[n]
+    terms = v.shape[0]
+    near = float(tau.mid())
+    with ctx.workprec(64):
+        off = upper(tau - arb(near))
+    powers = np.cumprod(np.concatenate([[1.0], np.full(terms - 1, near)]))
+    w = np.tensordot(powers, v, axes=1)
+    turned = w @ carried.turn
+    radii = np.sum(np.abs(turned @ carried.settled), axis=1)
+    radii = radii + np.sum(np.abs(w @ carried.born[:, : carried.count]), axis=1)
+    radii = radii + np.abs(w) @ (jump + gamma(16) * hull)
+    lost = gamma(2 * terms + 6) + UP * terms * off  # |V(tau) - V(near)| <= sum k |V_k| off
+    radii = UP * (radii + step.s + lost * float(known.sizes[n]) * eps) + TINY
+    found = []
+    with ctx.workprec(problem.noise + 40 + 64):
+        unit, level = arb((1, -problem.noise)), arb((1, -pieces.level))
+        for i, x in enumerate(pieces.rows[n]):
+            e = arb_poly([arb(float(c)) for c in known.correction[n, :, i]])
+            centre = arb_poly(x)(tau) * level + e(tau) * unit
+            found.append(centre + arb(0, float(radii[i])) * unit)
+    return found

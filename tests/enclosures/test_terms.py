@@ -1,0 +1,122 @@
+"""Every term of the proof alone, and the proof with that term dropped: the drop must show."""
+
+from __future__ import annotations
+
+import inspect
+import statistics
+import textwrap
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+from shared import enclosure_terms as terms
+
+from polhode.enclosures import bound, conserved, zonotope
+from polhode.enclosures.fixed import Refused
+
+
+@contextmanager
+def without(module: Any, name: str, old: str, new: str) -> Iterator[None]:
+    """The trusted function ``name`` with one piece of its text replaced, which must be there."""
+    owner, _, attribute = name.rpartition(".")
+    home = getattr(module, owner) if owner else module
+    kept = getattr(home, attribute)
+    source = textwrap.dedent(inspect.getsource(kept))
+    assert source.count(old) == 1, f"{name} no longer says {old!r} once"
+    space = module.__dict__
+    local: dict[str, Any] = {}
+    exec(compile(source.replace(old, new), f"<{name}>", "exec"), space, local)
+    setattr(home, attribute, local[attribute])
+    try:
+        yield
+    finally:
+        setattr(home, attribute, kept)
+
+
+#: The term, the motion that shows it, and how the term is dropped: module, function, old, new.
+DROPPED: list[tuple[str, Callable[[], list[float]], tuple[Any, str, str, str]]] = [
+    ("residual", terms.residual, (bound, "_delta", "UP * (found +", "UP * (0.0 * found +")),
+    ("jump", terms.jumps, (zonotope, "_Carried.step", "(jump + gamma(7) * hull)", "hull * 1e-16")),
+    ("start", terms.start_box, (zonotope, "beginning", "np.diag(problem.spread)", "np.eye(6)")),
+    (
+        "start's columns",
+        terms.start_box,
+        (zonotope, "_Carried.settle", "self.turn @ self.settled,", "0.0 * self.settled,"),
+    ),
+    (
+        "constants",
+        terms.constants,
+        (bound, "_delta", "pieces.lengths * np.max(missed, axis=1)", "0.0"),
+    ),
+    ("sigma", terms.quadratic, (zonotope, "_accepted", "(sigma + r) ** 2", "r ** 2")),
+    ("r", terms.second_order, (zonotope, "_accepted", "(sigma + r) ** 2", "sigma ** 2")),
+    (
+        "h beta",
+        terms.second_order,
+        (zonotope, "advance", "pieces.lengths * problem.beta", "0.0 * pieces.lengths"),
+    ),
+    ("rho", terms.matrix, (zonotope, "_accepted", "+ rho * eps", "")),
+    (
+        "matrix residual",
+        terms.matrix,
+        (bound, "_matrix_residual", "UP * (found +", "UP * (0.0 * found +"),
+    ),
+    ("|I - V(0)|", terms.matrix_start, (bound, "bounds", "growth * (miss +", "growth * (0.0 +")),
+    ("s at an output", terms.quadratic, (zonotope, "_ball", "radii + step.s", "radii")),
+    ("s in the chain", terms.residual, (zonotope, "_Carried.step", "UP * (s +", "UP * (0.0 +")),
+    (
+        "columns born at an output",
+        terms.residual,
+        (zonotope, "_ball", "carried.born[:, : carried.count]", "carried.born[:, :0]"),
+    ),
+    (
+        "columns born when settled",
+        terms.residual,
+        (zonotope, "_Carried.settle", "self.born[:, : self.count]", "self.born[:, :0]"),
+    ),
+    (
+        "jump at an output",
+        terms.jumps,
+        (zonotope, "_ball", "(jump + gamma(16) * hull)", "(gamma(16) * hull)"),
+    ),
+    (
+        "end of a window",
+        terms.rounding,
+        (zonotope, "advance", "carried.settle(rest)", "carried.settle(0.0)"),
+    ),
+    (
+        "curvature of an integral",
+        terms.integrals,
+        (conserved, "_measured", "0.5 * eps * curved", "0.0 * eps * curved"),
+    ),
+    ("w of an integral", terms.integrals, (conserved, "shrunk", "size @ width +", "")),
+]
+_SEEN: dict[str, list[float]] = {}
+
+
+@pytest.mark.parametrize("motion", sorted({row[1].__name__ for row in DROPPED}))
+def test_one_term_alone_is_enough_and_not_slack(motion: str) -> None:
+    found = getattr(terms, motion)()
+    assert max(found) <= 1.0
+    assert max(found) >= 1e-3
+
+
+@pytest.mark.parametrize("term", [row[0] for row in DROPPED])
+def test_a_dropped_term_is_noticed(term: str) -> None:
+    _, motion, change = next(row for row in DROPPED if row[0] == term)
+    with without(*change):
+        try:
+            found = motion()
+        except conserved.Contradiction:
+            return
+    assert max(found) > 1.0
+
+
+def test_the_ratios_are_those_of_a_sharp_proof() -> None:
+    assert statistics.median(terms.start_box()) > 0.3
+
+
+def test_a_set_too_large_is_refused() -> None:
+    with pytest.raises(Refused, match="grown too large"):
+        terms.far_too_large()

@@ -1,0 +1,167 @@
+"""Faults for the untrusted parts of the enclosures: whatever they do, no ball may be wrong."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from polhode.enclosures import approximate, correction
+from polhode.enclosures.march import Untrusted
+
+#: How large an alteration is, relative to what is altered.
+SIZES = (1e-15, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 0.5, 3.0)
+
+
+def random_fault(rng: random.Random) -> tuple[str, Untrusted]:
+    """A fault in one of the untrusted parts, in every window or in some, and its name."""
+    part, name, fault = rng.choice(FAULTS)
+    often = rng.choice((1.0, 0.3))
+    honest = getattr(Untrusted(), part)
+
+    def faulty(*given: Any) -> Any:
+        if rng.random() > often:
+            return honest(*given)
+        return fault(rng, honest, *given)
+
+    return f"{part}: {name}", replace(Untrusted(), **{part: faulty})
+
+
+def _somewhere(rng: random.Random, values: Any) -> tuple[int, ...]:
+    return tuple(rng.randrange(n) for n in values.shape)
+
+
+def _altered(rng: random.Random, values: Any) -> Any:
+    """One number altered by a part of the largest of its step, or by a part of itself."""
+    place, by = _somewhere(rng, values), rng.choice(SIZES) * rng.choice((-1, 1))
+    found = values.copy()
+    own = rng.random() < 0.5
+    found[place] += by * (found[place] if own else np.max(np.abs(values[place[0]])))
+    return found
+
+
+def _swapped(rng: random.Random, values: Any) -> Any:
+    found = values.copy()
+    a, b = rng.randrange(len(found)), rng.randrange(len(found))
+    found[[a, b]] = found[[b, a]]
+    return found
+
+
+def _zeroed(rng: random.Random, values: Any) -> Any:
+    found = values.copy()
+    found[rng.randrange(len(found))] = 0.0
+    return found
+
+
+def _scaled(rng: random.Random, values: Any) -> Any:
+    return values * rng.choice((0.0, 0.5, 1.0 + 1e-6, 2.0, -1.0))
+
+
+def _noisy(rng: random.Random, values: Any) -> Any:
+    noise = np.random.default_rng(rng.randrange(2**32)).standard_normal(values.shape)
+    return values * (1.0 + rng.choice(SIZES) * noise)
+
+
+def _not_a_number(rng: random.Random, values: Any) -> Any:
+    found = values.copy()
+    found[_somewhere(rng, values)] = rng.choice((np.nan, np.inf, -np.inf, 1e300))
+    return found
+
+
+def _reversed(_: random.Random, values: Any) -> Any:
+    return values[:, ::-1].copy()
+
+
+def _turned(_: random.Random, values: Any) -> Any:
+    return values[::-1].copy()
+
+
+def _start(rng: random.Random, values: Any) -> Any:
+    """The constant terms alone: a start, a V(0)."""
+    found = values.copy()
+    place = _somewhere(rng, values[:, 0])
+    found[place[0], 0][place[1:]] += rng.choice(SIZES)
+    return found
+
+
+CHANGES = {
+    "one number": _altered,
+    "two steps swapped": _swapped,
+    "a step zeroed": _zeroed,
+    "all scaled": _scaled,
+    "noise": _noisy,
+    "not a number": _not_a_number,
+    "coefficients reversed": _reversed,
+    "steps reversed": _turned,
+    "a constant term": _start,
+}
+
+
+def _of_result(change: Callable[..., Any]) -> Callable[..., Any]:
+    return lambda rng, honest, *given: change(rng, honest(*given))
+
+
+def _of_series(change: Callable[..., Any]) -> Callable[..., Any]:
+    def fault(rng: random.Random, honest: Any, *given: Any) -> Any:
+        found = honest(*given)
+        return None if found is None else found._replace(series=change(rng, found.series))
+
+    return fault
+
+
+def _wrong_body(rng: random.Random, honest: Any, problem: Any, *given: Any) -> Any:
+    """heyoka's run and the series with one constant wrong."""
+    factors = list(problem.factors)
+    factors[rng.randrange(9)] += rng.choice(SIZES)
+    return honest(replace(problem, factors=tuple(factors)), *given)
+
+
+def _wrong_start(rng: random.Random, honest: Any, problem: Any, state: Any, *given: Any) -> Any:
+    """heyoka's run from another state."""
+    centre = list(state.centre)
+    centre[rng.randrange(6)] += int(rng.choice(SIZES) * 2.0**50) << (problem.fine - 50)
+    return honest(problem, replace(state, centre=tuple(centre)), *given)
+
+
+def _odd_grid(rng: random.Random, honest: Any, *given: Any) -> Any:
+    """The times of the grid moved, the series as they were: right for other times."""
+    found = honest(*given)
+    if found is None or len(found.times) < 3:
+        return found
+    times = list(found.times)
+    n = rng.randrange(1, len(times) - 1)
+    times[n] = (times[n - 1] + times[n + 1]) // 2
+    return found._replace(times=tuple(times))
+
+
+def _long_steps(rng: random.Random, honest: Any, *given: Any) -> Any:
+    kept = approximate.MOST_TURN
+    approximate.MOST_TURN = rng.choice((0.1, 8.0, 20.0))
+    try:
+        return honest(*given)
+    finally:
+        approximate.MOST_TURN = kept
+
+
+def _few_terms(rng: random.Random, honest: Any, *given: Any) -> Any:
+    kept = correction.LEAST_TERM
+    correction.LEAST_TERM = rng.choice((1e-2, 1e-5, 1e-9))
+    try:
+        return honest(*given)
+    finally:
+        correction.LEAST_TERM = kept
+
+
+FAULTS: list[tuple[str, str, Callable[..., Any]]] = [
+    *(("matrices", name, _of_result(change)) for name, change in CHANGES.items()),
+    *(("correction", name, _of_result(change)) for name, change in CHANGES.items()),
+    *(("window", name, _of_series(change)) for name, change in CHANGES.items()),
+    ("window", "wrong constant", _wrong_body),
+    ("window", "wrong start", _wrong_start),
+    ("window", "odd grid", _odd_grid),
+    ("window", "steps of another length", _long_steps),
+    ("matrices", "too few terms", _few_terms),
+]
