@@ -173,6 +173,80 @@ def cosines(
             raise TooManyTerms("a Fourier series with too many terms")
 
 
+@dataclass(frozen=True)
+class Waves:
+    """The integral of a periodic function: mean x + sum of (a_k sin(k x) - b_k cos(k x))/k."""
+
+    mean: Any
+    sines: tuple[Any, ...]  # a_k/(k scale)
+    cosines: tuple[Any, ...]  # -b_k/(k scale)
+    scale: Any
+    bits: int | None  # None: doubles, and arrays may be asked for
+
+    def at(self, x: Any) -> Any:
+        """The integral, up to a constant."""
+        if self.bits is None:
+            cos, sin = np.cos(x), np.sin(x)
+            total = self.mean * x
+            for row, odd in ((self.sines, True), (self.cosines, False)):
+                one, two = 0.0 * x, 0.0
+                for term in reversed(row):
+                    one, two = term + 2 * cos * one - two, one
+                total = total + (one * sin if odd else one - two * cos)
+            return total
+        cos, sin = mpmath.cos_sin(x)
+        turn, total = fixed(cos, self.bits) * 2, self.mean * x
+        for row, odd in ((self.sines, True), (self.cosines, False)):
+            first, second = 0, 0
+            for term in reversed(row):
+                first, second = term + ((turn * first) >> self.bits) - second, first
+            value = floating(first, self.bits)
+            part = value * sin if odd else value - cos * floating(second, self.bits)
+            total += self.scale * part
+        return total
+
+    def doubles(self) -> Waves:
+        """The same in doubles."""
+        assert self.bits is not None
+        bits, scale = self.bits, float(self.scale)
+        rows = (
+            tuple(scale * float(mpmath.ldexp(x, -bits)) for x in row)
+            for row in (self.sines, self.cosines)
+        )
+        return Waves(float(self.mean), *rows, 1.0, None)
+
+
+def waves(function: Callable[[Any], Any], most: int = _MOST) -> Waves:
+    """The series of the integral of a function of period 2 pi, at the precision in force.
+
+    Raises TooManyTerms beyond ``most`` samples.
+    """
+    prec = mpmath.mp.prec
+    known: dict[Any, Any] = {}
+    count = _LEAST
+    while count <= most:
+        bits = prec + _GUARD + count.bit_length()
+        for j in range(count):
+            share = mpf(2 * j) / count
+            if share not in known:
+                known[share] = function(mpmath.pi * share)
+        values = [known[mpf(2 * j) / count] for j in range(count)]
+        largest = max(abs(x) for x in values)
+        scale = mpmath.ldexp(1, mpmath.mag(largest)) if largest else mpf(1)
+        units = np.array([fixed(x / scale, bits) for x in values], dtype=object)
+        re, im = transform(units, 0 * units, bits)
+        half = count // 2
+        edge = max(abs(int(x)) for part in (re, im) for x in part[half - half // 8 - 1 : half + 1])
+        if edge <= (half << bits) >> (prec - 8):
+            mean = floating(int(re[0]), bits) * scale / count
+            # x_k = (a_k - i b_k) half
+            sines = tuple(int(re[k]) // (half * k) for k in range(1, half))
+            others = tuple(int(im[k]) // (half * k) for k in range(1, half))
+            return Waves(mean, sines, (0, *others), scale, bits)
+        count *= 2
+    raise TooManyTerms("a Fourier series with too many terms")
+
+
 def _series(values: Sequence[Any], bits: int) -> Cosines | None:
     """One series from the samples on half a turn; None where they are too few."""
     half = len(values) - 1
