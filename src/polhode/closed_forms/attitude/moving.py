@@ -1,35 +1,37 @@
 """The attitude of a motion whose own axes move in a known way, in the scene's axes.
 
-A family gives the quaternion of its own axes as a function of time, up to a constant turn about the
-vertical; with q_M the constant turn from the scene's axes to its own,
+A family gives a smooth quaternion F(t) of its own axes, up to a turn about the vertical by an angle
+chi(t); with q_M the constant turn from the scene's axes to its own,
 
-    q(t) = L q_own(t) q_M,    L = q(0) conj(q_M) conj(q_own(0)).
+    q(t) = L Rz(chi(t)) F(t) q_M,    L = q(0) conj(F(0) q_M),    chi(0) = 0.
 
-Quaternions are scalar first, al = q0 + i q3, bt = q1 + i q2.
+Quaternions are scalar first; al = q0 + i q3 and bt = q1 + i q2 both turn by chi/2, so the turns of
+psi and phi are those of F, counted, and of chi, known.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol
 
 import mpmath
+from mpmath import mpf
 
 from polhode.references.euler_motion import Quaternion, product
 from polhode.references.theta import MP, Functions, numpy_functions
-from polhode.references.winding import growth
+from polhode.references.winding import growth, longest
 
 
-class Own(Protocol):
-    """The attitude of a family's own axes."""
+class Frame(Protocol):
+    """F as a function of time."""
 
     def at(self, t: Any, fn: Functions) -> Quaternion:
         """The quaternion at t, continuous in t."""
         ...
 
-    def floats(self, speed: Any) -> Own:
+    def floats(self, speed: Any) -> Frame:
         """The same in doubles for arrays, time in units of 1/speed."""
         ...
 
@@ -38,17 +40,26 @@ class Own(Protocol):
 class Moving:
     """The attitude in the scene's axes, as its Euler angles need it."""
 
-    own: Own
+    frame: Frame
+    chi: Callable[[Any], Any] | None  # None: it is always 0
     start: Quaternion
     left: Quaternion
     right: Quaternion
     largest: Any  # a bound of |w|
-    bent: Any  # a bound of the quaternion's second derivative over its square
-    period: Any | None = None  # after which it repeats up to a turn about the vertical
+    quickest: Any  # a bound of the rate of F
+    period: Any | None = None  # after which F repeats up to its sign
 
     def at(self, t: Any, fn: Functions) -> Quaternion:
         """The attitude at t, continuous in t."""
-        return product(product(self.left, self.own.at(t, fn)), self.right)
+        frame = self._framed(t, fn)
+        if self.chi is None:
+            return frame
+        cos, sin = fn.cos_sin(self.chi(t) / 2)
+        a, b, c, d = frame  # (cos, 0, 0, sin) times it; L too is a turn about the vertical
+        return a * cos - d * sin, b * cos - c * sin, b * sin + c * cos, a * sin + d * cos
+
+    def _framed(self, t: Any, fn: Functions) -> Quaternion:
+        return product(product(self.left, self.frame.at(t, fn)), self.right)
 
     def speed(self) -> Any:
         """An upper bound of |w|."""
@@ -56,68 +67,79 @@ class Moving:
 
     def fastest(self) -> Any:
         """An upper bound of the rates in the motion."""
-        return self.largest
+        return self.quickest
 
-    def bend(self) -> Any:
-        """A bound of the second derivative over speed^2."""
-        return self.bent
+    def bend(self) -> None:
+        """No bound of the second derivative is used."""
+        return None
 
     def floats(self, speed: Any) -> Moving:
-        """The same in doubles, time in units of 1/speed."""
-        left, right, start = (
-            tuple(float(x) for x in q) for q in (self.left, self.right, self.start)
-        )
-        own = self.own.floats(speed)
-        return Moving(own, _four(start), _four(left), _four(right), 1.0, float(self.bent))
+        """F in the scene's axes in doubles, time in units of 1/speed."""
+        left, right, start = (_doubles(q) for q in (self.left, self.right, self.start))
+        frame = self.frame.floats(speed)
+        return replace(self, frame=frame, chi=None, start=start, left=left, right=right)
 
-    def arguments(self, t: Any) -> tuple[Any, Any] | None:
-        """The growth of arg al and arg bt from 0 to t, where a period makes it closed; else None.
+    def arguments(self, t: Any) -> tuple[Any, Any]:
+        """The growth of arg al and arg bt from 0 to t.
 
-        Over a period both parameters turn by constant phases: every period grows like the first.
+        Counted over less than a period where there is one, else over all the time; ValueError is
+        raised where that is too long.
         """
+        side, rest, n = (1 if t >= 0 else -1), t, 0
         al, bt = mpmath.mpc(self.start[0], self.start[3]), mpmath.mpc(*self.start[1:3])
-        if self.period is None or not al or not bt:
-            return None
-        n = int(mpmath.floor(abs(t) / self.period))
-        if n == 0:
-            return None
-        side = 1 if t > 0 else -1
-        rest = self._grown(side * (abs(t) - n * self.period))
-        return tuple(n * x + y for x, y in zip(self._over_period[side], rest, strict=True))  # type: ignore[return-value]
+        if self.period is not None and al and bt:
+            n = int(mpmath.floor(abs(t) / self.period))
+            rest = side * (abs(t) - n * self.period)
+        counted = self._grown(rest)
+        if n:
+            once = self._once[side]
+            counted = counted[0] + n * once[0], counted[1] + n * once[1]
+        turned = self.chi(t) / 2 if self.chi is not None else mpf(0)
+        return counted[0] + turned, counted[1] + turned
 
     @cached_property
-    def _over_period(self) -> dict[int, tuple[float, float]]:
+    def _once(self) -> dict[int, tuple[float, float]]:
         assert self.period is not None
-        forward = self._grown(self.period)
-        return {1: forward, -1: (-forward[0], -forward[1])}
+        return {side: self._grown(side * self.period) for side in (1, -1)}
 
     def _grown(self, t: Any) -> tuple[float, float]:
-        """Growth of the two arguments from 0 to t, counted."""
-        coarse, fn = self.floats(self.largest), numpy_functions()
+        """Growth of the two arguments of F in the scene's axes, from 0 to t, counted."""
+        if not t:
+            return 0.0, 0.0
+        speed = self.quickest
+        if abs(t) * speed > longest():
+            raise ValueError(
+                "psi and phi of this motion in these axes are not closed: "
+                "their turns must be counted, which is possible here for |t| up to "
+                f"{mpmath.nstr(longest() / speed, 3)}"
+            )
+        coarse, fn = self.floats(speed), numpy_functions()
 
         def fine(time: Any) -> tuple[Any, Any]:
-            q0, q1, q2, q3 = self.at(time / self.largest, MP)
+            q0, q1, q2, q3 = self._framed(time / speed, MP)
             return mpmath.mpc(q0, q3), mpmath.mpc(q1, q2)
 
         def many(time: Any) -> tuple[Any, Any]:
             q0, q1, q2, q3 = coarse.at(time, fn)
             return q0 + 1j * q3, q1 + 1j * q2
 
-        return growth(fine, many, [t * self.largest], self.bent)[0]
+        (found,) = growth(fine, many, [t * speed])
+        return found
 
 
 def moving(
-    own: Own,
+    frame: Frame,
+    chi: Callable[[Any], Any] | None,
     start: Quaternion,
     matrix: Sequence[Sequence[Any]],
-    largest: Any,
-    bent: Any,
+    bounds: tuple[Any, Any],
     period: Any | None = None,
 ) -> Moving:
-    """The attitude from the family's own one; ``matrix``: row i is its axis i in the scene's."""
+    """The attitude; ``matrix``: row i is axis i of F in the scene's; ``bounds``: of |w|, of F."""
     right = of_matrix(matrix)
-    begin = product(own.at(mpmath.mpf(0), MP), right)
-    return Moving(own, start, product(start, conjugate(begin)), right, largest, bent, period)
+    begin = product(frame.at(mpf(0), MP), right)
+    left = product(start, conjugate(begin))
+    return Moving(frame, chi, start, left, right, *bounds, period)
 
 
 def conjugate(a: Quaternion) -> Quaternion:
@@ -141,6 +163,6 @@ def of_matrix(rows: Sequence[Sequence[Any]]) -> Quaternion:
     return w, x, y, z
 
 
-def _four(row: Sequence[Any]) -> Quaternion:
-    a, b, c, d = row
-    return a, b, c, d
+def _doubles(q: Quaternion) -> Quaternion:
+    a, b, c, d = q
+    return float(a), float(b), float(c), float(d)

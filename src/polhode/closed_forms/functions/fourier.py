@@ -89,6 +89,13 @@ class Cosines:
         found = [(a + b) // (2 * (2 * m + 1)) for m, (a, b) in enumerate(itertools.pairwise(rows))]
         return OddSines(tuple(found), self.scale, self.bits)
 
+    def times_sine(self) -> Waves:
+        """The integral of F(x) sin x."""
+        rows = [k * term for k, term in enumerate(self.terms, start=1)]  # a_k/scale
+        rows = [fixed(self.mean / self.scale, self.bits) * 2, *rows, 0, 0]
+        found = [(b - a) // (2 * n) for n, (a, b) in enumerate(zip(rows, rows[2:]), start=1)]
+        return Waves(mpf(0), (), (0, *found), self.scale, self.bits)
+
     def doubles(self) -> Doubles:
         """The same in doubles; terms below a double's reach are left out."""
         scale, found = float(self.scale), []

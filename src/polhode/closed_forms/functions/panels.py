@@ -12,10 +12,10 @@ from typing import Any
 import mpmath
 from mpmath import mpf
 
-from polhode.closed_forms.functions.fourier import TooManyTerms, Waves, waves
+from polhode.closed_forms.functions.fourier import TooManyTerms, Waves, cosines
 
 MOST_PANELS = 20_000
-_NODES = 256  # samples of a panel's circle; beyond it the panel is halved
+_NODES = 512  # samples of a panel's circle; beyond it the panel is halved
 _SMALLEST = 1 << 12  # a panel's share of the length asked for
 
 
@@ -79,7 +79,8 @@ class Panels:
 def _series(value: Callable[[Any], Any], begin: Any, end: Any) -> Waves:
     """The integral over x = begin + (end - begin)(1 - cos ph)/2 as a series in ph."""
     half = (end - begin) / 2
-    return waves(lambda ph: value(begin + half * (1 - mpmath.cos(ph))) * half * mpmath.sin(ph), _NODES)
+    (series,) = cosines(lambda ph: [half * value(begin + half * (1 - mpmath.cos(ph)))], most=_NODES)
+    return series.times_sine()
 
 
 def _inside(series: Waves, begin: Any, end: Any, x: Any) -> Any:

@@ -60,8 +60,13 @@ class Separated:
 
     def joined(self, one: Halves, other: Halves, fn: Functions) -> Point:
         """The point from the two variables."""
-        xi, et = (one.sine, one.cosine), (other.sine, other.cosine)
-        return positive(one.z, other.z, xi, et, self.a, fn)
+        return joined(one, other, self.a, fn)
+
+
+def joined(one: Halves, other: Halves, a: Any, fn: Functions) -> Point:
+    """The point from u's and v's halves."""
+    xi, et = (one.sine, one.cosine), (other.sine, other.cosine)
+    return positive(one.z, other.z, xi, et, a, fn)
 
 
 @dataclass(frozen=True)

@@ -9,20 +9,26 @@ w = (p, q, r) and the upward vertical gamma in body axes.  Units: any consistent
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import mpmath
 from mpmath import mpf
 
 from polhode.body import Vector
+from polhode.closed_forms.attitude.moving import Moving, moving
 from polhode.closed_forms.goryachev_chaplygin import regimes
+from polhode.closed_forms.goryachev_chaplygin.attitude import HalvesFrame, bounds
 from polhode.closed_forms.goryachev_chaplygin.axes import failure, start
 from polhode.closed_forms.goryachev_chaplygin.motion import Motion, frequencies, motion
+from polhode.closed_forms.goryachev_chaplygin.turning import turning
 from polhode.closed_forms.goryachev_chaplygin.variables import lost_bits
 from polhode.exact import Exact
+from polhode.references.euler_angles import angles
 from polhode.references.rounding import log2, number, rounded_up, shortened
+from polhode.references.start import start_quaternion, start_sign
 from polhode.references.theta import MP
 
 __all__ = ["GoryachevChaplyginTop", "failure"]
@@ -60,6 +66,7 @@ class GoryachevChaplyginTop:
         if self.regime not in regimes.EXPLICIT:
             self._extra = math.ceil(lost_bits(self._start))
         self._motions: dict[int, Motion] = {}
+        self._attitudes: dict[int, Moving] = {}
         self._rows: dict[int, list[list[Any]]] = {}
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
@@ -74,6 +81,39 @@ class GoryachevChaplyginTop:
                 _, state = found.at(self._moment(t, bits + self._extra), MP)
                 rows.append(self._placed(state, bits))
         return [shortened(row, digits) for row in rows]
+
+    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
+        """Unit quaternions q0, q1, q2, q3 of R, one a time: q0 >= 0 at t = 0, then continuous.
+
+        At t = 0, R = Rz(psi) Rx(theta) Rz(phi) with the psi given and phi = atan2(gamma1, gamma2).
+        Where q0 = 0 at t = 0, the first component that is not 0 is positive.
+        """
+        bits = self._bits(times, digits)
+        found, rows = self._attitude(bits), []
+        for t in times:
+            with mpmath.workprec(bits + self._extra):
+                rows.append(list(found.at(number(t, bits + self._extra), MP)))
+        return [shortened(row, digits) for row in rows]
+
+    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
+        """Rows psi, theta, phi, continuous in t; psi and phi None where gamma is along axis 3.
+
+        They start from the psi given and phi = atan2(gamma1, gamma2).  Passing through a pole, psi
+        and phi jump by pi, and one of psi + phi, psi - phi stays continuous.  The error is below
+        10^-digits.  Turns are counted, over a period at most where there is one; with two
+        frequencies the work grows with time, and beyond a limit ValueError is raised.
+        """
+        bits = self._bits(times, digits)
+        with mpmath.workprec(bits):
+            psi = number(self._psi, bits)
+            phi = mpmath.atan2(number(self._gamma[0], bits), number(self._gamma[1], bits))
+
+        def moment(t: Exact) -> Callable[[int], mpf]:
+            return lambda prec: number(t, prec)
+
+        moments = [moment(t) for t in times]
+        rows = angles(self._attitude, moments, (psi, phi), self._sign, bits)
+        return [[shortened([x], digits, absolute=True)[0] for x in row] for row in rows]
 
     def period(self, digits: int) -> mpf | None:
         """The period of the state; None where there are two frequencies or none."""
@@ -121,6 +161,33 @@ class GoryachevChaplyginTop:
                 return found
             self._extra = lost + 16
         raise ArithmeticError("the closed form does not reproduce the start")
+
+    def _attitude(self, bits: int) -> Moving:
+        """The attitude as a function of time, its constants made once a precision."""
+        if bits not in self._attitudes:
+            found, prec = self._motion(bits), bits + self._extra
+            with mpmath.workprec(prec):
+                unit = self._moment(Fraction(1), prec)
+                rows = [[number(x, prec) for x in row] for row in self._start.rows]
+                begin = start_quaternion(self._gamma, self._psi, self._sign, prec)
+                turn = turning(found)
+                H, a = number(self._start.H, prec), number(self._start.a, prec)
+                scale = abs(unit)
+                wide, quick = (scale * x for x in bounds(found, H, a))
+                period = self.period(30) if self.regime not in regimes.TWO_FREQUENCIES else None
+                self._attitudes[bits] = moving(
+                    HalvesFrame(found.path, found.sg, unit),
+                    lambda t: turn(t * unit),
+                    begin,
+                    rows,
+                    (wide, quick),
+                    period,
+                )
+        return self._attitudes[bits]
+
+    @cached_property
+    def _sign(self) -> int:
+        return start_sign(self._gamma, self._psi)
 
     def _moment(self, t: Exact, bits: int) -> mpf:
         """A time in the motion's units and direction."""

@@ -38,7 +38,7 @@ from polhode.references.theta import MP
 #: chi(t) - chi(0), t in the motion's units.
 Turning = Callable[[Any], Any]
 
-_PANEL = 2  # radians of the fastest rate in a panel
+_PANEL = 12  # radians of the fastest rate in a panel
 
 
 def turning(found: Motion) -> Turning:
@@ -148,12 +148,13 @@ def _of_torus(path: Separated, sg: int) -> Turning:
     # v's halves change sign with a turn of y but where v moves between the roots of one cubic.
     odd = other.variable.cosine[0] != "one"
     shift = Fraction(1, 2), Fraction(1, 2) if odd else Fraction(0)
+    small = {True: one.floats(), False: other.floats()}
     tables: dict[tuple[bool, Any], list[Any]] = {}
 
     def row(which: bool, share: Any, bits: int) -> list[int]:
         if (which, share) not in tables:
             clock = one if which else other
-            point = clock.at(_along(clock, mpmath.pi * share), MP)
+            point = clock.at(_along(clock, small[which], mpmath.pi * share), MP)
             root = mpmath.sqrt(point.z)
             tables[which, share] = [root * point.sine, root * point.cosine, point.z]
         return [fixed(x, bits) for x in tables[which, share]]
@@ -186,9 +187,8 @@ def _of_torus(path: Separated, sg: int) -> Turning:
     return angle
 
 
-def _along(clock: Oscillating, al: Any) -> Any:
+def _along(clock: Oscillating, small: Oscillating, al: Any) -> Any:
     """The phase at which S/S_0 = al, by Newton's method from doubles."""
-    small = clock.floats()
     mean, target = float(clock.S.mean), float(al)
     x = target
     low, high = target - 4.0, target + 4.0
