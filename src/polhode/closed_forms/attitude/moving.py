@@ -19,9 +19,9 @@ from typing import Any, Protocol
 import mpmath
 from mpmath import mpf
 
-from polhode.references.euler_motion import Quaternion, product
-from polhode.references.theta import MP, Functions, numpy_functions
-from polhode.references.winding import growth, longest
+from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.functions.jacobi import MP, Functions, numpy_functions
+from polhode.closed_forms.attitude.winding import growth, longest
 
 
 class Frame(Protocol):

@@ -19,11 +19,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-import mpmath
-
-from polhode.body import Vector, is_zero
-from polhode.exact import Exact, sign, sqrt
-from polhode.references.rounding import log2, number
+from polhode.scenes.body import Vector, is_zero
+from polhode.numbers.exact import Exact, sign, sqrt
+from polhode.closed_forms.functions.rounding import log2, number
+from polhode.closed_forms.principal_scene import PrincipalScene
 
 Rows = tuple[tuple[Exact, ...], ...]
 
@@ -37,46 +36,39 @@ def third_axis(moments: Vector, torque: Vector) -> int | None:
     return None
 
 
-def failure(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> str | None:
-    """The condition that a start (in principal axes) does not meet, and by how much; None: it does.
+def failure(scene: PrincipalScene) -> tuple[str, Exact | None] | None:
+    """The condition that body and start do not meet, and by how much; None where they belong.
 
     A pendulum about the third axis (p = q = gamma3 = 0) is left to the pendulum.
     """
-    if is_zero(torque):
-        return "a body whose weight has a moment"
+    moments, torque, omega, gamma = scene.moments, scene.torque, scene.omega, scene.gamma
+    if gamma is None or is_zero(torque):
+        return "a weight that has a moment about the fixed point", None
     k = third_axis(moments, torque)
     if k is None:
         return _body_failure(moments, torque)
-    area = _dot(moments, omega, gamma)
+    momentum = tuple(x * y for x, y in zip(moments, omega, strict=True))
+    area = _dot(momentum, gamma)
     if sign(area) != 0:
-        return f"f = Iw.gamma = 0, which is {_short(area)}"
+        return "f = Iw.gamma = 0 over |Iw|", area / sqrt(_dot(momentum, momentum))
     i, j = (k + 1) % 3, (k + 2) % 3
     if is_zero((omega[i], omega[j], gamma[k])):
-        return "a motion that is not a pendulum's about the third axis"
+        return "a motion that is not a pendulum's about the third axis", None
     return None
 
 
-def _body_failure(moments: Vector, torque: Vector) -> str:
-    """What keeps a body from being Goryachev and Chaplygin's, about the axis where least is wrong.
-
-    The amounts: A/C - 4, B/C - 4 and the torque along the axis over the torque.
-    """
-    weight = sqrt(torque[0] * torque[0] + torque[1] * torque[1] + torque[2] * torque[2])
+def _body_failure(moments: Vector, torque: Vector) -> tuple[str, Exact]:
+    """The condition that a body breaks, about the axis where its worst amount is least."""
+    weight = sqrt(_dot(torque, torque))
 
     def misses(k: int) -> list[Exact]:
         i, j = (k + 1) % 3, (k + 2) % 3
         return [moments[i] / moments[k] - 4, moments[j] / moments[k] - 4, torque[k] / weight]
 
-    best = min((misses(k) for k in (2, 0, 1)), key=lambda row: sum(abs(float(x)) for x in row))
-    names = ("A = 4C, A/C - 4", "B = 4C, B/C - 4", "no torque along axis 3, its share")
-    return "; ".join(
-        f"{name} being {_short(x)}" for name, x in zip(names, best, strict=True) if sign(x)
-    )
-
-
-def _short(x: Exact) -> str:
-    bits = 64
-    return str(mpmath.nstr(number(x, bits), 3))
+    best = min((misses(k) for k in (2, 0, 1)), key=lambda row: max(abs(float(x)) for x in row))
+    names = ("A = 4C (in units of C)", "B = 4C (in units of C)", "Mg r0 at right angles to axis 3")
+    worst = max(range(3), key=lambda n: abs(float(best[n])))
+    return names[worst], best[worst]
 
 
 def _dot(*rows: Sequence[Exact]) -> Exact:
@@ -123,8 +115,8 @@ def start(
         rows = ((one, zero, zero), (zero, one, zero), (zero, zero, one))
     principal = [tuple(_dot(row, v) for row in rows) for v in (omega, gamma)]
     w, up = ((a, b, c) for a, b, c in principal)
-    if (fault := failure(moments, torque, w, up)) is not None:
-        raise ValueError(fault)
+    if (fault := failure(PrincipalScene(moments, torque, w, up))) is not None:
+        raise ValueError(f"a start that does not meet this condition: {fault[0]}")
     k = third_axis(moments, torque)
     assert k is not None
     i, j = (k + 1) % 3, (k + 2) % 3

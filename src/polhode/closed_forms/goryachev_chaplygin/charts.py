@@ -15,7 +15,7 @@ import mpmath
 from mpmath import mpf
 
 from polhode.closed_forms.goryachev_chaplygin.variables import Variable, width
-from polhode.references.theta import Functions, Jacobi, jacobi
+from polhode.closed_forms.functions.jacobi import Functions, Jacobi, jacobi
 
 
 class Chart(Protocol):

@@ -16,7 +16,7 @@ import mpmath
 from polhode.closed_forms.functions.fourier import Cosines, Doubles, cosines
 from polhode.closed_forms.goryachev_chaplygin.charts import Chart, chart
 from polhode.closed_forms.goryachev_chaplygin.variables import Variable
-from polhode.references.theta import MP, Functions
+from polhode.closed_forms.functions.jacobi import MP, Functions
 
 _PLAIN = 512  # samples of a turn up to which x itself is the angle
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import mpmath
 
-from polhode.references.theta import Functions, Jacobi, jacobi
+from polhode.closed_forms.functions.jacobi import Functions, Jacobi, jacobi
 
 
 class Point(NamedTuple):

@@ -34,8 +34,8 @@ from polhode.closed_forms.goryachev_chaplygin.variables import (
     v_part,
     v_whole,
 )
-from polhode.references.rounding import number
-from polhode.references.theta import MP, Functions
+from polhode.closed_forms.functions.rounding import number
+from polhode.closed_forms.functions.jacobi import MP, Functions
 
 
 class Path(Protocol):

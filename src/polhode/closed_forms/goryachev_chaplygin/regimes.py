@@ -7,7 +7,7 @@ v^3 - (H +- 2a)v + 4G; two roots of the latter meet where D+- = (H +- 2a)^3 - 10
 from __future__ import annotations
 
 from polhode.closed_forms.goryachev_chaplygin.axes import Start
-from polhode.exact import Exact, sign, sqrt
+from polhode.numbers.exact import Exact, sign, sqrt
 
 GENERIC_WHOLE = "two frequencies, v between the roots of one cubic"
 GENERIC_LOW = "two frequencies, v between the smaller roots of two cubics"

@@ -21,8 +21,8 @@ from polhode.closed_forms.functions.fourier import OddSines, cosines
 from polhode.closed_forms.goryachev_chaplygin.axes import Start
 from polhode.closed_forms.goryachev_chaplygin.clocks import Halves
 from polhode.closed_forms.goryachev_chaplygin.variables import v_roots
-from polhode.references.rounding import number
-from polhode.references.theta import Functions
+from polhode.closed_forms.functions.rounding import number
+from polhode.closed_forms.functions.jacobi import Functions
 
 _SAMPLES = 64  # tried first
 

@@ -17,21 +17,19 @@ from typing import Any
 import mpmath
 from mpmath import mpf
 
-from polhode.body import Vector
+from polhode.scenes.body import Vector
 from polhode.closed_forms.attitude.moving import Moving, moving
 from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.attitude import HalvesFrame, bounds
-from polhode.closed_forms.goryachev_chaplygin.axes import failure, start
+from polhode.closed_forms.goryachev_chaplygin.axes import start
 from polhode.closed_forms.goryachev_chaplygin.motion import Motion, frequencies, motion
 from polhode.closed_forms.goryachev_chaplygin.turning import turning
 from polhode.closed_forms.goryachev_chaplygin.variables import lost_bits
-from polhode.exact import Exact
-from polhode.references.euler_angles import angles
-from polhode.references.rounding import log2, number, rounded_up, shortened
-from polhode.references.start import start_quaternion, start_sign
-from polhode.references.theta import MP
-
-__all__ = ["GoryachevChaplyginTop", "failure"]
+from polhode.numbers.exact import Exact
+from polhode.closed_forms.attitude.angles import angles
+from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
+from polhode.closed_forms.attitude.start import start_quaternion, start_sign
+from polhode.closed_forms.functions.jacobi import MP
 
 _ZERO = Fraction(0)
 _GUARD = 64  # bits beyond the digits asked for and the growth of phases
@@ -52,6 +50,7 @@ class GoryachevChaplyginTop:
 
     def __init__(
         self,
+        *,
         moments: Vector,
         torque: Vector,
         omega: Vector,

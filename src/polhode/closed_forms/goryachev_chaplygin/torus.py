@@ -13,7 +13,7 @@ from typing import Any
 import mpmath
 
 from polhode.closed_forms.goryachev_chaplygin.clocks import Clock, Halves
-from polhode.references.theta import MP, Functions, numpy_functions
+from polhode.closed_forms.functions.jacobi import MP, Functions, numpy_functions
 
 _STEPS = 200
 _LARGEST = 0.5  # a step of Newton's method in doubles

@@ -33,7 +33,7 @@ from polhode.closed_forms.goryachev_chaplygin.explicit import Libration, Rotatio
 from polhode.closed_forms.goryachev_chaplygin.motion import Motion, Separated
 from polhode.closed_forms.goryachev_chaplygin.tending import Tending
 from polhode.closed_forms.goryachev_chaplygin.torus import Torus
-from polhode.references.theta import MP
+from polhode.closed_forms.functions.jacobi import MP
 
 #: chi(t) - chi(0), t in the motion's units.
 Turning = Callable[[Any], Any]
@@ -213,6 +213,6 @@ def _along(clock: Oscillating, small: Oscillating, al: Any) -> Any:
 
 
 def _slope(clock: Oscillating, x: float) -> float:
-    from polhode.references.theta import numpy_functions
+    from polhode.closed_forms.functions.jacobi import numpy_functions
 
     return float(clock.at(x, numpy_functions()).slope)

@@ -19,11 +19,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-import mpmath
-
-from polhode.body import Vector, cross, dot, is_zero, scaled
-from polhode.exact import Exact, sign, sqrt
-from polhode.references.rounding import log2, number
+from polhode.scenes.body import Vector, cross, dot, is_zero, scaled
+from polhode.numbers.exact import Exact, sign, sqrt
+from polhode.closed_forms.functions.rounding import log2
+from polhode.closed_forms.principal_scene import PrincipalScene
 
 Rows = tuple[tuple[Exact, ...], ...]
 
@@ -38,33 +37,31 @@ PLANE = (LIBRATION, ROTATION, SEPARATRIX)
 CONES = (CONE_TURNING, CONE_TENDING, CONE_LIMIT)
 
 
-def failure(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> str | None:
-    """The condition that a start (in principal axes) does not meet, and by how much; None: it does.
+def failure(scene: PrincipalScene) -> tuple[str, Exact | None] | None:
+    """The condition that body and start do not meet, and by how much; None where they belong.
 
     ``gamma`` is free.
     """
-    del gamma
-    if is_zero(torque):
-        return "a body whose weight has a moment"
+    moments, torque, omega = scene.moments, scene.torque, scene.omega
+    if scene.gamma is None or is_zero(torque):
+        return "a weight that has a moment about the fixed point", None
     order = _ranked(moments)
     if order is None:
-        return "three different principal moments"
+        return "three different principal moments", None
     i, j, k = order
     A, B, C = moments[i], moments[j], moments[k]
     square = dot(torque, torque)
     if sign(torque[j]) != 0:
-        share = torque[j] / sqrt(square)
-        return f"no torque along the axis of the middle moment, its share being {_short(share)}"
+        return "r0 at right angles to the middle axis", torque[j] / sqrt(square)
     miss = (A * (B - C) * torque[i] * torque[i] - C * (A - B) * torque[k] * torque[k]) / (
         A * C * square
     )
     if sign(miss) != 0:
-        return f"(B/C - 1) T1^2 = (1 - B/A) T3^2, the difference over |T|^2 being {_short(miss)}"
+        return "(B/C - 1) T1^2 = (1 - B/A) T3^2 in units of |T|^2", miss
     momentum: Vector = (moments[0] * omega[0], moments[1] * omega[1], moments[2] * omega[2])
     along = dot(momentum, torque)
     if sign(along) != 0:
-        share = along / sqrt(square * dot(momentum, momentum))
-        return f"Iw at right angles to r0, the cosine being {_short(share)}"
+        return "Iw at right angles to r0", along / sqrt(square * dot(momentum, momentum))
     return None
 
 
@@ -74,10 +71,6 @@ def _ranked(moments: Vector) -> tuple[int, int, int] | None:
         if moments[i] > moments[j] and moments[j] > moments[k]:
             return i, j, k
     return None
-
-
-def _short(x: Exact) -> str:
-    return str(mpmath.nstr(number(x, 64), 3))
 
 
 @dataclass(frozen=True)
@@ -107,8 +100,8 @@ def start(
         one, zero = Fraction(1), Fraction(0)
         rows = ((one, zero, zero), (zero, one, zero), (zero, zero, one))
     w, up = (_turned(rows, v) for v in (omega, gamma))
-    if (fault := failure(moments, torque, w, up)) is not None:
-        raise ValueError(fault)
+    if (fault := failure(PrincipalScene(moments, torque, w, up))) is not None:
+        raise ValueError(f"a start that does not meet this condition: {fault[0]}")
     order = _ranked(moments)
     assert order is not None
     i, j, k = order

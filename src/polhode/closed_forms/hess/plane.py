@@ -20,6 +20,6 @@ from mpmath import mpf
 
 from polhode.closed_forms.attitude.quaternions import about_first
 from polhode.closed_forms.hess.axes import LIBRATION, SEPARATRIX, Start
-from polhode.references.euler_motion import Quaternion, product
-from polhode.references.rounding import number
-from polhode.references.theta import Functions, Jacobi, jacobi
+from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.functions.rounding import number
+from polhode.closed_forms.functions.jacobi import Functions, Jacobi, jacobi
