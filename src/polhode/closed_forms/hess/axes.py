@@ -62,6 +62,8 @@ def failure(scene: PrincipalScene) -> tuple[str, Exact | None] | None:
     along = dot(momentum, torque)
     if sign(along) != 0:
         return "Iw at right angles to r0", along / sqrt(square * dot(momentum, momentum))
+    if is_zero(omega) and is_zero(cross(scene.gamma, torque)):
+        return "a body that is not in equilibrium", None
     return None
 
 
@@ -108,10 +110,8 @@ def start(
     A, B, C = moments[i], moments[j], moments[k]
     size = sqrt(dot(torque, torque))
     e1 = scaled(1 / size, torque)
-    # e3 is minus the middle axis in right-handed axes (i, j, k); else plus: a12 keeps its sign.
-    even = (j - i) % 3 == 1
     middle: list[Exact] = [Fraction(0)] * 3
-    middle[j] = Fraction(-1 if even else 1)
+    middle[j] = Fraction(-1)
     e3: Vector = (middle[0], middle[1], middle[2])
     e2 = cross(e3, e1)
     momentum: Vector = tuple(a * x / B for a, x in zip(moments, w, strict=True))  # type: ignore[assignment]
