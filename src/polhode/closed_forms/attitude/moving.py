@@ -20,8 +20,8 @@ import mpmath
 from mpmath import mpf
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
-from polhode.closed_forms.functions.jacobi import MP, Functions, numpy_functions
 from polhode.closed_forms.attitude.winding import growth, longest
+from polhode.closed_forms.functions.jacobi import MP, Functions, numpy_functions
 
 
 class Frame(Protocol):

@@ -93,7 +93,9 @@ class Cosines:
         """The integral of F(x) sin x."""
         rows = [k * term for k, term in enumerate(self.terms, start=1)]  # a_k/scale
         rows = [fixed(self.mean / self.scale, self.bits) * 2, *rows, 0, 0]
-        found = [(b - a) // (2 * n) for n, (a, b) in enumerate(zip(rows, rows[2:]), start=1)]
+        found = [
+            (b - a) // (2 * n) for n, (a, b) in enumerate(zip(rows[:-2], rows[2:], strict=True), 1)
+        ]
         return Waves(mpf(0), (), (0, *found), self.scale, self.bits)
 
     def doubles(self) -> Doubles:
@@ -216,11 +218,11 @@ class Waves:
         """The same in doubles."""
         assert self.bits is not None
         bits, scale = self.bits, float(self.scale)
-        rows = (
+        sines, others = (
             tuple(scale * float(mpmath.ldexp(x, -bits)) for x in row)
             for row in (self.sines, self.cosines)
         )
-        return Waves(float(self.mean), *rows, 1.0, None)
+        return Waves(float(self.mean), sines, others, 1.0, None)
 
 
 def waves(function: Callable[[Any], Any], most: int = _MOST) -> Waves:

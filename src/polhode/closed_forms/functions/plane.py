@@ -3,7 +3,8 @@
 W(al, be) on the torus, al' = rate_x, be' = rate_y: the sum of c_jk exp(i((j + h)al + (k + g)be)),
 h and g each 0 or 1/2, has the integral
 
-    sum c_jk (exp(i phase_jk(t)) - exp(i phase_jk(0)))/(i Om_jk),  Om_jk = (j + h)rate_x + (k + g)rate_y.
+    sum c_jk (exp(i phase_jk(t)) - exp(i phase_jk(0)))/(i Om_jk),
+    Om_jk = (j + h) rate_x + (k + g) rate_y.
 
 Where Om_jk is small the quotient is t sinc(Om_jk t/2) times the middle phase: resonances cost
 nothing.  Coefficients come from a two-dimensional fast transform on integers.
@@ -47,7 +48,9 @@ class Plane:
     """The integral along the line, as a function of the phases and the time."""
 
     shift: tuple[Fraction, Fraction]  # h, g
-    rows: tuple[tuple[int, int, Any, Any], ...]  # j, first k, real and imaginary parts of 2 c/(i Om)
+    rows: tuple[
+        tuple[int, int, Any, Any], ...
+    ]  # j, first k, real and imaginary parts of 2 c/(i Om)
     slow: tuple[Slow, ...]
     bits: int
 
@@ -124,10 +127,14 @@ def _coefficients(
     re, im = values, 0 * values
     for axis, (count, part) in enumerate(zip((n, m), shift, strict=True)):
         if part:
-            turns = [mpf(2 * i) / count * mpf(part.numerator) / part.denominator for i in range(count)]
+            turns = [
+                mpf(2 * i) / count * mpf(part.numerator) / part.denominator for i in range(count)
+            ]
             shape = (count, 1) if axis == 0 else (1, count)
             c = np.array([fixed(mpmath.cospi(x), bits) for x in turns], dtype=object).reshape(shape)
-            s = np.array([fixed(-mpmath.sinpi(x), bits) for x in turns], dtype=object).reshape(shape)
+            s = np.array([fixed(-mpmath.sinpi(x), bits) for x in turns], dtype=object).reshape(
+                shape
+            )
             re, im = (re * c - im * s) >> bits, (re * s + im * c) >> bits
     re, im = transform(re, im, bits)
     re, im = transform(np.ascontiguousarray(re.T), np.ascontiguousarray(im.T), bits)
@@ -154,8 +161,7 @@ def _gathered(
             if not shift[0] and j == 0:  # both signs of k are there: each counts once
                 x, y = x // 2, y // 2
             if abs(rate) < mpmath.ldexp(fast, -_SLOW):
-                parts = floating(x, bits), floating(y, bits)
-                slow.append(Slow(j + h, k + g, *parts, rate))
+                slow.append(Slow(j + h, k + g, floating(x, bits), floating(y, bits), rate))
                 continue
             over = fixed(1 / rate, bits)
             found[k] = (y * over) >> bits, (-x * over) >> bits
@@ -165,4 +171,3 @@ def _gathered(
             real, imaginary = (np.array([p[i] for p in parts], dtype=object) for i in (0, 1))
             rows.append((j, first, real, imaginary))
     return Plane(shift, tuple(rows), tuple(slow), bits)
-

@@ -16,13 +16,13 @@ from typing import Any
 import mpmath
 from mpmath import mpf
 
+from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.functions.jacobi import Functions
 from polhode.closed_forms.goryachev_chaplygin.clocks import Clock
 from polhode.closed_forms.goryachev_chaplygin.explicit import Libration, Point, Rotation, Separatrix
 from polhode.closed_forms.goryachev_chaplygin.motion import Motion, Path, Separated, joined
 from polhode.closed_forms.goryachev_chaplygin.tending import Tending
 from polhode.closed_forms.goryachev_chaplygin.torus import Torus
-from polhode.closed_forms.attitude.quaternion import Quaternion, product
-from polhode.closed_forms.functions.jacobi import Functions
 
 #: Takes the third axis to the first, the first to the second, the second to the third.
 _RENAMED = (0.5, 0.5, 0.5, 0.5)

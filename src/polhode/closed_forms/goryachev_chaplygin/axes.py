@@ -19,10 +19,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from polhode.scenes.body import Vector, is_zero
-from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.closed_forms.functions.rounding import log2, number
 from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.numbers.exact import Exact, sign, sqrt
+from polhode.scenes.body import Vector, is_zero
 
 Rows = tuple[tuple[Exact, ...], ...]
 

@@ -14,9 +14,9 @@ from typing import Any, Protocol
 import mpmath
 
 from polhode.closed_forms.functions.fourier import Cosines, Doubles, cosines
+from polhode.closed_forms.functions.jacobi import MP, Functions
 from polhode.closed_forms.goryachev_chaplygin.charts import Chart, chart
 from polhode.closed_forms.goryachev_chaplygin.variables import Variable
-from polhode.closed_forms.functions.jacobi import MP, Functions
 
 _PLAIN = 512  # samples of a turn up to which x itself is the angle
 
@@ -88,7 +88,8 @@ class Oscillating:
 
     def floats(self) -> Oscillating:
         """The same in doubles, for arrays."""
-        assert isinstance(self.S, Cosines) and isinstance(self.U, Cosines)
+        assert isinstance(self.S, Cosines)
+        assert isinstance(self.U, Cosines)
         rows = self.S.doubles(), self.U.doubles()
         return Oscillating(self.variable.floats(), self.chart.floats(), *rows)
 

@@ -180,7 +180,9 @@ def rotation(a: Any, H: Any, start: tuple[Any, Any, Any, Any, Any]) -> Rotation:
     """From u, v, xi, et at the precision in force."""
     _, _, xi, et, _ = start
     m, m1 = 4 * a / (H + 2 * a), (H - 2 * a) / (H + 2 * a)
-    fu, fv = (mpmath.atan2(mpmath.cos(x / 2) / mpmath.sqrt(m1), mpmath.sin(x / 2)) for x in (xi, et))
+    fu, fv = (
+        mpmath.atan2(mpmath.cos(x / 2) / mpmath.sqrt(m1), mpmath.sin(x / 2)) for x in (xi, et)
+    )
     cos, sin = mpmath.cos_sin((fu - fv) / 2)
     y0 = (_first(fu, m, m1) + _first(fv, m, m1)) / 2
     size, rate = mpmath.sqrt(H - 2 * a), mpmath.sqrt(H + 2 * a) / 4

@@ -16,6 +16,8 @@ from typing import Any, Protocol
 import mpmath
 from mpmath import mpf
 
+from polhode.closed_forms.functions.jacobi import MP, Functions
+from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev_chaplygin import explicit, regimes
 from polhode.closed_forms.goryachev_chaplygin.axes import Start
 from polhode.closed_forms.goryachev_chaplygin.clocks import (
@@ -34,8 +36,6 @@ from polhode.closed_forms.goryachev_chaplygin.variables import (
     v_part,
     v_whole,
 )
-from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.functions.jacobi import MP, Functions
 
 
 class Path(Protocol):
@@ -104,7 +104,7 @@ def motion(start: Start, regime: str, bits: int) -> Motion:
         w, gamma = start.numbers(bits)
         a, H = number(start.a, bits), number(start.H, bits)
         if regime in regimes.EXPLICIT:
-            make = {
+            make: Any = {
                 regimes.LIBRATING: explicit.libration,
                 regimes.ROTATING: explicit.rotation,
                 regimes.SEPARATRIX: explicit.separatrix,
@@ -145,9 +145,7 @@ def _angles(start: Start, bits: int) -> tuple[Any, Any, Any, Any, Any]:
         _, (_, g2, g3) = start.numbers(bits)
         return mpf(0), mpf(0), None, None, -g2 / mpmath.hypot(g2, g3)
     u, v, sin_xi, sin_et = _sines(start, bits)
-    xi, et = (
-        mpmath.atan2(s, (z * z - H) / (2 * a)) for z, s in ((u, sin_xi), (v, sin_et))
-    )
+    xi, et = (mpmath.atan2(s, (z * z - H) / (2 * a)) for z, s in ((u, sin_xi), (v, sin_et)))
     return u, v, xi, et, None
 
 

@@ -18,11 +18,11 @@ from typing import Any
 import mpmath
 
 from polhode.closed_forms.functions.fourier import OddSines, cosines
+from polhode.closed_forms.functions.jacobi import Functions
+from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev_chaplygin.axes import Start
 from polhode.closed_forms.goryachev_chaplygin.clocks import Halves
 from polhode.closed_forms.goryachev_chaplygin.variables import v_roots
-from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.functions.jacobi import Functions
 
 _SAMPLES = 64  # tried first
 
@@ -81,7 +81,9 @@ class Tending:
 
     def floats(self) -> Tending:
         """The same in doubles, for arrays."""
-        numbers = {name: float(getattr(self, name)) for name in ("w", "ve", "vo", "a", "gw")}
+        numbers: dict[str, Any] = {
+            name: float(getattr(self, name)) for name in ("w", "ve", "vo", "a", "gw")
+        }
         return replace(self, **numbers, S=self.S.doubles(), U=self.U.doubles())
 
 

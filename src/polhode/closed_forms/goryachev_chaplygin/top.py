@@ -17,8 +17,11 @@ from typing import Any
 import mpmath
 from mpmath import mpf
 
-from polhode.scenes.body import Vector
+from polhode.closed_forms.attitude.angles import angles
 from polhode.closed_forms.attitude.moving import Moving, moving
+from polhode.closed_forms.attitude.start import start_quaternion, start_sign
+from polhode.closed_forms.functions.jacobi import MP
+from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.attitude import HalvesFrame, bounds
 from polhode.closed_forms.goryachev_chaplygin.axes import start
@@ -26,10 +29,7 @@ from polhode.closed_forms.goryachev_chaplygin.motion import Motion, frequencies,
 from polhode.closed_forms.goryachev_chaplygin.turning import turning
 from polhode.closed_forms.goryachev_chaplygin.variables import lost_bits
 from polhode.numbers.exact import Exact
-from polhode.closed_forms.attitude.angles import angles
-from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
-from polhode.closed_forms.attitude.start import start_quaternion, start_sign
-from polhode.closed_forms.functions.jacobi import MP
+from polhode.scenes.body import Vector
 
 _ZERO = Fraction(0)
 _GUARD = 64  # bits beyond the digits asked for and the growth of phases

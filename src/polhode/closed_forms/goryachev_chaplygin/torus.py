@@ -12,8 +12,8 @@ from typing import Any
 
 import mpmath
 
-from polhode.closed_forms.goryachev_chaplygin.clocks import Clock, Halves
 from polhode.closed_forms.functions.jacobi import MP, Functions, numpy_functions
+from polhode.closed_forms.goryachev_chaplygin.clocks import Clock, Halves
 
 _STEPS = 200
 _LARGEST = 0.5  # a step of Newton's method in doubles

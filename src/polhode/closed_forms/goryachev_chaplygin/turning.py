@@ -10,7 +10,6 @@ that tends to it is summed by panels until nothing is left but the limit.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -19,21 +18,19 @@ import numpy as np
 from mpmath import mpf
 
 from polhode.closed_forms.functions.fourier import (
-    Cosines,
     TooManyTerms,
     Waves,
     cosines,
     fixed,
     waves,
 )
+from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.panels import Panels
-from polhode.closed_forms.functions.plane import Plane, plane
-from polhode.closed_forms.goryachev_chaplygin.clocks import Clock, Oscillating, Standing
+from polhode.closed_forms.functions.plane import plane
+from polhode.closed_forms.goryachev_chaplygin.clocks import Oscillating, Standing
 from polhode.closed_forms.goryachev_chaplygin.explicit import Libration, Rotation, Separatrix
 from polhode.closed_forms.goryachev_chaplygin.motion import Motion, Separated
 from polhode.closed_forms.goryachev_chaplygin.tending import Tending
-from polhode.closed_forms.goryachev_chaplygin.torus import Torus
-from polhode.closed_forms.functions.jacobi import MP
 
 #: chi(t) - chi(0), t in the motion's units.
 Turning = Callable[[Any], Any]
@@ -144,7 +141,8 @@ def _of_torus(path: Separated, sg: int) -> Turning:
     """Two frequencies: a double series in al = S/S_0 and be = S~/S~_0."""
     torus = path.torus
     one, other = torus.u, torus.v
-    assert isinstance(one, Oscillating) and isinstance(other, Oscillating)
+    assert isinstance(one, Oscillating)
+    assert isinstance(other, Oscillating)
     # v's halves change sign with a turn of y but where v moves between the roots of one cubic.
     odd = other.variable.cosine[0] != "one"
     shift = Fraction(1, 2), Fraction(1, 2) if odd else Fraction(0)

@@ -20,9 +20,9 @@ from typing import Any
 import mpmath
 from mpmath import mpf
 
+from polhode.closed_forms.functions.rounding import log2, number
 from polhode.closed_forms.goryachev_chaplygin.axes import Start
 from polhode.closed_forms.goryachev_chaplygin.regimes import discriminants
-from polhode.closed_forms.functions.rounding import log2, number
 
 #: Which functions of the half angle stand before the roots in sin(angle/2) and cos(angle/2).
 _FACTORS: dict[str, Callable[[Any, Any], Any]] = {

@@ -19,10 +19,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from polhode.scenes.body import Vector, cross, dot, is_zero, scaled
-from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.closed_forms.functions.rounding import log2
 from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.numbers.exact import Exact, sign, sqrt
+from polhode.scenes.body import Vector, cross, dot, is_zero, scaled
 
 Rows = tuple[tuple[Exact, ...], ...]
 
@@ -107,7 +107,7 @@ def start(
     order = _ranked(moments)
     assert order is not None
     i, j, k = order
-    A, B, C = moments[i], moments[j], moments[k]
+    B = moments[j]
     size = sqrt(dot(torque, torque))
     e1 = scaled(1 / size, torque)
     middle: list[Exact] = [Fraction(0)] * 3

@@ -1,6 +1,7 @@
 """Hess's motions with f = 0 and on the steady cone: explicit (units with b = 1).
 
-f = 0: th, the angle from r0 to the vertical, is a pendulum's: del = th - pi, del'' = -P sin del, and
+f = 0: th, the angle from r0 to the vertical, is a pendulum's: del = th - pi,
+del'' = -P sin del, and
 
     Z = th' e^{i ch},    u = cos th,    Gm = i sin th e^{i ch},    ch' = -a12 Re Z,
 
@@ -11,7 +12,7 @@ and Gm/Z are constant, and (sin, cos)(ch/2) obeys a linear equation to a common 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import mpmath
@@ -102,9 +103,10 @@ class Plane:
     def floats(self) -> Plane:
         """The same in doubles."""
         elliptic = None if self.elliptic is None else self.elliptic.floats()
-        rest = (float(getattr(self, n)) for n in ("k", "om", "v0", "rate", "th0", "a12"))
+        names = ("k", "om", "v0", "rate", "th0", "a12")
+        numbers: dict[str, Any] = {name: float(getattr(self, name)) for name in names}
         half = float(self.half[0]), float(self.half[1])
-        return Plane(self.kind, elliptic, *rest, half)
+        return replace(self, elliptic=elliptic, half=half, **numbers)
 
 
 def plane(start: Start, kind: str, bits: int) -> Plane:

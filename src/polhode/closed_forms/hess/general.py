@@ -98,9 +98,7 @@ def _joined(a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
 
 def general(start: Start, bits: int) -> General:
     """The constants at the precision in force, that of ``bits`` bits."""
-    P, h, f, a12, u = (
-        number(x, bits) for x in (start.P, start.h, start.f, start.a12, start.u)
-    )
+    P, h, f, a12, u = (number(x, bits) for x in (start.P, start.h, start.f, start.a12, start.u))
     z, g = ([number(x, bits) for x in pair] for pair in (start.Z, start.g))
     u1, u2, u3 = _roots(P, h, f)
     rate = mpmath.sqrt(P / 2)

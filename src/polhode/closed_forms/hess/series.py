@@ -5,8 +5,8 @@ In axes that turn about e1 so that w has no part along it (units with b = 1),
     z' = -iPg,   g' = iuz,   u' = Im(conj(g) z),
     U' = i(a12/2) z V,   V' = -i(a12/2) conj(z) U,   q' = q (0, 0, z1, z2)/2,
 
-q the quaternion of these axes.  Every coefficient is that of a step of its own length, an integer in
-units of 2^-bits; a step is as long as the last terms allow.
+q the quaternion of these axes.  Every coefficient is that of a step of its own length, an integer
+in units of 2^-bits; a step is as long as the last terms allow.
 """
 
 from __future__ import annotations
@@ -63,10 +63,10 @@ def period(start: Sequence[Any], P: Any, a12: Any, end: Any) -> Period:
     order = math.ceil(0.35 * bits) + 12  # terms fall by e^-2
     now, state, steps = mpf(0), list(start), []
     with mpmath.workprec(bits):
+        numbers = fixed(P, bits), fixed(a12, bits)
         while now < end:
-            rows = _series([fixed(x, bits) for x in state], fixed(P, bits), fixed(a12, bits), order, bits)
-            share = _share(rows, bits)
-            length = min(share, end - now)
+            rows = _series([fixed(x, bits) for x in state], *numbers, order, bits)
+            length = min(_share(rows), end - now)
             shrunk = _shrunk(rows, length, bits)
             steps.append(Step(now, length, shrunk))
             state = _summed(shrunk, 1 << bits, bits)
@@ -79,35 +79,30 @@ def _series(start: list[int], P: int, a12: int, order: int, bits: int) -> list[l
     rows = [[x] for x in start]
     z1, z2, g1, g2, u, U1, U2, V1, V2, q0, q1, q2, q3 = rows
     for n in range(order):
-        back = {id(row): row[::-1] for row in (z1, z2)}
-
-        def times(a: list[int], z: list[int], back: dict[int, list[int]] = back) -> int:
-            return sum(map(mul, a, back[id(z)]))
-
-        new = [
-            (P * g2[n]),
-            -(P * g1[n]),
-            -times(u, z2),
-            times(u, z1),
-            times(g1, z2) - times(g2, z1),
-        ]
-        zV = times(V1, z1) - times(V2, z2), times(V2, z1) + times(V1, z2)
-        zU = times(U1, z1) + times(U2, z2), times(U2, z1) - times(U1, z2)
+        x, y = z1[::-1], z2[::-1]
+        new = [P * g2[n], -P * g1[n], -_times(u, y), _times(u, x), _times(g1, y) - _times(g2, x)]
+        zV = _times(V1, x) - _times(V2, y), _times(V2, x) + _times(V1, y)
+        zU = _times(U1, x) + _times(U2, y), _times(U2, x) - _times(U1, y)
         half = a12 >> 1
         new += [-(half * zV[1] >> bits), half * zV[0] >> bits]
         new += [half * zU[1] >> bits, -(half * zU[0] >> bits)]
         new += [
-            (-times(q2, z1) - times(q3, z2)) >> 1,
-            (times(q2, z2) - times(q3, z1)) >> 1,
-            (times(q0, z1) - times(q1, z2)) >> 1,
-            (times(q0, z2) + times(q1, z1)) >> 1,
+            (-_times(q2, x) - _times(q3, y)) >> 1,
+            (_times(q2, y) - _times(q3, x)) >> 1,
+            (_times(q0, x) - _times(q1, y)) >> 1,
+            (_times(q0, y) + _times(q1, x)) >> 1,
         ]
-        for row, x in zip(rows, new, strict=True):
-            row.append((x >> bits) // (n + 1))
+        for row, term in zip(rows, new, strict=True):
+            row.append((term >> bits) // (n + 1))
     return rows
 
 
-def _share(rows: list[list[int]], bits: int) -> Any:
+def _times(a: list[int], back: list[int]) -> int:
+    """A coefficient of a product, the second factor in reverse order."""
+    return sum(map(mul, a, back))
+
+
+def _share(rows: list[list[int]]) -> Any:
     """The length over which the last terms are below the unit, at most a unit of time."""
     order = len(rows[0]) - 1
     share = mpf(1)
