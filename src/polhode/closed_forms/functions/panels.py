@@ -1,7 +1,8 @@
 """The integral of a function from 0 to any time, panel by panel, for functions without a period.
 
 Each panel holds a Chebyshev series of the integral (Clenshaw and Curtis, Numer. Math. 2 (1960)
-197), made when it is first needed.  The work grows with time: beyond MOST_PANELS ValueError is raised.
+197), made when it is first needed.  The work grows with time: beyond MOST_PANELS ValueError is
+raised.
 """
 
 from __future__ import annotations

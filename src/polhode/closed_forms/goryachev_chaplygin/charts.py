@@ -1,8 +1,8 @@
 """Where a root of the radicand is near the interval: an elliptic angle in place of x.
 
 With z = M - D cos x on [z1, z2] and z' the nearest other root, an argument tau of Jacobi's
-functions takes the root z' to the far end of its period; a Fourier series in theta = 2 pi tau/period then
-needs only as many terms as log(1/gap).  Every chart is odd and increasing, theta and x make whole
+functions takes the root z' to the far end of its period; a Fourier series in theta = 2 pi tau/period
+then needs only as many terms as log(1/gap).  Every chart is odd and increasing, theta and x make whole
 turns together: it changes the length of the series and nothing else.
 """
 
