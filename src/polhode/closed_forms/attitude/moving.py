@@ -21,13 +21,13 @@ from mpmath import mpf
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.attitude.winding import growth, longest
-from polhode.closed_forms.functions.jacobi import MP, Functions, numpy_functions
+from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 
 
 class Frame(Protocol):
     """F as a function of time."""
 
-    def at(self, t: Any, fn: Functions) -> Quaternion:
+    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The quaternion at t, continuous in t."""
         ...
 
@@ -49,7 +49,7 @@ class Moving:
     quickest: Any  # a bound of the rate of F
     period: Any | None = None  # after which F repeats up to its sign
 
-    def at(self, t: Any, fn: Functions) -> Quaternion:
+    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         frame = self._framed(t, fn)
         if self.chi is None:
@@ -58,7 +58,7 @@ class Moving:
         a, b, c, d = frame  # (cos, 0, 0, sin) times it; L too is a turn about the vertical
         return a * cos - d * sin, b * cos - c * sin, b * sin + c * cos, a * sin + d * cos
 
-    def _framed(self, t: Any, fn: Functions) -> Quaternion:
+    def _framed(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         return product(product(self.left, self.frame.at(t, fn)), self.right)
 
     def speed(self) -> Any:

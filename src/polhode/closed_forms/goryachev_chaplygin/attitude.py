@@ -17,7 +17,7 @@ import mpmath
 from mpmath import mpf
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
-from polhode.closed_forms.functions.jacobi import Functions
+from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.goryachev_chaplygin.clocks import Clock
 from polhode.closed_forms.goryachev_chaplygin.explicit import Libration, Point, Rotation, Separatrix
 from polhode.closed_forms.goryachev_chaplygin.motion import Motion, Path, Separated, joined
@@ -36,7 +36,7 @@ class HalvesFrame:
     sg: int
     unit: Any  # the motion's time over the scene's; negative where time is reversed
 
-    def at(self, t: Any, fn: Functions) -> Quaternion:
+    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The quaternion at t, continuous in t."""
         return placed(self.path.at(t * self.unit, fn), self.sg, fn)
 
@@ -62,7 +62,7 @@ class DoublePath:
         begin, later = torus.mean(mpf(0)), torus.mean(mpf(1))
         self._mean = [(float(x), float(y - x)) for x, y in zip(begin, later, strict=True)]
 
-    def at(self, t: Any, fn: Functions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> Point:
         """The points at an array of times."""
         (x, dx), (y, dy) = self._mean
         mean_x, mean_y = x + dx * t, y + dy * t
@@ -71,7 +71,7 @@ class DoublePath:
         return joined(one, other, self._a, fn)
 
 
-def placed(point: Point, sg: int, fn: Functions) -> Quaternion:
+def placed(point: Point, sg: int, fn: SeriesFunctions) -> Quaternion:
     """The quaternion of the frame at a point."""
     (sx, cx), (se, ce) = point.xi, point.et
     one, two, _ = point.shares

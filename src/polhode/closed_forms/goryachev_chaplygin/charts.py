@@ -1,8 +1,8 @@
 """Where a root of the radicand is near the interval: an elliptic angle in place of x.
 
 With z = M - D cos x on [z1, z2] and z' the nearest other root, an argument tau of Jacobi's
-functions takes the root z' to the far end of its period; a Fourier series in theta = 2 pi tau/period
-then needs only as many terms as log(1/gap).  Every chart is odd and increasing, theta and x make whole
+functions takes z' to the far end of its period; a Fourier series in theta = 2 pi tau/period then
+needs only as many terms as log(1/gap).  Every chart is odd and increasing, theta and x make whole
 turns together: it changes the length of the series and nothing else.
 """
 
@@ -14,14 +14,14 @@ from typing import Any, Protocol
 import mpmath
 from mpmath import mpf
 
-from polhode.closed_forms.functions.jacobi import Functions, Jacobi, jacobi
+from polhode.closed_forms.functions.jacobi import Jacobi, SeriesFunctions, jacobi
 from polhode.closed_forms.goryachev_chaplygin.variables import Variable, width
 
 
 class Chart(Protocol):
     """x as a function of theta."""
 
-    def at(self, theta: Any, fn: Functions) -> tuple[Any, Any, Any]:
+    def at(self, theta: Any, fn: SeriesFunctions) -> tuple[Any, Any, Any]:
         """cos(x/2), sin(x/2) and dx/dtheta."""
         ...
 
@@ -38,7 +38,7 @@ class Chart(Protocol):
 class Plain:
     """theta = x."""
 
-    def at(self, theta: Any, fn: Functions) -> tuple[Any, Any, Any]:
+    def at(self, theta: Any, fn: SeriesFunctions) -> tuple[Any, Any, Any]:
         """cos(x/2), sin(x/2) and dx/dtheta."""
         c, s = fn.cos_sin(theta / 2)
         return c, s, 1
@@ -61,7 +61,7 @@ class Beside:
     below: bool
     pi: Any
 
-    def at(self, theta: Any, fn: Functions) -> tuple[Any, Any, Any]:
+    def at(self, theta: Any, fn: SeriesFunctions) -> tuple[Any, Any, Any]:
         """cos(x/2), sin(x/2) and dx/dtheta."""
         j = self.elliptic
         tau = theta * j.K / self.pi
@@ -98,7 +98,7 @@ class Around:
     ka: Any
     pi: Any
 
-    def at(self, theta: Any, fn: Functions) -> tuple[Any, Any, Any]:
+    def at(self, theta: Any, fn: SeriesFunctions) -> tuple[Any, Any, Any]:
         """cos(x/2), sin(x/2) and dx/dtheta."""
         j = self.elliptic
         # Whole turns of theta first: then the half of am has a cosine that is not negative.
@@ -127,7 +127,7 @@ class Around:
         return Around(self.elliptic.floats(), m, float(self.ka), float(self.pi))
 
 
-def _half(sn: Any, cn: Any, fn: Functions) -> tuple[Any, Any]:
+def _half(sn: Any, cn: Any, fn: SeriesFunctions) -> tuple[Any, Any]:
     """cos and sin of half the angle in [-pi, pi] with that sine and cosine."""
     larger = fn.sqrt((1 + abs(cn)) / 2)
     smaller = abs(sn) / (2 * larger)

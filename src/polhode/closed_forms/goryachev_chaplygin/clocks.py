@@ -14,7 +14,7 @@ from typing import Any, Protocol
 import mpmath
 
 from polhode.closed_forms.functions.fourier import Cosines, Doubles, cosines
-from polhode.closed_forms.functions.jacobi import MP, Functions
+from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.goryachev_chaplygin.charts import Chart, chart
 from polhode.closed_forms.goryachev_chaplygin.variables import Variable
 
@@ -48,7 +48,7 @@ class Clock(Protocol):
         """S and U without their linear parts."""
         ...
 
-    def at(self, phase: Any, fn: Functions) -> Halves:
+    def at(self, phase: Any, fn: SeriesFunctions) -> Halves:
         """The variable at a phase."""
         ...
 
@@ -80,7 +80,7 @@ class Oscillating:
         """The sums of sines in S and U."""
         return self.S.bounded(phase), self.U.bounded(phase)
 
-    def at(self, phase: Any, fn: Functions) -> Halves:
+    def at(self, phase: Any, fn: SeriesFunctions) -> Halves:
         """The variable at theta = ``phase``."""
         c, s, rate = self.chart.at(phase, fn)
         z, sine, cosine = self.variable.halves(c, s, fn.sqrt)
@@ -126,7 +126,7 @@ class Standing:
         """Nothing."""
         return 0 * phase, 0 * phase
 
-    def at(self, phase: Any, fn: Functions) -> Halves:
+    def at(self, phase: Any, fn: SeriesFunctions) -> Halves:
         """The variable, whatever the phase."""
         return Halves(self.z, self.sine, self.cosine, 1)
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import mpmath
 
-from polhode.closed_forms.functions.jacobi import Functions, Jacobi, jacobi
+from polhode.closed_forms.functions.jacobi import Jacobi, SeriesFunctions, jacobi
 
 
 class Point(NamedTuple):
@@ -43,7 +43,7 @@ class Libration:
     y0: Any
     rate: Any
 
-    def at(self, t: Any, fn: Functions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> Point:
         """The motion at t."""
         m, m1, l, a = self.m, self.m1, self.l, self.a
         sn, cn, dn = _functions(self.elliptic, self.y0 + self.rate * t, fn)
@@ -92,7 +92,7 @@ class Rotation:
     y0: Any
     rate: Any
 
-    def at(self, t: Any, fn: Functions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> Point:
         """The motion at t."""
         m, m1, (SP, CP) = self.m, self.m1, self.P
         sn, cn, dn = _functions(self.elliptic, self.y0 + self.rate * t, fn)
@@ -128,7 +128,7 @@ class Separatrix:
     rate: Any
     period = None
 
-    def at(self, t: Any, fn: Functions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> Point:
         """The motion at t."""
         cosh, sinh = fn.cosh_sinh(self.y0 + self.rate * t)
         # sinh and cosh of b, sinh b = dl/cosh y; then of y + b and y - b.
@@ -148,7 +148,7 @@ class Separatrix:
 
 
 def positive(
-    u: Any, v: Any, xi: tuple[Any, Any], et: tuple[Any, Any], a: Any, fn: Functions
+    u: Any, v: Any, xi: tuple[Any, Any], et: tuple[Any, Any], a: Any, fn: SeriesFunctions
 ) -> Point:
     """A point with u, v > 0; chi' = 2a sqrt(uv) sin((et - xi)/2)/(u + v)^2."""
     root, total = fn.sqrt(u * v), u + v
@@ -156,7 +156,7 @@ def positive(
     return Point(u, v, root, (u / total, v / total, root / total), xi, et, turning)
 
 
-def _functions(j: Jacobi, y: Any, fn: Functions) -> tuple[Any, Any, Any]:
+def _functions(j: Jacobi, y: Any, fn: SeriesFunctions) -> tuple[Any, Any, Any]:
     waves = j.waves(y, fn)
     sn, cn, dn = j.functions(waves)
     side = 1 - 2 * (waves.turns % 2)

@@ -16,7 +16,7 @@ from typing import Any, Protocol
 import mpmath
 from mpmath import mpf
 
-from polhode.closed_forms.functions.jacobi import MP, Functions
+from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev_chaplygin import explicit, regimes
 from polhode.closed_forms.goryachev_chaplygin.axes import Start
@@ -41,7 +41,7 @@ from polhode.closed_forms.goryachev_chaplygin.variables import (
 class Path(Protocol):
     """u, v and the halves as functions of time."""
 
-    def at(self, t: Any, fn: Functions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> Point:
         """The point at t."""
         ...
 
@@ -53,17 +53,17 @@ class Separated:
     torus: Torus
     a: Any
 
-    def at(self, t: Any, fn: Functions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> Point:
         """The point at t."""
         _, one, other = self.torus.at(t)
         return self.joined(one, other, fn)
 
-    def joined(self, one: Halves, other: Halves, fn: Functions) -> Point:
+    def joined(self, one: Halves, other: Halves, fn: SeriesFunctions) -> Point:
         """The point from the two variables."""
         return joined(one, other, self.a, fn)
 
 
-def joined(one: Halves, other: Halves, a: Any, fn: Functions) -> Point:
+def joined(one: Halves, other: Halves, a: Any, fn: SeriesFunctions) -> Point:
     """The point from u's and v's halves."""
     xi, et = (one.sine, one.cosine), (other.sine, other.cosine)
     return positive(one.z, other.z, xi, et, a, fn)
@@ -77,7 +77,7 @@ class Motion:
     sg: int
     defect: Any  # by how much the start is missed, relative to |w| and 1
 
-    def at(self, t: Any, fn: Functions) -> tuple[Point, list[Any]]:
+    def at(self, t: Any, fn: SeriesFunctions) -> tuple[Point, list[Any]]:
         """The point and p, q, r, g1, g2, g3."""
         point = self.path.at(t, fn)
         return point, state(point, self.sg)

@@ -18,7 +18,7 @@ from typing import Any
 import mpmath
 
 from polhode.closed_forms.functions.fourier import OddSines, cosines
-from polhode.closed_forms.functions.jacobi import Functions
+from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev_chaplygin.axes import Start
 from polhode.closed_forms.goryachev_chaplygin.clocks import Halves
@@ -60,7 +60,7 @@ class Tending:
             return 1 / np.cosh(np.clip(y, -300, 300)), np.tanh(y)
         return mpmath.sech(y), mpmath.tanh(y)
 
-    def at(self, phase: Any, fn: Functions) -> Halves:
+    def at(self, phase: Any, fn: SeriesFunctions) -> Halves:
         """The variable at y = ``phase``."""
         sech, tanh = self._turned(phase)
         sech2, dl, total = sech * sech, abs(self.w - self.ve), self.ve + self.vo

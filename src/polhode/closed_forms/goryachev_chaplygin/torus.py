@@ -12,7 +12,7 @@ from typing import Any
 
 import mpmath
 
-from polhode.closed_forms.functions.jacobi import MP, Functions, numpy_functions
+from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 from polhode.closed_forms.goryachev_chaplygin.clocks import Clock, Halves
 
 _STEPS = 200
@@ -99,7 +99,7 @@ class DoubleTorus:
 
 
 def _step(
-    torus: Torus | DoubleTorus, mean: tuple[Any, Any], rest: tuple[Any, Any], fn: Functions
+    torus: Torus | DoubleTorus, mean: tuple[Any, Any], rest: tuple[Any, Any], fn: SeriesFunctions
 ) -> tuple[Any, Any]:
     """Newton's step in what is left of the phases."""
     (dx, dy), (x, y) = rest, (mean[0] + rest[0], mean[1] + rest[1])

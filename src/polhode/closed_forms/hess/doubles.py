@@ -9,7 +9,7 @@ import numpy as np
 from mpmath import mpf
 
 from polhode.closed_forms.attitude.quaternion import product
-from polhode.closed_forms.functions.jacobi import Functions
+from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.hess.explicit import Point
 from polhode.closed_forms.hess.general import General, powered
 
@@ -31,7 +31,7 @@ class DoubleGeneral:
             ]
         )
 
-    def at(self, t: Any, fn: Functions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> Point:
         """The points."""
         t1 = float(self._motion.period_of_u)
         n = np.floor(t / t1)

@@ -20,7 +20,7 @@ from mpmath import mpf
 
 from polhode.closed_forms.attitude.moving import of_matrix
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
-from polhode.closed_forms.functions.jacobi import Functions, Jacobi, jacobi
+from polhode.closed_forms.functions.jacobi import Jacobi, SeriesFunctions, jacobi
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.hess.axes import (
     CONE_LIMIT,
@@ -55,7 +55,7 @@ class Plane:
     a12: Any
     half: tuple[Any, Any]  # cos and sin of ch0/2
 
-    def at(self, t: Any, fn: Functions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> Point:
         """The motion at t."""
         c, s, speed, angle = self._pendulum(t, fn)
         X = self.a12 * (angle - self.th0) / 2
@@ -78,7 +78,7 @@ class Plane:
             product(tilt, turn),
         )
 
-    def _pendulum(self, t: Any, fn: Functions) -> tuple[Any, Any, Any, Any]:
+    def _pendulum(self, t: Any, fn: SeriesFunctions) -> tuple[Any, Any, Any, Any]:
         """cos and sin of del/2, th', and del unwrapped."""
         v = self.v0 + self.rate * t
         if self.elliptic is None:
@@ -150,7 +150,7 @@ class Cone:
     upright: Quaternion  # takes (u, g) to the vertical
     turning: Any  # chi' of the angular momentum in space
 
-    def at(self, t: Any, fn: Functions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> Point:
         """The motion at t."""
         (y1, y2), rate = self.half, self.rate
         if self.kind == CONE_LIMIT:

@@ -20,7 +20,7 @@ from mpmath import mpc, mpf
 
 from polhode.closed_forms.attitude.moving import conjugate, of_matrix
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
-from polhode.closed_forms.functions.jacobi import Functions
+from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.hess.axes import Start
 from polhode.closed_forms.hess.explicit import Point
@@ -38,7 +38,7 @@ class General:
     space: Any  # half of the turn about the vertical over a period
     period = None
 
-    def at(self, t: Any, fn: Functions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> Point:
         """The motion at t."""
         n = int(mpmath.floor(t / self.period_of_u))
         z1, z2, g1, g2, u, U1, U2, V1, V2, *q = self.series.at(t - n * self.period_of_u)

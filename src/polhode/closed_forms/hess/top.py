@@ -22,7 +22,7 @@ from polhode.closed_forms.attitude.angles import angles
 from polhode.closed_forms.attitude.moving import Moving, moving
 from polhode.closed_forms.attitude.quaternion import Quaternion
 from polhode.closed_forms.attitude.start import start_quaternion, start_sign
-from polhode.closed_forms.functions.jacobi import MP, Functions
+from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.hess import axes as surface
 from polhode.closed_forms.hess.doubles import DoubleGeneral
@@ -240,7 +240,7 @@ class SurfaceFrame:
     path: Plane | Cone | General | DoubleGeneral
     unit: Any
 
-    def at(self, t: Any, fn: Functions) -> Quaternion:
+    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The quaternion at t, continuous in t."""
         return self.path.at(t * self.unit, fn).frame
 
