@@ -16,6 +16,8 @@ from mpmath import mpc, mpf
 from polhode.closed_forms.functions import riemann_theta
 from polhode.closed_forms.kovalevskaya import axes as top_axes
 from polhode.closed_forms.kovalevskaya import generic
+from polhode.closed_forms.kovalevskaya.abel import image
+from polhode.closed_forms.kovalevskaya.curve import curve
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers import exact
 from polhode.scenes.body import OWN_AXES, PrincipalAxes, cross, dot
@@ -563,3 +565,29 @@ def test_sweep_of_starts_with_zeros_and_equal_values(seed):
         right = true_rows(omega, gamma, [F(4)], 33, moments, torque)
         assert distance(top.at([F(4)], 30), right) < mpf(10) ** -30, (torque, omega, gamma)
     assert len(regimes) > 5
+
+
+@pytest.mark.parametrize("name", ["-eee+", "e-+ (complex pair)"])
+@pytest.mark.parametrize("ends", [(mpc(1, 2), mpc(2, 3)), (mpc(-40, 30), mpc(-45, 20))])
+def test_images_of_complex_points_are_integrals(name, ends):
+    """A(s, w) at complex s: its growth over a segment is the integral, w continued."""
+    omega, gamma = (fractions(row) for row in GENERIC[name])
+    top = KovalevskayaTop(moments=BODY, torque=TORQUE, omega=omega, gamma=gamma, psi=F(0))
+    with mpmath.workprec(160):
+        made = curve(top._start, 160)
+        first, last = ends
+
+        def ordinate(x):
+            """w along the segment: one root whose sign follows that at the first end."""
+            s = first + (last - first) * x
+            return mpmath.sqrt(-2) * mpmath.fprod(
+                mpmath.sqrt((s - a) / (first - a)) * mpmath.sqrt(first - a) for a in made.points
+            )
+
+        one, other = image(made, first, ordinate(0)), image(made, last, ordinate(1))
+        for k in (0, 1):
+            grown = mpmath.quad(
+                lambda x, k=k: (first + (last - first) * x) ** k * (last - first) / ordinate(x),
+                [0, 1],
+            )
+            assert abs(other[k] - one[k] - grown) < mpf("1e-40")
