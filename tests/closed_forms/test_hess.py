@@ -55,12 +55,6 @@ def cone(u, side=1):
 
 
 TILT = (F(2, 7), F(3, 7), F(6, 7))
-LEVEL = (F(4, 5), F(0), F(-3, 5))  # at right angles to r0
-
-
-def flat(speed):
-    """f = 0: Iw at right angles to gamma, w along the middle axis; gamma in the plane of r0."""
-    return on_surface(0, speed), (F(7, 25), F(0), F(24, 25))
 
 
 MOTIONS = {
@@ -74,16 +68,16 @@ MOTIONS = {
 }
 
 
-def crossing(speed, gamma=LEVEL):
-    """f = 0 with u = 0: Iw along gamma x e1."""
-    e3 = (F(0), F(-1), F(0))  # gamma = -e2, so e3 is at right angles
-    momentum = tuple(speed * x for x in e3)
-    return tuple(m / a for m, a in zip(momentum, BODY, strict=True)), gamma
+LOXODROME = (F(109, 125), F(-12, 25), F(12, 125))  # u = 3/5, Iw along 3 e2 + 4 e3
 
 
-# h = b M^2/2 at u = 0: rotation where it is above P = 1.
-MOTIONS["rotation"] = (*crossing(F(5, 3)), axes.ROTATION)
-MOTIONS["separatrix"] = (*crossing(5 * exact.sqrt(F(1, 17))), axes.SEPARATRIX)
+def upwards(size):
+    """f = 0 with h = (34/25) size^2/2 + 3/5."""
+    return tuple(size * x for x in (F(-12, 25), F(-136, 125), F(18, 25)))
+
+
+MOTIONS["rotation"] = (upwards(F(5, 4)), LOXODROME, axes.ROTATION)
+MOTIONS["separatrix"] = (upwards(exact.sqrt(F(10, 17))), LOXODROME, axes.SEPARATRIX)
 
 
 def top(omega, gamma, torque=TORQUE, body=BODY, psi=ZERO):

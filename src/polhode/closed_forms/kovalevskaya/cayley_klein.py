@@ -71,6 +71,29 @@ class CayleyKlein:
 
     def at(self, t: Any, u1: Any = 0) -> tuple[Any, Any]:
         """xi and eta at t, u1."""
+        found = self._quotients(t, u1)
+        return found[0][0], found[1][0]
+
+    def certified(self, t: Any) -> tuple[Any, Any, Any]:
+        """xi and eta at t, and by how much they miss unity, gamma and their equations."""
+        (xi, xi_log), (eta, eta_log) = self._quotients(t, 0)
+        p, q, r, G1, G2, G3 = self.motion.at(t)[0]
+        x, size = mpc(p, q), mpmath.sqrt(G1 * G1 + G2 * G2 + G3 * G3)
+        speed = max(1, abs(x), abs(r))
+        one = xi * xi_log - 0.5j * (x * eta - r * xi)
+        other = eta * eta_log - 0.5j * (r * eta + x.conjugate() * xi)
+        # g1 + i g2 = 2i conj(al) bt with al = i eta, bt = xi
+        misses = [
+            abs(abs(xi) ** 2 + abs(eta) ** 2 - 1),
+            abs(abs(eta) ** 2 - abs(xi) ** 2 - G3 / size),
+            abs(2 * eta.conjugate() * xi - mpc(G1, G2) / size),
+            abs(one) / speed,
+            abs(other) / speed,
+        ]
+        return xi, eta, max(self.defect, *misses)
+
+    def _quotients(self, t: Any, u1: Any) -> list[tuple[Any, Any]]:
+        """xi and eta, each with its logarithmic derivative along V."""
         U, V = self.ways
         z = tuple(a + u1 * b + t * c for a, b, c in zip(self.motion.z0, U, V, strict=True))
         (_, l), (_, k) = whole_parts(self.tau, (z[0] / 2, z[1] / 2))
@@ -81,11 +104,12 @@ class CayleyKlein:
         moved = k[0] * self.e[0] + k[1] * self.e[1]
         exponent = self.rates[1] * t + self.rates[0] * u1 - 2j * mpmath.pi * moved
         factor = mpmath.exp(exponent + above.log - below.log)
-        xi, eta = (
-            factor * above.combined(top) / below.combined(bottom)
-            for top, bottom in zip(self.numerators, self.denominators, strict=True)
-        )
-        return xi, eta
+        found = []
+        for top, bottom in zip(self.numerators, self.denominators, strict=True):
+            over, under = above.combined(top), below.combined(bottom)
+            slope = self.rates[1] + above.along(top, V) / over - below.along(bottom, V) / under
+            found.append((factor * over / under, slope))
+        return found
 
 
 def quaternion(xi: Any, eta: Any) -> tuple[Any, Any, Any, Any]:
@@ -190,9 +214,7 @@ def _rates(motion: Generic, U: Pair, E: Sequence[Pair], b: Any, weight: Any) -> 
         (n for n in range(5) if n != i),
         key=lambda n: min(abs(row[n][0]) / _size(row) for both in rows for row in both),
     )
-    total = sum(
-        _log_slope(turned, minus, j) - _log_slope(turned, plus, j) for minus, plus in moved
-    )
+    total = sum(_log_slope(turned, minus, j) - _log_slope(turned, plus, j) for minus, plus in moved)
     return c, weight * point / (2 * (point * point + b)) - total / 4 - point * c
 
 
@@ -218,8 +240,10 @@ def _jets(tau: SymmetricMatrix) -> Callable[[Pair], Jet]:
         (_, l), (_, k) = whole_parts(double, z)
         steps = _times(double, k)
         rest = z[0] - l[0] - steps[0], z[1] - l[1] - steps[1]
-        log = -1j * mpmath.pi * (
-            k[0] * steps[0] + k[1] * steps[1] + 2 * (k[0] * rest[0] + k[1] * rest[1])
+        log = (
+            -1j
+            * mpmath.pi
+            * (k[0] * steps[0] + k[1] * steps[1] + 2 * (k[0] * rest[0] + k[1] * rest[1]))
         )
         values, slopes = [], []
         for (a1, a2, _, _), (value, d1, d2) in zip(wanted, made.sums(rest, wanted), strict=True):
@@ -270,9 +294,7 @@ def _denominator(
         rows.append([x * one / size, x * two / size, -one / size, -two / size])
     null = []
     for skipped in range(4):
-        minor = mpmath.matrix(
-            [[row[j] for j in range(4) if j != skipped] for row in rows[:3]]
-        )
+        minor = mpmath.matrix([[row[j] for j in range(4) if j != skipped] for row in rows[:3]])
         null.append((-1) ** skipped * mpmath.det(minor))
     scale = max(abs(z) for z in null)
     null = [z / scale for z in null]
