@@ -60,9 +60,8 @@ class Plane:
         c, s, speed, angle = self._pendulum(t, fn)
         X = self.a12 * (angle - self.th0) / 2
         c0, s0 = self.half
-        small = _exponential(-2 * abs(X))
-        up = (X >= 0) * 1
-        al, be = (c0 - s0) * (up + (1 - up) * small), (c0 + s0) * (up * small + 1 - up)
+        grown, shrunk = _balanced(X)
+        al, be = (c0 - s0) * grown, (c0 + s0) * shrunk
         norm = fn.hypot(al, be)
         al, be = al / norm, be / norm
         cos, sin = 2 * al * be, (be - al) * (be + al)
@@ -212,12 +211,15 @@ def cone(start: Start, kind: str, bits: int) -> Cone:
     return Cone(kind, ro, (x, y), u, al, be, rate, (s, c), upright, turning)
 
 
-def _exponential(x: Any) -> Any:
-    if isinstance(x, mpf):
-        return mpmath.exp(x)
+def _balanced(X: Any) -> tuple[Any, Any]:
+    """e^X and e^-X over the larger of them."""
+    if isinstance(X, mpf):
+        small = mpmath.exp(-2 * abs(X))
+        return (mpf(1), small) if X >= 0 else (small, mpf(1))
     import numpy as np
 
-    return np.exp(x)
+    small = np.exp(-2 * np.abs(X))
+    return np.where(X >= 0, 1.0, small), np.where(X >= 0, small, 1.0)
 
 
 def _arctan2(y: Any, x: Any) -> Any:
