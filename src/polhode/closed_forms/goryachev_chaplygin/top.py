@@ -9,17 +9,15 @@ w = (p, q, r) and the upward vertical gamma in body axes.  Units: any consistent
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 import mpmath
 from mpmath import mpf
 
-from polhode.closed_forms.attitude.angles import angles
+from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.attitude.moving import Moving, moving
-from polhode.closed_forms.attitude.start import start_quaternion, start_sign
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.goryachev_chaplygin import regimes
@@ -37,7 +35,7 @@ _SLACK = 32  # of these, what the set-up may use up; where it needs more it is m
 _TRIALS = 6
 
 
-class GoryachevChaplyginTop:
+class GoryachevChaplyginTop(FromAttitude):
     """One motion of Goryachev and Chaplygin's case from one start.
 
     ``moments`` are the principal moments and ``torque`` = Mg r0 in principal axes; ``axes[i]`` is
@@ -58,7 +56,7 @@ class GoryachevChaplyginTop:
         psi: Exact = _ZERO,
         axes: tuple[tuple[Exact, ...], ...] | None = None,
     ) -> None:
-        self._gamma, self._psi = gamma, psi
+        super().__init__(gamma, psi)
         self._start = start(moments, torque, omega, gamma, axes)
         self.regime = regimes.regime(self._start)
         self._extra = 0
@@ -76,43 +74,10 @@ class GoryachevChaplyginTop:
         bits = self._bits(times, digits)
         found, rows = self._motion(bits), []
         for t in times:
-            with mpmath.workprec(bits + self._extra):
-                _, state = found.at(self._moment(t, bits + self._extra), MP)
+            with mpmath.workprec(bits):
+                _, state = found.at(self._moment(t, bits), MP)
                 rows.append(self._placed(state, bits))
         return [shortened(row, digits) for row in rows]
-
-    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """Unit quaternions q0, q1, q2, q3 of R, one a time: q0 >= 0 at t = 0, then continuous.
-
-        At t = 0, R = Rz(psi) Rx(theta) Rz(phi) with the psi given and phi = atan2(gamma1, gamma2).
-        Where q0 = 0 at t = 0, the first component that is not 0 is positive.
-        """
-        bits = self._bits(times, digits)
-        found, rows = self._attitude(bits), []
-        for t in times:
-            with mpmath.workprec(bits + self._extra):
-                rows.append(list(found.at(number(t, bits + self._extra), MP)))
-        return [shortened(row, digits) for row in rows]
-
-    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
-        """Rows psi, theta, phi, continuous in t; psi and phi None where gamma is along axis 3.
-
-        They start from the psi given and phi = atan2(gamma1, gamma2).  Passing through a pole, psi
-        and phi jump by pi, and one of psi + phi, psi - phi stays continuous.  The error is below
-        10^-digits.  Turns are counted, over a period at most where there is one; with two
-        frequencies the work grows with time, and beyond a limit ValueError is raised.
-        """
-        bits = self._bits(times, digits)
-        with mpmath.workprec(bits):
-            psi = number(self._psi, bits)
-            phi = mpmath.atan2(number(self._gamma[0], bits), number(self._gamma[1], bits))
-
-        def moment(t: Exact) -> Callable[[int], mpf]:
-            return lambda prec: number(t, prec)
-
-        moments = [moment(t) for t in times]
-        rows = angles(self._attitude, moments, (psi, phi), self._sign, bits)
-        return [[shortened([x], digits, absolute=True)[0] for x in row] for row in rows]
 
     def period(self, digits: int) -> mpf | None:
         """The period of the state; None where there are two frequencies or none."""
@@ -148,29 +113,21 @@ class GoryachevChaplyginTop:
         return dict(zip(("u", "v"), shortened(both, digits), strict=True))
 
     def _motion(self, bits: int) -> Motion:
-        """The constants at a precision, made once, with more bits until they give the start."""
-        if bits in self._motions:
-            return self._motions[bits]
-        for _ in range(_TRIALS):
-            prec = bits + self._extra
-            found = motion(self._start, self.regime, prec)
-            lost = prec + (int(mpmath.mag(found.defect)) if found.defect else -prec)
-            if lost <= self._extra + _SLACK:
-                self._motions[bits] = found
-                return found
-            self._extra = lost + 16
-        raise ArithmeticError("the closed form does not reproduce the start")
+        """The constants at a precision, made once."""
+        if bits not in self._motions:
+            self._motions[bits] = motion(self._start, self.regime, bits)
+        return self._motions[bits]
 
     def _attitude(self, bits: int) -> Moving:
         """The attitude as a function of time, its constants made once a precision."""
         if bits not in self._attitudes:
-            found, prec = self._motion(bits), bits + self._extra
-            with mpmath.workprec(prec):
-                unit = self._moment(Fraction(1), prec)
-                rows = [[number(x, prec) for x in row] for row in self._start.rows]
-                begin = start_quaternion(self._gamma, self._psi, self._sign, prec)
+            found = self._motion(bits)
+            with mpmath.workprec(bits):
+                unit = self._moment(Fraction(1), bits)
+                rows = [[number(x, bits) for x in row] for row in self._start.rows]
+                begin = self._first_quaternion(bits)
                 turn = turning(found)
-                H, a = number(self._start.H, prec), number(self._start.a, prec)
+                H, a = number(self._start.H, bits), number(self._start.a, bits)
                 scale = abs(unit)
                 wide, quick = (scale * x for x in bounds(found, H, a))
                 period = self.period(30) if self.regime not in regimes.TWO_FREQUENCIES else None
@@ -183,10 +140,6 @@ class GoryachevChaplyginTop:
                     period,
                 )
         return self._attitudes[bits]
-
-    @cached_property
-    def _sign(self) -> int:
-        return start_sign(self._gamma, self._psi)
 
     def _moment(self, t: Exact, bits: int) -> mpf:
         """A time in the motion's units and direction."""
@@ -207,7 +160,17 @@ class GoryachevChaplyginTop:
         ]
 
     def _bits(self, times: Sequence[Exact], digits: int) -> int:
-        """Working precision: the digits, what the phases cost, a guard."""
+        """Working precision: the digits, what the phases cost, a guard, what the set-up loses.
+
+        Bits are added until the constants give the start.
+        """
         last = max((log2(t) for t in times), default=-math.inf)
         phase = max(0.0, last + self._start.exponent) if last > -math.inf else 0.0
-        return rounded_up(digits * math.log2(10) + phase + _GUARD)
+        wanted = digits * math.log2(10) + phase + _GUARD
+        for _ in range(_TRIALS):
+            bits = rounded_up(wanted + self._extra)
+            defect = self._motion(bits).defect
+            if not defect or int(mpmath.mag(defect)) <= self._extra + _SLACK - bits:
+                return bits
+            self._extra = bits + int(mpmath.mag(defect)) + 16
+        raise ArithmeticError("the closed form does not reproduce the start")

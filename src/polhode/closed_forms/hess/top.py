@@ -12,16 +12,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 import mpmath
 from mpmath import mpf
 
-from polhode.closed_forms.attitude.angles import angles
+from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.attitude.moving import Moving, moving
 from polhode.closed_forms.attitude.quaternion import Quaternion
-from polhode.closed_forms.attitude.start import start_quaternion, start_sign
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.hess import axes as surface
@@ -37,7 +35,7 @@ _GUARD = 64  # bits beyond the digits asked for and the growth of phases
 Path = Plane | Cone | General
 
 
-class HessTop:
+class HessTop(FromAttitude):
     """One motion on Hess's surface from one start.
 
     ``moments`` are the principal moments and ``torque`` = Mg r0 in principal axes; ``axes[i]`` is
@@ -58,7 +56,7 @@ class HessTop:
         psi: Exact = _ZERO,
         axes: tuple[tuple[Exact, ...], ...] | None = None,
     ) -> None:
-        self._gamma, self._psi = gamma, psi
+        super().__init__(gamma, psi)
         self._start = surface.start(moments, torque, omega, gamma, axes)
         self.regime = surface.regime(self._start)
         self._paths: dict[int, Path] = {}
@@ -81,38 +79,6 @@ class HessTop:
                 gamma = [point.u, *point.g]
                 rows.append(self._placed(w, bits) + self._placed(gamma, bits))
         return [shortened(row, digits) for row in rows]
-
-    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """Unit quaternions q0, q1, q2, q3 of R, one a time: q0 >= 0 at t = 0, then continuous.
-
-        At t = 0, R = Rz(psi) Rx(theta) Rz(phi) with the psi given and phi = atan2(gamma1, gamma2).
-        Where q0 = 0 at t = 0, the first component that is not 0 is positive.
-        """
-        bits = self._bits(times, digits)
-        found = self._attitude(bits)
-        with mpmath.workprec(bits):
-            rows = [list(found.at(number(t, bits), MP)) for t in times]
-        return [shortened(row, digits) for row in rows]
-
-    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
-        """Rows psi, theta, phi, continuous in t; psi and phi None where gamma is along axis 3.
-
-        They start from the psi given and phi = atan2(gamma1, gamma2).  Passing through a pole, psi
-        and phi jump by pi, and one of psi + phi, psi - phi stays continuous.  The error is below
-        10^-digits.  Turns are counted, over a period at most where there is one; else the work
-        grows with time, and beyond a limit ValueError is raised.
-        """
-        bits = self._bits(times, digits)
-        with mpmath.workprec(bits):
-            psi = number(self._psi, bits)
-            phi = mpmath.atan2(number(self._gamma[0], bits), number(self._gamma[1], bits))
-
-        def moment(t: Exact) -> Callable[[int], mpf]:
-            return lambda prec: number(t, prec)
-
-        moments = [moment(t) for t in times]
-        rows = angles(self._attitude, moments, (psi, phi), self._sign, bits)
-        return [[shortened([x], digits, absolute=True)[0] for x in row] for row in rows]
 
     def period(self, digits: int) -> mpf | None:
         """The period of the state; None where it does not repeat."""
@@ -186,7 +152,7 @@ class HessTop:
             path = self._path(bits)
             with mpmath.workprec(bits):
                 unit = mpmath.ldexp(1, self._start.exponent)
-                begin = start_quaternion(self._gamma, self._psi, self._sign, bits)
+                begin = self._first_quaternion(bits)
                 chi: Callable[[Any], Any] | None = None
                 if isinstance(path, Cone):
                     turning = path.turning * unit
@@ -206,10 +172,6 @@ class HessTop:
         wide = mpmath.sqrt(2 * (h + P) * (1 + a12 * a12))
         quick = wide + abs(path.turning) if isinstance(path, Cone) else wide
         return mpmath.ldexp(wide, start.exponent), mpmath.ldexp(quick, start.exponent)
-
-    @cached_property
-    def _sign(self) -> int:
-        return start_sign(self._gamma, self._psi)
 
     def _moment(self, t: Exact, bits: int) -> mpf:
         """A time in the motion's units."""

@@ -16,7 +16,7 @@ proved: every answer carries its certificate, and the panels of
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import mpmath
@@ -166,28 +166,26 @@ def cayley_klein(start: KovalevskayaStart, motion: Generic, first: Sequence[Any]
             strict=True,
         )
         for s in (1, -1):
-            tops = tuple(
+            tops = [
                 _numerator(spaces[side * s], below, above, bottom, flow, (U, V), (c1, c))
                 for side, bottom, flow in zip((1, -1), bottoms, flows, strict=True)
-            )
-            if None in tops:
+            ]
+            if tops[0] is None or tops[1] is None:
                 continue
+            over, under, shift = (tops[0], tops[1]), (bottoms[0], bottoms[1]), (h[0], h[1])
             found = CayleyKlein(
-                motion, jets, tau, (U, V), (c1, c), (h[0], h[1]), e, tops, bottoms, mpf(0)
+                motion, jets, tau, (U, V), (c1, c), shift, e, over, under, max(misses)
             )
-            t = 1 / speed
             try:
-                ends = found.at(t)
+                ends = found.at(1 / speed)
             except ZeroDivisionError:
                 continue
-            gamma3 = motion.at(t)[0][5] / a
+            gamma3 = motion.at(1 / speed)[0][5] / a
             wanted = (1 - gamma3) / 2, (1 + gamma3) / 2
-            defect = max(abs(abs(z) ** 2 - y) for z, y in zip(ends, wanted, strict=True))
-            defect = max(defect, *misses)
-            if best is None or defect < best.defect:
-                best = CayleyKlein(
-                    motion, jets, tau, (U, V), (c1, c), (h[0], h[1]), e, tops, bottoms, defect
-                )
+            missed = max(abs(abs(z) ** 2 - y) for z, y in zip(ends, wanted, strict=True))
+            found = replace(found, defect=max(found.defect, missed))
+            if best is None or found.defect < best.defect:
+                best = found
     if best is None:
         raise Unresolved
     return best
@@ -312,7 +310,7 @@ def _numerator(
     ways: tuple[Pair, Pair],
     rates: tuple[Any, Any],
 ) -> Coefficients | None:
-    """A from the value and one derivative at t = 0; None where the third equation is not met."""
+    """A from the value and the better derivative at t = 0; None where neither determines it."""
     (U, V), (c1, c) = ways, rates
     value, slope, slope1 = flow
     d = below.combined(bottom)
