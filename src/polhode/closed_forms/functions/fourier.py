@@ -89,14 +89,14 @@ class Cosines:
         found = [(a + b) // (2 * (2 * m + 1)) for m, (a, b) in enumerate(itertools.pairwise(rows))]
         return OddSines(tuple(found), self.scale, self.bits)
 
-    def times_sine(self) -> Waves:
+    def times_sine(self) -> WaveSeries:
         """The integral of F(x) sin x."""
         rows = [k * term for k, term in enumerate(self.terms, start=1)]  # a_k/scale
         rows = [fixed(self.mean / self.scale, self.bits) * 2, *rows, 0, 0]
         found = [
             (b - a) // (2 * n) for n, (a, b) in enumerate(zip(rows[:-2], rows[2:], strict=True), 1)
         ]
-        return Waves(mpf(0), (), (0, *found), self.scale, self.bits)
+        return WaveSeries(mpf(0), (), (0, *found), self.scale, self.bits)
 
     def doubles(self) -> Doubles:
         """The same in doubles; terms below a double's reach are left out."""
@@ -183,7 +183,7 @@ def cosines(
 
 
 @dataclass(frozen=True)
-class Waves:
+class WaveSeries:
     """The integral of a periodic function: mean x + sum of (a_k sin(k x) - b_k cos(k x))/k."""
 
     mean: Any
@@ -214,7 +214,7 @@ class Waves:
             total += self.scale * part
         return total
 
-    def doubles(self) -> Waves:
+    def doubles(self) -> WaveSeries:
         """The same in doubles."""
         assert self.bits is not None
         bits, scale = self.bits, float(self.scale)
@@ -222,10 +222,10 @@ class Waves:
             tuple(scale * float(mpmath.ldexp(x, -bits)) for x in row)
             for row in (self.sines, self.cosines)
         )
-        return Waves(float(self.mean), sines, others, 1.0, None)
+        return WaveSeries(float(self.mean), sines, others, 1.0, None)
 
 
-def waves(function: Callable[[Any], Any], most: int = _MOST) -> Waves:
+def waves(function: Callable[[Any], Any], most: int = _MOST) -> WaveSeries:
     """The series of the integral of a function of period 2 pi, at the precision in force.
 
     Raises TooManyTerms beyond ``most`` samples.
@@ -251,7 +251,7 @@ def waves(function: Callable[[Any], Any], most: int = _MOST) -> Waves:
             # x_k = (a_k - i b_k) half
             sines = tuple(int(re[k]) // (half * k) for k in range(1, half))
             others = tuple(int(im[k]) // (half * k) for k in range(1, half))
-            return Waves(mean, sines, (0, *others), scale, bits)
+            return WaveSeries(mean, sines, (0, *others), scale, bits)
         count *= 2
     raise TooManyTerms("a Fourier series with too many terms")
 

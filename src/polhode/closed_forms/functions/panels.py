@@ -13,7 +13,7 @@ from typing import Any
 import mpmath
 from mpmath import mpf
 
-from polhode.closed_forms.functions.fourier import TooManyTerms, Waves, cosines
+from polhode.closed_forms.functions.fourier import TooManyTerms, WaveSeries, cosines
 
 MOST_PANELS = 20_000
 _NODES = 512  # samples of a panel's circle; beyond it the panel is halved
@@ -25,7 +25,7 @@ class Panels:
 
     def __init__(self, function: Callable[[Any], Any], length: Any) -> None:
         self._function, self._length = function, length
-        self._known: dict[int, list[tuple[Any, Any, Waves]]] = {}
+        self._known: dict[int, list[tuple[Any, Any, WaveSeries]]] = {}
         self._sums: dict[int, list[Any]] = {1: [mpf(0)], -1: [mpf(0)]}
 
     def at(self, t: Any) -> Any:
@@ -54,7 +54,7 @@ class Panels:
             _inside(series, begin, end, end) for begin, end, series in self._panel(number)
         )
 
-    def _panel(self, number: int) -> list[tuple[Any, Any, Waves]]:
+    def _panel(self, number: int) -> list[tuple[Any, Any, WaveSeries]]:
         """The pieces of one panel; panel n >= 1 ends at n lengths, -n at -n lengths."""
         if number not in self._known:
             side = 1 if number > 0 else -1
@@ -77,14 +77,14 @@ class Panels:
         return self._known[number]
 
 
-def _series(value: Callable[[Any], Any], begin: Any, end: Any) -> Waves:
+def _series(value: Callable[[Any], Any], begin: Any, end: Any) -> WaveSeries:
     """The integral over x = begin + (end - begin)(1 - cos ph)/2 as a series in ph."""
     half = (end - begin) / 2
     (series,) = cosines(lambda ph: [half * value(begin + half * (1 - mpmath.cos(ph)))], most=_NODES)
     return series.times_sine()
 
 
-def _inside(series: Waves, begin: Any, end: Any, x: Any) -> Any:
+def _inside(series: WaveSeries, begin: Any, end: Any, x: Any) -> Any:
     """The integral from begin to x."""
     ph = mpmath.acos(max(mpf(-1), min(mpf(1), 1 - 2 * (x - begin) / (end - begin))))
     return series.at(ph) - series.at(mpf(0))

@@ -44,7 +44,7 @@ class Slow:
 
 
 @dataclass(frozen=True)
-class Plane:
+class DoubleSeries:
     """The integral along the line, as a function of the phases and the time."""
 
     shift: tuple[Fraction, Fraction]  # h, g
@@ -96,7 +96,7 @@ def _powers(angle: Any, first: int, last: int, shift: Fraction, bits: int) -> tu
 
 def plane(
     grid: Grid, rates: tuple[Any, Any], shift: tuple[Fraction, Fraction], most: int = _MOST
-) -> Plane:
+) -> DoubleSeries:
     """The series for a real function whose grids ``grid(n, m, bits)`` gives.
 
     Raises TooManyTerms where ``most`` samples of the torus are too few.
@@ -143,7 +143,7 @@ def _coefficients(
 
 def _gathered(
     re: Any, im: Any, rates: tuple[Any, Any], shift: tuple[Fraction, Fraction], bits: int
-) -> Plane:
+) -> DoubleSeries:
     """The half of the coefficients that a real function needs, divided by i Om."""
     n, m = re.shape
     h, g = (mpf(x.numerator) / x.denominator for x in shift)
@@ -170,4 +170,4 @@ def _gathered(
             parts = [found.get(k, (0, 0)) for k in range(first, last)]
             real, imaginary = (np.array([p[i] for p in parts], dtype=object) for i in (0, 1))
             rows.append((j, first, real, imaginary))
-    return Plane(shift, tuple(rows), tuple(slow), bits)
+    return DoubleSeries(shift, tuple(rows), tuple(slow), bits)

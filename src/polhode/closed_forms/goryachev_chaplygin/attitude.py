@@ -19,7 +19,12 @@ from mpmath import mpf
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.goryachev_chaplygin.clocks import Clock
-from polhode.closed_forms.goryachev_chaplygin.explicit import Libration, Point, Rotation, Separatrix
+from polhode.closed_forms.goryachev_chaplygin.explicit import (
+    HalvesPoint,
+    Libration,
+    Rotation,
+    Separatrix,
+)
 from polhode.closed_forms.goryachev_chaplygin.motion import Motion, Path, Separated, joined
 from polhode.closed_forms.goryachev_chaplygin.tending import Tending
 from polhode.closed_forms.goryachev_chaplygin.torus import Torus
@@ -62,7 +67,7 @@ class DoublePath:
         begin, later = torus.mean(mpf(0)), torus.mean(mpf(1))
         self._mean = [(float(x), float(y - x)) for x, y in zip(begin, later, strict=True)]
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> HalvesPoint:
         """The points at an array of times."""
         (x, dx), (y, dy) = self._mean
         mean_x, mean_y = x + dx * t, y + dy * t
@@ -71,7 +76,7 @@ class DoublePath:
         return joined(one, other, self._a, fn)
 
 
-def placed(point: Point, sg: int, fn: SeriesFunctions) -> Quaternion:
+def placed(point: HalvesPoint, sg: int, fn: SeriesFunctions) -> Quaternion:
     """The quaternion of the frame at a point."""
     (sx, cx), (se, ce) = point.xi, point.et
     one, two, _ = point.shares

@@ -82,7 +82,7 @@ def _dot(*rows: Sequence[Exact]) -> Exact:
 
 
 @dataclass(frozen=True)
-class Start:
+class GoryachevStart:
     """The exact start in the motion's axes; time in units of 2^-exponent.
 
     With G < 0 time is reversed (``backward``): omega has changed its sign, and G too.
@@ -104,7 +104,7 @@ class Start:
 
 def start(
     moments: Vector, torque: Vector, omega: Vector, gamma: Vector, rows: Rows | None
-) -> Start:
+) -> GoryachevStart:
     """The start in the motion's axes; ``rows`` are the principal axes in the scene's (None: same).
 
     ``omega`` and ``gamma`` are in the scene's axes, the torque in principal ones.  Raises
@@ -145,7 +145,7 @@ def start(
         else rows[k]
         for n in range(3)
     )
-    return Start(
+    return GoryachevStart(
         omega=(unit * p, unit * q, unit * r),
         gamma=turned(up),
         a=a * unit * unit,

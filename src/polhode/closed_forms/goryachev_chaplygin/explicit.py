@@ -19,7 +19,7 @@ import mpmath
 from polhode.closed_forms.functions.jacobi import Jacobi, SeriesFunctions, jacobi
 
 
-class Point(NamedTuple):
+class HalvesPoint(NamedTuple):
     """Everything that the state is made of, at one time; u, v and root may be negative together."""
 
     u: Any
@@ -43,7 +43,7 @@ class Libration:
     y0: Any
     rate: Any
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> HalvesPoint:
         """The motion at t."""
         m, m1, l, a = self.m, self.m1, self.l, self.a
         sn, cn, dn = _functions(self.elliptic, self.y0 + self.rate * t, fn)
@@ -58,7 +58,7 @@ class Libration:
         one, two, both = (CP + l * CF) / Du, (CP - l * CF) / Dv, across / fn.sqrt(Du * Dv)
         total = one + two
         root = fn.sqrt(m), fn.sqrt(m1)
-        return Point(
+        return HalvesPoint(
             size * su / Du,
             size * sv / Dv,
             size * SF * both,
@@ -92,7 +92,7 @@ class Rotation:
     y0: Any
     rate: Any
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> HalvesPoint:
         """The motion at t."""
         m, m1, (SP, CP) = self.m, self.m1, self.P
         sn, cn, dn = _functions(self.elliptic, self.y0 + self.rate * t, fn)
@@ -128,7 +128,7 @@ class Separatrix:
     rate: Any
     period = None
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> HalvesPoint:
         """The motion at t."""
         cosh, sinh = fn.cosh_sinh(self.y0 + self.rate * t)
         # sinh and cosh of b, sinh b = dl/cosh y; then of y + b and y - b.
@@ -149,11 +149,11 @@ class Separatrix:
 
 def positive(
     u: Any, v: Any, xi: tuple[Any, Any], et: tuple[Any, Any], a: Any, fn: SeriesFunctions
-) -> Point:
+) -> HalvesPoint:
     """A point with u, v > 0; chi' = 2a sqrt(uv) sin((et - xi)/2)/(u + v)^2."""
     root, total = fn.sqrt(u * v), u + v
     turning = 2 * a * root * (et[0] * xi[1] - et[1] * xi[0]) / (total * total)
-    return Point(u, v, root, (u / total, v / total, root / total), xi, et, turning)
+    return HalvesPoint(u, v, root, (u / total, v / total, root / total), xi, et, turning)
 
 
 def _functions(j: Jacobi, y: Any, fn: SeriesFunctions) -> tuple[Any, Any, Any]:

@@ -19,7 +19,7 @@ from mpmath import mpf
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev_chaplygin import explicit, regimes
-from polhode.closed_forms.goryachev_chaplygin.axes import Start
+from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
 from polhode.closed_forms.goryachev_chaplygin.clocks import (
     Clock,
     Halves,
@@ -27,7 +27,7 @@ from polhode.closed_forms.goryachev_chaplygin.clocks import (
     Standing,
     oscillating,
 )
-from polhode.closed_forms.goryachev_chaplygin.explicit import Point, positive
+from polhode.closed_forms.goryachev_chaplygin.explicit import HalvesPoint, positive
 from polhode.closed_forms.goryachev_chaplygin.tending import tending
 from polhode.closed_forms.goryachev_chaplygin.torus import Torus
 from polhode.closed_forms.goryachev_chaplygin.variables import (
@@ -41,7 +41,7 @@ from polhode.closed_forms.goryachev_chaplygin.variables import (
 class Path(Protocol):
     """u, v and the halves as functions of time."""
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> HalvesPoint:
         """The point at t."""
         ...
 
@@ -53,17 +53,17 @@ class Separated:
     torus: Torus
     a: Any
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> HalvesPoint:
         """The point at t."""
         _, one, other = self.torus.at(t)
         return self.joined(one, other, fn)
 
-    def joined(self, one: Halves, other: Halves, fn: SeriesFunctions) -> Point:
+    def joined(self, one: Halves, other: Halves, fn: SeriesFunctions) -> HalvesPoint:
         """The point from the two variables."""
         return joined(one, other, self.a, fn)
 
 
-def joined(one: Halves, other: Halves, a: Any, fn: SeriesFunctions) -> Point:
+def joined(one: Halves, other: Halves, a: Any, fn: SeriesFunctions) -> HalvesPoint:
     """The point from u's and v's halves."""
     xi, et = (one.sine, one.cosine), (other.sine, other.cosine)
     return positive(one.z, other.z, xi, et, a, fn)
@@ -77,13 +77,13 @@ class Motion:
     sg: int
     defect: Any  # by how much the start is missed, relative to |w| and 1
 
-    def at(self, t: Any, fn: SeriesFunctions) -> tuple[Point, list[Any]]:
+    def at(self, t: Any, fn: SeriesFunctions) -> tuple[HalvesPoint, list[Any]]:
         """The point and p, q, r, g1, g2, g3."""
         point = self.path.at(t, fn)
         return point, state(point, self.sg)
 
 
-def state(point: Point, sg: int) -> list[Any]:
+def state(point: HalvesPoint, sg: int) -> list[Any]:
     """p, q, r, g1, g2, g3 from the variables and the halves."""
     (sx, cx), (se, ce) = point.xi, point.et
     one, two, both = point.shares
@@ -98,7 +98,7 @@ def state(point: Point, sg: int) -> list[Any]:
     ]
 
 
-def motion(start: Start, regime: str, bits: int) -> Motion:
+def motion(start: GoryachevStart, regime: str, bits: int) -> Motion:
     """The constants of a motion, at ``bits`` bits."""
     with mpmath.workprec(bits):
         w, gamma = start.numbers(bits)
@@ -122,7 +122,7 @@ def motion(start: Start, regime: str, bits: int) -> Motion:
         return Motion(path, sg, max(max(misses[:3]) / scale, *misses[3:]))
 
 
-def _variables(start: Start, bits: int) -> tuple[Any, Any]:
+def _variables(start: GoryachevStart, bits: int) -> tuple[Any, Any]:
     """u and v at the start; the smaller one without cancellation."""
     (p, q, r), _ = start.numbers(bits)
     flat = 4 * (p * p + q * q)
@@ -131,14 +131,14 @@ def _variables(start: Start, bits: int) -> tuple[Any, Any]:
     return (larger, smaller) if r >= 0 else (smaller, larger)
 
 
-def _sines(start: Start, bits: int) -> tuple[Any, Any, Any, Any]:
+def _sines(start: GoryachevStart, bits: int) -> tuple[Any, Any, Any, Any]:
     """u, v, sin xi and sin et at a start that is not at rest."""
     (_, q, _), (_, g2, g3) = start.numbers(bits)
     u, v = _variables(start, bits)
     return u, v, 2 * q * g3 / u - g2, 2 * q * g3 / v + g2
 
 
-def _angles(start: Start, bits: int) -> tuple[Any, Any, Any, Any, Any]:
+def _angles(start: GoryachevStart, bits: int) -> tuple[Any, Any, Any, Any, Any]:
     """u, v, xi, et, and l of a start from rest (else None); G = 0."""
     a, H = number(start.a, bits), number(start.H, bits)
     if all(not x for x in start.numbers(bits)[0]):
@@ -149,7 +149,7 @@ def _angles(start: Start, bits: int) -> tuple[Any, Any, Any, Any, Any]:
     return u, v, xi, et, None
 
 
-def _torus(start: Start, regime: str, bits: int) -> Torus:
+def _torus(start: GoryachevStart, regime: str, bits: int) -> Torus:
     a = number(start.a, bits)
     u0, v0, sin_xi, sin_et = _sines(start, bits)
     one = u_variable(start, bits)

@@ -6,7 +6,7 @@ v^3 - (H +- 2a)v + 4G; two roots of the latter meet where D+- = (H +- 2a)^3 - 10
 
 from __future__ import annotations
 
-from polhode.closed_forms.goryachev_chaplygin.axes import Start
+from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
 from polhode.numbers.exact import Exact, sign, sqrt
 
 GENERIC_WHOLE = "two frequencies, v between the roots of one cubic"
@@ -26,14 +26,14 @@ ASYMPTOTIC = (ASYMPTOTIC_LOW, ASYMPTOTIC_HIGH)
 EXPLICIT = (LIBRATING, ROTATING, SEPARATRIX)
 
 
-def discriminants(start: Start) -> tuple[Exact, Exact]:
+def discriminants(start: GoryachevStart) -> tuple[Exact, Exact]:
     """D+ and D-."""
     a, H, G = start.a, start.H, start.G
     above, below = H + 2 * a, H - 2 * a
     return above * above * above - 108 * G * G, below * below * below - 108 * G * G
 
 
-def smaller(start: Start) -> Exact:
+def smaller(start: GoryachevStart) -> Exact:
     """v = (S - r)/2 at the start, S^2 = r^2 + 16(p^2 + q^2)."""
     p, q, r = start.omega
     flat = 16 * (p * p + q * q)
@@ -43,7 +43,7 @@ def smaller(start: Start) -> Exact:
     return flat / (2 * (root + r))
 
 
-def regime(start: Start) -> str:
+def regime(start: GoryachevStart) -> str:
     """The kind of motion, by its name."""
     a, H, G = start.a, start.H, start.G
     if sign(G) == 0:

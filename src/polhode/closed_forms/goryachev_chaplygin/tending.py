@@ -20,7 +20,7 @@ import mpmath
 from polhode.closed_forms.functions.fourier import OddSines, cosines
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.goryachev_chaplygin.axes import Start
+from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
 from polhode.closed_forms.goryachev_chaplygin.clocks import Halves
 from polhode.closed_forms.goryachev_chaplygin.variables import v_roots
 
@@ -87,7 +87,7 @@ class Tending:
         return replace(self, **numbers, S=self.S.doubles(), U=self.U.doubles())
 
 
-def tending(start: Start, bits: int, *, low: bool) -> Tending:
+def tending(start: GoryachevStart, bits: int, *, low: bool) -> Tending:
     """The constants at the precision in force; ``low``: v < w."""
     a, H = number(start.a, bits), number(start.H, bits)
     v1, v2 = v_roots(start, bits)

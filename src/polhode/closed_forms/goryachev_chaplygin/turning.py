@@ -19,7 +19,7 @@ from mpmath import mpf
 
 from polhode.closed_forms.functions.fourier import (
     TooManyTerms,
-    Waves,
+    WaveSeries,
     cosines,
     fixed,
     waves,
@@ -88,7 +88,7 @@ def _flow(path: Separated, one: Any, other: Any) -> Any:
     return point.turning * (point.u + point.v)
 
 
-def _series_beside(path: Separated, other: Any) -> Waves:
+def _series_beside(path: Separated, other: Any) -> WaveSeries:
     """chi along half the phase of u, while v stays as it is: the period is 4 pi."""
     u = path.torus.u
 

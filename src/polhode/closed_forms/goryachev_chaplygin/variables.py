@@ -21,7 +21,7 @@ import mpmath
 from mpmath import mpf
 
 from polhode.closed_forms.functions.rounding import log2, number
-from polhode.closed_forms.goryachev_chaplygin.axes import Start
+from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
 from polhode.closed_forms.goryachev_chaplygin.regimes import discriminants
 
 #: Which functions of the half angle stand before the roots in sin(angle/2) and cos(angle/2).
@@ -98,7 +98,7 @@ def _product(factors: Sequence[Sequence[Any]], z: Any) -> Any:
     return total
 
 
-def lost_bits(start: Start) -> float:
+def lost_bits(start: GoryachevStart) -> float:
     """Bits that the roots of the cubics lose where two of them are near each other."""
     scale = 3 * max(log2(start.H), log2(start.a), log2(start.G) * 2 / 3)
     gaps = [log2(d) for d in discriminants(start)]
@@ -128,7 +128,7 @@ def cubic_roots(c1: Any, c0: Any) -> list[Any]:
         return [one, pair, mpmath.conj(pair)]
 
 
-def u_variable(start: Start, bits: int) -> Variable:
+def u_variable(start: GoryachevStart, bits: int) -> Variable:
     """u between the positive roots u- and u+ of u^3 - (H -+ 2a)u - 4G."""
     a, H, G = (number(x, bits) for x in (start.a, start.H, start.G))
     low, high = (_positive(H + side * 2 * a, 4 * G) for side in (-1, 1))
@@ -156,14 +156,14 @@ def _quadratic(b: Any, c: Any) -> list[Any]:
     return [-b / 2 + root, -b / 2 - root]
 
 
-def v_roots(start: Start, bits: int) -> tuple[Any, Any]:
+def v_roots(start: GoryachevStart, bits: int) -> tuple[Any, Any]:
     """v1 <= v2, the positive roots of v^3 - (H + 2a)v + 4G."""
     a, H, G = (number(x, bits) for x in (start.a, start.H, start.G))
     _, one, two = cubic_roots(H + 2 * a, 4 * G)
     return one, two
 
 
-def v_whole(start: Start, bits: int) -> Variable:
+def v_whole(start: GoryachevStart, bits: int) -> Variable:
     """v between v1 and v2."""
     a, H, G = (number(x, bits) for x in (start.a, start.H, start.G))
     v1, v2 = v_roots(start, bits)
@@ -182,7 +182,7 @@ def v_whole(start: Start, bits: int) -> Variable:
     )
 
 
-def v_part(start: Start, bits: int, *, high: bool) -> Variable:
+def v_part(start: GoryachevStart, bits: int, *, high: bool) -> Variable:
     """v between v1 and w1, or (``high``) between w2 and v2."""
     a, H, G = (number(x, bits) for x in (start.a, start.H, start.G))
     v1, v2 = v_roots(start, bits)

@@ -76,7 +76,7 @@ def _ranked(moments: Vector) -> tuple[int, int, int] | None:
 
 
 @dataclass(frozen=True)
-class Start:
+class HessStart:
     """The exact start in the motion's axes; time in units of 2^-exponent, B in units of B."""
 
     Z: tuple[Exact, Exact]  # M2, M3 over B
@@ -92,7 +92,7 @@ class Start:
 
 def start(
     moments: Vector, torque: Vector, omega: Vector, gamma: Vector, rows: Rows | None
-) -> Start:
+) -> HessStart:
     """The start; ``rows`` are the principal axes in the scene's (None: the same).
 
     ``omega`` and ``gamma`` are in the scene's axes, the torque in principal ones.  Raises
@@ -124,7 +124,7 @@ def start(
     h = (M2 * M2 + M3 * M3) / 2 + P * u
     f = M2 * g2 + M3 * g3
     axes = tuple(_turned_back(rows, v) for v in (e1, e2, e3))
-    return Start(
+    return HessStart(
         Z=(unit * M2, unit * M3),
         g=(g2, g3),
         u=u,
@@ -147,7 +147,7 @@ def _turned_back(rows: Rows, v: Vector) -> Vector:
     return a, b, c
 
 
-def regime(start: Start) -> str:
+def regime(start: HessStart) -> str:
     """The kind of motion, decided by exact arithmetic."""
     (M2, M3), (g2, g3) = start.Z, start.g
     if sign(start.f) == 0:

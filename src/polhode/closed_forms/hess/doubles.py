@@ -10,8 +10,8 @@ from mpmath import mpf
 
 from polhode.closed_forms.attitude.quaternion import product
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
-from polhode.closed_forms.hess.explicit import Point
-from polhode.closed_forms.hess.general import General, powered
+from polhode.closed_forms.hess.explicit import SurfacePoint
+from polhode.closed_forms.hess.general import GeneralMotion, powered
 
 _TERMS = 40  # of a step's series: they fall by e^-2
 
@@ -19,7 +19,7 @@ _TERMS = 40  # of a step's series: they fall by e^-2
 class DoubleGeneral:
     """The motion at arrays of times, in units of 1/speed."""
 
-    def __init__(self, motion: General) -> None:
+    def __init__(self, motion: GeneralMotion) -> None:
         self._motion = motion
         steps, bits = motion.series.steps, motion.series.bits
         self._begins = np.array([float(step.begin) for step in steps])
@@ -31,7 +31,7 @@ class DoubleGeneral:
             ]
         )
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> SurfacePoint:
         """The points."""
         t1 = float(self._motion.period_of_u)
         n = np.floor(t / t1)
@@ -54,7 +54,7 @@ class DoubleGeneral:
             (turn.real, zero, zero, turn.imag),
             product((q[0], q[1], q[2], q[3]), (half.real, -half.imag, zero, zero)),
         )
-        return Point((Z.real, Z.imag), (g.real, g.imag), u, frame)
+        return SurfacePoint((Z.real, Z.imag), (g.real, g.imag), u, frame)
 
     def _turned(self, n: int) -> tuple[complex, complex]:
         """The direction of al after n periods, and the half turn in space."""

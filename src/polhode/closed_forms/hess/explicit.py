@@ -28,11 +28,11 @@ from polhode.closed_forms.hess.axes import (
     LIBRATION,
     ROTATION,
     SEPARATRIX,
-    Start,
+    HessStart,
 )
 
 
-class Point(NamedTuple):
+class SurfacePoint(NamedTuple):
     """Z, Gm as pairs of reals, u, and the frame's quaternion."""
 
     Z: tuple[Any, Any]
@@ -42,7 +42,7 @@ class Point(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Plane:
+class PlaneMotion:
     """f = 0."""
 
     kind: str
@@ -55,7 +55,7 @@ class Plane:
     a12: Any
     half: tuple[Any, Any]  # cos and sin of ch0/2
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> SurfacePoint:
         """The motion at t."""
         c, s, speed, angle = self._pendulum(t, fn)
         X = self.a12 * (angle - self.th0) / 2
@@ -70,7 +70,7 @@ class Plane:
         zero = 0 * al
         turn = ((al + be) / 2, (al - be) / 2, zero, zero)  # twice 1/sqrt 2 goes into the tilt
         tilt = (c - s, zero, c + s, zero)
-        return Point(
+        return SurfacePoint(
             (speed * cos, speed * sin),
             (-sine * sin, sine * cos),
             (s - c) * (s + c),
@@ -99,7 +99,7 @@ class Plane:
             return None
         return 4 * self.elliptic.K / self.rate
 
-    def floats(self) -> Plane:
+    def floats(self) -> PlaneMotion:
         """The same in doubles."""
         elliptic = None if self.elliptic is None else self.elliptic.floats()
         names = ("k", "om", "v0", "rate", "th0", "a12")
@@ -108,7 +108,7 @@ class Plane:
         return replace(self, elliptic=elliptic, half=half, **numbers)
 
 
-def plane(start: Start, kind: str, bits: int) -> Plane:
+def plane(start: HessStart, kind: str, bits: int) -> PlaneMotion:
     """The constants at the precision in force, that of ``bits`` bits."""
     P, h, a12, u = (number(x, bits) for x in (start.P, start.h, start.a12, start.u))
     Z, g = (mpmath.mpc(*(number(x, bits) for x in pair)) for pair in (start.Z, start.g))
@@ -125,13 +125,13 @@ def plane(start: Start, kind: str, bits: int) -> Plane:
         m1 = (P - h) / (2 * P)
         sn, cn = s / k, speed / (2 * om * k)
         v0 = sn * mpmath.elliprf(cn * cn, c * c, 1)
-        return Plane(kind, jacobi(k2, m1), k, om, v0, om, angle, a12, half)
+        return PlaneMotion(kind, jacobi(k2, m1), k, om, v0, om, angle, a12, half)
     if kind == ROTATION:
         m1 = (h - P) / (2 * P * k2)
         v0 = s * mpmath.elliprf(c * c, m1 + c * c / k2, 1)
-        return Plane(kind, jacobi(1 / k2, m1), k, om, v0, om * k, angle, a12, half)
+        return PlaneMotion(kind, jacobi(1 / k2, m1), k, om, v0, om * k, angle, a12, half)
     assert kind == SEPARATRIX
-    return Plane(kind, None, mpf(1), om, mpmath.asinh(s / c), om, angle, a12, half)
+    return PlaneMotion(kind, None, mpf(1), om, mpmath.asinh(s / c), om, angle, a12, half)
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ class Cone:
     upright: Quaternion  # takes (u, g) to the vertical
     turning: Any  # chi' of the angular momentum in space
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> SurfacePoint:
         """The motion at t."""
         (y1, y2), rate = self.half, self.rate
         if self.kind == CONE_LIMIT:
@@ -166,7 +166,7 @@ class Cone:
         cos, sin = (c - s) * (c + s), 2 * s * c
         x, y = self.g
         turn = (c, -s, 0 * s, 0 * s)
-        return Point(
+        return SurfacePoint(
             (self.ro * cos, self.ro * sin),
             (x * cos - y * sin, x * sin + y * cos),
             self.u,
@@ -189,7 +189,7 @@ class Cone:
         return Cone(self.kind, ro, g, u, al, be, rate, half, (a, b, c, d), turning)
 
 
-def cone(start: Start, kind: str, bits: int) -> Cone:
+def cone(start: HessStart, kind: str, bits: int) -> Cone:
     """The constants at the precision in force, that of ``bits`` bits."""
     P, f, a12, u = (number(x, bits) for x in (start.P, start.f, start.a12, start.u))
     Z, g = (mpmath.mpc(*(number(x, bits) for x in pair)) for pair in (start.Z, start.g))

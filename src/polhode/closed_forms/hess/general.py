@@ -22,13 +22,13 @@ from polhode.closed_forms.attitude.moving import conjugate, of_matrix
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.hess.axes import Start
-from polhode.closed_forms.hess.explicit import Point
+from polhode.closed_forms.hess.axes import HessStart
+from polhode.closed_forms.hess.explicit import SurfacePoint
 from polhode.closed_forms.hess.series import Period, period
 
 
 @dataclass(frozen=True)
-class General:
+class GeneralMotion:
     """The constants of one motion at one precision."""
 
     period_of_u: Any  # t1
@@ -38,7 +38,7 @@ class General:
     space: Any  # half of the turn about the vertical over a period
     period = None
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Point:
+    def at(self, t: Any, fn: SeriesFunctions) -> SurfacePoint:
         """The motion at t."""
         n = int(mpmath.floor(t / self.period_of_u))
         z1, z2, g1, g2, u, U1, U2, V1, V2, *q = self.series.at(t - n * self.period_of_u)
@@ -53,7 +53,7 @@ class General:
         zero = mpf(0)
         turn = product((q[0], q[1], q[2], q[3]), (half.real, -half.imag, zero, zero))
         frame = product((cos, zero, zero, sin), turn)
-        return Point((Z.real, Z.imag), (g.real, g.imag), u, frame)
+        return SurfacePoint((Z.real, Z.imag), (g.real, g.imag), u, frame)
 
     @property
     def trace(self) -> Any:
@@ -96,7 +96,7 @@ def _joined(a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
     )
 
 
-def general(start: Start, bits: int) -> General:
+def general(start: HessStart, bits: int) -> GeneralMotion:
     """The constants at the precision in force, that of ``bits`` bits."""
     P, h, f, a12, u = (number(x, bits) for x in (start.P, start.h, start.f, start.a12, start.u))
     z, g = ([number(x, bits) for x in pair] for pair in (start.Z, start.g))
@@ -115,7 +115,7 @@ def general(start: Start, bits: int) -> General:
     zero = mpf(0)
     end: Quaternion = (q[0], q[1], q[2], q[3])
     whole = product(product(end, (c, s, zero, zero)), conjugate(first))
-    return General(t1, series, N, turned, mpmath.atan2(whole[3], whole[0]))
+    return GeneralMotion(t1, series, N, turned, mpmath.atan2(whole[3], whole[0]))
 
 
 def _upright(u: Any, x: Any, y: Any) -> tuple[tuple[Any, ...], ...]:

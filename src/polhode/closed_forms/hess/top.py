@@ -24,15 +24,15 @@ from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.hess import axes as surface
 from polhode.closed_forms.hess.doubles import DoubleGeneral
-from polhode.closed_forms.hess.explicit import Cone, Plane, cone, plane
-from polhode.closed_forms.hess.general import General, general
+from polhode.closed_forms.hess.explicit import Cone, PlaneMotion, cone, plane
+from polhode.closed_forms.hess.general import GeneralMotion, general
 from polhode.numbers.exact import Exact
 from polhode.scenes.body import Vector
 
 _ZERO = Fraction(0)
 _GUARD = 64  # bits beyond the digits asked for and the growth of phases
 
-Path = Plane | Cone | General
+Path = PlaneMotion | Cone | GeneralMotion
 
 
 class HessTop(FromAttitude):
@@ -103,7 +103,7 @@ class HessTop(FromAttitude):
             if period is not None:
                 return {"body": shortened([2 * mpmath.pi / period], digits)[0]}
             path = self._path(bits)
-            if not isinstance(path, General):
+            if not isinstance(path, GeneralMotion):
                 return {}
             scale = mpmath.ldexp(1, self._start.exponent)
             both = [None if x is None else x * scale for x in path.frequencies]
@@ -121,11 +121,11 @@ class HessTop(FromAttitude):
         with mpmath.workprec(bits):
             path = self._path(bits)
             rate: Any = None
-            if isinstance(path, General):
+            if isinstance(path, GeneralMotion):
                 rate = path.rate
             elif isinstance(path, Cone) and self.regime == surface.CONE_TENDING:
                 rate = 2 * path.rate
-            elif isinstance(path, Plane) and self.regime == surface.ROTATION:
+            elif isinstance(path, PlaneMotion) and self.regime == surface.ROTATION:
                 assert path.elliptic is not None
                 # X grows by a12 pi a turn of r0, which takes 2K/rate.
                 rate = abs(path.a12) * mpmath.pi * path.rate / (2 * path.elliptic.K)
@@ -199,7 +199,7 @@ class HessTop(FromAttitude):
 class SurfaceFrame:
     """The frame of a motion, time as the scene's."""
 
-    path: Plane | Cone | General | DoubleGeneral
+    path: PlaneMotion | Cone | GeneralMotion | DoubleGeneral
     unit: Any
 
     def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
@@ -210,5 +210,5 @@ class SurfaceFrame:
         """The same in doubles for arrays, time in units of 1/speed."""
         path = self.path
         assert not isinstance(path, DoubleGeneral)
-        small = DoubleGeneral(path) if isinstance(path, General) else path.floats()
+        small = DoubleGeneral(path) if isinstance(path, GeneralMotion) else path.floats()
         return SurfaceFrame(small, float(self.unit / speed))
