@@ -22,6 +22,8 @@ from polhode.common.errors import BadInput
 from polhode.judging.reference import reference
 from polhode.numbers import exact
 from polhode.numbers.expression import number as read
+from polhode.output.description import described
+from polhode.scenes import library
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from shared import series as taylor
@@ -324,3 +326,12 @@ def test_period_brings_the_state_back():
     (row,) = found.at([time], 40)
     with mpmath.workdps(60):
         assert largest(row, [number(x) for x in (*omega, *gamma)]) < mpf("1e-37")
+
+
+def test_show_tells_what_a_scene_is_near_to_and_where_it_tends():
+    near = described(library.load("hard/near-hess"))["near"]
+    assert len(near) == 1
+    assert near[0].startswith("hess: Iw at right angles to r0, off by")
+    assert 0.1 < reference("hess/general").approach < 10
+    assert reference("hess/turned-axes").approach is None
+    assert "near" not in described(library.load("hess/released"))
