@@ -110,8 +110,8 @@ def test_a_wrong_sample_is_noticed(monkeypatch):
     """A function with one wrong value is not smooth: its series does not end."""
     old = fourier._series
 
-    def spoiled(values, bits):
-        return old([values[0] * (1 + mpf(10) ** -30), *values[1:]], bits)
+    def spoiled(values, *rest):
+        return old([values[0] * (1 + mpf(10) ** -30), *values[1:]], *rest)
 
     monkeypatch.setattr(fourier, "_series", spoiled)
     with mpmath.workprec(160), pytest.raises(TooManyTerms):

@@ -154,13 +154,16 @@ class OddSines:
 
 
 def cosines(
-    function: Callable[[Any], Sequence[Any]], first: int = _LEAST, most: int = _MOST
+    function: Callable[[Any], Sequence[Any]],
+    first: int = _LEAST,
+    most: int = _MOST,
+    spoiled: int = 0,
 ) -> list[Cosines]:
     """The series of several even functions of period 2 pi, evaluated together.
 
     ``function(x)`` gives their values; ``first`` is a guess of the samples that one turn needs.
     They are doubled until the last coefficients are below the precision in force; beyond ``most``
-    TooManyTerms is raised.
+    TooManyTerms is raised.  ``spoiled``: the last bits of the values that are not right.
     """
     prec = mpmath.mp.prec
     known: dict[Any, Sequence[Any]] = {}
@@ -174,12 +177,14 @@ def cosines(
             if share not in known:
                 known[share] = function(mpmath.pi * share)
         rows = [known[mpf(2 * j) / count] for j in range(count // 2 + 1)]
-        found = [_series([row[i] for row in rows], bits) for i in range(len(rows[0]))]
+        found = [_series([row[i] for row in rows], bits, spoiled) for i in range(len(rows[0]))]
         if all(series is not None for series in found):
             return [series for series in found if series is not None]
         count *= 2
         if count > most:
-            raise TooManyTerms("a Fourier series with too many terms")
+            raise TooManyTerms(
+                f"too near a degenerate motion: a Fourier series of {most} samples is too short"
+            )
 
 
 @dataclass(frozen=True)
@@ -253,10 +258,12 @@ def waves(function: Callable[[Any], Any], most: int = _MOST) -> WaveSeries:
             others = tuple(int(im[k]) // (half * k) for k in range(1, half))
             return WaveSeries(mean, sines, (0, *others), scale, bits)
         count *= 2
-    raise TooManyTerms("a Fourier series with too many terms")
+    raise TooManyTerms(
+        f"too near a degenerate motion: a Fourier series of {most} samples is too short"
+    )
 
 
-def _series(values: Sequence[Any], bits: int) -> Cosines | None:
+def _series(values: Sequence[Any], bits: int, spoiled: int) -> Cosines | None:
     """One series from the samples on half a turn; None where they are too few."""
     half = len(values) - 1
     scale = mpmath.ldexp(1, max(mpmath.mag(x) for x in values if x)) if any(values) else mpf(1)
@@ -267,9 +274,9 @@ def _series(values: Sequence[Any], bits: int) -> Cosines | None:
     terms = [int(x) // (half * k) for k, x in enumerate(found[1:half], start=1)]
     edge = half // 8 + 1
     last = max(abs(int(x)) for x in found[half - edge : half + 1])
-    if last > (half << bits) >> (mpmath.mp.prec - 8):
+    if last > (half << bits) >> (mpmath.mp.prec - spoiled - 8):
         return None
-    small = 1 << (bits - mpmath.mp.prec - 12)
+    small = 1 << max(0, bits - mpmath.mp.prec + spoiled - 12)
     while terms and abs(terms[-1]) < small:
         terms.pop()
     return Cosines(mean, tuple(terms), scale, bits)

@@ -94,8 +94,11 @@ class Oscillating:
         return Oscillating(self.variable.floats(), self.chart.floats(), *rows)
 
 
-def oscillating(variable: Variable) -> Oscillating:
-    """The series of one variable, at the precision in force."""
+def oscillating(variable: Variable, spoiled: int = 0) -> Oscillating:
+    """The series of one variable, at the precision in force.
+
+    ``spoiled``: the bits that roots near each other cost the radicand between them.
+    """
     made, first = chart(variable, _PLAIN)
 
     def integrands(theta: Any) -> Sequence[Any]:
@@ -104,7 +107,7 @@ def oscillating(variable: Variable) -> Oscillating:
         slope = rate / variable.rate(z, mpmath.sqrt)
         return slope, z * slope
 
-    S, U = cosines(integrands, first)
+    S, U = cosines(integrands, first, spoiled=spoiled)
     return Oscillating(variable, made, S, U)
 
 

@@ -9,6 +9,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -31,6 +32,7 @@ from polhode.closed_forms.goryachev_chaplygin.explicit import HalvesPoint, posit
 from polhode.closed_forms.goryachev_chaplygin.tending import tending
 from polhode.closed_forms.goryachev_chaplygin.torus import Torus
 from polhode.closed_forms.goryachev_chaplygin.variables import (
+    lost_bits,
     started,
     u_variable,
     v_part,
@@ -153,7 +155,8 @@ def _torus(start: GoryachevStart, regime: str, bits: int) -> Torus:
     a = number(start.a, bits)
     u0, v0, sin_xi, sin_et = _sines(start, bits)
     one = u_variable(start, bits)
-    u = oscillating(one)
+    spoiled = math.ceil(lost_bits(start))
+    u = oscillating(one, spoiled)
     x = u.chart.inverse(started(one, u0, sin_xi, a))
     v: Clock
     if regime in regimes.TWO_FREQUENCIES:
@@ -161,7 +164,7 @@ def _torus(start: GoryachevStart, regime: str, bits: int) -> Torus:
             other = v_whole(start, bits)
         else:
             other = v_part(start, bits, high=regime == regimes.GENERIC_HIGH)
-        made: Oscillating = oscillating(other)
+        made: Oscillating = oscillating(other, spoiled)
         return Torus(u, made, (x, made.chart.inverse(started(other, v0, sin_et, a))))
     if regime in regimes.CONSTANT:
         zero = regime == regimes.CONSTANT_ZERO
