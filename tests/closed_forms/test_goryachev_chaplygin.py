@@ -387,3 +387,29 @@ def test_bad_kind_is_one_line():
     with pytest.raises(BadInput) as caught:
         reference(scene_file.parse(text))
     assert "\n" not in str(caught.value)
+
+
+NEAR = {
+    "D- from above": lambda gap: on_cubics(F(9, 4), F(3, 4), F(2), F(7) + gap, F(1, 2)),
+    "D- from below": lambda gap: on_cubics(F(9, 4), F(3, 4), F(2), F(7) - gap, F(1, 2)),
+    "D+": lambda gap: on_cubics(F(3, 2), F(1), F(1), F(1) + gap, F(1, 2)),
+    "G, librating": lambda gap: on_cubics(F(5, 4), F(2, 3), F(1), F(1), gap),
+    "G, rotating": lambda gap: on_cubics(F(3, 2), F(5, 4), F(1), F(3), gap),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("power", [8, 20])
+@pytest.mark.parametrize("name", NEAR)
+def test_near_degenerate_motions(name, power):
+    omega, gamma, torque = NEAR[name](F(1, 10**power))
+    assert top(omega, gamma, torque).regime in regimes.TWO_FREQUENCIES
+    assert mpf("1e-90") < off(omega, gamma, torque, (F(8),), 25) < mpf("1e-25")
+
+
+@pytest.mark.slow
+def test_too_near_two_degenerate_motions_at_once_is_refused():
+    """G and H - 2a both nearly 0: near roots on both sides, more than one chart can part."""
+    omega, gamma, torque = on_cubics(F(3, 2), F(5, 4), F(1), F(2), F(1, 10**20))
+    with pytest.raises(ArithmeticError, match="too near a degenerate motion"):
+        top(omega, gamma, torque).at([F(1)], 15)
