@@ -24,14 +24,14 @@ from polhode.closed_forms.attitude.winding import growth, longest
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 
 
-class Frame(Protocol):
+class MomentumFrame(Protocol):
     """F as a function of time."""
 
     def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The quaternion at t, continuous in t."""
         ...
 
-    def floats(self, speed: Any) -> Frame:
+    def floats(self, speed: Any) -> MomentumFrame:
         """The same in doubles for arrays, time in units of 1/speed."""
         ...
 
@@ -40,7 +40,7 @@ class Frame(Protocol):
 class Moving:
     """The attitude in the scene's axes, as its Euler angles need it."""
 
-    frame: Frame
+    frame: MomentumFrame
     chi: Callable[[Any], Any] | None  # None: it is always 0
     start: Quaternion
     left: Quaternion
@@ -128,7 +128,7 @@ class Moving:
 
 
 def moving(
-    frame: Frame,
+    frame: MomentumFrame,
     chi: Callable[[Any], Any] | None,
     start: Quaternion,
     matrix: Sequence[Sequence[Any]],

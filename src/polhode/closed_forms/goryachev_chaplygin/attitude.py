@@ -25,7 +25,7 @@ from polhode.closed_forms.goryachev_chaplygin.explicit import (
     Rotation,
     Separatrix,
 )
-from polhode.closed_forms.goryachev_chaplygin.motion import Motion, Path, Separated, joined
+from polhode.closed_forms.goryachev_chaplygin.motion import GoryachevMotion, Path, Separated, joined
 from polhode.closed_forms.goryachev_chaplygin.tending import Tending
 from polhode.closed_forms.goryachev_chaplygin.torus import Torus
 
@@ -86,7 +86,7 @@ def placed(point: HalvesPoint, sg: int, fn: SeriesFunctions) -> Quaternion:
     return product(_RENAMED, frame)
 
 
-def bounds(found: Motion, H: Any, a: Any) -> tuple[Any, Any]:
+def bounds(found: GoryachevMotion, H: Any, a: Any) -> tuple[Any, Any]:
     """Bounds of |w| and of the frame's rate |w| + |chi'|, in the motion's units.
 
     |w|^2 <= 4(p^2 + q^2) + r^2 <= H + 2a.  As 4|p| <= u + v, |chi'| <= a/(u + v); the others follow

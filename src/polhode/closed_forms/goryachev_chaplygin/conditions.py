@@ -15,4 +15,7 @@ def fits(scene: PrincipalScene) -> bool:
 def misfit(scene: PrincipalScene) -> Misfit | None:
     """The condition that body and start do not meet, and by how much."""
     found = failure(scene)
-    return None if found is None else Misfit(*found)
+    if found is None:
+        return None
+    condition, off = found
+    return Misfit(condition, None if off is None else abs(off))

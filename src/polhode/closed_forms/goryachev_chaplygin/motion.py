@@ -72,7 +72,7 @@ def joined(one: Halves, other: Halves, a: Any, fn: SeriesFunctions) -> HalvesPoi
 
 
 @dataclass(frozen=True)
-class Motion:
+class GoryachevMotion:
     """A path with the sign sg."""
 
     path: Path
@@ -100,7 +100,7 @@ def state(point: HalvesPoint, sg: int) -> list[Any]:
     ]
 
 
-def motion(start: GoryachevStart, regime: str, bits: int) -> Motion:
+def motion(start: GoryachevStart, regime: str, bits: int) -> GoryachevMotion:
     """The constants of a motion, at ``bits`` bits."""
     with mpmath.workprec(bits):
         w, gamma = start.numbers(bits)
@@ -121,7 +121,7 @@ def motion(start: GoryachevStart, regime: str, bits: int) -> Motion:
         found = [x * sg if i in (0, 1, 5) else x for i, x in enumerate(found)]
         scale = max(*(abs(x) for x in w), mpmath.sqrt(a))
         misses = [abs(x - y) for x, y in zip(found, given, strict=True)]
-        return Motion(path, sg, max(max(misses[:3]) / scale, *misses[3:]))
+        return GoryachevMotion(path, sg, max(max(misses[:3]) / scale, *misses[3:]))
 
 
 def _variables(start: GoryachevStart, bits: int) -> tuple[Any, Any]:
@@ -176,7 +176,7 @@ def _torus(start: GoryachevStart, regime: str, bits: int) -> Torus:
     return Torus(u, v, (x, v.started(v0, sin_et)))
 
 
-def frequencies(found: Motion) -> Sequence[Any]:
+def frequencies(found: GoryachevMotion) -> Sequence[Any]:
     """The rates of the turns of x and y, radians a unit of time; none but for a torus."""
     assert isinstance(found.path, Separated)
     return found.path.torus.rates

@@ -23,7 +23,7 @@ from polhode.closed_forms.functions.rounding import log2, number, rounded_up, sh
 from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.attitude import HalvesFrame, bounds
 from polhode.closed_forms.goryachev_chaplygin.axes import start
-from polhode.closed_forms.goryachev_chaplygin.motion import Motion, frequencies, motion
+from polhode.closed_forms.goryachev_chaplygin.motion import GoryachevMotion, frequencies, motion
 from polhode.closed_forms.goryachev_chaplygin.turning import turning
 from polhode.closed_forms.goryachev_chaplygin.variables import lost_bits
 from polhode.numbers.exact import Exact
@@ -43,8 +43,11 @@ class GoryachevChaplyginTop(FromAttitude):
     axes).  ``omega`` and ``gamma`` are given at t = 0 in the scene's axes, where all answers are
     too.  Raises ValueError with the condition that fails.
 
-    ``regime`` names the kind of motion; it is decided once, by exact arithmetic.
+    ``regime`` names the kind of motion; it is decided once, by exact arithmetic.  ``held`` are the
+    conditions that body and start meet.
     """
+
+    held = ("A = B = 4C", "r0 at right angles to axis 3", "f = Iw.gamma = 0")
 
     def __init__(
         self,
@@ -62,7 +65,7 @@ class GoryachevChaplyginTop(FromAttitude):
         self._extra = 0
         if self.regime not in regimes.EXPLICIT:
             self._extra = math.ceil(lost_bits(self._start))
-        self._motions: dict[int, Motion] = {}
+        self._motions: dict[int, GoryachevMotion] = {}
         self._attitudes: dict[int, Moving] = {}
         self._rows: dict[int, list[list[Any]]] = {}
 
@@ -112,7 +115,7 @@ class GoryachevChaplyginTop(FromAttitude):
             both = [mpmath.ldexp(x, self._start.exponent) for x in rates]
         return dict(zip(("u", "v"), shortened(both, digits), strict=True))
 
-    def _motion(self, bits: int) -> Motion:
+    def _motion(self, bits: int) -> GoryachevMotion:
         """The constants at a precision, made once."""
         if bits not in self._motions:
             self._motions[bits] = motion(self._start, self.regime, bits)

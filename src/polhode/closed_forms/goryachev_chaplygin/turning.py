@@ -29,7 +29,7 @@ from polhode.closed_forms.functions.panels import Panels
 from polhode.closed_forms.functions.plane import plane
 from polhode.closed_forms.goryachev_chaplygin.clocks import Oscillating, Standing
 from polhode.closed_forms.goryachev_chaplygin.explicit import Libration, Rotation, Separatrix
-from polhode.closed_forms.goryachev_chaplygin.motion import Motion, Separated
+from polhode.closed_forms.goryachev_chaplygin.motion import GoryachevMotion, Separated
 from polhode.closed_forms.goryachev_chaplygin.tending import Tending
 
 #: chi(t) - chi(0), t in the motion's units.
@@ -38,7 +38,7 @@ Turning = Callable[[Any], Any]
 _PANEL = 12  # radians of the fastest rate in a panel
 
 
-def turning(found: Motion) -> Turning:
+def turning(found: GoryachevMotion) -> Turning:
     """chi(t) - chi(0) at the precision in force, to be asked at that precision."""
     path, sg = found.path, found.sg
     if isinstance(path, Separatrix):

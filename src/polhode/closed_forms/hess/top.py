@@ -43,8 +43,11 @@ class HessTop(FromAttitude):
     axes).  ``omega`` and ``gamma`` are given at t = 0 in the scene's axes, where all answers are
     too.  Raises ValueError with the condition that fails.
 
-    ``regime`` names the kind of motion; it is decided once, by exact arithmetic.
+    ``regime`` names the kind of motion; it is decided once, by exact arithmetic.  ``held`` are the
+    conditions that body and start meet.
     """
+
+    held = ("r0 at right angles to the middle axis", "(B/C - 1) T1^2 = (1 - B/A) T3^2", "Iw.r0 = 0")
 
     def __init__(
         self,
