@@ -15,12 +15,14 @@ from mpmath import mpc, mpf
 
 from polhode.closed_forms.functions import riemann_theta
 from polhode.closed_forms.kovalevskaya import axes as top_axes
-from polhode.closed_forms.kovalevskaya import generic
+from polhode.closed_forms.kovalevskaya import cayley_klein, generic
+from polhode.closed_forms.kovalevskaya.abel import image
+from polhode.closed_forms.kovalevskaya.curve import curve
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers import exact
 from polhode.scenes.body import OWN_AXES, PrincipalAxes, cross, dot
 from shared import series
-from shared.closed_form_checks import belongs, fractions, in_band, in_scene, number
+from shared.closed_form_checks import belongs, fractions, in_band, in_scene, number, unwound
 
 F = Fraction
 fits = belongs(top_axes.fits)
@@ -475,8 +477,10 @@ def test_attitude_from_a_pole():
 
 
 def test_attitude_refuses_times_too_far():
+    """Where it is integrated step by step: motions on a degenerate curve that have no period."""
+    omega, gamma, _ = DEGENERATE["isolated node"]
     with pytest.raises(ValueError, match="step by step"):
-        top_of(*GENERIC["e-ee+"]).attitude([F(10**9)], 15)
+        top_of(omega, gamma).attitude([F(10**9)], 15)
 
 
 def test_what_is_no_kovalevskaya_top():
@@ -563,3 +567,105 @@ def test_sweep_of_starts_with_zeros_and_equal_values(seed):
         right = true_rows(omega, gamma, [F(4)], 33, moments, torque)
         assert distance(top.at([F(4)], 30), right) < mpf(10) ** -30, (torque, omega, gamma)
     assert len(regimes) > 5
+
+
+@pytest.mark.parametrize("name", ["-eee+", "e-+ (complex pair)"])
+@pytest.mark.parametrize("ends", [(mpc(1, 2), mpc(2, 3)), (mpc(-40, 30), mpc(-45, 20))])
+def test_images_of_complex_points_are_integrals(name, ends):
+    """A(s, w) at complex s: its growth over a segment is the integral, w continued."""
+    omega, gamma = (fractions(row) for row in GENERIC[name])
+    top = KovalevskayaTop(moments=BODY, torque=TORQUE, omega=omega, gamma=gamma, psi=F(0))
+    with mpmath.workprec(160):
+        made = curve(top._start, 160)
+        first, last = ends
+
+        def ordinate(x):
+            """w along the segment: one root whose sign follows that at the first end."""
+            s = first + (last - first) * x
+            return mpmath.sqrt(-2) * mpmath.fprod(
+                mpmath.sqrt((s - a) / (first - a)) * mpmath.sqrt(first - a) for a in made.points
+            )
+
+        one, other = image(made, first, ordinate(0)), image(made, last, ordinate(1))
+        for k in (0, 1):
+            grown = mpmath.quad(
+                lambda x, k=k: (first + (last - first) * x) ** k * (last - first) / ordinate(x),
+                [0, 1],
+            )
+            assert abs(other[k] - one[k] - grown) < mpf("1e-40")
+
+
+@pytest.mark.parametrize("name", GENERIC)
+def test_attitude_of_every_type_as_theta_quotients(name):
+    omega, gamma = GENERIC[name]
+    top = top_of(omega, gamma)
+    times = [F(-2), F(3)]
+    (start, *rows), angles = top.attitude([F(0), *times], 30), top.angles(times, 30)
+    for t, q, (psi, _, phi) in zip(times, rows, angles, strict=True):
+        (right,) = true_rows(omega, gamma, [t], 32, quaternion=start, psi=PSI)
+        with mpmath.workdps(45):
+            assert mpf("1e-60") < max(abs(a - b) for a, b in zip(q, right[6:10], strict=True))
+            assert max(abs(a - b) for a, b in zip(q, right[6:10], strict=True)) < mpf("1e-30")
+            assert abs(psi - right[10]) < mpf("1e-30")
+            assert abs(mpmath.tan(phi) * right[4] - right[3]) < mpf("1e-29")
+
+
+@pytest.mark.parametrize("name", ["-e+ (complex pair)", "ee-e+"])
+def test_theta_quotients_agree_with_the_panels(name):
+    top = top_of(*GENERIC[name])
+    time = F(21, 2)
+    (row,) = top.attitude([time], 25)
+    panels = top._panels(192, (F(0), time))
+    with mpmath.workprec(192):
+        found = panels.at(number(time), None)
+    with mpmath.workdps(40):
+        assert max(abs(a - b) for a, b in zip(row, found, strict=True)) < mpf("1e-25")
+
+
+@pytest.mark.parametrize("name", GENERIC)
+def test_far_attitudes_agree_at_two_precisions_and_their_turns_with_counting(name):
+    top = top_of(*GENERIC[name])
+    far = [F(10**6)]
+    with mpmath.workdps(60):
+        one, other = top.attitude(far, 25)[0], top.attitude(far, 45)[0]
+        assert (
+            mpf("1e-60") < max(abs(a - b) for a, b in zip(one, other, strict=True)) < mpf("1e-25")
+        )
+    first, last = F(1, 10), F(60)
+    (psi, _, phi), (psi_1, _, phi_1) = top.angles([first, last], 15)
+    grown = unwound(top, first, last, 500)
+    assert abs(psi_1 - psi - grown[0]) < mpf("1e-11")
+    assert abs(phi_1 - phi - grown[1]) < mpf("1e-11")
+
+
+@pytest.mark.parametrize("name", ["Delaunay", "Bobylev-Steklov", "Appelrot"])
+def test_attitude_of_one_frequency_far_away(name):
+    """Over panels to t, and over one period with the turns about the vertical."""
+    top = top_of(*SPECIAL[name][:2])
+    time = F(47)
+    assert top.period(15) < 20
+    (row,) = top.attitude([time], 25)
+    panels = top._panels(192, (F(0), time))
+    with mpmath.workprec(192):
+        found = panels.at(number(time), None)
+        grown = panels.arguments(number(time))
+    with mpmath.workdps(40):
+        assert max(abs(a - b) for a, b in zip(row, found, strict=True)) < mpf("1e-25")
+        psi = top.angles([time], 15)[0][0]
+        # psi is the sum of the two arguments, from 7/10 on.
+        assert abs(psi - PSI.numerator / mpf(PSI.denominator) - grown[0] - grown[1]) < mpf("1e-9")
+
+
+def shifted(pair):
+    return pair[0] + mpf(10) ** -28, pair[1]
+
+
+CORRUPT = ("_rates", "image")  # c1 and c; the points E
+
+
+@pytest.mark.parametrize("name", CORRUPT)
+def test_a_corrupted_attitude_has_no_certificate(name, monkeypatch):
+    old = getattr(cayley_klein, name)
+    monkeypatch.setattr(cayley_klein, name, lambda *a: shifted(old(*a)))
+    with pytest.raises(ArithmeticError):
+        top_of(*GENERIC["ee-e+"]).attitude([F(2)], 30)

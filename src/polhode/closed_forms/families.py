@@ -142,6 +142,13 @@ FAMILIES = (
         "grioli.conditions:misfit",
     ),
     Family(
+        "goryachev-chaplygin",
+        "goryachev_chaplygin.conditions:fits",
+        "goryachev_chaplygin.top:GoryachevChaplyginTop",
+        "goryachev_chaplygin.conditions:misfit",
+    ),
+    Family("hess", "hess.conditions:fits", "hess.top:HessTop", "hess.conditions:misfit"),
+    Family(
         "steklov",
         "steklov.conditions:fits",
         "steklov.top:Steklov",

@@ -107,6 +107,12 @@ class Reference:
         curve = getattr(self._motion, "curve", None)
         return None if curve is None else dict(self._told(lambda: curve(50)))
 
+    @property
+    def approach(self) -> Any | None:
+        """The rate at which a motion of Hess's tends to a periodic one; None where it does not."""
+        approach = getattr(self._motion, "approach", None)
+        return None if approach is None else self._told(lambda: approach(50))
+
     def _asked(self, question: Any, times: Sequence[Any], digits: int) -> Any:
         digits = _digits(self.scene, digits)
         return self._told(lambda: question(_times(self.scene, times), digits))

@@ -75,6 +75,10 @@ def _frequencies(reference: Reference) -> dict[str, Any]:
             found["frequencies"] = results.frequencies(reference)
             if reference.curve is not None:
                 found["curve"] = _curve(reference.curve)
+            if (rate := reference.approach) is not None:
+                found["tends"] = (
+                    f"to a periodic motion, differences fall as exp(-{float(rate):.6g} t)"
+                )
     except TooLong:
         found["not_told"] = f"frequencies take longer than {SECONDS:g} s here"
     except BadInput as fault:

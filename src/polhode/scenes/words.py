@@ -6,7 +6,8 @@ from __future__ import annotations
 #: (polhode.closed_forms.families), or two integrations.
 REFERENCES = (
     *("auto", "euler", "lagrange", "kovalevskaya", "pendulum", "staude", "bobylev-steklov"),
-    *("grioli", "steklov", "goryachev", "n-kowalewski", "chaplygin", "two-precisions"),
+    *("grioli", "goryachev-chaplygin", "hess", "steklov", "goryachev", "n-kowalewski"),
+    *("chaplygin", "two-precisions"),
 )
 
 

@@ -37,7 +37,7 @@ class FromAttitude(ABC):
         At t = 0, R = Rz(psi) Rx(theta) Rz(phi) with the psi given and phi = atan2(gamma1, gamma2).
         Where q0 = 0 at t = 0, the first component that is not 0 is positive.  The error is below
         10^-digits.  Raises ValueError without gamma, and where the work would grow beyond a limit
-        (a Kovalevskaya top's grows with time).
+        (that of some motions of a Kovalevskaya top grows with time).
         """
         bits = self._bits(times, digits)
         found = self._attitude(bits)

@@ -108,7 +108,8 @@ def image(curve: KovalevskayaCurve, s: Any, w: Any) -> Pair:
         product = product * gap
     bases = [(a - c) / gap for c, gap in zip(rest, gaps, strict=True)]
     slopes = [span / gap for gap in gaps]
-    plain = isinstance(a, mpf)  # then every root is of a positive number, or of a conjugate pair
+    # With real ends every root is of a positive number, or of a conjugate pair.
+    plain = not (mpmath.im(a) or mpmath.im(s))
     total, moment = mpf(0), mpf(0)
     for weight, square in _unit_nodes([place(c - a, c - s, span) for c in rest]):
         factors = [base + slope * square for base, slope in zip(bases, slopes, strict=True)]
@@ -130,10 +131,11 @@ def _from_infinity(points: tuple[Any, ...], s: Any, w: Any) -> Pair:
     total, moment = mpf(0), mpf(0)
     singular = [place(1 / ratio, 1 / ratio - 1, mpf(1)) for ratio in ratios if ratio]
     for weight, square in _unit_nodes(singular):
-        whole: Any = mpf(1)
-        for ratio in ratios:
-            whole = whole * ((1 - ratio) / (1 - ratio * square))
-        term = weight * mpmath.sqrt(abs(whole.real))  # positive: real factors and conjugate pairs
+        factors = [(1 - ratio) / (1 - ratio * square) for ratio in ratios]
+        if mpmath.im(s):
+            term = weight * principal_roots(factors)
+        else:  # positive: real factors and conjugate pairs
+            term = weight * mpmath.sqrt(abs(mpmath.re(mpmath.fprod(factors))))
         total += term * square
         moment += term
     factor = -2 * s / w

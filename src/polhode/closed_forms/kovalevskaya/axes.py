@@ -160,6 +160,19 @@ class KovalevskayaAxes:
             exponent=exponent,
         )
 
+    @cached_property
+    def third(self) -> int:
+        """1 where the scene's third axis is the top's, -1 where it is its reverse, else 0."""
+        if self.rows is None:
+            return int(self.order[2] == 2)
+        return sign(self.rows[self.order[2]][2]) if self._third_along else 0
+
+    @property
+    def _third_along(self) -> bool:
+        assert self.rows is not None
+        x, y, _ = self.rows[self.order[2]]
+        return sign(x) == 0 == sign(y)
+
     def matrix(self, bits: int) -> RowMatrix:
         """The top's axes as rows of components in the scene's axes, rounded."""
         with mpmath.workprec(bits + 20):

@@ -116,15 +116,21 @@ class KovalevskayaCurve:
         return found[0]
 
     @cached_property
+    def cycles(self) -> tuple[Pair, Pair]:
+        """L1 and L2: the integrals of (1, s) ds/w around the cycles of s1 and of s2.
+
+        s1 goes from -infinity to the lowest real branch point, s2 between the two highest.
+        """
+        line = sorted(a for a in self.points if isinstance(a, mpf))
+        return self._unbounded(line[0]), self._bounded(line[-2], line[-1])
+
+    @cached_property
     def frequencies(self) -> Pair:
         """Mean rates of s1 and s2 in their cycles: u = (th1 L1 + th2 L2)/2 pi = u(0) + t (0, 1).
 
-        L1 and L2 are the integrals of (1, s) ds/w around the cycles of s1, from -infinity to the
-        lowest real branch point, and of s2, between the two highest.
+        L1 and L2 are the :attr:`cycles`.
         """
-        line = sorted(a for a in self.points if isinstance(a, mpf))
-        low, high = self._unbounded(line[0]), self._bounded(line[-2], line[-1])
-        rates = solved([low, high], (mpf(0), 2 * mpmath.pi))
+        rates = solved(self.cycles, (mpf(0), 2 * mpmath.pi))
         return abs(rates[0]), abs(rates[1])
 
     def _bounded(self, a: Any, b: Any) -> Pair:

@@ -18,20 +18,28 @@ from typing import Any
 import mpmath
 from mpmath import mpf
 
+from polhode.closed_forms.attitude.angles import Attitude
 from polhode.closed_forms.attitude.axes import RowMatrix, placed
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
+from polhode.closed_forms.attitude.moving import conjugate, of_matrix
+from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.functions.rounding import number, rounded_up, shortened
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.attitude import MOST_PANELS, KovalevskayaAttitude
 from polhode.closed_forms.kovalevskaya.axes import top_axes
+from polhode.closed_forms.kovalevskaya.cayley_klein import CayleyKlein, cayley_klein
 from polhode.closed_forms.kovalevskaya.certified import CERTIFIED, Answers, KovalevskayaMotion
 from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, cubic_roots
 from polhode.closed_forms.kovalevskaya.generic import Generic
 from polhode.closed_forms.kovalevskaya.one_frequency import special
+from polhode.closed_forms.kovalevskaya.theta_attitude import PeriodicAttitude, ThetaAttitude
+from polhode.numbers.convert import exactly
 from polhode.numbers.exact import Exact
 
 _ZERO = Fraction(0)
 _NODES = 0.22  # half of the Chebyshev intervals tried first, for each bit
+_MOST_MORE = 2_000  # bits that the set-up of an attitude may lose
+_COUNTING = 128  # bits of panels that only count turns
 _TURNING = 16  # bits that the sum over the panels may lose beyond the phase
 
 
@@ -63,7 +71,9 @@ class KovalevskayaTop(FromAttitude):
         self.regime = regimes.regime(self._start)
         self._answers = Answers(self._start, self.regime)
         self._matrices: dict[int, tuple[RowMatrix, mpf]] = {}
-        self._attitudes: dict[int, tuple[KovalevskayaMotion, KovalevskayaAttitude]] = {}
+        self._attitudes: dict[int, Attitude] = {}
+        self._formulas: dict[int, CayleyKlein] = {}
+        self._made_panels: dict[int, tuple[KovalevskayaMotion, KovalevskayaAttitude]] = {}
         self._span: tuple[Exact, Exact] = (_ZERO, _ZERO)  # of the times of attitudes so far
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
@@ -148,21 +158,91 @@ class KovalevskayaTop(FromAttitude):
         return solution.curve
 
     def _bits(self, times: Sequence[Exact], digits: int) -> int:
-        """The precision of an attitude; refuses times that are too far."""
+        """The precision of an attitude; refuses times that are too far for panels."""
         phase = self._answers.phase(times)
-        if phase > math.log2(MOST_PANELS) + 1:
-            limit = 2.0 ** (math.log2(MOST_PANELS) - self._start.log2_speed - self._start.exponent)
-            raise ValueError(
-                "the attitude of this motion is integrated step by step, which is possible here "
-                f"for |t| up to {limit:.3g}"
-            )
+        if self._by_panels and phase > math.log2(MOST_PANELS) + 1:
+            raise ValueError(self._too_far())
         self._span = min([self._span[0], *times]), max([self._span[1], *times])
         return rounded_up(self._answers.base(digits) + phase + _TURNING)
 
-    def _attitude(self, bits: int) -> KovalevskayaAttitude:
-        """The attitude as a function of time, its panels made once a precision."""
-        solution, used, _, _ = self._answers.resolved(self._span, bits)
-        known = self._attitudes.get(bits)
+    @property
+    def _by_panels(self) -> bool:
+        """Whether the attitude is integrated step by step over all the time asked for."""
+        return not self._answers.generic and self.period(15) is None
+
+    def _too_far(self) -> str:
+        limit = 2.0 ** (math.log2(MOST_PANELS) - self._start.log2_speed - self._start.exponent)
+        return (
+            "the attitude of this motion is integrated step by step, which is possible here "
+            f"for |t| up to {limit:.3g}"
+        )
+
+    def _attitude(self, bits: int) -> Attitude:
+        """The attitude as a function of time, its constants made once a precision."""
+        if bits not in self._attitudes or self._by_panels:
+            if self._answers.generic:
+                self._attitudes[bits] = self._theta_attitude(bits)
+            elif (period := self.period(math.ceil(bits / 3.3) + 4)) is not None:
+                exact_period = exactly(period)
+                panels = self._panels(bits, (-exact_period, exact_period))
+                self._attitudes[bits] = PeriodicAttitude(panels, period)
+            else:
+                self._attitudes[bits] = self._panels(bits, self._span)
+        return self._attitudes[bits]
+
+    def _theta_attitude(self, bits: int) -> ThetaAttitude:
+        """The attitude of generic motion at ``bits`` bits."""
+        with mpmath.workprec(bits):
+            rate = mpmath.ldexp(self._start.fastest(bits), self._start.exponent)
+        return ThetaAttitude(
+            formula=lambda more: self._formula(bits + more),
+            bits=bits,
+            start=self._first_quaternion(bits),
+            turn=self._turn(bits),
+            exponent=self._start.exponent,
+            rate=rate,
+            third=self._axes.third,
+            coarse=lambda: self._formula(128),
+            panels=self._counting_panels,
+        )
+
+    def _formula(self, bits: int) -> CayleyKlein:
+        """The Cayley-Klein parameters at ``bits`` bits, with a set-up that certifies so many."""
+        if bits not in self._formulas:
+            more = 0
+            while True:
+                solution, used = self._answers.solution(bits + CERTIFIED + more, bits)
+                assert isinstance(solution, Generic)
+                first = self._first_quaternion(used)
+                with mpmath.workprec(used):
+                    turn = conjugate(self._turn(used))
+                    found = cayley_klein(self._start, solution, product(first, turn))
+                    missed = found.defect and bits + int(mpmath.mag(found.defect))
+                if not found.defect or missed <= 0:
+                    self._formulas[bits] = found
+                    break
+                if more > _MOST_MORE:
+                    raise ArithmeticError("the attitude's constants do not reproduce the start")
+                more += missed + 16
+        return self._formulas[bits]
+
+    def _turn(self, bits: int) -> Quaternion:
+        """The turn from the scene's axes to the top's."""
+        with mpmath.workprec(bits):
+            return of_matrix(self._axes.matrix(bits))
+
+    def _counting_panels(self, t: Any) -> KovalevskayaAttitude:
+        """Panels up to t, where turns about another axis than the top's must be counted."""
+        time = exactly(t)
+        if self._answers.phase((time,)) > math.log2(MOST_PANELS) + 1:
+            raise ValueError(self._too_far())
+        self._span = min(self._span[0], time), max(self._span[1], time)
+        return self._panels(rounded_up(_COUNTING), self._span)
+
+    def _panels(self, bits: int, span: tuple[Exact, Exact]) -> KovalevskayaAttitude:
+        """The attitude by quadrature over panels, made once a precision."""
+        solution, used, _, _ = self._answers.resolved(span, bits)
+        known = self._made_panels.get(bits)
         if known is not None and known[0] is solution:
             return known[1]
         exponent = self._start.exponent
@@ -176,7 +256,7 @@ class KovalevskayaTop(FromAttitude):
         with mpmath.workprec(bits):
             rate = mpmath.ldexp(self._start.fastest(bits), exponent)
             found = KovalevskayaAttitude(state, start, rate, 2 * math.ceil(_NODES * bits))
-        self._attitudes[bits] = solution, found
+        self._made_panels[bits] = solution, found
         return found
 
     def _rows(self, times: Sequence[Exact], base: int) -> tuple[list[list[mpf]], mpf]:

@@ -21,6 +21,8 @@ _TITLES = {
     "goryachev": "Against the closed form of Goryachev's motions",
     "n-kowalewski": "Against the closed form of N. Kowalewski's motions",
     "chaplygin": "Against the closed form of Chaplygin's motions",
+    "goryachev-chaplygin": "Against the closed form of Goryachev and Chaplygin's case",
+    "hess": "Against the closed form of Hess and Appelrot's case",
     "two-precisions": "Against two integrations at different precision (no closed form)",
 }
 

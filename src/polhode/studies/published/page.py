@@ -14,6 +14,8 @@ _BY = {
     "lagrange": "the closed form of the Lagrange top",
     "kovalevskaya": "the closed form of the Kovalevskaya top",
     "pendulum": "the closed form of the physical pendulum",
+    "goryachev-chaplygin": "the closed form of Goryachev and Chaplygin's case",
+    "hess": "the closed form of Hess and Appelrot's case",
     "two-precisions": "two integrations at different precision",
 }
 

@@ -1,0 +1,168 @@
+"""The attitude of a motion whose own axes move in a known way, in the scene's axes.
+
+A family gives a smooth quaternion F(t) of its own axes, up to a turn about the vertical by an angle
+chi(t); with q_M the constant turn from the scene's axes to its own,
+
+    q(t) = L Rz(chi(t)) F(t) q_M,    L = q(0) conj(F(0) q_M),    chi(0) = 0.
+
+Quaternions are scalar first; al = q0 + i q3 and bt = q1 + i q2 both turn by chi/2, so the turns of
+psi and phi are those of F, counted, and of chi, known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Protocol
+
+import mpmath
+from mpmath import mpf
+
+from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.attitude.winding import growth, longest
+from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
+
+
+class MomentumFrame(Protocol):
+    """F as a function of time."""
+
+    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
+        """The quaternion at t, continuous in t."""
+        ...
+
+    def floats(self, speed: Any) -> MomentumFrame:
+        """The same in doubles for arrays, time in units of 1/speed."""
+        ...
+
+
+@dataclass(frozen=True)
+class Moving:
+    """The attitude in the scene's axes, as its Euler angles need it."""
+
+    frame: MomentumFrame
+    chi: Callable[[Any], Any] | None  # None: it is always 0
+    start: Quaternion
+    left: Quaternion
+    right: Quaternion
+    largest: Any  # a bound of |w|
+    quickest: Any  # a bound of the rate of F
+    period: Any | None = None  # after which F repeats up to its sign
+
+    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
+        """The attitude at t, continuous in t."""
+        frame = self._framed(t, fn)
+        if self.chi is None:
+            return frame
+        cos, sin = fn.cos_sin(self.chi(t) / 2)
+        a, b, c, d = frame  # (cos, 0, 0, sin) times it; L too is a turn about the vertical
+        return a * cos - d * sin, b * cos - c * sin, b * sin + c * cos, a * sin + d * cos
+
+    def _framed(self, t: Any, fn: SeriesFunctions) -> Quaternion:
+        return product(product(self.left, self.frame.at(t, fn)), self.right)
+
+    def speed(self) -> Any:
+        """An upper bound of |w|."""
+        return self.largest
+
+    def fastest(self) -> Any:
+        """An upper bound of the rates in the motion."""
+        return self.quickest
+
+    def bend(self) -> None:
+        """No bound of the second derivative is used."""
+        return None
+
+    def floats(self, speed: Any) -> Moving:
+        """F in the scene's axes in doubles, time in units of 1/speed."""
+        left, right, start = (_doubles(q) for q in (self.left, self.right, self.start))
+        frame = self.frame.floats(speed)
+        return replace(self, frame=frame, chi=None, start=start, left=left, right=right)
+
+    def arguments(self, t: Any) -> tuple[Any, Any]:
+        """The growth of arg al and arg bt from 0 to t.
+
+        Counted over less than a period where there is one, else over all the time; ValueError is
+        raised where that is too long.
+        """
+        side, rest, n = (1 if t >= 0 else -1), t, 0
+        al, bt = mpmath.mpc(self.start[0], self.start[3]), mpmath.mpc(*self.start[1:3])
+        if self.period is not None and al and bt:
+            n = int(mpmath.floor(abs(t) / self.period))
+            rest = side * (abs(t) - n * self.period)
+        counted = self._grown(rest)
+        if n:
+            once = self._once[side]
+            counted = counted[0] + n * once[0], counted[1] + n * once[1]
+        turned = self.chi(t) / 2 if self.chi is not None else mpf(0)
+        return counted[0] + turned, counted[1] + turned
+
+    @cached_property
+    def _once(self) -> dict[int, tuple[float, float]]:
+        assert self.period is not None
+        return {side: self._grown(side * self.period) for side in (1, -1)}
+
+    def _grown(self, t: Any) -> tuple[float, float]:
+        """Growth of the two arguments of F in the scene's axes, from 0 to t, counted."""
+        if not t:
+            return 0.0, 0.0
+        speed = self.quickest
+        if abs(t) * speed > longest():
+            raise ValueError(
+                "psi and phi of this motion in these axes are not closed: "
+                "their turns must be counted, which is possible here for |t| up to "
+                f"{mpmath.nstr(longest() / speed, 3)}"
+            )
+        coarse, fn = self.floats(speed), numpy_functions()
+
+        def fine(time: Any) -> tuple[Any, Any]:
+            q0, q1, q2, q3 = self._framed(time / speed, MP)
+            return mpmath.mpc(q0, q3), mpmath.mpc(q1, q2)
+
+        def many(time: Any) -> tuple[Any, Any]:
+            q0, q1, q2, q3 = coarse.at(time, fn)
+            return q0 + 1j * q3, q1 + 1j * q2
+
+        (found,) = growth(fine, many, [t * speed])
+        return found
+
+
+def moving(
+    frame: MomentumFrame,
+    chi: Callable[[Any], Any] | None,
+    start: Quaternion,
+    matrix: Sequence[Sequence[Any]],
+    bounds: tuple[Any, Any],
+    period: Any | None = None,
+) -> Moving:
+    """The attitude; ``matrix``: row i is axis i of F in the scene's; ``bounds``: of |w|, of F."""
+    right = of_matrix(matrix)
+    begin = product(frame.at(mpf(0), MP), right)
+    left = product(start, conjugate(begin))
+    return Moving(frame, chi, start, left, right, *bounds, period)
+
+
+def conjugate(a: Quaternion) -> Quaternion:
+    """The inverse turn."""
+    return a[0], -a[1], -a[2], -a[3]
+
+
+def of_matrix(rows: Sequence[Sequence[Any]]) -> Quaternion:
+    """The quaternion of a rotation matrix (Shepperd 1978), of either sign."""
+    (a, b, c), (d, e, f), (g, h, i) = rows
+    squares = [1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i]
+    best = max(range(4), key=lambda n: squares[n])
+    square = squares[best]
+    parts = (
+        (square, h - f, c - g, d - b),
+        (h - f, square, b + d, c + g),
+        (c - g, b + d, square, f + h),
+        (d - b, c + g, f + h, square),
+    )[best]
+    w, x, y, z = (n / (2 * mpmath.sqrt(square)) for n in parts)
+    return w, x, y, z
+
+
+def _doubles(q: Quaternion) -> Quaternion:
+    a, b, c, d = q
+    return float(a), float(b), float(c), float(d)

@@ -1,0 +1,157 @@
+"""Which starts belong to Goryachev and Chaplygin's case, its axes, and its exact constants.
+
+Two equal moments A = B = 4C, the centre of mass in the equatorial plane, and f = Iw.gamma = 0.  The
+third axis is that of the moment C, the first goes through the centre of mass.  With a = Mg rho/C,
+w = (p, q, r) (Goryachev, Mat. Sb. 21 (1900) 431; Chaplygin 1901),
+
+    4p' = 3qr,    4q' = -3pr + a g3,    r' = -a g2,    gamma' = gamma x w,
+
+and the integrals, the second one only where f = 0,
+
+    H = 4(p^2 + q^2) + r^2 + 2a g1,    G = r(p^2 + q^2) - a p g3.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from polhode.closed_forms.functions.rounding import log2, number
+from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.numbers.exact import Exact, sign, sqrt
+from polhode.scenes.body import Vector, is_zero
+
+Rows = tuple[tuple[Exact, ...], ...]
+
+
+def third_axis(moments: Vector, torque: Vector) -> int | None:
+    """The principal axis of the moment C with A = B = 4C and no part of the torque, if any."""
+    for k in (2, 0, 1):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        if moments[i] == moments[j] and moments[i] == 4 * moments[k] and sign(torque[k]) == 0:
+            return k
+    return None
+
+
+def failure(scene: PrincipalScene) -> tuple[str, Exact | None] | None:
+    """The condition that body and start do not meet, and by how much; None where they belong.
+
+    A pendulum about the third axis (p = q = gamma3 = 0) is left to the pendulum.
+    """
+    moments, torque, omega, gamma = scene.moments, scene.torque, scene.omega, scene.gamma
+    if gamma is None or is_zero(torque):
+        return "a weight that has a moment about the fixed point", None
+    k = third_axis(moments, torque)
+    if k is None:
+        return _body_failure(moments, torque)
+    momentum = tuple(x * y for x, y in zip(moments, omega, strict=True))
+    area = _dot(momentum, gamma)
+    if sign(area) != 0:
+        return "f = Iw.gamma = 0 over |Iw|", area / sqrt(_dot(momentum, momentum))
+    i, j = (k + 1) % 3, (k + 2) % 3
+    if is_zero((omega[i], omega[j], gamma[k])):
+        return "a motion that is not a pendulum's about the third axis", None
+    return None
+
+
+def _body_failure(moments: Vector, torque: Vector) -> tuple[str, Exact]:
+    """The condition that a body breaks, about the axis where its worst amount is least."""
+    weight = sqrt(_dot(torque, torque))
+
+    def misses(k: int) -> list[Exact]:
+        i, j = (k + 1) % 3, (k + 2) % 3
+        return [moments[i] / moments[k] - 4, moments[j] / moments[k] - 4, torque[k] / weight]
+
+    best = min((misses(k) for k in (2, 0, 1)), key=lambda row: max(abs(float(x)) for x in row))
+    names = ("A = 4C (in units of C)", "B = 4C (in units of C)", "Mg r0 at right angles to axis 3")
+    worst = max(range(3), key=lambda n: abs(float(best[n])))
+    return names[worst], best[worst]
+
+
+def _dot(*rows: Sequence[Exact]) -> Exact:
+    total: Exact = Fraction(0)
+    for parts in zip(*rows, strict=True):
+        term: Exact = Fraction(1)
+        for x in parts:
+            term = term * x
+        total = total + term
+    return total
+
+
+@dataclass(frozen=True)
+class GoryachevStart:
+    """The exact start in the motion's axes; time in units of 2^-exponent.
+
+    With G < 0 time is reversed (``backward``): omega has changed its sign, and G too.
+    """
+
+    omega: Vector
+    gamma: Vector
+    a: Exact
+    H: Exact
+    G: Exact
+    backward: bool
+    exponent: int
+    rows: Rows  # row i is axis i of the motion in the scene's axes
+
+    def numbers(self, bits: int) -> tuple[list[Any], list[Any]]:
+        """omega and gamma to ``bits`` bits."""
+        return [number(x, bits) for x in self.omega], [number(x, bits) for x in self.gamma]
+
+
+def start(
+    moments: Vector, torque: Vector, omega: Vector, gamma: Vector, rows: Rows | None
+) -> GoryachevStart:
+    """The start in the motion's axes; ``rows`` are the principal axes in the scene's (None: same).
+
+    ``omega`` and ``gamma`` are in the scene's axes, the torque in principal ones.  Raises
+    ValueError with the condition that fails.
+    """
+    if rows is None:
+        one, zero = Fraction(1), Fraction(0)
+        rows = ((one, zero, zero), (zero, one, zero), (zero, zero, one))
+    principal = [tuple(_dot(row, v) for row in rows) for v in (omega, gamma)]
+    w, up = ((a, b, c) for a, b, c in principal)
+    if (fault := failure(PrincipalScene(moments, torque, w, up))) is not None:
+        raise ValueError(f"a start that does not meet this condition: {fault[0]}")
+    k = third_axis(moments, torque)
+    assert k is not None
+    i, j = (k + 1) % 3, (k + 2) % 3
+    C = moments[k]
+    X, Y = torque[i] / C, torque[j] / C
+    a = sqrt(X * X + Y * Y)
+    cos, sin = X / a, Y / a
+
+    def turned(v: Vector) -> Vector:
+        return cos * v[i] + sin * v[j], cos * v[j] - sin * v[i], v[k]
+
+    # 2h/C and G need no root: they are rational with rational data.
+    flat = w[i] * w[i] + w[j] * w[j]
+    H = 4 * flat + w[k] * w[k] + 2 * (X * up[i] + Y * up[j])
+    G = w[k] * flat - (X * w[i] + Y * w[j]) * up[k]
+    backward = sign(G) < 0
+    speed = max(log2(a) / 2, *(log2(x) for x in w))
+    exponent = math.floor(speed) + 1
+    unit = Fraction(2) ** (-exponent) * (-1 if backward else 1)
+    p, q, r = turned(w)
+    axes = tuple(
+        tuple(cos * x + sin * y for x, y in zip(rows[i], rows[j], strict=True))
+        if n == 0
+        else tuple(cos * y - sin * x for x, y in zip(rows[i], rows[j], strict=True))
+        if n == 1
+        else rows[k]
+        for n in range(3)
+    )
+    return GoryachevStart(
+        omega=(unit * p, unit * q, unit * r),
+        gamma=turned(up),
+        a=a * unit * unit,
+        H=H * unit * unit,
+        G=G * unit * unit * unit,
+        backward=backward,
+        exponent=exponent,
+        rows=axes,
+    )

@@ -1,0 +1,21 @@
+"""Which scenes belong to Goryachev and Chaplygin's case with f = 0."""
+
+from __future__ import annotations
+
+from polhode.closed_forms.families import Misfit
+from polhode.closed_forms.goryachev_chaplygin.axes import failure
+from polhode.closed_forms.principal_scene import PrincipalScene
+
+
+def fits(scene: PrincipalScene) -> bool:
+    """Whether body and start belong to the case, by exact arithmetic."""
+    return failure(scene) is None
+
+
+def misfit(scene: PrincipalScene) -> Misfit | None:
+    """The condition that body and start do not meet, and by how much."""
+    found = failure(scene)
+    if found is None:
+        return None
+    condition, off = found
+    return Misfit(condition, None if off is None else abs(off))

@@ -1,0 +1,179 @@
+"""Goryachev and Chaplygin's case in closed form: every motion with f = 0, at any time.
+
+    I w' + w x I w = Mg gamma x r0,    gamma' = gamma x w,    I = diag(4C, 4C, C), r0 = (x0, y0, 0)
+
+and Iw.gamma = 0 (Goryachev, Mat. Sb. 21 (1900) 431; Chaplygin, Trudy Otd. Fiz. Nauk 10 (1901)).
+w = (p, q, r) and the upward vertical gamma in body axes.  Units: any consistent set.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+from mpmath import mpf
+
+from polhode.closed_forms.attitude.from_attitude import FromAttitude
+from polhode.closed_forms.attitude.moving import Moving, moving
+from polhode.closed_forms.functions.jacobi import MP
+from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
+from polhode.closed_forms.goryachev_chaplygin import regimes
+from polhode.closed_forms.goryachev_chaplygin.attitude import HalvesFrame, bounds
+from polhode.closed_forms.goryachev_chaplygin.axes import start
+from polhode.closed_forms.goryachev_chaplygin.motion import GoryachevMotion, frequencies, motion
+from polhode.closed_forms.goryachev_chaplygin.turning import turning
+from polhode.closed_forms.goryachev_chaplygin.variables import lost_bits
+from polhode.numbers.exact import Exact
+from polhode.scenes.body import Vector
+
+_ZERO = Fraction(0)
+_GUARD = 64  # bits beyond the digits asked for and the growth of phases
+_SLACK = 32  # of these, what the set-up may use up; where it needs more it is made with more
+_TRIALS = 6
+
+
+class GoryachevChaplyginTop(FromAttitude):
+    """One motion of Goryachev and Chaplygin's case from one start.
+
+    ``moments`` are the principal moments and ``torque`` = Mg r0 in principal axes; ``axes[i]`` is
+    the unit vector of principal axis i in the scene's body axes (right-handed; None for the same
+    axes).  ``omega`` and ``gamma`` are given at t = 0 in the scene's axes, where all answers are
+    too.  Raises ValueError with the condition that fails.
+
+    ``regime`` names the kind of motion; it is decided once, by exact arithmetic.  ``held`` are the
+    conditions that body and start meet.
+    """
+
+    held = ("A = B = 4C", "r0 at right angles to axis 3", "f = Iw.gamma = 0")
+
+    def __init__(
+        self,
+        *,
+        moments: Vector,
+        torque: Vector,
+        omega: Vector,
+        gamma: Vector,
+        psi: Exact = _ZERO,
+        axes: tuple[tuple[Exact, ...], ...] | None = None,
+    ) -> None:
+        super().__init__(gamma, psi)
+        self._start = start(moments, torque, omega, gamma, axes)
+        self.regime = regimes.regime(self._start)
+        self._extra = 0
+        if self.regime not in regimes.EXPLICIT:
+            self._extra = math.ceil(lost_bits(self._start))
+        self._motions: dict[int, GoryachevMotion] = {}
+        self._attitudes: dict[int, Moving] = {}
+        self._rows: dict[int, list[list[Any]]] = {}
+
+    def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
+        """Rows p, q, r, gamma1, gamma2, gamma3, one a time.
+
+        The error is below 10^-digits, of w relative to its largest modulus.
+        """
+        bits = self._bits(times, digits)
+        found, rows = self._motion(bits), []
+        for t in times:
+            with mpmath.workprec(bits):
+                _, state = found.at(self._moment(t, bits), MP)
+                rows.append(self._placed(state, bits))
+        return [shortened(row, digits) for row in rows]
+
+    def period(self, digits: int) -> mpf | None:
+        """The period of the state; None where there are two frequencies or none."""
+        if self.regime in regimes.TWO_FREQUENCIES or self.regime in regimes.ASYMPTOTIC:
+            return None
+        bits = self._bits((), digits)
+        found = self._motion(bits)
+        with mpmath.workprec(bits):
+            if self.regime in regimes.CONSTANT:
+                period = 4 * mpmath.pi / frequencies(found)[0]
+            else:
+                period = found.path.period  # type: ignore[attr-defined]
+            if period is None:
+                return None
+            period = mpmath.ldexp(period, -self._start.exponent)
+        return shortened([period], digits)[0]
+
+    def frequencies(self, digits: int) -> dict[str, mpf]:
+        """The motion's frequencies, radians a unit of time.
+
+        Of two frequencies "u" and "v", the mean rates of x and y: u and v repeat with 2 pi of them,
+        p, q and gamma3 with twice that.  Of a periodic motion "body".
+        """
+        period = self.period(digits + 5)
+        bits = self._bits((), digits)
+        with mpmath.workprec(bits):
+            if period is not None:
+                return {"body": shortened([2 * mpmath.pi / period], digits)[0]}
+            if self.regime not in regimes.TWO_FREQUENCIES:
+                return {}
+            rates = frequencies(self._motion(bits))
+            both = [mpmath.ldexp(x, self._start.exponent) for x in rates]
+        return dict(zip(("u", "v"), shortened(both, digits), strict=True))
+
+    def _motion(self, bits: int) -> GoryachevMotion:
+        """The constants at a precision, made once."""
+        if bits not in self._motions:
+            self._motions[bits] = motion(self._start, self.regime, bits)
+        return self._motions[bits]
+
+    def _attitude(self, bits: int) -> Moving:
+        """The attitude as a function of time, its constants made once a precision."""
+        if bits not in self._attitudes:
+            found = self._motion(bits)
+            with mpmath.workprec(bits):
+                unit = self._moment(Fraction(1), bits)
+                rows = [[number(x, bits) for x in row] for row in self._start.rows]
+                begin = self._first_quaternion(bits)
+                turn = turning(found)
+                H, a = number(self._start.H, bits), number(self._start.a, bits)
+                scale = abs(unit)
+                wide, quick = (scale * x for x in bounds(found, H, a))
+                period = self.period(30) if self.regime not in regimes.TWO_FREQUENCIES else None
+                self._attitudes[bits] = moving(
+                    HalvesFrame(found.path, found.sg, unit),
+                    lambda t: turn(t * unit),
+                    begin,
+                    rows,
+                    (wide, quick),
+                    period,
+                )
+        return self._attitudes[bits]
+
+    def _moment(self, t: Exact, bits: int) -> mpf:
+        """A time in the motion's units and direction."""
+        found = mpmath.ldexp(number(t, bits), self._start.exponent)
+        return -found if self._start.backward else found
+
+    def _placed(self, state: Sequence[Any], bits: int) -> list[mpf]:
+        """A state in the scene's axes and units."""
+        if bits not in self._rows:
+            self._rows[bits] = [[number(x, bits) for x in row] for row in self._start.rows]
+        rows = self._rows[bits]
+        unit = mpmath.ldexp(-1 if self._start.backward else 1, self._start.exponent)
+        w = [unit * x for x in state[:3]]
+        return [
+            sum(row[j] * x for row, x in zip(rows, v, strict=True))
+            for v in (w, state[3:])
+            for j in range(3)
+        ]
+
+    def _bits(self, times: Sequence[Exact], digits: int) -> int:
+        """Working precision: the digits, what the phases cost, a guard, what the set-up loses.
+
+        Bits are added until the constants give the start.
+        """
+        last = max((log2(t) for t in times), default=-math.inf)
+        phase = max(0.0, last + self._start.exponent) if last > -math.inf else 0.0
+        wanted = digits * math.log2(10) + phase + _GUARD
+        for _ in range(_TRIALS):
+            bits = rounded_up(wanted + self._extra)
+            defect = self._motion(bits).defect
+            if not defect or int(mpmath.mag(defect)) <= self._extra + _SLACK - bits:
+                return bits
+            self._extra = bits + int(mpmath.mag(defect)) + 16
+        raise ArithmeticError("the closed form does not reproduce the start")

@@ -1,0 +1,216 @@
+"""chi, the angle of the angular momentum in space, which is horizontal where f = 0.
+
+    chi' = T.Iw/|Iw|^2 = 2a sg sqrt(uv) sin((et - xi)/2)/(u + v)^2,
+
+from d(Iw)/dt = gamma x T.  In the time sigma, dsigma = dt/(u + v), both phases of two frequencies
+move uniformly: chi is a double Fourier series.  A motion of one frequency has a simple series, one
+that tends to it is summed by panels until nothing is left but the limit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import numpy as np
+from mpmath import mpf
+
+from polhode.closed_forms.functions.fourier import (
+    TooManyTerms,
+    WaveSeries,
+    cosines,
+    fixed,
+    waves,
+)
+from polhode.closed_forms.functions.jacobi import MP
+from polhode.closed_forms.functions.panels import Panels
+from polhode.closed_forms.functions.plane import plane
+from polhode.closed_forms.goryachev_chaplygin.clocks import Oscillating, Standing
+from polhode.closed_forms.goryachev_chaplygin.explicit import Libration, Rotation, Separatrix
+from polhode.closed_forms.goryachev_chaplygin.motion import GoryachevMotion, Separated
+from polhode.closed_forms.goryachev_chaplygin.tending import Tending
+
+#: chi(t) - chi(0), t in the motion's units.
+Turning = Callable[[Any], Any]
+
+_PANEL = 12  # radians of the fastest rate in a panel
+
+
+def turning(found: GoryachevMotion) -> Turning:
+    """chi(t) - chi(0) at the precision in force, to be asked at that precision."""
+    path, sg = found.path, found.sg
+    if isinstance(path, Separatrix):
+        return _of_separatrix(path, sg)
+    if isinstance(path, (Libration, Rotation)):
+        return _of_period(path, sg)
+    assert isinstance(path, Separated)
+    if isinstance(path.torus.v, Standing):
+        return _of_one(path, sg)
+    if isinstance(path.torus.v, Tending):
+        return _of_tending(path, sg)
+    try:
+        return _of_torus(path, sg)
+    except TooManyTerms:
+        return _of_panels(path, sg).at
+
+
+def _of_separatrix(path: Separatrix, sg: int) -> Turning:
+    """dchi/dps = dl sqrt(1 + dl^2 c^4)/(1 + dl^2 c^2), c = cos ps = sech y."""
+    d2 = path.dl * path.dl
+
+    def rate(x: Any) -> Any:
+        c2 = (1 + mpmath.cos(x)) / 2
+        return [mpmath.sqrt(1 + d2 * c2 * c2) / (1 + d2 * c2)]
+
+    (series,) = cosines(rate)
+
+    def angle(t: Any) -> Any:
+        x = 2 * mpmath.atan(mpmath.sinh(path.y0 + path.rate * t))
+        return (series.mean * x + series.bounded(x)) / 2
+
+    begin = angle(mpf(0))
+    return lambda t: sg * path.dl * (angle(t) - begin)
+
+
+def _of_period(path: Libration | Rotation, sg: int) -> Turning:
+    """One series over the period."""
+    share = path.period / (2 * mpmath.pi)
+    series = waves(lambda x: path.at(x * share, MP).turning * share)
+    begin = series.at(mpf(0))
+    return lambda t: sg * (series.at(t / share) - begin)
+
+
+def _flow(path: Separated, one: Any, other: Any) -> Any:
+    """chi' (u + v): the rate in sigma."""
+    point = path.joined(one, other, MP)
+    return point.turning * (point.u + point.v)
+
+
+def _series_beside(path: Separated, other: Any) -> WaveSeries:
+    """chi along half the phase of u, while v stays as it is: the period is 4 pi."""
+    u = path.torus.u
+
+    def rate(x: Any) -> Any:
+        one = u.at(2 * x, MP)
+        return 2 * _flow(path, one, other) * one.slope
+
+    return waves(rate)
+
+
+def _of_one(path: Separated, sg: int) -> Turning:
+    """v constant: one series in the phase of u."""
+    torus = path.torus
+    series = _series_beside(path, torus.v.at(mpf(0), MP))
+    begin = series.at(torus.start[0] / 2)
+    return lambda t: sg * (series.at(torus.phases(t)[0] / 2) - begin)
+
+
+def _of_panels(path: Separated, sg: int) -> Panels:
+    """Panel by panel; refused beyond a limit."""
+    x, y = path.torus.rates
+    length = _PANEL / max(abs(x), abs(y))
+    return Panels(lambda t: sg * path.at(t, MP).turning, length)
+
+
+def _of_tending(path: Separated, sg: int) -> Turning:
+    """Panels while v is on its way, then the series of the motion that it tends to."""
+    torus, v = path.torus, path.torus.v
+    assert isinstance(v, Tending)
+    panels = _of_panels(path, sg)
+    reach = mpmath.mp.prec * mpmath.ln2 / 2 + 4
+    # |y| >= reach where the mean phase, which differs by what is bounded, is farther than that.
+    edge = mpf(1)
+    while min(abs(torus.phases(edge)[1]), abs(torus.phases(-edge)[1])) < reach:
+        edge *= mpf(5) / 4
+    limits = {side: _series_beside(path, v.at(side * 2 * reach, MP)) for side in (1, -1)}
+
+    def angle(t: Any) -> Any:
+        if abs(t) <= edge:
+            return panels.at(t)
+        side = 1 if t > 0 else -1
+        series = limits[int(mpmath.sign(torus.phases(side * edge)[1]))]
+        first, last = torus.phases(side * edge)[0], torus.phases(t)[0]
+        return panels.at(side * edge) + sg * (series.at(last / 2) - series.at(first / 2))
+
+    return angle
+
+
+def _of_torus(path: Separated, sg: int) -> Turning:
+    """Two frequencies: a double series in al = S/S_0 and be = S~/S~_0."""
+    torus = path.torus
+    one, other = torus.u, torus.v
+    assert isinstance(one, Oscillating)
+    assert isinstance(other, Oscillating)
+    # v's halves change sign with a turn of y but where v moves between the roots of one cubic.
+    odd = other.variable.cosine[0] != "one"
+    shift = Fraction(1, 2), Fraction(1, 2) if odd else Fraction(0)
+    small = {True: one.floats(), False: other.floats()}
+    tables: dict[tuple[bool, Any], list[Any]] = {}
+
+    def row(which: bool, share: Any, bits: int) -> list[int]:
+        if (which, share) not in tables:
+            clock = one if which else other
+            point = clock.at(_along(clock, small[which], mpmath.pi * share), MP)
+            root = mpmath.sqrt(point.z)
+            tables[which, share] = [root * point.sine, root * point.cosine, point.z]
+        return [fixed(x, bits) for x in tables[which, share]]
+
+    def grid(n: int, m: int, bits: int) -> Any:
+        u = np.array([row(True, mpf(2 * j) / n, bits) for j in range(n)], dtype=object)
+        v = np.array([row(False, mpf(2 * k) / m, bits) for k in range(m)], dtype=object)
+        (sx, cx, z), (se, ce, y) = u.T[:, :, None], v.T[:, None, :]
+        across = se * cx - ce * sx  # in units of 2^-2 bits
+        return across * twice(bits) // ((z + y) << bits)
+
+    def twice(bits: int) -> int:
+        return fixed(2 * sg * path.a, bits)
+
+    scale = one.S.mean, other.S.mean
+    made = plane(grid, (1 / scale[0], 1 / scale[1]), shift)
+
+    def phases(t: Any) -> tuple[Any, Any]:
+        x, y = torus.phases(t)
+        return x + one.bounded(x)[0] / scale[0], y + other.bounded(y)[0] / scale[1]
+
+    start = phases(mpf(0))
+    begin = made.at(*start)
+
+    def angle(t: Any) -> Any:
+        now = phases(t)
+        sigma = (now[0] - start[0]) * scale[0]
+        return made.at(*now) - begin + made.slowly(start, sigma)
+
+    return angle
+
+
+def _along(clock: Oscillating, small: Oscillating, al: Any) -> Any:
+    """The phase at which S/S_0 = al, by Newton's method from doubles."""
+    mean, target = float(clock.S.mean), float(al)
+    x = target
+    low, high = target - 4.0, target + 4.0
+    for _ in range(100):
+        miss = x + small.bounded(x)[0] / mean - target
+        if miss > 0:
+            high = x
+        else:
+            low = x
+        step = miss * mean / _slope(small, x)
+        x = x - step if low < x - step < high else (low + high) / 2
+        if abs(step) < 1e-13:
+            break
+    phase = mpf(float(x))
+    for _ in range(20):
+        miss = (phase - al) * clock.S.mean + clock.bounded(phase)[0]
+        step = miss / clock.at(phase, MP).slope
+        phase -= step
+        if abs(step) < mpmath.ldexp(1, -mpmath.mp.prec // 2 - 8):
+            return phase
+    raise ArithmeticError("a phase was not found")
+
+
+def _slope(clock: Oscillating, x: float) -> float:
+    from polhode.closed_forms.functions.jacobi import numpy_functions
+
+    return float(clock.at(x, numpy_functions()).slope)

@@ -1,0 +1,1 @@
+"""Hess and Appelrot's case: motions on the surface Iw.r0 = 0."""
