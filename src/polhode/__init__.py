@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING as _TYPE_CHECKING
 if _TYPE_CHECKING:
     from polhode.common.errors import BadInput
     from polhode.common.provenance import __version__
+    from polhode.enclosures.certify import certify
+    from polhode.enclosures.result import Enclosure
     from polhode.judging.assured import integrate
     from polhode.judging.conditioning import Conditioning, conditioning
     from polhode.judging.judgement import Judgement, compare
@@ -33,6 +35,7 @@ _HOMES = {
     "BadInput": "common.errors",
     "Body": "scenes.body",
     "Conditioning": "judging.conditioning",
+    "Enclosure": "enclosures.result",
     "Ensemble": "runs.sweep",
     "Event": "scenes.scene",
     "EventTimes": "taylor.outcomes",
@@ -46,6 +49,7 @@ _HOMES = {
     "Trajectory": "runs.trajectory",
     "TwoPrecisions": "judging.reference",
     "__version__": "common.provenance",
+    "certify": "enclosures.certify",
     "compare": "judging.judgement",
     "conditioning": "judging.conditioning",
     "integrate": "judging.assured",
