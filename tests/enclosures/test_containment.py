@@ -9,6 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from flint import arb, ctx
 
 import polhode
 from polhode.enclosures import conserved, fixed, march
@@ -149,7 +150,8 @@ def test_an_integral_that_is_not_kept_is_a_contradiction() -> None:
     what = trials.trial(trials.random_scene(random.Random(9), "generic"), [Fraction(10)], 300)
     problem = fixed.problem(what.motion, 96)
     known = conserved.prepared(what.motion, 400)
-    wrong = [row._replace(value=row.value + Fraction(1, 2**60).numerator / 2**60) for row in known]
+    with ctx.workprec(400):
+        wrong = [row._replace(value=row.value + arb((1, -60))) for row in known]
     with pytest.raises(conserved.Contradiction):
         march.run(problem, trials.asked(what, problem), wrong)
 

@@ -11,7 +11,7 @@ from typing import Any
 
 @contextmanager
 def without(module: Any, name: str, old: str, new: str) -> Iterator[None]:
-    """``module.name`` (or ``module.Class.name``) with ``old``, which must be there once, as ``new``."""
+    """``module.name``, or ``module.Class.name``, with ``old``, found there once, as ``new``."""
     owner, _, attribute = name.rpartition(".")
     home = getattr(module, owner) if owner else module
     kept = getattr(home, attribute)

@@ -43,7 +43,7 @@ def window(problem: Problem, state: State, end: int, steps: int, pace: float) ->
     ``pace``: the length of a step that is expected, to know how far to run.
     """
     wide = [np.longdouble(x >> max(0, problem.fine - 80)) for x in state.centre]
-    start = np.ldexp(np.array(wide), -min(problem.fine, 80))
+    start = list(np.ldexp(np.array(wide), -min(problem.fine, 80)))
     left = math.ldexp(end - state.time, -CLOCK)
     run = path.path(start, problem.factors, min(1.05 * pace * steps + 1e-3, left))
     if run is None:
@@ -65,7 +65,7 @@ def _grid(problem: Problem, run: path.Path, begin: int, end: int, steps: int) ->
     longest = np.minimum(theta * run.convergence, MOST_TURN / np.maximum(fastest, 1e-300))
     ticks = np.maximum(1, np.floor(np.ldexp(np.minimum(longest, 2.0**15), CLOCK))).astype(int)
     ends = run.ends
-    reach = begin + int(math.floor(math.ldexp(float(ends[-1]), CLOCK)))
+    reach = begin + math.floor(math.ldexp(float(ends[-1]), CLOCK))
     times, k = [begin], 0
     while len(times) <= steps and times[-1] < end:
         now = math.ldexp(times[-1] - begin, -CLOCK)

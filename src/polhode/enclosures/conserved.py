@@ -9,10 +9,11 @@ the supremum over |x - y| <= eps.  So for any 6 x k matrix K, with g of columns 
 
     e = (I - K g^T) e + K (c - H(y)) +- |K| w.
 
-K = G G^T g (g^T G G^T g)**-1 is not trusted; the result is kept only if its radii have a smaller sum.  That
-grad H · f vanishes identically is decided on polynomials with rational coefficients; h, f and
-|gamma|**2 are conserved for any body and are used with irrational data too.  Where |c_i - H_i(y)|
-exceeds what the set allows, the proof contradicts itself and an error is raised.
+K = G G^T g (g^T G G^T g)**-1 is not trusted; the result is kept only if its radii have a
+smaller sum.  That grad H · f vanishes identically is decided on polynomials with rational
+coefficients; h, f and |gamma|**2 are conserved for any body and are used with irrational data too.
+Where |c_i - H_i(y)| exceeds what the set allows, the proof contradicts itself and an error is
+raised.
 """
 
 from __future__ import annotations

@@ -3,8 +3,9 @@
 Trusted.  With time in a unit 2**n of the scene in which |w| and sqrt(Mg|r0|/smallest moment) are
 at most about 1, in principal axes and with i, a, b cyclic,
 
-    w_i' = bend_i w_a w_b + pull_i gamma_a + push_i gamma_b,      gamma_i' = gamma_a w_b - gamma_b w_a
-    bend_i = (I_a - I_b)/I_i,    pull_i = k_b/I_i,    push_i = -k_a/I_i,      k = Mg r0
+    w_i' = bend_i w_a w_b + pull_i gamma_a + push_i gamma_b,
+    gamma_i' = gamma_a w_b - gamma_b w_a,
+    bend_i = (I_a - I_b)/I_i,    pull_i = k_b/I_i,    push_i = -k_a/I_i,    k = Mg r0
 
 The nine constants are rounded to 2**-Q and the start to 2**-S, each with a proven radius (zero for
 numbers that are exact there).  Every small quantity of the proof is a double in units of 2**-P, P

@@ -81,7 +81,7 @@ def run(
 def _window(
     problem: Problem, state: State, end: int, wide: int, pace: float, untrusted: Untrusted
 ) -> bound.Bounds | None:
-    """A window's polynomials, corrected as far as the noise level asks; None where they are lost."""
+    """A window, corrected as far as the noise level asks; None where the motion is lost."""
     found = untrusted.window(problem, state, end, wide, pace)
     if found is None:
         return None

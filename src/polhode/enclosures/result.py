@@ -21,9 +21,9 @@ class Enclosure:
 
     ``centres``: exact midpoints, a row a time; ``radii``: doubles not below the balls' radii.
     ``digits``: proven correct digits at each time (-log10 of the larger of the radius of w over the
-    largest |w| at the times and the radius of gamma).  ``noise``: the proof's noise level, 2**-noise
-    in its own unit of time.  ``steps`` and ``seconds``: of the run that proved it; ``tries``: the
-    runs that it took; ``seconds_in_all``: those of all of them and of the pilot, CPU.
+    largest |w| at the times and the radius of gamma).  ``noise``: the proof's noise level is
+    2**-noise in its own unit of time.  ``steps`` and ``seconds``: of the run that proved it;
+    ``tries``: the runs that it took; ``seconds_in_all``: those of all of them and of the pilot, CPU.
     """
 
     scene: Scene
@@ -79,10 +79,7 @@ def guaranteed(centre: Fraction, radius: float) -> str:
     if not math.isfinite(radius):
         return ""
     low, high = centre - Fraction(radius), centre + Fraction(radius)
-    if radius == 0.0:
-        places = 60
-    else:
-        places = math.floor(-math.log10(2.0 * radius)) + 1
+    places = math.floor(-math.log10(2.0 * radius)) + 1 if radius else 60
     for n in range(places, max(-1, places - 40), -1):
         scale = Fraction(10) ** n
         near = round(low * scale)
