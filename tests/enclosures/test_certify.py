@@ -56,9 +56,8 @@ def test_times_of_both_signs_in_any_order_some_twice_and_irrational() -> None:
         elif not isinstance(t, Irrational):
             assert _inside(replaced(found, n), trials.truth(scene, [t], 200))
     # a time beside sqrt(2) by 1e-40 has the same 20 digits
-    beside = polhode.certify(
-        scene, at=[Fraction(14142135623730950488016887242096980785697, 10**40)]
-    )
+    near = Fraction(14142135623730950488016887242096980785697, 10**40)
+    beside = polhode.certify(scene, at=[near])
     for x, y, r in zip(beside.centres[0], found.centres[5], found.radii[5], strict=True):
         assert abs(x - y) <= Fraction(r) + Fraction(max(beside.radii[0]))
 
@@ -71,27 +70,8 @@ def replaced(found: Any, n: int) -> Any:
 
 
 def test_a_full_inertia_matrix_gives_balls_in_its_own_axes() -> None:
-    body = (
-        Body(
-            (
-                (Fraction(2), Fraction(1, 5), Fraction(1, 7)),
-                ("0.2", "1.7", "0.1"),
-                ("1/7", "0.1", 1.4),
-            ),
-            ("0.3", "0.2", "0.5"),
-            1,
-        )
-        if False
-        else Body(
-            (
-                (Fraction(2), Fraction(1, 5), Fraction(1, 7)),
-                (Fraction(1, 5), Fraction(17, 10), Fraction(1, 10)),
-                (Fraction(1, 7), Fraction(1, 10), Fraction(7, 5)),
-            ),
-            ("0.3", "0.2", "0.5"),
-            1,
-        )
-    )
+    inertia = ((2, "1/5", "1/7"), ("1/5", "1.7", "1/10"), ("1/7", "1/10", "1.4"))
+    body = Body(inertia, ("0.3", "0.2", "0.5"), 1)
     scene = Scene(body, ("0.3", "0.2", "1.1"), ("0.6", 0, "0.8"))
     found = polhode.certify(scene, at=[2, 10], digits=25)
     assert found.reached
@@ -139,17 +119,17 @@ def test_units_of_any_size_cost_no_digit(power: int) -> None:
 
 def test_chaos_is_answered_and_grows_no_faster_than_its_exponent() -> None:
     scene = top(omega=("0.3", "0.2", "1.1"))
-    found = polhode.certify(scene, at=[100, 200], digits=15)
+    found = polhode.certify(scene, at=[60, 120], digits=15)
     assert found.reached
     assert found.tries == 1
-    assert _inside(found, trials.truth(scene, [100, 200], 400))
+    assert _inside(found, trials.truth(scene, [60, 120], 260))
 
 
 def test_the_integrals_make_the_radii_smaller_and_keep_the_truth() -> None:
     scene = top()
     motion = fixed.motion(scene)
     problem = fixed.problem(motion, 90)
-    times = [fixed.ball(Fraction(250), 300)]
+    times = [fixed.ball(Fraction(1200), 300)]  # t = 300
     known = conserved.prepared(motion, 400)
     with_them = march.run(problem, times, known).rows[0]
     without = march.run(problem, times).rows[0]
@@ -218,7 +198,7 @@ def test_printed_digits_are_those_of_every_number_in_the_ball() -> None:
         radius = 10.0 ** rng.uniform(-9, 1)
         text = guaranteed(centre, radius)
         if not text:
-            assert radius > 0.04
+            assert radius > 0.01
             continue
         unit = Fraction(1, 10 ** len(text.partition(".")[2]))
         for part in (-1, -0.5, 0, 0.3, 1):
@@ -248,11 +228,11 @@ def test_first_tries_suffice() -> None:
     for n in range(20):
         scene = trials.random_scene(rng, trials.KINDS[n % len(trials.KINDS)])
         digits = rng.choice((12, 16, 24))
-        found = polhode.certify(scene, at=[rng.choice((1, 10, 60))], digits=digits)
+        found = polhode.certify(scene, at=[rng.choice((1, 5, 20))], digits=digits)
         tries.append(found.tries)
         spare.append(found.proven - digits)
     assert sum(t == 1 for t in tries) >= 18
-    assert sorted(spare)[10] < 5.0
+    assert sorted(spare)[10] < 4.0
 
 
 @pytest.mark.slow

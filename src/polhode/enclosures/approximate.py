@@ -109,8 +109,11 @@ def _series(problem: Problem, states: Any, lengths: Any, count: int) -> Any:
     return found
 
 
-def tangents(what: Motion, last: float) -> list[float]:
-    """log2 of a tangent's length along the motion, at even times; short where double fails."""
+def tangents(what: Motion, last: float) -> tuple[list[float], float]:
+    """log2 of a tangent's length along the motion, at even times, and the largest |w| there.
+
+    The list is short where double fails; |w| is in the proof's unit of time.
+    """
     scene = what.scene
     plain = system(replace(scene, form="principal", events=(), outputs=()), ())
     values = [to_double(x) for x in plain.start]
@@ -121,9 +124,11 @@ def tangents(what: Motion, last: float) -> list[float]:
     flow = Variations(plain.coefficients, start, tangent)
     end = last / 2.0**scene.time_unit
     logs = [math.log2(float(np.max(np.abs(tangent))))]
+    fastest = float(np.linalg.norm(start[:3]))
     for k in range(1, _LOOKS + 1):
         if not (flow.to(end * k / _LOOKS, _MOST_STEPS - flow.steps) and flow.finite):
             break
         flow.rescale()
         logs.append(flow.exponent + math.log2(float(np.max(np.abs(flow.tangents)))))
-    return logs
+        fastest = max(fastest, float(np.linalg.norm(flow.state[:3])))
+    return logs, fastest * 2.0 ** (what.unit - scene.time_unit)

@@ -23,7 +23,8 @@ class Enclosure:
     ``digits``: proven correct digits at each time (-log10 of the larger of the radius of w over the
     largest |w| at the times and the radius of gamma).  ``noise``: the proof's noise level is
     2**-noise in its own unit of time.  ``steps`` and ``seconds``: of the run that proved it;
-    ``tries``: the runs that it took; ``seconds_in_all``: those of all of them and of the pilot, CPU.
+    ``tries``: the runs that it took; ``seconds_in_all``: CPU, those of all
+    of them and of the pilot.
     """
 
     scene: Scene
