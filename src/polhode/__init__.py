@@ -19,6 +19,7 @@ if _TYPE_CHECKING:
     from polhode.enclosures.certify import certify
     from polhode.enclosures.result import Enclosure
     from polhode.judging.assured import integrate
+    from polhode.judging.certified import Certified
     from polhode.judging.conditioning import Conditioning, conditioning
     from polhode.judging.judgement import Judgement, compare
     from polhode.judging.lyapunov import Lyapunov, lyapunov
@@ -34,6 +35,7 @@ if _TYPE_CHECKING:
 _HOMES = {
     "BadInput": "common.errors",
     "Body": "scenes.body",
+    "Certified": "judging.certified",
     "Conditioning": "judging.conditioning",
     "Enclosure": "enclosures.result",
     "Ensemble": "runs.sweep",

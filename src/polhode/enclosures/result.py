@@ -62,6 +62,17 @@ class Enclosure:
             for row, radii in zip(self.centres, self.radii, strict=True)
         ]
 
+    def decimals(self) -> list[list[tuple[str, str]]]:
+        """Balls as decimals: midpoints rounded a little beyond the radius, radii that allow it."""
+        return [
+            [_decimal_ball(x, r) for x, r in zip(row, radii, strict=True)]
+            for row, radii in zip(self.centres, self.radii, strict=True)
+        ]
+
+    def __repr__(self) -> str:
+        times = f"{len(self.times)} times to t = {shown(self.times[-1])}"
+        return f"<Enclosure of {self.scene.name}: {times}, {self.proven:.1f} digits proven>"
+
     def __str__(self) -> str:
         lines = []
         for t, row, digits in zip(self.times, self.strings(), self.digits, strict=True):
@@ -89,6 +100,14 @@ def guaranteed(centre: Fraction, radius: float) -> str:
     return ""
 
 
+def _decimal_ball(centre: Fraction, radius: float) -> tuple[str, str]:
+    """A decimal midpoint and a decimal radius of a ball that holds this one."""
+    places = max(0, 3 - math.floor(math.log10(radius)))
+    near = round(centre * 10**places)
+    wider = Fraction(radius) + abs(centre - Fraction(near, 10**places))
+    return _positional(near, places), rounded_up([float(wider) * (1.0 + 1e-9)])[0]
+
+
 def _positional(value: int, places: int) -> str:
     """value·10**-places."""
     digits = str(abs(value)).rjust(places + 1, "0")
@@ -96,7 +115,7 @@ def _positional(value: int, places: int) -> str:
     return "-" + body if value < 0 else body
 
 
-def shortest(values: Sequence[float]) -> list[str]:
+def rounded_up(values: Sequence[float]) -> list[str]:
     """Radii as decimals of three digits, rounded up."""
     found = []
     for value in values:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 #: What ``reference.kind`` may ask for: the first that fits, a closed form by the name of its family
-#: (polhode.closed_forms.families), or two integrations.
+#: (polhode.closed_forms.families), a proven enclosure, or two integrations.
 REFERENCES = (
     *("auto", "euler", "lagrange", "kovalevskaya", "pendulum", "staude", "bobylev-steklov"),
-    *("grioli", "steklov", "goryachev", "n-kowalewski", "chaplygin", "two-precisions"),
+    *("grioli", "steklov", "goryachev", "n-kowalewski", "chaplygin"),
+    *("certified", "two-precisions"),
 )
 
 

@@ -21,6 +21,7 @@ _TITLES = {
     "goryachev": "Against the closed form of Goryachev's motions",
     "n-kowalewski": "Against the closed form of N. Kowalewski's motions",
     "chaplygin": "Against the closed form of Chaplygin's motions",
+    "certified": "Against a proven enclosure (no closed form)",
     "two-precisions": "Against two integrations at different precision (no closed form)",
 }
 

@@ -14,6 +14,7 @@ _BY = {
     "lagrange": "the closed form of the Lagrange top",
     "kovalevskaya": "the closed form of the Kovalevskaya top",
     "pendulum": "the closed form of the physical pendulum",
+    "certified": "a proven enclosure",
     "two-precisions": "two integrations at different precision",
 }
 
