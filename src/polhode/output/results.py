@@ -14,11 +14,7 @@ from polhode.equations.hodographs import Hodographs
 from polhode.judging.limits import is_lost
 from polhode.numbers import number_types
 from polhode.numbers.convert import exactly
-from polhode.numbers.decimals import (
-    in_full,
-    is_decimal,
-    strings,
-)
+from polhode.numbers.decimals import decimal_in_full, in_full, is_decimal, strings
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.output.right_digits import right_rows
