@@ -17,6 +17,7 @@ if _TYPE_CHECKING:
     from polhode.common.errors import BadInput
     from polhode.common.provenance import __version__
     from polhode.enclosures.certify import certify
+    from polhode.enclosures.events import CertifiedEvents, certify_events
     from polhode.enclosures.result import Enclosure
     from polhode.judging.assured import integrate
     from polhode.judging.certified import Certified
@@ -35,6 +36,7 @@ if _TYPE_CHECKING:
 _HOMES = {
     "BadInput": "common.errors",
     "Body": "scenes.body",
+    "CertifiedEvents": "enclosures.events",
     "Certified": "judging.certified",
     "Conditioning": "judging.conditioning",
     "Enclosure": "enclosures.result",
@@ -52,6 +54,7 @@ _HOMES = {
     "TwoPrecisions": "judging.reference",
     "__version__": "common.provenance",
     "certify": "enclosures.certify",
+    "certify_events": "enclosures.events",
     "compare": "judging.judgement",
     "conditioning": "judging.conditioning",
     "integrate": "judging.assured",

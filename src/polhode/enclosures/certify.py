@@ -13,7 +13,8 @@ from flint import arb, ctx
 
 from polhode.common.errors import BadInput
 from polhode.enclosures import conserved, fixed, march, pilot
-from polhode.enclosures.fixed import MOST_NOISE, Motion, Refused, ball, motion, upper
+from polhode.enclosures.fixed import MOST_NOISE, Motion, Refused, motion, upper
+from polhode.enclosures.polynomial import ball
 from polhode.enclosures.result import Enclosure
 from polhode.numbers import exact
 from polhode.numbers.convert import exact_number

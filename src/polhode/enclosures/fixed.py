@@ -20,9 +20,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, ctx, fmpq, fmpz
+from flint import arb, ctx, fmpz
 
-from polhode.enclosures.polynomial import Polynomial, constant, total, variable
+from polhode.enclosures.polynomial import Polynomial, ball, total, variable
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, sign
 from polhode.scenes.body import dot
@@ -90,12 +90,11 @@ class Motion:
         bend, pull, push = self.constants[:3], self.constants[3:6], self.constants[6:]
         rows = []
         for i, (a, b) in enumerate(CYCLE):
-            terms = [x[a].times(x[b]).scaled(bend[i])]
+            terms = [(x[a] * x[b]).scaled(bend[i])]
             terms += [x[3 + a].scaled(pull[i]), x[3 + b].scaled(push[i])]
             rows.append(total(terms))
         for a, b in CYCLE:
-            crossed = x[3 + b].times(x[a]).times(constant(-1))
-            rows.append(x[3 + a].times(x[b]).plus(crossed))
+            rows.append(x[3 + a] * x[b] - x[3 + b] * x[a])
         return rows
 
 
@@ -173,30 +172,12 @@ def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Probl
     )
 
 
-def ball(x: Exact, bits: int) -> Any:
-    """A ball around an exact number, every step carried to so many bits."""
-    with ctx.workprec(bits):
-        if isinstance(x, Fraction):
-            return arb(fmpq(x.numerator, x.denominator))
-        low, high = x.enclosure(bits)
-        return _raw(low).union(_raw(high))
-
-
 def upper(x: Any) -> float:
     """A double not below |x| for every x of a ball; infinite where it is."""
     size = x.abs_upper()
     if not size.is_finite():
         return float("inf")
     return UP * float(size) + (0.0 if size.is_zero() else 1e-300)
-
-
-def _raw(number: Any) -> Any:
-    """A raw number of mpmath's as a ball of radius zero; without bounds where it is infinite."""
-    negative, mantissa, exponent, _ = number
-    if mantissa == 0 and exponent != 0:
-        return arb(0, float("inf"))
-    value = arb((int(mantissa), int(exponent)))
-    return -value if negative else value
 
 
 def _sharp(x: Exact, bits: int) -> Any:

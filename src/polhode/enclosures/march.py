@@ -13,6 +13,7 @@ from typing import Any
 from flint import arb, ctx
 
 from polhode.enclosures import approximate, bound, conserved, correction, pieces, zonotope
+from polhode.enclosures.crossings import Search
 from polhode.enclosures.fixed import CLOCK, Problem, Refused
 from polhode.enclosures.zonotope import State
 
@@ -51,8 +52,12 @@ def run(
     integrals: Sequence[conserved.Integral] = (),
     untrusted: Untrusted = HONEST,
     progress: Progress | None = None,
+    searches: Sequence[Search] = (),
 ) -> Proof:
-    """Balls around the states at times >= 0, increasing, given as balls.  Raises Refused."""
+    """Balls around the states at times >= 0, increasing, given as balls.  Raises Refused.
+
+    ``searches``: what looks for zeros on the way; they are right up to the end of the proof.
+    """
     state = zonotope.beginning(problem)
     rows: list[list[Any]] = []
     end = _last_tick(times, problem)
@@ -69,12 +74,16 @@ def run(
         before = state.time
         state, found, taken = zonotope.advance(state, tried, inside)
         rows += found
+        for search in searches:
+            search.window(tried, taken)
         steps += len(taken)
         pace = math.ldexp(state.time - before, -CLOCK) / len(taken)
         state = conserved.shrunk(problem, state, integrals)
         wide = min(most, 2 * wide)
         if progress is not None:
             progress(state.time / end, steps)
+    for search in searches:
+        search.finish()
     return Proof(rows, steps, state)
 
 
