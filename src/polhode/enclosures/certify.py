@@ -41,6 +41,13 @@ def certify(
     ``digits``: correct digits wanted at every time, 1 to MOST_DIGITS; the precision is chosen from
     a cheap run and raised until they are proven.  ``integrals``: whether the first integrals
     shrink the set.  Raises BadInput where the digits cannot be had.
+
+    >>> import polhode
+    >>> found = polhode.certify("general/asymmetric-regular", at=[10], digits=30)
+    >>> 30 <= found.digits[0] < 40
+    True
+    >>> max(found.radii[0]) < 1e-29
+    True
     """
     if not isinstance(scene, Scene):
         scene = library.load(scene)

@@ -34,12 +34,19 @@ class EventTime(NamedTuple):
     slope: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CertifiedEvents:
     """The events of one name between 0 and the end, in the order in which they are met.
 
     ``undecided``: intervals of time in which it is not decided whether, or how often, the event
     happens: a grazing contact, a zero at 0 or at the end.  The count is proven if there are none.
+
+    >>> import polhode
+    >>> event = polhode.Event("level", "gamma3 - 1/2")
+    >>> scene = polhode.Scene(polhode.Body.of_moments((1, 1, 1)), (1, 0, 0), (0, 0, 1),
+    ...                       events=(event,))
+    >>> polhode.certify_events(scene, end=10)  # cos t = 1/2
+    (<CertifiedEvents of level: 3, no others>,)
     """
 
     name: str
@@ -51,6 +58,10 @@ class CertifiedEvents:
         """Whether there are these events and no others."""
         return not self.undecided
 
+    def __repr__(self) -> str:
+        others = f"{len(self.undecided)} undecided" if self.undecided else "no others"
+        return f"<CertifiedEvents of {self.name}: {len(self.times)}, {others}>"
+
 
 def certify_events(
     scene: Scene | str | Path, end: Any | None = None, digits: int = 15
@@ -61,6 +72,14 @@ def certify_events(
     way; more of them make the radii smaller and separate zeros that are closer.  An event is a
     polynomial in p q r gamma1 gamma2 gamma3; ``stop`` is not heeded.  Raises BadInput for another,
     and where the digits cannot be had.
+
+    >>> import polhode
+    >>> event = polhode.Event("level", "gamma3 - 1/2")
+    >>> scene = polhode.Scene(polhode.Body.of_moments((1, 1, 1)), (1, 0, 0), (0, 0, 1),
+    ...                       events=(event,))
+    >>> (found,) = polhode.certify_events(scene, end=2)
+    >>> [round(float(t.time), 12) for t in found.times]  # pi/3
+    [1.047197551197]
     """
     if not isinstance(scene, Scene):
         scene = library.load(scene)

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+from polhode.common.values import ByValue
 from polhode.numbers.convert import to_mpf
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.scenes.scene import Scene
 
 
-@dataclass(frozen=True)
-class Enclosure:
+@dataclass(frozen=True, eq=False, repr=False)
+class Enclosure(ByValue):
     """Balls that contain the exact states p q r [gamma1 gamma2 gamma3] in the scene's body axes.
 
     ``centres``: exact midpoints, a row a time; ``radii``: doubles not below the balls' radii.
@@ -25,6 +26,13 @@ class Enclosure:
     2**-noise in its own unit of time.  ``steps`` and ``seconds``: of the run that proved it;
     ``tries``: the runs that it took; ``seconds_in_all``: CPU, those of all
     of them and of the pilot.
+
+    >>> import polhode
+    >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
+    >>> found
+    <Enclosure of euler/largest-axis: 1 times to t = 1, 24.1 digits proven>
+    >>> print(found.strings()[0][0])  # p, as far as it is proven
+    0.44780868821841484276869
     """
 
     scene: Scene
@@ -35,9 +43,9 @@ class Enclosure:
     asked: int
     noise: int
     steps: int
-    seconds: float
+    seconds: float = field(compare=False)
     tries: int
-    seconds_in_all: float
+    seconds_in_all: float = field(compare=False)
 
     @cached_property
     def midpoints(self) -> list[list[Any]]:
