@@ -215,6 +215,21 @@ def test_bad_questions_are_refused_in_one_line() -> None:
         polhode.certify(scene, at=[1], digits=251)
 
 
+def test_a_time_out_of_reach_is_refused_with_a_forecast() -> None:
+    with pytest.raises(polhode.BadInput, match="300000 steps reach; this one takes about"):
+        polhode.certify(top(), at=[10**10])
+    with pytest.raises(polhode.BadInput, match="a time that 10 steps reach"):
+        polhode.certify(top(), at=[100], max_steps=10)
+
+
+def test_times_beside_a_point_of_the_grid_are_on_their_sides() -> None:
+    near = Fraction(1, 2**600)
+    found = polhode.certify(top(), at=[1 + near, 1, 1 - near], digits=20)
+    for x, y, z, r in zip(*found.centres, found.radii[1], strict=True):
+        assert abs(x - y) <= 2 * Fraction(r)
+        assert abs(z - y) <= 2 * Fraction(r)
+
+
 def test_a_constant_that_does_not_sharpen_is_refused() -> None:
     from flint import arb
 

@@ -12,11 +12,13 @@ from flint import arb, ctx
 
 from polhode.common.errors import BadInput
 from polhode.enclosures import conserved, fixed, march, pilot
+from polhode.enclosures.certify import MAX_STEPS
 from polhode.enclosures.crossings import Crossing, Search
 from polhode.enclosures.fixed import Motion, Refused, motion, upper
 from polhode.enclosures.polynomial import Polynomial, constant, rate, total, variable
 from polhode.numbers import exact, expression
 from polhode.numbers.convert import exact_number
+from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.scenes import library
@@ -87,6 +89,9 @@ def certify_events(
     if sign(last) == 0:
         raise BadInput(scene.name, "end", "0", "a time other than 0")
     what = motion(scene, backward=sign(last) < 0)
+    if (steps := pilot.steps(what, last)) > MAX_STEPS:
+        expected = f"a time that {MAX_STEPS} steps reach; this one takes about {steps:.2g}"
+        raise BadInput(scene.name, "end", shown(last), expected)
     polynomials = [of_event(what, n, event) for n, event in enumerate(scene.events)]
     noise = pilot.noise(what, last, digits)
     for _ in range(_MOST_TRIES):
@@ -102,7 +107,7 @@ def _found(
 ) -> tuple[CertifiedEvents, ...]:
     problem = fixed.problem(what, noise)
     bits = 2 * problem.fine + 100
-    end = fixed.times(what, [last], noise + 200)[0]
+    end = fixed.times(what, [last])[0]
     field = what.field
     searches = [Search(g.balls(bits), rate(g, field).balls(bits)) for g in polynomials]
     march.run(problem, [end], conserved.prepared(what, bits), searches=searches)

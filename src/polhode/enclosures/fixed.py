@@ -31,6 +31,7 @@ from polhode.scenes.scene import Scene
 CLOCK = 14  # times of the grid are integers times 2**-CLOCK
 LEAST_NOISE, MOST_NOISE = 36, 1000  # P: small quantities in units of 2**-P stay within doubles
 LEAST_FINE = 60  # S: never coarser than the polynomials, or the first jump is lost
+TIME_BITS = 4096  # of a time asked for: on the right side of a step's boundary
 UP = 1.0 + 1e-9  # covers fewer than 1e5 roundings of nonnegative doubles
 _SHARPER = 20  # bits behind 2**-S to which every constant must be known
 _MOST_BITS = 1 << 15
@@ -203,7 +204,7 @@ def _nearest(known: Any, bits: int) -> tuple[int, Any]:
     return near, abs(known - arb((near, -bits)))
 
 
-def times(what: Motion, asked: Sequence[Exact], bits: int) -> list[Any]:
+def times(what: Motion, asked: Sequence[Exact], bits: int = TIME_BITS) -> list[Any]:
     """Balls around times of the scene, in the proof's unit and forward."""
     by = Fraction(2) ** -what.unit * (-1 if what.backward else 1)
     return [ball(exact.multiply(by, t), bits) for t in asked]

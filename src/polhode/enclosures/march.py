@@ -14,7 +14,7 @@ from flint import arb, ctx
 
 from polhode.enclosures import approximate, bound, conserved, correction, pieces, zonotope
 from polhode.enclosures.crossings import Search
-from polhode.enclosures.fixed import CLOCK, Problem, Refused
+from polhode.enclosures.fixed import CLOCK, TIME_BITS, Problem, Refused
 from polhode.enclosures.zonotope import State
 
 _LOST = -34  # a correction above 2**_LOST: the approximation has lost the motion
@@ -60,7 +60,7 @@ def run(
     """
     state = zonotope.beginning(problem)
     rows: list[list[Any]] = []
-    end = _last_tick(times, problem)
+    end = _last_tick(times)
     most = 256 if problem.noise <= 150 else 48
     wide, pace, steps = _FIRST, 0.1, 0
     while state.time < end:
@@ -70,7 +70,7 @@ def run(
                 raise Refused("the approximation loses the motion")
             wide = max(_FEWEST, wide // 2)
             continue
-        inside = _inside(times[len(rows) :], tried.pieces.times[-1], problem)
+        inside = _inside(times[len(rows) :], tried.pieces.times[-1])
         before = state.time
         state, found, taken = zonotope.advance(state, tried, inside)
         rows += found
@@ -112,21 +112,21 @@ def _window(
     raise Refused("the corrections do not converge")
 
 
-def _last_tick(times: Sequence[Any], problem: Problem) -> int:
+def _last_tick(times: Sequence[Any]) -> int:
     """The first point of the grid that is not before the last time."""
     if not times:
         return 0
-    with ctx.workprec(problem.noise + 200):
+    with ctx.workprec(TIME_BITS):
         last = (times[-1] * arb((1, CLOCK))).upper().ceil().unique_fmpz()
     if last is None or last >= 1 << 60:
         raise Refused("the last time is too far away")
     return max(1, int(last))
 
 
-def _inside(times: Sequence[Any], end: int, problem: Problem) -> list[Any]:
+def _inside(times: Sequence[Any], end: int) -> list[Any]:
     """Those of the times that come before the end of a window."""
     found = []
-    with ctx.workprec(problem.noise + 200):
+    with ctx.workprec(TIME_BITS):
         for t in times:
             if not t * arb((1, CLOCK)) <= end:
                 break

@@ -28,18 +28,22 @@ def noise(what: Motion, last: Exact, digits: float) -> int:
     return max(LEAST_NOISE, math.ceil(bits))
 
 
+def steps(what: Motion, last: Exact) -> float:
+    """About how many steps lead to a time; infinite beyond the range of double."""
+    return _STEPS_A_UNIT * abs(to_double(last / Fraction(2) ** what.unit))
+
+
 def growth(what: Motion, last: Exact) -> tuple[float, float]:
     """log2 of the sum over the steps of what an error made there is at the end; the largest |w|.
 
     The latter in the proof's unit of time.
     """
-    duration = abs(to_double(last / Fraction(2) ** what.unit))
-    steps = max(1.0, _STEPS_A_UNIT * duration)
+    count = max(1.0, steps(what, last))
     logs, fastest = approximate.tangents(what, to_double(last))
     if len(logs) < 2:
-        return 2.0 * math.log2(1.0 + steps), fastest
+        return 2.0 * math.log2(1.0 + count), fastest
     ahead = max(logs)  # an error is no smaller later than where the tangent is short by chance
     exponents = np.maximum(ahead - np.array(logs), 0.0)
     largest = float(np.max(exponents))
     mean = float(np.mean(np.exp2(exponents - largest)))
-    return largest + math.log2(mean) + math.log2(steps), fastest
+    return largest + math.log2(mean) + math.log2(count), fastest

@@ -34,7 +34,7 @@ import numpy as np
 from flint import arb, arb_poly, ctx, fmpz
 
 from polhode.enclosures.bound import TINY, Bounds, difference, gamma, gaps
-from polhode.enclosures.fixed import CLOCK, UP, Problem, Refused, upper
+from polhode.enclosures.fixed import CLOCK, TIME_BITS, UP, Problem, Refused, upper
 
 SETTLED = 24
 MOST_COLUMNS = 80_000  # sums of more would need more than UP for their rounding
@@ -86,7 +86,7 @@ def advance(
     carried = _Carried(state.columns)
     rows: list[list[Any]] = []
     steps: list[Step] = []
-    with ctx.workprec(problem.noise + 100):
+    with ctx.workprec(TIME_BITS):
         places = _places(pieces.times, asked)
     for n in range(pieces.count):
         hull = carried.hull()
