@@ -133,8 +133,8 @@ def _named(what: Motion, event: Event, search: Search, end: Any, noise: int) -> 
                 undecided.append((edge, edge))
         for contact in search.contacts:
             if not contact.begin > end:
-                ends = (float(by) * float(x.mid()) for x in contact)
-                undecided.append(tuple(sorted(ends)))
+                one, other = (float(by) * float(x.mid()) for x in contact)
+                undecided.append((min(one, other), max(one, other)))
     return CertifiedEvents(event.name, tuple(times), tuple(undecided))
 
 

@@ -105,6 +105,7 @@ def _window(
         size = correction.size(e, problem.noise)
         if size > _LOST or size >= last:
             return None
+        # its square and its rounding are noise
         if max(2 * size, size - 40) <= -problem.noise:
             return bound.bounds(problem, known, e, v)
         shape = pieces.improved(shape, e, problem.noise, 53 - size)
