@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import time
 from fractions import Fraction
 from typing import Any
 
@@ -256,3 +257,18 @@ def test_the_radius_follows_the_exponent_of_the_motion_alone() -> None:
     found = polhode.certify(scene, at=[300], digits=18)
     assert found.reached
     assert found.noise < 150
+
+
+@pytest.mark.slow
+def test_a_proof_costs_about_an_uncertified_quad_run() -> None:
+    scene = top()
+    polhode.certify(scene, at=[1], digits=30)  # compiles
+    proofs, runs = [], []
+    for _ in range(3):
+        began = time.process_time()
+        polhode.certify(scene, at=[200], digits=30)
+        middle = time.process_time()
+        polhode.integrate(scene.at((200,)), "quad", project=False)
+        proofs.append(middle - began)
+        runs.append(time.process_time() - middle)
+    assert 0.5 < min(proofs) / min(runs) < 3.0

@@ -136,6 +136,36 @@ def test_a_zero_on_a_steps_boundary_is_one_zero() -> None:
     assert tried >= 6
 
 
+def _at_corners() -> list[float]:
+    """|true time - midpoint|/radius of a zero, the truth at corners of a box of starts."""
+    motion = fixed.motion(wheel("gamma3"))
+    problem = fixed.problem(motion, 96)
+    g = variable(5) - constant(Fraction(1, 3))
+    ticks, units = 1 << (problem.fine - 60), 2.0 ** (problem.noise - 60)
+    worst = []
+    for sign in (-1, 1):
+        start = (problem.start[0] + sign * ticks, *problem.start[1:])
+        spread = (units * (1 + 1e-9), *problem.spread[1:])
+        boxed = replace(problem, start=start, spread=spread)
+        search = crossings.Search(g.balls(400), rate(g, motion.field).balls(400))
+        march.run(boxed, fixed.times(motion, [Fraction(4)]), searches=[search])
+        (crossing,) = search.crossings
+        with mpmath.workdps(60):
+            true = exactly(2 * mpmath.acos(mpmath.mpf(1) / 3))  # w is 1/2 in the proof's unit
+        mantissa, exponent = crossing.time.mid().man_exp()
+        middle = int(mantissa) * Fraction(2) ** int(exponent)
+        radius = Fraction(float(crossing.time.rad()))
+        worst.append(float(abs(true - middle) / radius))
+    return worst
+
+
+def test_a_time_holds_for_every_start_in_the_box() -> None:
+    honest = max(_at_corners())
+    assert 1e-4 < honest <= 1.0  # exp(alpha) of the step is in the radius
+    with without(crossings, "_OnStep._newton", "[self.step.r] * 6", "[0.0] * 6"):
+        assert max(_at_corners()) > 1.0
+
+
 def test_backward_events_rise_as_time_grows() -> None:
     (there,) = certify_events(wheel("gamma3 - 1/3", 6))
     (back,) = certify_events(wheel("gamma3 - 1/3", -6))
