@@ -10,9 +10,10 @@ from typing import Any
 
 import mpmath
 import pytest
+from flint import arb, ctx
 
 import polhode
-from polhode.enclosures import crossings, fixed, march
+from polhode.enclosures import crossings, fixed, march, zonotope
 from polhode.enclosures.events import certify_events
 from polhode.enclosures.polynomial import constant, rate, variable
 from polhode.numbers.convert import exactly
@@ -164,6 +165,34 @@ def test_a_time_holds_for_every_start_in_the_box() -> None:
     assert 1e-4 < honest <= 1.0  # exp(alpha) of the step is in the radius
     with without(crossings, "_OnStep._newton", "[self.step.r] * 6", "[0.0] * 6"):
         assert max(_at_corners()) > 1.0
+
+
+def _coarse_holds_fine() -> bool:
+    """Whether the states of a few bits hold those of all bits, at many points of a step."""
+    motion = fixed.motion(top("3"))
+    problem = fixed.problem(motion, 120)
+    state = zonotope.beginning(problem)
+    known = march._window(problem, state, 5 << fixed.CLOCK, 8, 0.3, march.HONEST)
+    assert known is not None
+    _, _, steps = zonotope.advance(state, known, [])
+    g = variable(5)
+    search = crossings.Search(g.balls(400), rate(g, motion.field).balls(400))
+    held = True
+    for n, step in enumerate(steps):
+        on = crossings._OnStep(search, known, n, step)
+        for k in range(0, 17):
+            tau = arb((k, -4))
+            with ctx.workprec(64):
+                wide = on.coarse(tau)
+            fine = zonotope.around(known, n, tau, [step.r] * 6)
+            held = held and all(x.contains(y) for x, y in zip(wide, fine, strict=True))
+    return held
+
+
+def test_coarse_states_hold_the_fine_ones() -> None:
+    assert _coarse_holds_fine()
+    with without(crossings, "_OnStep.__init__", "np.sum(pieces.gap[n])", "0.0"):
+        assert not _coarse_holds_fine()
 
 
 def test_backward_events_rise_as_time_grows() -> None:
