@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
-from polhode.enclosures.certify import MOST_DIGITS, certify
-from polhode.enclosures.result import Enclosure
 from polhode.numbers.convert import exact_number
 from polhode.numbers.exact import Exact
 from polhode.scenes.scene import Scene
 from polhode.scenes.tops import kind_of_body
+
+if TYPE_CHECKING:
+    from polhode.enclosures.result import Enclosure
 
 
 class Certified:
@@ -59,6 +60,8 @@ class Certified:
 
     def enclosure(self, times: Sequence[Any], digits: int = 50) -> Enclosure:
         """The balls themselves; the last request is also told in ``agreement``."""
+        from polhode.enclosures.certify import MOST_DIGITS, certify  # a closed form needs no heyoka
+
         key = (tuple(exact_number(t) for t in times), digits)
         if key not in self._known:
             if digits > MOST_DIGITS:
