@@ -69,7 +69,7 @@ def results() -> dict[str, object]:
         "judged": polhode.compare(run),
         "reference": polhode.reference(scene),
         "twice": polhode.TwoPrecisions(chaotic),
-        "certified": polhode.reference(chaotic),
+        "certified": polhode.Certified(chaotic),
         "enclosure": polhode.certify("euler/sphere", at=[1], digits=15),
         "zeros": polhode.certify_events(scene, end=2)[0],
         "kappa": polhode.conditioning(scene, [1]),

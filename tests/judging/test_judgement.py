@@ -193,8 +193,9 @@ def test_a_closed_form_is_enclosed_where_a_scene_asks_for_that():
 
 
 def test_more_digits_than_an_enclosure_gives_are_refused():
+    scene = polhode.load("general/asymmetric-regular")
     with pytest.raises(polhode.BadInput, match="at most 250 digits"):
-        polhode.reference("general/asymmetric-regular").at([1], 300)
+        polhode.Certified(scene).at([1], 300)
 
 
 def test_a_closed_form_that_does_not_fit_is_refused():

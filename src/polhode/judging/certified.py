@@ -22,7 +22,7 @@ class Certified:
     ``agreement`` holds the digits proven for the last request, at its worst time.
 
     >>> import polhode
-    >>> proven = polhode.reference("general/asymmetric-regular")
+    >>> proven = polhode.Certified(polhode.load("general/asymmetric-regular"))
     >>> rows = proven.at([1], digits=20)
     >>> 20 <= proven.agreement < 30
     True

@@ -245,8 +245,9 @@ def reference(scene: Scene | str | Path) -> Reference | Certified | TwoPrecision
     >>> import polhode
     >>> polhode.reference("euler/separatrix")
     <Reference of euler/separatrix: euler, separatrix>
-    >>> polhode.reference("general/asymmetric-regular")
-    <Certified of general/asymmetric-regular: heavy asymmetric body>
+    >>> body = polhode.Body.of_moments((3, 2, 1.5), (1, 1, 0), 1)
+    >>> polhode.reference(polhode.Scene(body, (1, 0, 0), (0, 0, 1)))
+    <Certified of scene: heavy asymmetric body>
     """
     scene = library.load(scene)
     if scene.reference == "two-precisions":
