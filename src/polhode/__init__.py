@@ -16,7 +16,11 @@ from typing import TYPE_CHECKING as _TYPE_CHECKING
 if _TYPE_CHECKING:
     from polhode.common.errors import BadInput
     from polhode.common.provenance import __version__
+    from polhode.enclosures.certify import certify
+    from polhode.enclosures.events import CertifiedEvents, certify_events
+    from polhode.enclosures.result import Enclosure
     from polhode.judging.assured import integrate
+    from polhode.judging.certified import Certified
     from polhode.judging.conditioning import Conditioning, conditioning
     from polhode.judging.judgement import Judgement, compare
     from polhode.judging.lyapunov import Lyapunov, lyapunov
@@ -32,7 +36,10 @@ if _TYPE_CHECKING:
 _HOMES = {
     "BadInput": "common.errors",
     "Body": "scenes.body",
+    "CertifiedEvents": "enclosures.events",
+    "Certified": "judging.certified",
     "Conditioning": "judging.conditioning",
+    "Enclosure": "enclosures.result",
     "Ensemble": "runs.sweep",
     "Event": "scenes.scene",
     "EventTimes": "taylor.outcomes",
@@ -46,6 +53,8 @@ _HOMES = {
     "Trajectory": "runs.trajectory",
     "TwoPrecisions": "judging.reference",
     "__version__": "common.provenance",
+    "certify": "enclosures.certify",
+    "certify_events": "enclosures.events",
     "compare": "judging.judgement",
     "conditioning": "judging.conditioning",
     "integrate": "judging.assured",

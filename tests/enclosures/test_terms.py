@@ -2,37 +2,16 @@
 
 from __future__ import annotations
 
-import inspect
 import statistics
-import textwrap
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any
 
 import pytest
-from shared import enclosure_terms as terms
 
 from polhode.enclosures import bound, conserved, zonotope
 from polhode.enclosures.fixed import Refused
-
-
-@contextmanager
-def without(module: Any, name: str, old: str, new: str) -> Iterator[None]:
-    """The trusted function ``name`` with one piece of its text replaced, which must be there."""
-    owner, _, attribute = name.rpartition(".")
-    home = getattr(module, owner) if owner else module
-    kept = getattr(home, attribute)
-    source = textwrap.dedent(inspect.getsource(kept))
-    assert source.count(old) == 1, f"{name} no longer says {old!r} once"
-    space = module.__dict__
-    local: dict[str, Any] = {}
-    exec(compile(source.replace(old, new), f"<{name}>", "exec"), space, local)
-    setattr(home, attribute, local[attribute])
-    try:
-        yield
-    finally:
-        setattr(home, attribute, kept)
-
+from shared import enclosure_terms as terms
+from shared.mutation import without
 
 #: The term, the motion that shows it, and how the term is dropped: module, function, old, new.
 DROPPED: list[tuple[str, Callable[[], list[float]], tuple[Any, str, str, str]]] = [

@@ -157,16 +157,50 @@ def test_a_closed_form_and_two_integrations_agree_where_both_exist():
 
 
 def test_two_precisions_says_how_far_it_agrees_on_a_chaotic_motion():
-    truth = polhode.reference("general/asymmetric-chaotic")
+    scene = polhode.load("general/asymmetric-chaotic")
+    truth = polhode.reference(replace(scene, reference="two-precisions"))
     assert truth.kind == "two-precisions"
     assert not truth.is_closed_form
+    assert not truth.is_proven
     truth.at([30], 25)
     assert 25 <= truth.agreement < 60
 
 
+@pytest.mark.parametrize("kind", ["auto", "certified"])
+def test_a_scene_without_closed_form_is_judged_by_a_proven_enclosure(kind: str):
+    scene = replace(polhode.load("general/asymmetric-chaotic"), reference=kind)
+    proven = polhode.reference(scene)
+    assert proven.kind == "certified"
+    assert proven.is_proven
+    twice = polhode.TwoPrecisions(scene)
+    rows = [truth.at([30], 25)[0] for truth in (proven, twice)]
+    assert 25 <= proven.agreement < 35
+    with mpmath.workprec(200):
+        difference = max(abs(x - y) for x, y in zip(*rows, strict=True))
+    assert difference < mpmath.mpf(10) ** -24
+    found = polhode.compare(polhode.integrate(scene.at((Fraction(30),))), proven)
+    assert 9 < found.worst < 16
+    assert "proven to" in str(found)
+
+
+def test_a_closed_form_is_enclosed_where_a_scene_asks_for_that():
+    scene = polhode.load("kovalevskaya/generic").at((Fraction(20),))
+    proven = polhode.reference(replace(scene, reference="certified"))
+    rows = [truth.at([20], 30)[0] for truth in (proven, polhode.reference(scene))]
+    with mpmath.workprec(200):
+        difference = max(abs(x - y) for x, y in zip(*rows, strict=True))
+    assert difference < mpmath.mpf(10) ** -29
+
+
+def test_more_digits_than_an_enclosure_gives_are_refused():
+    scene = polhode.load("general/asymmetric-regular")
+    with pytest.raises(polhode.BadInput, match="at most 250 digits"):
+        polhode.Certified(scene).at([1], 300)
+
+
 def test_a_closed_form_that_does_not_fit_is_refused():
     scene = replace(polhode.load("general/near-upright"), reference="euler")
-    with pytest.raises(polhode.BadInput, match="two-precisions, which fits"):
+    with pytest.raises(polhode.BadInput, match="certified, which fits"):
         polhode.reference(scene)
 
 

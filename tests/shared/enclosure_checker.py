@@ -6,6 +6,7 @@ trusted modules is called but to be compared with.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
@@ -83,7 +84,7 @@ def _least_integral(rows: list[Any]) -> Any:
     whole = [arb_poly(row.integral()) for row in rows]
     ends = [[row(arb(k) / _PARTS) for row in whole] for k in range(_PARTS + 1)]
     total = arb(0)
-    for before, after in zip(ends, ends[1:], strict=False):
+    for before, after in itertools.pairwise(ends):
         parts = [abs(b - a) for a, b in zip(before, after, strict=True)]
         total += max(parts, key=lambda part: float(part.mid()))
     return total

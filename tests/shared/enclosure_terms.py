@@ -204,7 +204,7 @@ def rounding() -> list[float]:
 def integrals() -> list[float]:
     """w of the first integrals: |gamma|**2 is curved, with the truth at the corners of a box."""
     worst = []
-    truth = (*[Fraction(0)] * 3, Fraction(2, 7), Fraction(3, 7), Fraction(6, 7))
+    truth = (*[Fraction(0)] * 3, Fraction(2, 15), Fraction(5, 15), Fraction(14, 15))
     motion = fixed.motion(Scene(Body.of_moments((1, 1, 1)), truth[:3], truth[3:]))
     problem = fixed.problem(motion, 96)
     known = [i for i in conserved.prepared(motion, 400) if i.name == "|gamma|^2"]

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from polhode.judging.certified import Certified
 from polhode.judging.reference import Reference, TwoPrecisions
 from polhode.numbers import exact
 from polhode.numbers.convert import exactly
@@ -55,7 +56,7 @@ class PrintedFigure:
         return f"{self.published.right} of {shown} digits right"
 
 
-def figures(scene: Scene, reference: Reference | TwoPrecisions) -> list[PrintedFigure]:
+def figures(scene: Scene, reference: Reference | Certified | TwoPrecisions) -> list[PrintedFigure]:
     """Every published figure of a scene beside ours."""
     columns = {
         (t, digits): _columns(scene, reference, t, digits)
@@ -109,7 +110,7 @@ def _leading_unit(x: Fraction) -> Fraction:
 
 
 def _columns(
-    scene: Scene, reference: Reference | TwoPrecisions, t: Fraction, digits: int
+    scene: Scene, reference: Reference | Certified | TwoPrecisions, t: Fraction, digits: int
 ) -> dict[str, Any]:
     """All columns that the scene's figures name, at one time."""
     found = dict(zip(scene.columns, reference.at([t], digits)[0], strict=True))

@@ -15,7 +15,7 @@ __version__ = "0.1.0"
 def versions() -> dict[str, str]:
     """Versions of polhode, Python and the numerical libraries."""
     found = {"polhode": __version__, "python": platform.python_version()}
-    for package in ("heyoka", "numpy", "mpmath"):
+    for package in ("heyoka", "numpy", "mpmath", "python-flint"):
         loaded = sys.modules.get(package)  # its own word costs nothing; the metadata 3 ms each
         found[package] = getattr(loaded, "__version__", None) or _installed(package)
     return found

@@ -43,7 +43,7 @@ def window(problem: Problem, state: State, end: int, steps: int, pace: float) ->
     ``pace``: the length of a step that is expected, to know how far to run.
     """
     wide = [np.longdouble(x >> max(0, problem.fine - 80)) for x in state.centre]
-    start = np.ldexp(np.array(wide), -min(problem.fine, 80))
+    start = list(np.ldexp(np.array(wide), -min(problem.fine, 80)))
     left = math.ldexp(end - state.time, -CLOCK)
     run = path.path(start, problem.factors, min(1.05 * pace * steps + 1e-3, left))
     if run is None:
@@ -65,7 +65,7 @@ def _grid(problem: Problem, run: path.Path, begin: int, end: int, steps: int) ->
     longest = np.minimum(theta * run.convergence, MOST_TURN / np.maximum(fastest, 1e-300))
     ticks = np.maximum(1, np.floor(np.ldexp(np.minimum(longest, 2.0**15), CLOCK))).astype(int)
     ends = run.ends
-    reach = begin + int(math.floor(math.ldexp(float(ends[-1]), CLOCK)))
+    reach = begin + math.floor(math.ldexp(float(ends[-1]), CLOCK))
     times, k = [begin], 0
     while len(times) <= steps and times[-1] < end:
         now = math.ldexp(times[-1] - begin, -CLOCK)
@@ -109,8 +109,11 @@ def _series(problem: Problem, states: Any, lengths: Any, count: int) -> Any:
     return found
 
 
-def tangents(what: Motion, last: float) -> list[float]:
-    """log2 of a tangent's length along the motion, at even times; short where double fails."""
+def tangents(what: Motion, last: float) -> tuple[list[float], float]:
+    """log2 of a tangent's length along the motion, at even times, and the largest |w| there.
+
+    The list is short where double fails; |w| is in the proof's unit of time.
+    """
     scene = what.scene
     plain = system(replace(scene, form="principal", events=(), outputs=()), ())
     values = [to_double(x) for x in plain.start]
@@ -121,9 +124,11 @@ def tangents(what: Motion, last: float) -> list[float]:
     flow = Variations(plain.coefficients, start, tangent)
     end = last / 2.0**scene.time_unit
     logs = [math.log2(float(np.max(np.abs(tangent))))]
+    fastest = float(np.linalg.norm(start[:3]))
     for k in range(1, _LOOKS + 1):
         if not (flow.to(end * k / _LOOKS, _MOST_STEPS - flow.steps) and flow.finite):
             break
         flow.rescale()
         logs.append(flow.exponent + math.log2(float(np.max(np.abs(flow.tangents)))))
-    return logs
+        fastest = max(fastest, float(np.linalg.norm(flow.state[:3])))
+    return logs, fastest * 2.0 ** (what.unit - scene.time_unit)

@@ -99,10 +99,10 @@ def defects(problem: Problem, pieces: Pieces) -> Defects:
     for n, row in enumerate(pieces.rows):
         length = fmpz(pieces.times[n + 1] - pieces.times[n])
         for i, (a, b) in enumerate(CYCLE):
-            rate = _rate(row, a, b, constants[i::3], lift)
+            rate = _rate(row, a, b, [c * length for c in constants[i::3]], lift)
             turned = row[3 + a] * row[b] - row[3 + b] * row[a]
             for k, exact in (
-                (i, row[i].derivative() * shift_w - rate * length),
+                (i, row[i].derivative() * shift_w - rate),
                 (3 + i, row[3 + i].derivative() * shift_g - turned * length),
             ):
                 found, bits = _words(exact)

@@ -9,10 +9,11 @@ the supremum over |x - y| <= eps.  So for any 6 x k matrix K, with g of columns 
 
     e = (I - K g^T) e + K (c - H(y)) +- |K| w.
 
-K = G G^T g (g^T G G^T g)**-1 is not trusted; the result is kept only if its radii have a smaller sum.  That
-grad H · f vanishes identically is decided on polynomials with rational coefficients; h, f and
-|gamma|**2 are conserved for any body and are used with irrational data too.  Where |c_i - H_i(y)|
-exceeds what the set allows, the proof contradicts itself and an error is raised.
+K = G G^T g (g^T G G^T g)**-1 is not trusted; the result is kept only if its radii have a
+smaller sum.  That grad H · f vanishes identically is decided on polynomials with rational
+coefficients; h, f and |gamma|**2 are conserved for any body and are used with irrational data too.
+Where |c_i - H_i(y)| exceeds what the set allows, the proof contradicts itself and an error is
+raised.
 """
 
 from __future__ import annotations
@@ -25,10 +26,11 @@ import numpy as np
 from flint import arb, ctx
 
 from polhode.enclosures.bound import TINY, gamma
-from polhode.enclosures.fixed import UP, Motion, Problem, ball, upper
+from polhode.enclosures.fixed import UP, Motion, Problem, upper
 from polhode.enclosures.polynomial import (
     BallPolynomial,
     Polynomial,
+    ball,
     rate,
     total,
     variable,
@@ -58,15 +60,15 @@ def first_integrals(what: Motion) -> dict[str, Polynomial]:
     inertia = [m / largest for m in what.moments]
     momentum = [x[i].scaled(inertia[i]) for i in range(3)]
     torque = [exact.divide(k, largest) for k in what.torque]
-    kinetic = total([momentum[i].times(x[i]) for i in range(3)])
+    kinetic = total([momentum[i] * x[i] for i in range(3)])
     weight = total([x[3 + i].scaled(torque[i]).scaled(2) for i in range(3)])
-    found = {"h": kinetic.plus(weight)}
+    found = {"h": kinetic + weight}
     if what.scene.gamma is not None:
-        found["f"] = total([momentum[i].times(x[3 + i]) for i in range(3)])
-        found["|gamma|^2"] = total([x[i].times(x[i]) for i in range(3, 6)])
+        found["f"] = total([momentum[i] * x[3 + i] for i in range(3)])
+        found["|gamma|^2"] = total([x[i] * x[i] for i in range(3, 6)])
     field = what.field
     if all(row.rational for row in field):
-        candidates = {"|G|^2": total([part.times(part) for part in momentum])}
+        candidates = {"|G|^2": total([part * part for part in momentum])}
         for i, name in enumerate("pqr"):
             candidates[name] = x[i]
         candidates["w.k"] = total([x[i].scaled(torque[i]) for i in range(3)])
@@ -83,10 +85,10 @@ def _kovalevskaya(x: Sequence[Polynomial], what: Motion, order: tuple[int, int, 
     i, j, k = order
     c1, c2 = (what.torque[n] / what.moments[k] for n in (i, j))
     u, v, g, h = x[i], x[j], x[3 + i], x[3 + j]
-    real = [u.times(u), v.times(v).scaled(-1), g.scaled(-c1), h.scaled(c2)]
-    imaginary = [u.times(v).scaled(2), h.scaled(-c1), g.scaled(-c2)]
+    real = [u * u, -(v * v), g.scaled(-c1), h.scaled(c2)]
+    imaginary = [(u * v).scaled(2), h.scaled(-c1), g.scaled(-c2)]
     a, b = total(real), total(imaginary)
-    return a.times(a).plus(b.times(b))
+    return a * a + b * b
 
 
 def prepared(what: Motion, bits: int) -> list[Integral]:
@@ -97,21 +99,17 @@ def prepared(what: Motion, bits: int) -> list[Integral]:
         for name, h in first_integrals(what).items():
             gradient = [h.derivative(i) for i in range(6)]
             second = [row.derivative(i) for row in gradient for i in range(6)]
-            whole = _balls(h, bits)
+            whole = h.balls(bits)
             found.append(
                 Integral(
                     name,
                     whole.at(start),
                     whole,
-                    tuple(_balls(p, bits) for p in gradient),
-                    tuple(_balls(p, bits) for p in second if p.terms),
+                    tuple(p.balls(bits) for p in gradient),
+                    tuple(p.balls(bits) for p in second if p.terms),
                 )
             )
     return found
-
-
-def _balls(polynomial: Polynomial, bits: int) -> BallPolynomial:
-    return BallPolynomial(tuple((key, ball(x, bits)) for key, x in polynomial.terms.items()))
 
 
 def shrunk(problem: Problem, state: State, integrals: Sequence[Integral]) -> State:
@@ -129,7 +127,7 @@ def shrunk(problem: Problem, state: State, integrals: Sequence[Integral]) -> Sta
         if abs(missing) > allowed + TINY:
             raise Contradiction(f"the integral {integral.name} is not kept by its enclosure")
     gain = _gain(state.columns, g)
-    if gain is None or not np.all(np.isfinite(gain)):
+    if gain is None or not (np.all(np.isfinite(gain)) and np.all(np.isfinite(width))):
         return state
     size = np.abs(gain)
     columns = (np.eye(6) - gain @ g.T) @ state.columns

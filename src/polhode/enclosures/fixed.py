@@ -3,8 +3,9 @@
 Trusted.  With time in a unit 2**n of the scene in which |w| and sqrt(Mg|r0|/smallest moment) are
 at most about 1, in principal axes and with i, a, b cyclic,
 
-    w_i' = bend_i w_a w_b + pull_i gamma_a + push_i gamma_b,      gamma_i' = gamma_a w_b - gamma_b w_a
-    bend_i = (I_a - I_b)/I_i,    pull_i = k_b/I_i,    push_i = -k_a/I_i,      k = Mg r0
+    w_i' = bend_i w_a w_b + pull_i gamma_a + push_i gamma_b,
+    gamma_i' = gamma_a w_b - gamma_b w_a,
+    bend_i = (I_a - I_b)/I_i,    pull_i = k_b/I_i,    push_i = -k_a/I_i,    k = Mg r0
 
 The nine constants are rounded to 2**-Q and the start to 2**-S, each with a proven radius (zero for
 numbers that are exact there).  Every small quantity of the proof is a double in units of 2**-P, P
@@ -19,9 +20,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, ctx, fmpq, fmpz
+from flint import arb, ctx, fmpz
 
-from polhode.enclosures.polynomial import Polynomial, constant, total, variable
+from polhode.enclosures.polynomial import Polynomial, ball, total, variable
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, sign
 from polhode.scenes.body import dot
@@ -30,6 +31,7 @@ from polhode.scenes.scene import Scene
 CLOCK = 14  # times of the grid are integers times 2**-CLOCK
 LEAST_NOISE, MOST_NOISE = 36, 1000  # P: small quantities in units of 2**-P stay within doubles
 LEAST_FINE = 60  # S: never coarser than the polynomials, or the first jump is lost
+TIME_BITS = 4096  # of a time asked for: on the right side of a step's boundary
 UP = 1.0 + 1e-9  # covers fewer than 1e5 roundings of nonnegative doubles
 _SHARPER = 20  # bits behind 2**-S to which every constant must be known
 _MOST_BITS = 1 << 15
@@ -89,12 +91,11 @@ class Motion:
         bend, pull, push = self.constants[:3], self.constants[3:6], self.constants[6:]
         rows = []
         for i, (a, b) in enumerate(CYCLE):
-            terms = [x[a].times(x[b]).scaled(bend[i])]
+            terms = [(x[a] * x[b]).scaled(bend[i])]
             terms += [x[3 + a].scaled(pull[i]), x[3 + b].scaled(push[i])]
             rows.append(total(terms))
         for a, b in CYCLE:
-            crossed = x[3 + b].times(x[a]).times(constant(-1))
-            rows.append(x[3 + a].times(x[b]).plus(crossed))
+            rows.append(x[3 + a] * x[b] - x[3 + b] * x[a])
         return rows
 
 
@@ -172,30 +173,12 @@ def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Probl
     )
 
 
-def ball(x: Exact, bits: int) -> Any:
-    """A ball around an exact number, every step carried to so many bits."""
-    with ctx.workprec(bits):
-        if isinstance(x, Fraction):
-            return arb(fmpq(x.numerator, x.denominator))
-        low, high = x.enclosure(bits)
-        return _raw(low).union(_raw(high))
-
-
 def upper(x: Any) -> float:
     """A double not below |x| for every x of a ball; infinite where it is."""
     size = x.abs_upper()
     if not size.is_finite():
         return float("inf")
     return UP * float(size) + (0.0 if size.is_zero() else 1e-300)
-
-
-def _raw(number: Any) -> Any:
-    """A raw number of mpmath's as a ball of radius zero; without bounds where it is infinite."""
-    negative, mantissa, exponent, _ = number
-    if mantissa == 0 and exponent != 0:
-        return arb(0, float("inf"))
-    value = arb((int(mantissa), int(exponent)))
-    return -value if negative else value
 
 
 def _sharp(x: Exact, bits: int) -> Any:
@@ -221,7 +204,7 @@ def _nearest(known: Any, bits: int) -> tuple[int, Any]:
     return near, abs(known - arb((near, -bits)))
 
 
-def times(what: Motion, asked: Sequence[Exact], bits: int) -> list[Any]:
+def times(what: Motion, asked: Sequence[Exact], bits: int = TIME_BITS) -> list[Any]:
     """Balls around times of the scene, in the proof's unit and forward."""
     by = Fraction(2) ** -what.unit * (-1 if what.backward else 1)
     return [ball(exact.multiply(by, t), bits) for t in asked]

@@ -13,7 +13,8 @@ from typing import Any
 from flint import arb, ctx
 
 from polhode.enclosures import approximate, bound, conserved, correction, pieces, zonotope
-from polhode.enclosures.fixed import CLOCK, Problem, Refused
+from polhode.enclosures.crossings import Search
+from polhode.enclosures.fixed import CLOCK, TIME_BITS, Problem, Refused
 from polhode.enclosures.zonotope import State
 
 _LOST = -34  # a correction above 2**_LOST: the approximation has lost the motion
@@ -51,11 +52,15 @@ def run(
     integrals: Sequence[conserved.Integral] = (),
     untrusted: Untrusted = HONEST,
     progress: Progress | None = None,
+    searches: Sequence[Search] = (),
 ) -> Proof:
-    """Balls around the states at times >= 0, increasing, given as balls.  Raises Refused."""
+    """Balls around the states at times >= 0, increasing, given as balls.  Raises Refused.
+
+    ``searches``: what looks for zeros on the way; they are right up to the end of the proof.
+    """
     state = zonotope.beginning(problem)
     rows: list[list[Any]] = []
-    end = _last_tick(times, problem)
+    end = _last_tick(times)
     most = 256 if problem.noise <= 150 else 48
     wide, pace, steps = _FIRST, 0.1, 0
     while state.time < end:
@@ -65,23 +70,27 @@ def run(
                 raise Refused("the approximation loses the motion")
             wide = max(_FEWEST, wide // 2)
             continue
-        inside = _inside(times[len(rows) :], tried.pieces.times[-1], problem)
+        inside = _inside(times[len(rows) :], tried.pieces.times[-1])
         before = state.time
         state, found, taken = zonotope.advance(state, tried, inside)
         rows += found
+        for search in searches:
+            search.window(tried, taken)
         steps += len(taken)
         pace = math.ldexp(state.time - before, -CLOCK) / len(taken)
         state = conserved.shrunk(problem, state, integrals)
         wide = min(most, 2 * wide)
         if progress is not None:
             progress(state.time / end, steps)
+    for search in searches:
+        search.finish()
     return Proof(rows, steps, state)
 
 
 def _window(
     problem: Problem, state: State, end: int, wide: int, pace: float, untrusted: Untrusted
 ) -> bound.Bounds | None:
-    """A window's polynomials, corrected as far as the noise level asks; None where they are lost."""
+    """A window, corrected as far as the noise level asks; None where the motion is lost."""
     found = untrusted.window(problem, state, end, wide, pace)
     if found is None:
         return None
@@ -96,6 +105,7 @@ def _window(
         size = correction.size(e, problem.noise)
         if size > _LOST or size >= last:
             return None
+        # its square and its rounding are noise
         if max(2 * size, size - 40) <= -problem.noise:
             return bound.bounds(problem, known, e, v)
         shape = pieces.improved(shape, e, problem.noise, 53 - size)
@@ -103,21 +113,21 @@ def _window(
     raise Refused("the corrections do not converge")
 
 
-def _last_tick(times: Sequence[Any], problem: Problem) -> int:
+def _last_tick(times: Sequence[Any]) -> int:
     """The first point of the grid that is not before the last time."""
     if not times:
         return 0
-    with ctx.workprec(problem.noise + 200):
+    with ctx.workprec(TIME_BITS):
         last = (times[-1] * arb((1, CLOCK))).upper().ceil().unique_fmpz()
     if last is None or last >= 1 << 60:
         raise Refused("the last time is too far away")
     return max(1, int(last))
 
 
-def _inside(times: Sequence[Any], end: int, problem: Problem) -> list[Any]:
+def _inside(times: Sequence[Any], end: int) -> list[Any]:
     """Those of the times that come before the end of a window."""
     found = []
-    with ctx.workprec(problem.noise + 200):
+    with ctx.workprec(TIME_BITS):
         for t in times:
             if not t * arb((1, CLOCK)) <= end:
                 break

@@ -7,6 +7,7 @@ doubles, none of them further from the exact ones than ``gap``.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -52,7 +53,7 @@ def of_doubles(times: Sequence[int], near: Any) -> Pieces:
     Raises Refused where the numbers cannot be used.
     """
     if len(times) != near.shape[0] + 1 or any(
-        not 0 < b - a < 1 << (CLOCK + 16) for a, b in zip(times, times[1:], strict=False)
+        not 0 < b - a < 1 << (CLOCK + 16) for a, b in itertools.pairwise(times)
     ):
         raise Refused("the grid of times cannot be used")
     largest = float(np.max(np.abs(near)))

@@ -17,24 +17,33 @@ from polhode.numbers.exact import Exact
 
 BITS_A_DIGIT = math.log2(10)
 _STEPS_A_UNIT = 3.0  # of the proof, in its unit of time
-_LOST_A_STEP = 12.0  # log2 of what the bounds of one step claim too much
+_LOST_A_STEP = 2.0  # log2 of what the bounds of one step claim too much
 
 
 def noise(what: Motion, last: Exact, digits: float) -> int:
     """The noise level P at which the radii at the time ``last`` should leave so many digits."""
-    bits = digits * BITS_A_DIGIT + _LOST_A_STEP + max(0.0, growth(what, last))
+    grown, fastest = growth(what, last)
+    slow = max(0.0, -math.log2(fastest)) if fastest > 0.0 else 0.0  # digits of w are relative
+    bits = digits * BITS_A_DIGIT + _LOST_A_STEP + max(0.0, grown) + slow
     return max(LEAST_NOISE, math.ceil(bits))
 
 
-def growth(what: Motion, last: Exact) -> float:
-    """log2 of the sum over the steps of what an error made there is at the end."""
-    duration = abs(to_double(last / Fraction(2) ** what.unit))
-    steps = max(1.0, _STEPS_A_UNIT * duration)
-    logs = approximate.tangents(what, to_double(last))
+def steps(what: Motion, last: Exact) -> float:
+    """About how many steps lead to a time; infinite beyond the range of double."""
+    return _STEPS_A_UNIT * abs(to_double(last / Fraction(2) ** what.unit))
+
+
+def growth(what: Motion, last: Exact) -> tuple[float, float]:
+    """log2 of the sum over the steps of what an error made there is at the end; the largest |w|.
+
+    The latter in the proof's unit of time.
+    """
+    count = max(1.0, steps(what, last))
+    logs, fastest = approximate.tangents(what, to_double(last))
     if len(logs) < 2:
-        return 2.0 * math.log2(1.0 + steps)
+        return 2.0 * math.log2(1.0 + count), fastest
     ahead = max(logs)  # an error is no smaller later than where the tangent is short by chance
     exponents = np.maximum(ahead - np.array(logs), 0.0)
     largest = float(np.max(exponents))
     mean = float(np.mean(np.exp2(exponents - largest)))
-    return largest + math.log2(mean) + math.log2(steps)
+    return largest + math.log2(mean) + math.log2(count), fastest

@@ -6,43 +6,65 @@ multiplied exactly, so that an identity such as grad H · f = 0 is decided, not 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
+
+from flint import arb, ctx, fmpq
 
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact
 
 SIZE = 6
+MOST_POWER = 12
 _NOTHING = (0,) * SIZE
 
 
-class Polynomial(NamedTuple):
+@dataclass(frozen=True)
+class Polynomial:
     """A sum of monomials: ``terms`` maps the exponents of the six variables to a coefficient."""
 
-    terms: dict[tuple[int, ...], Exact]
+    terms: Mapping[tuple[int, ...], Exact]
 
-    def plus(self, other: Polynomial) -> Polynomial:
-        """The sum of two polynomials."""
+    def __add__(self, other: Polynomial) -> Polynomial:
         terms = dict(self.terms)
         for key, value in other.terms.items():
             terms[key] = terms[key] + value if key in terms else value
         return Polynomial({key: value for key, value in terms.items() if not _is_zero(value)})
 
-    def times(self, other: Polynomial) -> Polynomial:
-        """The product of two polynomials."""
+    def __mul__(self, other: Polynomial) -> Polynomial:
         found = Polynomial({})
         for a, x in self.terms.items():
             moved = {
                 tuple(i + j for i, j in zip(a, b, strict=True)): exact.multiply(x, y)
                 for b, y in other.terms.items()
             }
-            found = found.plus(Polynomial(moved))
+            found = found + Polynomial(moved)
+        return found
+
+    def __neg__(self) -> Polynomial:
+        return self.scaled(-1)
+
+    def __sub__(self, other: Polynomial) -> Polynomial:
+        return self + -other
+
+    def __truediv__(self, other: Polynomial) -> Polynomial:
+        if set(other.terms) != {_NOTHING}:
+            raise ValueError("a polynomial is divided by numbers alone")
+        return self.scaled(exact.divide(exact.ONE, other.terms[_NOTHING]))
+
+    def __pow__(self, exponent: int) -> Polynomial:
+        if not 0 <= exponent <= MOST_POWER:
+            raise ValueError(f"a power of a name lies between 0 and {MOST_POWER}")
+        found = constant(1)
+        for _ in range(exponent):
+            found = found * self
         return found
 
     def scaled(self, factor: Exact | int) -> Polynomial:
         """The polynomial times a number."""
-        return self.times(constant(factor))
+        return self * constant(factor)
 
     def derivative(self, variable: int) -> Polynomial:
         """The partial derivative by one of the six variables."""
@@ -58,6 +80,10 @@ class Polynomial(NamedTuple):
         """Whether every coefficient is a fraction."""
         return all(isinstance(value, Fraction) for value in self.terms.values())
 
+    def balls(self, bits: int) -> BallPolynomial:
+        """The same with coefficients as balls of so many bits."""
+        return BallPolynomial(tuple((key, ball(x, bits)) for key, x in self.terms.items()))
+
 
 class BallPolynomial(NamedTuple):
     """The same polynomial with coefficients as balls, for evaluation."""
@@ -66,13 +92,11 @@ class BallPolynomial(NamedTuple):
 
     def at(self, state: Sequence[Any]) -> Any:
         """A ball around the values at every point of a box of six balls."""
-        from flint import arb
-
         total = arb(0)
         for key, value in self.terms:
             for x, power in zip(state, key, strict=True):
-                if power:
-                    value = value * x**power
+                for _ in range(power):  # x**power is no number where a ball holds 0
+                    value = value * x
             total = total + value
         return total
 
@@ -92,15 +116,33 @@ def total(parts: Sequence[Polynomial]) -> Polynomial:
     """The sum of any number of polynomials."""
     found = Polynomial({})
     for part in parts:
-        found = found.plus(part)
+        found = found + part
     return found
 
 
 def rate(of: Polynomial, field: Sequence[Polynomial]) -> Polynomial:
     """The derivative grad(of) · field along a polynomial field."""
-    return total([of.derivative(i).times(field[i]) for i in range(SIZE)])
+    return total([of.derivative(i) * field[i] for i in range(SIZE)])
 
 
 def _is_zero(value: Exact) -> bool:
     # Only an exact zero is dropped: an irrational one stays, as a ball around zero.
     return isinstance(value, Fraction) and value == 0
+
+
+def ball(x: Exact, bits: int) -> Any:
+    """A ball around an exact number, every step carried to so many bits."""
+    with ctx.workprec(bits):
+        if isinstance(x, Fraction):
+            return arb(fmpq(x.numerator, x.denominator))
+        low, high = x.enclosure(bits)
+        return _raw(low).union(_raw(high))
+
+
+def _raw(number: Any) -> Any:
+    """A raw number of mpmath's as a ball of radius zero; without bounds where it is infinite."""
+    negative, mantissa, exponent, _ = number
+    if mantissa == 0 and exponent != 0:
+        return arb(0, float("inf"))
+    value = arb((int(mantissa), int(exponent)))
+    return -value if negative else value

@@ -4,26 +4,35 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+from polhode.common.values import ByValue
 from polhode.numbers.convert import to_mpf
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.scenes.scene import Scene
 
 
-@dataclass(frozen=True)
-class Enclosure:
+@dataclass(frozen=True, eq=False, repr=False)
+class Enclosure(ByValue):
     """Balls that contain the exact states p q r [gamma1 gamma2 gamma3] in the scene's body axes.
 
     ``centres``: exact midpoints, a row a time; ``radii``: doubles not below the balls' radii.
     ``digits``: proven correct digits at each time (-log10 of the larger of the radius of w over the
-    largest |w| at the times and the radius of gamma).  ``noise``: the proof's noise level, 2**-noise
-    in its own unit of time.  ``steps`` and ``seconds``: of the run that proved it; ``tries``: the
-    runs that it took; ``seconds_in_all``: those of all of them and of the pilot, CPU.
+    largest |w| at the times and the radius of gamma).  ``noise``: the proof's noise level is
+    2**-noise in its own unit of time.  ``steps`` and ``seconds``: of the run that proved it;
+    ``tries``: the runs that it took; ``seconds_in_all``: CPU, those of all
+    of them and of the pilot.
+
+    >>> import polhode
+    >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
+    >>> found
+    <Enclosure of euler/largest-axis: 1 times to t = 1, 24.1 digits proven>
+    >>> print(found.strings()[0][0])  # p, as far as it is proven
+    0.44780868821841484276869
     """
 
     scene: Scene
@@ -34,9 +43,9 @@ class Enclosure:
     asked: int
     noise: int
     steps: int
-    seconds: float
+    seconds: float = field(compare=False)
     tries: int
-    seconds_in_all: float
+    seconds_in_all: float = field(compare=False)
 
     @cached_property
     def midpoints(self) -> list[list[Any]]:
@@ -61,6 +70,17 @@ class Enclosure:
             for row, radii in zip(self.centres, self.radii, strict=True)
         ]
 
+    def decimals(self) -> list[list[tuple[str, str]]]:
+        """Balls as decimals: midpoints rounded a little beyond the radius, radii that allow it."""
+        return [
+            [_decimal_ball(x, r) for x, r in zip(row, radii, strict=True)]
+            for row, radii in zip(self.centres, self.radii, strict=True)
+        ]
+
+    def __repr__(self) -> str:
+        times = f"{len(self.times)} times to t = {shown(self.times[-1])}"
+        return f"<Enclosure of {self.scene.name}: {times}, {self.proven:.1f} digits proven>"
+
     def __str__(self) -> str:
         lines = []
         for t, row, digits in zip(self.times, self.strings(), self.digits, strict=True):
@@ -79,16 +99,21 @@ def guaranteed(centre: Fraction, radius: float) -> str:
     if not math.isfinite(radius):
         return ""
     low, high = centre - Fraction(radius), centre + Fraction(radius)
-    if radius == 0.0:
-        places = 60
-    else:
-        places = math.floor(-math.log10(2.0 * radius)) + 1
+    places = math.floor(-math.log10(2.0 * radius)) + 1 if radius else 60
     for n in range(places, max(-1, places - 40), -1):
         scale = Fraction(10) ** n
         near = round(low * scale)
         if near == round(high * scale):
             return _positional(near, n)
     return ""
+
+
+def _decimal_ball(centre: Fraction, radius: float) -> tuple[str, str]:
+    """A decimal midpoint and a decimal radius of a ball that holds this one."""
+    places = max(0, 3 - math.floor(math.log10(radius)))
+    near = round(centre * 10**places)
+    wider = Fraction(radius) + abs(centre - Fraction(near, 10**places))
+    return _positional(near, places), rounded_up([float(wider) * (1.0 + 1e-9)])[0]
 
 
 def _positional(value: int, places: int) -> str:
@@ -98,7 +123,7 @@ def _positional(value: int, places: int) -> str:
     return "-" + body if value < 0 else body
 
 
-def shortest(values: Sequence[float]) -> list[str]:
+def rounded_up(values: Sequence[float]) -> list[str]:
     """Radii as decimals of three digits, rounded up."""
     found = []
     for value in values:

@@ -34,7 +34,7 @@ import numpy as np
 from flint import arb, arb_poly, ctx, fmpz
 
 from polhode.enclosures.bound import TINY, Bounds, difference, gamma, gaps
-from polhode.enclosures.fixed import CLOCK, UP, Problem, Refused, upper
+from polhode.enclosures.fixed import CLOCK, TIME_BITS, UP, Problem, Refused, upper
 
 SETTLED = 24
 MOST_COLUMNS = 80_000  # sums of more would need more than UP for their rounding
@@ -86,7 +86,7 @@ def advance(
     carried = _Carried(state.columns)
     rows: list[list[Any]] = []
     steps: list[Step] = []
-    with ctx.workprec(problem.noise + 100):
+    with ctx.workprec(TIME_BITS):
         places = _places(pieces.times, asked)
     for n in range(pieces.count):
         hull = carried.hull()
@@ -205,7 +205,6 @@ def _ball(
     known: Bounds, n: int, tau: Any, carried: _Carried, jump: Any, hull: Any, eps: float, step: Step
 ) -> list[Any]:
     """Six balls around the exact state at tau in step n, by (2) of ``bound``."""
-    problem, pieces = known.problem, known.pieces
     v = known.matrices[n]
     terms = v.shape[0]
     near = float(tau.mid())
@@ -219,8 +218,14 @@ def _ball(
     radii = radii + np.abs(w) @ (jump + gamma(16) * hull)
     lost = gamma(2 * terms + 6) + UP * terms * off  # |V(tau) - V(near)| <= sum k |V_k| off
     radii = UP * (radii + step.s + lost * float(known.sizes[n]) * eps) + TINY
+    return around(known, n, tau, radii)
+
+
+def around(known: Bounds, n: int, tau: Any, radii: Sequence[float]) -> list[Any]:
+    """The approximation at tau in step n as balls, widened by radii in units of 2**-noise."""
+    problem, pieces = known.problem, known.pieces
     found = []
-    with ctx.workprec(problem.noise + 40 + 64):
+    with ctx.workprec(problem.noise + 104):
         unit, level = arb((1, -problem.noise)), arb((1, -pieces.level))
         for i, x in enumerate(pieces.rows[n]):
             e = arb_poly([arb(float(c)) for c in known.correction[n, :, i]])

@@ -14,6 +14,7 @@ import numpy as np
 from polhode.common.errors import BadInput
 from polhode.equations.integrals import drift
 from polhode.figures.samples import Samples
+from polhode.judging.certified import Certified
 from polhode.judging.digits import errors, rate_scale
 from polhode.judging.reference import Reference, TwoPrecisions
 from polhode.judging.reference import rows as reference_rows
@@ -27,7 +28,7 @@ SAMPLES = 501  # noise, not a curve
 SPARE_DIGITS = 6
 
 
-def errors_of_run(found: Trajectory, reference: Reference | TwoPrecisions) -> Samples:
+def errors_of_run(found: Trajectory, reference: Reference | Certified | TwoPrecisions) -> Samples:
     """Errors against a reference: of omega over its largest modulus, and of gamma."""
     digits = math.ceil(found.number.most_digits) + SPARE_DIGITS
     logs = _errors(list(found.states), reference.at(found.times, digits), found.scene, digits)
@@ -35,7 +36,7 @@ def errors_of_run(found: Trajectory, reference: Reference | TwoPrecisions) -> Sa
 
 
 def errors_of_table(
-    table: Table, reference: Reference | TwoPrecisions, number: NumberType | None
+    table: Table, reference: Reference | Certified | TwoPrecisions, number: NumberType | None
 ) -> Samples:
     """The same of a file, as far as it has columns of the state."""
     scene = reference.scene

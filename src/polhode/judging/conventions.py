@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polhode.common.text import few
+from polhode.judging.certified import Certified
 from polhode.judging.reference import Reference, Remembered, TwoPrecisions, rows
 from polhode.judging.subject import Subject
 from polhode.numbers.convert import exactly, to_double
@@ -40,7 +41,9 @@ class Reading(NamedTuple):
 
 
 def readings(
-    subject: Subject, reference: Reference | TwoPrecisions | Remembered, wrong: Collection[str]
+    subject: Subject,
+    reference: Reference | Certified | TwoPrecisions | Remembered,
+    wrong: Collection[str],
 ) -> list[Reading]:
     """For each part that is wrong, the convention that makes most of it right, if one does.
 

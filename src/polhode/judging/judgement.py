@@ -15,6 +15,7 @@ from polhode.common.errors import BadInput
 from polhode.common.text import aligned, few
 from polhode.common.values import ByValue
 from polhode.equations.integrals import Drift
+from polhode.judging.certified import Certified
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.digits import digits_of, errors, rate_scale
 from polhode.judging.limits import is_lost, limit, shown_digits, shown_possible
@@ -42,7 +43,7 @@ MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
 SHOWN = 11  # times that are printed
 _SHORT = 24  # characters of a time that is printed with all its digits
 
-AnyReference: TypeAlias = Reference | TwoPrecisions | Remembered
+AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -358,7 +359,9 @@ def compare(
 def _wording(found: Judgement) -> str:
     """A judgement in words."""
     against = found.reference
-    how = "" if against.is_closed_form else f", which agree to {against.agreement:.1f} digits"
+    known = f"to {against.agreement:.1f} digits"
+    how = f", proven {known}" if against.is_proven else f", which agree {known}: error estimated"
+    how = "" if against.is_closed_form else how
     lines = [
         f"{found.subject.name} against {against.kind} of {against.scene.name} ({against.regime})"
         + how

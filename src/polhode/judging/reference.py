@@ -1,6 +1,6 @@
-"""The reference of a scene: its closed form, or two integrations at different precision.
+"""The reference of a scene: its closed form, a proven enclosure, or two integrations.
 
-Both answer the same questions; ``kind`` says which it is, and nothing else is ever called exact.
+All answer the same questions; ``kind`` says which it is, and nothing else is ever called exact.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.equations.hodographs import Hodographs, hodographs
+from polhode.judging.certified import Certified
 from polhode.judging.digits import errors, rate_scale, worst_digits
 from polhode.numbers import exact, number_types
 from polhode.numbers.convert import exact_number
@@ -39,7 +40,7 @@ class Reference:
     0.447808688218415
     """
 
-    is_closed_form = True
+    is_closed_form = is_proven = True
     agreement = math.inf  # no rounding enters that the digits asked for would show
     __hash__ = None  # type: ignore[assignment]
 
@@ -140,20 +141,20 @@ class Reference:
 
 
 class TwoPrecisions:
-    """A reference made by integrating twice, at different precision, where no closed form is known.
+    """A reference made by integrating twice, at different precision, where a scene asks for it.
 
     It shares the integrator and the equations with the runs that it judges: evidence against
     rounding and truncation, not against a wrong equation.  ``agreement`` holds the correct digits
     to which the two integrations of the last request agree.
 
     >>> import polhode
-    >>> twice = polhode.reference("general/asymmetric-regular")
+    >>> twice = polhode.TwoPrecisions(polhode.load("general/asymmetric-regular"))
     >>> rows = twice.at([1], digits=20)
     >>> 20 <= twice.agreement < 30
     True
     """
 
-    is_closed_form = False
+    is_closed_form = is_proven = False
     kind = "two-precisions"
     period = None
     __hash__ = None  # type: ignore[assignment]
@@ -222,11 +223,12 @@ class Remembered:
     For judging several runs of one scene, the one with the most digits first.
     """
 
-    def __init__(self, reference: Reference | TwoPrecisions) -> None:
+    def __init__(self, reference: Reference | Certified | TwoPrecisions) -> None:
         self._asked = reference
         self._kept: dict[tuple[Any, ...], tuple[int, list[list[Any]], float]] = {}
         self.scene, self.kind, self.regime = reference.scene, reference.kind, reference.regime
-        self.is_closed_form, self.agreement = reference.is_closed_form, reference.agreement
+        self.is_closed_form, self.is_proven = reference.is_closed_form, reference.is_proven
+        self.agreement = reference.agreement
 
     def at(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
         """Rows right to at least so many digits."""
@@ -246,30 +248,33 @@ class Remembered:
         return self._asked.angles(times, digits)
 
 
-def reference(scene: Scene | str | Path) -> Reference | TwoPrecisions:
-    """The reference of a scene: the closed form that fits, or two integrations where none does.
+def reference(scene: Scene | str | Path) -> Reference | Certified | TwoPrecisions:
+    """The reference of a scene: the closed form that fits, a proven enclosure where none does.
 
     Raises BadInput where the scene asks for a closed form that does not fit.
 
     >>> import polhode
     >>> polhode.reference("euler/separatrix")
     <Reference of euler/separatrix: euler, separatrix>
-    >>> polhode.reference("general/asymmetric-regular")
-    <TwoPrecisions of general/asymmetric-regular: heavy asymmetric body>
+    >>> body = polhode.Body.of_moments((3, 2, 1.5), (1, 1, 0), 1)
+    >>> polhode.reference(polhode.Scene(body, (1, 0, 0), (0, 0, 1)))
+    <Certified of scene: heavy asymmetric body>
     """
     scene = library.load(scene)
     if scene.reference == "two-precisions":
         return TwoPrecisions(scene)
+    if scene.reference == "certified":
+        return Certified(scene)
     found = closed_form(scene, scene.reference)
     if found is not None:
         return Reference(scene, *found)
     if scene.reference != "auto":
         other = closed_form(scene)
-        fits = f"{other[0] if other else 'two-precisions'}, which fits body and start"
+        fits = f"{other[0] if other else 'certified'}, which fits body and start"
         if (why := misfit(scene, scene.reference)) is not None:
             fits += f"; {scene.reference} needs {why}"
         raise BadInput(scene.name, "reference.kind", scene.reference, fits)
-    return TwoPrecisions(scene)
+    return Certified(scene)
 
 
 def rows(ask: Callable[..., list[Any]], times: Sequence[Fraction], digits: int) -> list[Any]:

@@ -14,17 +14,13 @@ from polhode.equations.hodographs import Hodographs
 from polhode.judging.limits import is_lost
 from polhode.numbers import number_types
 from polhode.numbers.convert import exactly
-from polhode.numbers.decimals import (
-    decimal_in_full,
-    in_full,
-    is_decimal,
-    strings,
-)
+from polhode.numbers.decimals import decimal_in_full, in_full, is_decimal, strings
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.output.right_digits import right_rows
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
+from polhode.scenes.tops import kind_of_body
 from polhode.scenes.words import ANGLES, ATTITUDE, SPACE
 from polhode.taylor.outcomes import EventTimes
 
@@ -32,6 +28,7 @@ from polhode.taylor.outcomes import EventTimes
 _TABLE = ("times", "states", "angles", "attitude", "hodographs")
 
 if TYPE_CHECKING:  # a run needs none of these
+    from polhode.enclosures.result import Enclosure
     from polhode.equations.integrals import Drift
     from polhode.judging.judgement import Judgement
     from polhode.judging.lyapunov import Lyapunov
@@ -125,9 +122,7 @@ def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> d
     scene = reference.scene
     number = NumberType("mp", number_types.bits_for(digits + 1))
     printed = number.printed_digits
-    # A decimal time is taken exactly; any other is rounded so far down that no digit notices.
-    fine = NumberType("mp", 3 * number.bits + 64 + int(4 * scene.at(tuple(times)).log10_angle))
-    held = [t if is_decimal(t) else fine.rounded(t) for t in times]
+    held = held_times(scene, times, digits)
     answer: dict[str, Any] = {
         "scene": scene.name,
         "number": "mp",
@@ -148,6 +143,48 @@ def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> d
         answer["hodographs"] = of_hodographs(reference.hodographs(held, printed + 4), number)
     answer |= {"outcome": "reached end", "steps": 0, "provenance": provenance(scene.text)}
     return answer
+
+
+def of_enclosure(found: Enclosure) -> dict[str, Any]:
+    """The object that ``reference --certified --json`` prints: proven digits alone.
+
+    ``states``: decimals to which every number of the ball rounds; ``midpoints`` and ``radii``: the
+    balls; ``error``: at each time the proven error of w over the largest |w|, or of gamma.
+    """
+    from polhode.enclosures.result import rounded_up
+
+    scene = found.scene
+    number = NumberType("mp", found.noise + 64)
+    balls = found.decimals()
+    return {
+        "scene": scene.name,
+        "number": "mp",
+        "bits": number.bits,
+        "digits": found.asked,
+        "form": "principal",
+        "regime": kind_of_body(scene.body),
+        "reference": "certified",
+        "proven": True,
+        "columns": list(scene.columns),
+        "times": [in_full(exactly(t)) for t in found.times],
+        "states": found.strings(),
+        "midpoints": [[middle for middle, _ in row] for row in balls],
+        "radii": [[radius for _, radius in row] for row in balls],
+        "error": rounded_up([10.0**-digits for digits in found.digits]),
+        "digits_proven": [round(digits, 2) for digits in found.digits],
+        "outcome": "reached end",
+        "steps": found.steps,
+        "tries": found.tries,
+        "seconds": round(found.seconds_in_all, 3),
+        "provenance": provenance(scene.text),
+    }
+
+
+def held_times(scene: Scene, times: Sequence[Exact], digits: int) -> list[Exact]:
+    """Times to be printed in full: decimals as they are, others rounded where no digit notices."""
+    bits = number_types.bits_for(digits + 1)
+    fine = NumberType("mp", 3 * bits + 64 + int(4 * scene.at(tuple(times)).log10_angle))
+    return [t if is_decimal(t) else fine.rounded(t) for t in times]
 
 
 def sidecar(path: Path) -> Path:
@@ -256,6 +293,7 @@ def of_judgement(judged: Judgement) -> dict[str, Any]:
             {"part": r.part, "convention": r.convention, "digits": round(r.digits, 1)}
             for r in judged.readings
         ]
+    answer["proven"] = reference.is_proven
     if not reference.is_closed_form:
         answer["reference_digits"] = round(reference.agreement, 1)
     return answer

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 #: What ``reference.kind`` may ask for: the first that fits, a closed form by the name of its family
-#: (polhode.closed_forms.families), or two integrations.
+#: (polhode.closed_forms.families), a proven enclosure, or two integrations.
 REFERENCES = (
     *("auto", "euler", "lagrange", "kovalevskaya", "pendulum", "staude", "bobylev-steklov"),
     *("grioli", "goryachev-chaplygin", "hess", "steklov", "goryachev", "n-kowalewski"),
-    *("chaplygin", "two-precisions"),
+    *("chaplygin", "certified", "two-precisions"),
 )
 
 

@@ -23,6 +23,7 @@ _TITLES = {
     "chaplygin": "Against the closed form of Chaplygin's motions",
     "goryachev-chaplygin": "Against the closed form of Goryachev and Chaplygin's case",
     "hess": "Against the closed form of Hess and Appelrot's case",
+    "certified": "Against a proven enclosure (no closed form)",
     "two-precisions": "Against two integrations at different precision (no closed form)",
 }
 

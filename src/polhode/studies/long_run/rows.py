@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 from polhode.equations.integrals import drift
 from polhode.judging.digits import errors, rate_scale
-from polhode.judging.reference import TwoPrecisions
+from polhode.judging.reference import Reference
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import DOUBLE, bits_for
@@ -266,7 +266,7 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
 def _reference_error(scene: Scene) -> float | None:
     """An estimate of the closed form's own error at the last time; None where there is none."""
     reference = reference_of(scene)
-    if isinstance(reference, TwoPrecisions):
+    if not isinstance(reference, Reference):
         return None
     return _short(float(reference.error(scene.times[-1:], DIGITS)))
 

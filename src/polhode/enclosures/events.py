@@ -1,0 +1,176 @@
+"""Certified events of a scene: how many there are, and when, proven."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from flint import arb, ctx
+
+from polhode.common.errors import BadInput
+from polhode.enclosures import conserved, fixed, march, pilot
+from polhode.enclosures.certify import MAX_STEPS
+from polhode.enclosures.crossings import Crossing, Search
+from polhode.enclosures.fixed import Motion, Refused, motion, upper
+from polhode.enclosures.polynomial import Polynomial, constant, rate, total, variable
+from polhode.numbers import exact, expression
+from polhode.numbers.convert import exact_number
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact, sign
+from polhode.numbers.expression import Algebra, ExpressionError
+from polhode.scenes import library
+from polhode.scenes.scene import Event, Scene
+from polhode.scenes.words import STATE
+
+_MOST_TRIES = 4
+
+
+class EventTime(NamedTuple):
+    """A proven event: its time is within ``radius`` of ``time``; slope 1 rising, -1 falling."""
+
+    time: Fraction
+    radius: float
+    slope: int
+
+
+@dataclass(frozen=True, repr=False)
+class CertifiedEvents:
+    """The events of one name between 0 and the end, in the order in which they are met.
+
+    ``undecided``: intervals of time in which it is not decided whether, or how often, the event
+    happens: a grazing contact, a zero at 0 or at the end.  The count is proven if there are none.
+
+    >>> import polhode
+    >>> event = polhode.Event("level", "gamma3 - 1/2")
+    >>> scene = polhode.Scene(polhode.Body.of_moments((1, 1, 1)), (1, 0, 0), (0, 0, 1),
+    ...                       events=(event,))
+    >>> polhode.certify_events(scene, end=10)  # cos t = 1/2
+    (<CertifiedEvents of level: 3, no others>,)
+    """
+
+    name: str
+    times: tuple[EventTime, ...]
+    undecided: tuple[tuple[float, float], ...]
+
+    @property
+    def proven(self) -> bool:
+        """Whether there are these events and no others."""
+        return not self.undecided
+
+    def __repr__(self) -> str:
+        others = f"{len(self.undecided)} undecided" if self.undecided else "no others"
+        return f"<CertifiedEvents of {self.name}: {len(self.times)}, {others}>"
+
+
+def certify_events(
+    scene: Scene | str | Path, end: Any | None = None, digits: int = 15
+) -> tuple[CertifiedEvents, ...]:
+    """The scene's events from 0 to a time, each proven to exist and to be the only one there.
+
+    ``end``: the scene's own unless given.  ``digits``: those of the state that is proven along the
+    way; more of them make the radii smaller and separate zeros that are closer.  An event is a
+    polynomial in p q r gamma1 gamma2 gamma3; ``stop`` is not heeded.  Raises BadInput for another,
+    and where the digits cannot be had.
+
+    >>> import polhode
+    >>> event = polhode.Event("level", "gamma3 - 1/2")
+    >>> scene = polhode.Scene(polhode.Body.of_moments((1, 1, 1)), (1, 0, 0), (0, 0, 1),
+    ...                       events=(event,))
+    >>> (found,) = polhode.certify_events(scene, end=2)
+    >>> [round(float(t.time), 12) for t in found.times]  # pi/3
+    [1.047197551197]
+    """
+    if not isinstance(scene, Scene):
+        scene = library.load(scene)
+    last = scene.end if end is None else exact_number(end)
+    if sign(last) == 0:
+        raise BadInput(scene.name, "end", "0", "a time other than 0")
+    what = motion(scene, backward=sign(last) < 0)
+    if (steps := pilot.steps(what, last)) > MAX_STEPS:
+        expected = f"a time that {MAX_STEPS} steps reach; this one takes about {steps:.2g}"
+        raise BadInput(scene.name, "end", shown(last), expected)
+    polynomials = [of_event(what, n, event) for n, event in enumerate(scene.events)]
+    noise = pilot.noise(what, last, digits)
+    for _ in range(_MOST_TRIES):
+        try:
+            return _found(what, polynomials, last, noise)
+        except Refused:
+            noise = noise * 5 // 4 + 20
+    raise BadInput(scene.name, "digits", digits, "digits that can be proven to the end")
+
+
+def _found(
+    what: Motion, polynomials: Sequence[Polynomial], last: Exact, noise: int
+) -> tuple[CertifiedEvents, ...]:
+    problem = fixed.problem(what, noise)
+    bits = 2 * problem.fine + 100
+    end = fixed.times(what, [last])[0]
+    field = what.field
+    searches = [Search(g.balls(bits), rate(g, field).balls(bits)) for g in polynomials]
+    march.run(problem, [end], conserved.prepared(what, bits), searches=searches)
+    return tuple(
+        _named(what, event, search, end, noise)
+        for event, search in zip(what.scene.events, searches, strict=True)
+    )
+
+
+def _named(what: Motion, event: Event, search: Search, end: Any, noise: int) -> CertifiedEvents:
+    """What one search found up to the end, in the scene's unit and direction of time."""
+    by = Fraction(2) ** what.unit * (-1 if what.backward else 1)
+    times, undecided = [], []
+    with ctx.workprec(noise + 200):
+        for crossing in search.crossings:
+            slope = -crossing.slope if what.backward else crossing.slope
+            if not event.counts(slope) or crossing.time > end:
+                continue
+            if crossing.time < end and crossing.time > 0:
+                times.append(_time(crossing, by, slope))
+            else:
+                edge = float(by) * float(crossing.time.mid())
+                undecided.append((edge, edge))
+        for contact in search.contacts:
+            if not contact.begin > end:
+                one, other = (float(by) * float(x.mid()) for x in contact)
+                undecided.append((min(one, other), max(one, other)))
+    return CertifiedEvents(event.name, tuple(times), tuple(undecided))
+
+
+def _time(crossing: Crossing, by: Fraction, slope: int) -> EventTime:
+    mantissa, exponent = crossing.time.mid().man_exp()
+    near = exact.binary(int(mantissa), int(exponent))
+    radius = arb(crossing.time.rad())
+    return EventTime(near * by, upper(radius) * abs(float(by)), slope)
+
+
+def of_event(what: Motion, n: int, event: Event) -> Polynomial:
+    """What vanishes, as a polynomial in the proof's variables; raises BadInput."""
+    scene = what.scene
+    text = event.expression
+    key = f"events[{n + 1}].zero"
+    if text is None:  # w along the middle principal axis
+        return variable(sorted(range(3), key=lambda i: what.moments[i])[1])
+    rows = scene.body.axes.rows
+    unit = Fraction(2) ** -what.unit * (-1 if what.backward else 1)
+    columns = {}
+    for k, name in enumerate(STATE):
+        part, i = divmod(k, 3)
+        turned = total([variable(3 * part + j).scaled(rows[j][i]) for j in range(3)])
+        columns[name] = turned if part else turned.scaled(unit)
+    if scene.gamma is None:
+        columns = {name: columns[name] for name in STATE[:3]}
+    functions = dict.fromkeys(expression.FUNCTIONS, _refuse)
+    try:
+        found = expression.evaluate(text, columns, Algebra(constant, functions))
+    except ExpressionError as fault:
+        expected = f"a polynomial in {' '.join(columns)} ({fault})"
+        raise BadInput(scene.name, key, text, expected) from None
+    if not isinstance(found, Polynomial) or not found.terms:
+        raise BadInput(scene.name, key, text, "a polynomial that is not a number")
+    return found
+
+
+def _refuse(_: Polynomial) -> Polynomial:
+    raise ValueError("a function of a name is no polynomial")

@@ -1,0 +1,188 @@
+"""The exact motion lies in its enclosure: random tops, closed forms, faults, negative controls."""
+
+from __future__ import annotations
+
+import random
+import statistics
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+
+import polhode
+from polhode.enclosures import conserved, fixed, march, pilot
+from polhode.enclosures.fixed import Refused
+from polhode.numbers.convert import exactly
+from polhode.scenes import library
+from shared import enclosure_faults as faults
+from shared import enclosure_trials as trials
+
+#: Cases with closed forms of every regime that the library ships; the slow test takes all.
+SOME = (
+    *("euler/largest-axis", "euler/separatrix", "euler/permanent-middle", "euler/backward"),
+    *("lagrange/nutation", "kovalevskaya/generic", "euler/irrational", "euler/no-gamma"),
+)
+
+
+def _times(rng: random.Random, most: float) -> list[Fraction]:
+    return sorted(Fraction(rng.randrange(1, 7000), 7001) * Fraction(most) for _ in range(3))
+
+
+def _random_ratios(seed: int, rounds: int, levels: tuple[int, ...]) -> tuple[list[float], int]:
+    """The ratios of random tops at noise levels, with and without integrals; and the refusals."""
+    rng = random.Random(seed)
+    found: list[float] = []
+    refused = 0
+    for n in range(rounds):
+        scene = trials.random_scene(rng, trials.KINDS[n % len(trials.KINDS)])
+        what = trials.trial(scene, _times(rng, rng.choice((1, 5, 20))), max(levels) + 120)
+        for noise in levels:
+            problem = fixed.problem(what.motion, noise)
+            known = conserved.prepared(what.motion, 400) if n % 2 else []
+            try:
+                proof = march.run(problem, trials.asked(what, problem), known)
+            except Refused:
+                refused += 1
+                continue
+            found += trials.ratios(proof.rows, what.states)
+    return found, refused
+
+
+def test_random_tops_are_contained_and_no_radius_is_slack() -> None:
+    found, refused = _random_ratios(11, 22, (50, 79, 126))
+    assert max(found) <= 1.0
+    assert 1e-6 <= statistics.median(found) <= 1.0
+    assert refused <= 2
+
+
+def test_every_low_noise_level_contains_or_refuses() -> None:
+    for level in range(36, 61, 3):
+        found, _ = _random_ratios(level, 4, (level,))
+        assert max(found, default=0.0) <= 1.0
+
+
+@pytest.mark.slow
+def test_thousands_of_random_tops_are_contained() -> None:
+    found, refused = _random_ratios(5, 700, (45, 76, 90, 126))
+    assert max(found) <= 1.0
+    assert 1e-6 <= statistics.median(found) <= 1.0
+    assert refused < 40
+
+
+def _faulty_runs(seed: int, count: int) -> tuple[int, int, float]:
+    """Contained and refused of proofs with a random fault each; the largest ratio."""
+    rng = random.Random(seed)
+    contained = refused = 0
+    largest = 0.0
+    while contained + refused < count:
+        scene = trials.random_scene(rng, rng.choice(trials.KINDS))
+        what = trials.trial(scene, _times(rng, rng.choice((1, 4, 12))), 240)
+        for _ in range(8):
+            noise = rng.choice((42, 50, 60, 79, 96, 126))
+            problem = fixed.problem(what.motion, noise)
+            if rng.random() < 0.4:  # a box whose corner is the truth
+                units = rng.choice((1, 2**10, 2**20))
+                ticks = units << (problem.fine - noise)
+                start = tuple(x + rng.choice((-1, 1)) * ticks for x in problem.start)
+                spread = tuple(units * (1 + 1e-9) + r for r in problem.spread)
+                problem = replace(problem, start=start, spread=spread)
+            known = conserved.prepared(what.motion, 400) if rng.random() < 0.4 else []
+            _, untrusted = faults.random_fault(rng)
+            try:
+                with np.errstate(all="ignore"):
+                    proof = march.run(problem, trials.asked(what, problem), known, untrusted)
+            except Refused:
+                refused += 1
+                continue
+            contained += 1
+            largest = max(largest, *trials.ratios(proof.rows, what.states))
+    return contained, refused, largest
+
+
+def test_no_fault_in_an_untrusted_part_makes_a_wrong_enclosure() -> None:
+    contained, refused, largest = _faulty_runs(21, 100)
+    assert largest <= 1.0
+    assert contained >= 50
+    assert refused >= 5
+
+
+@pytest.mark.slow
+def test_two_thousand_faults_and_not_one_wrong_enclosure() -> None:
+    contained, _, largest = _faulty_runs(22, 2000)
+    assert largest <= 1.0
+    assert contained >= 1000
+
+
+@pytest.mark.parametrize("part", ["moment", "torque", "start"])
+def test_a_motion_beside_the_true_one_is_excluded(part: str) -> None:
+    # At 34 proven digits a change in the 30th must put the truth outside.
+    scene = trials.random_scene(random.Random(8), "generic")
+    what = trials.trial(scene, [Fraction(10)], 300)
+    small = Fraction(1, 10**30)
+    body, omega = scene.body, scene.omega
+    if part == "moment":
+        a, b, c = body.moments
+        body = type(body).of_moments((a + small, b, c), body.centre, body.weight)
+    elif part == "torque":
+        body = type(body).of_moments(body.moments, body.centre, body.weight + small)
+    else:
+        omega = (omega[0] + small / 1000, *omega[1:])
+    beside = fixed.motion(replace(scene, body=body, omega=omega))
+    assert beside.unit == what.motion.unit
+    problem = fixed.problem(beside, 130)
+    proof = march.run(problem, trials.asked(what, problem))
+    assert max(trials.ratios(proof.rows, what.states)) > 100.0
+
+
+def test_a_constant_wrong_in_its_thirtieth_digit_is_noticed() -> None:
+    what = trials.trial(trials.random_scene(random.Random(9), "generic"), [Fraction(10)], 300)
+    problem = fixed.problem(what.motion, 130)
+    constants = list(problem.constants)
+    constants[0] += 1 << (problem.constant_bits - 100)
+    wrong = replace(problem, constants=tuple(constants))
+    proof = march.run(wrong, trials.asked(what, problem))
+    assert max(trials.ratios(proof.rows, what.states)) > 100.0
+
+
+def test_an_integral_that_is_not_kept_is_a_contradiction() -> None:
+    what = trials.trial(trials.random_scene(random.Random(9), "generic"), [Fraction(10)], 300)
+    problem = fixed.problem(what.motion, 96)
+    known = conserved.prepared(what.motion, 400)
+    with ctx.workprec(400):
+        wrong = [row._replace(value=row.value + arb((1, -60))) for row in known]
+    with pytest.raises(conserved.Contradiction):
+        march.run(problem, trials.asked(what, problem), wrong)
+
+
+def _contained(name: str, digits: int) -> list[float]:
+    """The ratios of a case against its closed form."""
+    scene = library.load(name)
+    times = scene.times[-1:] if len(scene.times) < 3 else scene.times[:: len(scene.times) // 3]
+    steps = pilot.steps(fixed.motion(scene), times[-1])  # a fast body is followed less far
+    times = tuple(t * min(Fraction(1), Fraction(1500) / Fraction(steps)) for t in times)
+    found = polhode.certify(scene, at=times, digits=digits)
+    assert found.reached
+    exact = polhode.reference(scene).at(times, digits=2 * digits + 20)
+    ratios: list[float] = []
+    for row, centres, radii in zip(exact, found.centres, found.radii, strict=True):
+        for x, centre, radius in zip(row, centres, radii, strict=True):
+            ratios.append(float(abs(exactly(x) - centre) / Fraction(radius)))
+    return ratios
+
+
+@pytest.mark.parametrize("name", SOME)
+def test_closed_forms_lie_in_their_enclosures(name: str) -> None:
+    assert max(_contained(name, 16)) <= 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("digits", [10, 16, 30])
+def test_every_closed_form_lies_in_its_enclosure(digits: int) -> None:
+    ratios: list[float] = []
+    for name in library.names():
+        scene = library.load(name)
+        if polhode.reference(scene).is_closed_form and scene.times:
+            ratios += _contained(name, digits)
+    assert max(ratios) <= 1.0

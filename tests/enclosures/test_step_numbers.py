@@ -1,0 +1,117 @@
+"""The numbers of a step against a slow second opinion in exact rationals and 500-bit balls."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from polhode.enclosures import bound, fixed, march, zonotope
+from polhode.enclosures.fixed import CLOCK
+from shared import enclosure_checker as checker
+from shared import enclosure_trials as trials
+from shared.mutation import without
+
+#: How near the claimed numbers come to the exact ones at worst: neither wrong nor slack.
+LEAST = {"alpha": 0.999, "growth": 0.999, "sigma": 0.999, "delta": 0.2}
+
+
+def _windows(rng: random.Random, kinds: Any, levels: Any, steps: int = 12) -> Any:
+    for kind in kinds:
+        motion = fixed.motion(trials.random_scene(rng, kind))
+        for noise in levels:
+            problem = fixed.problem(motion, noise)
+            state = zonotope.beginning(problem)
+            for _ in range(2):  # a second window starts from rounded states
+                end = state.time + (20 << CLOCK)
+                known = march._window(problem, state, end, steps, 0.3, march.HONEST)
+                assert known is not None
+                yield motion, state, known
+                state, _, _ = zonotope.advance(state, known, [])
+
+
+def _worst(windows: Any, rng: random.Random, each: int) -> dict[str, float]:
+    """The largest of exact/claimed over some steps, by name."""
+    worst: dict[str, float] = {}
+    for motion, state, known in windows:
+        jumps = zonotope._jumps(state, known)
+        for n in range(known.pieces.count):
+            for true, claimed in zip(checker.jump(known, n, state.centre), jumps[n], strict=True):
+                worst["jump"] = max(worst.get("jump", 0.0), abs(true) / Fraction(float(claimed)))
+        for n in rng.sample(range(known.pieces.count), min(each, known.pieces.count)):
+            for name, (true, claimed) in checker.checked(known, n, motion.constants).items():
+                ratio = float((true / float(claimed)).upper())
+                worst[name] = max(worst.get(name, 0.0), ratio)
+    return worst
+
+
+def test_no_number_of_a_step_is_below_its_exact_value() -> None:
+    rng = random.Random(1)
+    worst = _worst(_windows(rng, trials.KINDS[:5], (60, 126)), rng, 1)
+    assert all(ratio <= 1.0 for ratio in worst.values()), worst
+    assert all(worst[name] >= least for name, least in LEAST.items()), worst
+
+
+@pytest.mark.slow
+def test_no_number_of_many_steps_is_below_its_exact_value() -> None:
+    rng = random.Random(2)
+    worst = _worst(_windows(rng, 3 * trials.KINDS, (36, 42, 60, 79, 126, 226)), rng, 2)
+    assert all(ratio <= 1.0 for ratio in worst.values()), worst
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("growth", ("exponential", "np.where(usable, found * (1.0 + 1e-7), math.inf)", "usable")),
+        ("alpha", ("bounds", "(a_norms + a_gaps) * weights[:count]", "0.5 * a_norms")),
+        ("sigma", ("bounds", "sigma = UP * np.sum(e_sizes, axis=1)", "sigma = e_sizes[:, 0]")),
+        ("delta", ("_delta", "pieces.lengths * np.max(missed, axis=1)", "0.0")),
+        ("matrix", ("jacobian", "-scaled[:, :, 3 + b]", "scaled[:, :, 3 + b]")),
+    ],
+)
+def test_the_checker_sees_a_dropped_factor(name: str, change: tuple[str, str, str]) -> None:
+    rng = random.Random(3)
+    motion = fixed.motion(trials.random_scene(rng, "generic"))
+    problem = fixed.problem(motion, 60, 44)
+    state = zonotope.beginning(problem)
+
+    def known() -> Any:
+        return march._window(problem, state, 3 << CLOCK, 4, 0.3, march.HONEST)
+
+    assert max(_ratios(motion, known(), name)) <= 1.0
+    with without(bound, *change):
+        wrong = known()
+    assert max(_ratios(motion, wrong, name)) > 1.0
+
+
+def _ratios(motion: Any, known: Any, name: str) -> list[float]:
+    found = []
+    for n in range(known.pieces.count):
+        true, claimed = checker.checked(known, n, motion.constants)[name]
+        found.append(float((true / float(claimed)).upper()))
+    return found
+
+
+def test_the_doubles_of_a_defect_are_off_by_no_more_than_they_say() -> None:
+    from flint import fmpz
+
+    rng = random.Random(4)
+    motion = fixed.motion(trials.random_scene(rng, "generic"))
+    problem = fixed.problem(motion, 100)
+    state = zonotope.beginning(problem)
+    known = march._window(problem, state, 5 << CLOCK, 6, 0.3, march.HONEST)
+    assert known is not None
+    defects = bound.defects(problem, known.pieces)
+    pieces, level = known.pieces, known.pieces.level
+    for n, row in enumerate(pieces.rows):
+        h = pieces.times[n + 1] - pieces.times[n]
+        for i, (a, b) in enumerate(fixed.CYCLE):
+            exact = row[3 + i].derivative() * (fmpz(1) << (CLOCK + level))
+            exact -= (row[3 + a] * row[b] - row[3 + b] * row[a]) * h
+            unit = Fraction(2) ** (problem.noise - 2 * level - CLOCK)
+            for k in range(defects.values.shape[1]):
+                true = int(exact[k]) * unit
+                off = abs(true - Fraction(float(defects.values[n, k, 3 + i])))
+                assert off <= Fraction(float(defects.floors[n, 3 + i])) + abs(true) / 2**52
