@@ -341,7 +341,7 @@ def test_whether_the_digits_asked_for_were_reached_is_told():
     held = polhode.compare(polhode.integrate("euler/largest-axis", digits=12))
     assert held.asked == 12
     assert held.reached
-    steps = polhode.integrate("euler/separatrix", digits=30, at=[30], method="taylor")
+    steps = polhode.integrate("euler/separatrix", "quad", digits=30, at=[30], method="taylor")
     lost = polhode.compare(steps)
     assert not lost.reached
     assert polhode.compare(polhode.integrate("euler/largest-axis")).reached is None
