@@ -224,7 +224,7 @@ def call(random: Random, scene: polhode.Scene) -> tuple[str, Callable[[], Any]]:
         "load": ([scene], {}),
         "integrate": (
             [scene],
-            {"at": [0], "digits": 10, "max_steps": 5, "project": None, "tol": None},
+            {"at": [0], "digits": 10, "max_steps": 5, "project": None, "tol": None, "method": None},
         ),
         "reference": ([scene], {}),
         "reference.at": ([[0]], {"digits": 10}),

@@ -21,7 +21,7 @@ from polhode.output import description
 from polhode.runs import sweep
 from polhode.taylor.integrator import Integrator
 
-FAST = {"scene": 800, "call": 1000, "table": 100, "command": 100}
+FAST = {"scene": 600, "call": 1300, "table": 50, "command": 50}
 MANY = {"scene": 6000, "call": 6000, "table": 1000, "command": 1000}
 
 

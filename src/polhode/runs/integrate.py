@@ -8,7 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from polhode.common.arguments import whole
+from polhode.common.arguments import of_kind, whole
 from polhode.common.errors import BadInput, nearest
 from polhode.common.provenance import provenance
 from polhode.equations.readout import Readout
@@ -122,6 +122,7 @@ def _refined(
     progress: Progress | None,
 ) -> tuple[Trajectory | None, dict[str, str]]:
     """The trajectory by refinement, None where it is to be integrated; why a refinement failed."""
+    of_kind(scene.name, "method", method, str, ", ".join(METHODS))
     if method not in METHODS:
         raise BadInput(scene.name, "method", method, nearest(method, list(METHODS)))
     if method == "taylor":
