@@ -58,13 +58,14 @@ class Limbs:
 
     def split_integer(self, whole: int) -> list[float]:
         """The limbs of whole·2**-finest."""
-        found = []
+        found, finest = [], self.finest
         for i in range(1, self.count):
-            below = self.finest - self.place(i)
+            place = self.place(i)
+            below = finest - place
             limb = (whole + (1 << (below - 1))) >> below
-            found.append(float(limb) * 2.0 ** -self.place(i))
+            found.append(limb * 2.0**-place)
             whole -= limb << below
-        return [*found, float(whole) * 2.0**-self.finest]
+        return [*found, whole * 2.0**-finest]
 
     def value(self, limbs: Iterable[float]) -> Fraction:
         """The exact sum of limbs."""
@@ -72,11 +73,12 @@ class Limbs:
 
     def integer(self, limbs: Iterable[float]) -> int:
         """The sum of limbs in units of 2**-finest; of the last one, what is below is dropped."""
-        return sum(int(float(x) * 2.0**self.finest) for x in limbs)
+        unit = 2.0**self.finest
+        return sum([int(x * unit) for x in limbs])
 
     def renormalised(self, x: Any) -> Any:
         """Numbers of which adjustments have made the limbs too long, (n, L), as they should be."""
-        return np.array([self.split_integer(self.integer(row)) for row in x])
+        return np.array([self.split_integer(self.integer(row)) for row in x.tolist()])
 
     def split_doubles(self, x: Any) -> Any:
         """The limbs of an array of doubles, exactly, along a new first axis."""

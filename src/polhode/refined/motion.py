@@ -275,8 +275,8 @@ class _Run:
         """Outputs and error estimate of a block."""
         limbs, chain, scale = self.wanted.limbs, block.chain, 2.0**unit
         ends = solved.states[:, :, block.chain + 1 :]
-        for c in range(len(block.clocks)):
-            whole = [limbs.integer(ends[v, :, c]) for v in range(6)]
+        for row in ends.transpose(2, 0, 1).tolist():
+            whole = [limbs.integer(x) for x in row]
             self.found.append([_shifted(x, unit) for x in whole[:3]] + whole[3:])
         ratio = np.array([scale] * 3 + [1.0] * 3)
         transitions = solved.transitions * (ratio[:, None] / ratio)
