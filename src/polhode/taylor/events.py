@@ -85,11 +85,11 @@ class Watch:
     ) -> None:
         self.scene, self.number = scene, number
         self.stop: Fraction | None = None
-        asked = any(e.stop or not is_entire(scene, e) for e in scene.events)
-        self.after_step = AfterStep(lambda: self.stop is not None, number) if asked else None
         self.muted = False
         self.forward = sign(scene.end) >= 0
         self.start = [sign_at_start(scene, k) for k in range(len(scene.events))]
+        asked = any(e.stop or not is_entire(scene, e) for e in scene.events)
+        self.after_step = AfterStep(lambda: self.stop is not None, number) if asked else None
         eps = max(number.eps, tolerance or ZERO)
         self.limits = [
             Limits(size_of(scene, event), number, eps, steering) for event in scene.events
