@@ -166,7 +166,7 @@ def test_output_times_change_no_event():
 def test_events_do_not_steer_the_steps(number):
     """The same steps as without; the last bits may differ, where terms are shared."""
     name = "general/asymmetric-regular"
-    bare = polhode.integrate(polhode.load(name), number, at=[5])
+    bare = polhode.integrate(polhode.load(name), number, at=[5], method="taylor")
     run = polhode.integrate(watched(name, Event("nutation"), "q", "t - 3"), number, at=[5])
     assert run.steps == bare.steps
     for x, y in zip(run.states[0], bare.states[0], strict=True):
