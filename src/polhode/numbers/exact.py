@@ -18,10 +18,10 @@ from fractions import Fraction
 from functools import partial
 from typing import Any, TypeAlias
 
-EQUAL_BITS = 4096
+from polhode.numbers import rules
+from polhode.numbers.rules import Interval
 
-#: An interval of mpmath.libmp: two raw binary numbers, low and high.
-Interval: TypeAlias = tuple[Any, Any]
+EQUAL_BITS = 4096
 
 _LADDER = (128, 512, 2048, EQUAL_BITS)
 _LARGEST_ANGLE = 1 << (EQUAL_BITS // 4)  # beyond it too few of those bits are left for sin and cos
@@ -90,7 +90,7 @@ class Irrational:
         return power(self, exact(exponent))
 
     def __neg__(self) -> Irrational:
-        return Irrational(_negative, self, square=self.square)
+        return Irrational(rules.negative, self, square=self.square)
 
     def __abs__(self) -> Exact:
         return -self if sign(self) < 0 else self
@@ -142,7 +142,7 @@ def add(a: Exact, b: Exact) -> Exact:
         return b
     if isinstance(b, Fraction) and b == 0:
         return a
-    return Irrational(_sum, a, b)
+    return Irrational(rules.added, a, b)
 
 
 def multiply(a: Exact, b: Exact) -> Exact:
@@ -157,7 +157,7 @@ def multiply(a: Exact, b: Exact) -> Exact:
                 return ZERO
             if one == 1:
                 return other
-    return Irrational(_product, a, b)
+    return Irrational(rules.product, a, b)
 
 
 def divide(a: Exact, b: Exact) -> Exact:
@@ -170,7 +170,7 @@ def divide(a: Exact, b: Exact) -> Exact:
         return ZERO
     if isinstance(b, Fraction):
         return multiply(a, 1 / b)
-    return Irrational(_quotient, a, b)
+    return Irrational(rules.quotient, a, b)
 
 
 def total(terms: Iterable[Exact]) -> Exact:
@@ -191,7 +191,7 @@ def sqrt(x: Exact) -> Exact:
             return Fraction(top, bottom)
     elif sign(x) == 0:
         return ZERO
-    return Irrational(_root, x, square=x)
+    return Irrational(rules.root, x, square=x)
 
 
 def sin(x: Exact) -> Exact:
@@ -199,7 +199,7 @@ def sin(x: Exact) -> Exact:
     _check_angle(x)
     if isinstance(x, Fraction) and x == 0:
         return ZERO
-    return Irrational(_sine, x)
+    return Irrational(rules.sine, x)
 
 
 def cos(x: Exact) -> Exact:
@@ -207,7 +207,7 @@ def cos(x: Exact) -> Exact:
     _check_angle(x)
     if isinstance(x, Fraction) and x == 0:
         return ONE
-    return Irrational(_cosine, x)
+    return Irrational(rules.cosine, x)
 
 
 def arctan2(y: Exact, x: Exact) -> Exact:
@@ -218,12 +218,12 @@ def arctan2(y: Exact, x: Exact) -> Exact:
         raise ValueError("the angle of a vector of length zero")
     if sign(y) == 0 and sign(x) > 0:
         return ZERO
-    return Irrational(_angle, y, x)
+    return Irrational(rules.angle, y, x)
 
 
 def pi() -> Irrational:
     """The number pi."""
-    return Irrational(_pi)
+    return Irrational(rules.pi)
 
 
 def power(x: Exact, exponent: Exact) -> Exact:
@@ -240,7 +240,7 @@ def power(x: Exact, exponent: Exact) -> Exact:
         if exponent < 0:
             raise ZeroDivisionError("division by zero")
         return ZERO
-    return Irrational(_power, x, exponent)
+    return Irrational(rules.power, x, exponent)
 
 
 def _integer_power(x: Exact, n: int) -> Exact:
@@ -254,85 +254,14 @@ def _integer_power(x: Exact, n: int) -> Exact:
         return x
     if n == 2 and x.square is not None:
         return x.square
-    return Irrational(partial(_integer_power_of, n), x)
-
-
-# The rules of Irrational.  Functions of the module, so that a number can be pickled.
-
-
-def _negative(prec: int, a: Interval) -> Interval:
-    found: Interval = _libmp().mpi_neg(a, prec)
-    return found
-
-
-def _sum(prec: int, a: Interval, b: Interval) -> Interval:
-    found: Interval = _libmp().mpi_add(a, b, prec)
-    return found
-
-
-def _product(prec: int, a: Interval, b: Interval) -> Interval:
-    found: Interval = _libmp().mpi_mul(a, b, prec)
-    return found
-
-
-def _quotient(prec: int, a: Interval, b: Interval) -> Interval:
-    # While the divisor's enclosure is still too wide to exclude zero, nothing is known.
-    lib = _libmp()
-    if lib.mpf_sign(b[0]) * lib.mpf_sign(b[1]) <= 0:
-        return lib.fninf, lib.finf
-    found: Interval = lib.mpi_div(a, b, prec)
-    return found
-
-
-def _root(prec: int, a: Interval) -> Interval:
-    found: Interval = _libmp().mpi_sqrt((_not_below_zero(a[0]), a[1]), prec)
-    return found
-
-
-def _sine(prec: int, a: Interval) -> Interval:
-    found: Interval = _libmp().mpi_sin(a, prec)
-    return found
-
-
-def _cosine(prec: int, a: Interval) -> Interval:
-    found: Interval = _libmp().mpi_cos(a, prec)
-    return found
-
-
-def _angle(prec: int, a: Interval, b: Interval) -> Interval:
-    found: Interval = _libmp().mpi_atan2((_not_below_zero(a[0]), a[1]), b, prec)
-    return found
-
-
-def _pi(prec: int) -> Interval:
-    lib = _libmp()
-    return lib.mpf_pi(prec, "f"), lib.mpf_pi(prec, "c")
-
-
-def _power(prec: int, a: Interval, e: Interval) -> Interval:
-    lib = _libmp()
-    if lib.mpf_sign(a[0]) <= 0:
-        return lib.fzero, lib.finf
-    found: Interval = lib.mpi_exp(lib.mpi_mul(e, lib.mpi_log(a, prec), prec), prec)
-    return found
-
-
-def _integer_power_of(n: int, prec: int, a: Interval) -> Interval:
-    found: Interval = _libmp().mpi_pow_int(a, n, prec)
-    return found
-
-
-def _not_below_zero(low: Any) -> Any:
-    """The lower end of an enclosure of what cannot be negative."""
-    lib = _libmp()
-    return lib.fzero if lib.mpf_sign(low) < 0 else low
+    return Irrational(partial(rules.integer_power_of, n), x)
 
 
 def sign(x: Number) -> int:
     """-1, 0 or 1; for an irrational number zero is decided by the rule for *equal*."""
     if not isinstance(x, Irrational):
         return (x > 0) - (x < 0)
-    lib = _libmp()
+    lib = rules.libmp()
     for prec in _LADDER:
         low, high = x.enclosure(prec)
         if lib.mpf_sign(low) > 0:
@@ -348,7 +277,7 @@ def rounded(x: Number, bits: int) -> tuple[int, int]:
         return _rounded_rational(Fraction(x), bits)
     if sign(x) == 0:
         return 0, 0
-    lib = _libmp()
+    lib = rules.libmp()
     prec = bits + 64
     while True:
         low, high = (_rounded_raw(end, bits) for end in x.enclosure(prec))
@@ -369,7 +298,7 @@ def log10(x: Number) -> float:
 def magnitude(x: Irrational) -> int:
     """The exponent of two just above |x|, or 0 where 128 bits do not tell x from zero."""
     low, high = x.enclosure(_LADDER[0])
-    if _libmp().mpf_sign(low) * _libmp().mpf_sign(high) <= 0:
+    if rules.libmp().mpf_sign(low) * rules.libmp().mpf_sign(high) <= 0:
         return 0
     _, _, exponent, bits = high
     return int(exponent + bits)
@@ -417,12 +346,6 @@ def _rounded_raw(raw: Any, bits: int) -> tuple[int, int] | None:
 def _held(part: Exact, prec: int) -> Interval:
     if isinstance(part, Irrational):
         return part._known[prec]
-    lib = _libmp()
+    lib = rules.libmp()
     p, q = part.numerator, part.denominator
     return lib.from_rational(p, q, prec, "f"), lib.from_rational(p, q, prec, "c")
-
-
-def _libmp() -> Any:
-    from mpmath import libmp  # only irrational data pay for this import
-
-    return libmp
