@@ -664,6 +664,10 @@ def test_attitude_of_one_frequency_far_away(name):
         assert abs(psi - number(PSI) - grown[0] - grown[1]) < mpf("1e-9")
 
 
+def shifted(pair):
+    return pair[0] + mpf(10) ** -28, pair[1]
+
+
 CORRUPT = ("_rates", "image")  # c1 and c; the points E
 
 
