@@ -209,7 +209,8 @@ class KovalevskayaTop(FromAttitude):
     def _formula(self, bits: int) -> CayleyKlein:
         """The Cayley-Klein parameters at ``bits`` bits, with a set-up that certifies so many."""
         if bits not in self._formulas:
-            more, before = 0, None  # the size of the defect at fewer bits
+            more = 0
+            before: int | None = None  # the size of the defect at fewer bits
             while True:
                 solution, used = self._answers.solution(bits + CERTIFIED + more, bits)
                 assert isinstance(solution, Generic)
