@@ -622,6 +622,7 @@ def test_theta_quotients_agree_with_the_panels(name):
         assert max(abs(a - b) for a, b in zip(row, found, strict=True)) < mpf("1e-25")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", GENERIC)
 def test_far_attitudes_agree_at_two_precisions_and_their_turns_with_counting(name):
     top = top_of(*GENERIC[name])
@@ -638,22 +639,29 @@ def test_far_attitudes_agree_at_two_precisions_and_their_turns_with_counting(nam
     assert abs(phi_1 - phi - grown[1]) < mpf("1e-11")
 
 
-@pytest.mark.parametrize("name", ["Delaunay", "Bobylev-Steklov", "Appelrot"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Bobylev-Steklov",
+        pytest.param("Delaunay", marks=pytest.mark.slow),
+        pytest.param("Appelrot", marks=pytest.mark.slow),
+    ],
+)
 def test_attitude_of_one_frequency_far_away(name):
     """Over panels to t, and over one period with the turns about the vertical."""
     top = top_of(*SPECIAL[name][:2])
-    time = F(47)
+    time = F(20)
     assert top.period(15) < 20
-    (row,) = top.attitude([time], 25)
-    panels = top._panels(192, (F(0), time))
-    with mpmath.workprec(192):
+    (row,) = top.attitude([time], 15)
+    panels = top._panels(128, (F(0), time))
+    with mpmath.workprec(128):
         found = panels.at(number(time), None)
         grown = panels.arguments(number(time))
     with mpmath.workdps(40):
-        assert max(abs(a - b) for a, b in zip(row, found, strict=True)) < mpf("1e-25")
+        assert max(abs(a - b) for a, b in zip(row, found, strict=True)) < mpf("1e-15")
         psi = top.angles([time], 15)[0][0]
         # psi is the sum of the two arguments, from 7/10 on.
-        assert abs(psi - PSI.numerator / mpf(PSI.denominator) - grown[0] - grown[1]) < mpf("1e-9")
+        assert abs(psi - number(PSI) - grown[0] - grown[1]) < mpf("1e-9")
 
 
 def shifted(pair):

@@ -210,6 +210,7 @@ class KovalevskayaTop(FromAttitude):
         """The Cayley-Klein parameters at ``bits`` bits, with a set-up that certifies so many."""
         if bits not in self._formulas:
             more = 0
+            before: int | None = None  # the size of the defect at fewer bits
             while True:
                 solution, used = self._answers.solution(bits + CERTIFIED + more, bits)
                 assert isinstance(solution, Generic)
@@ -221,9 +222,10 @@ class KovalevskayaTop(FromAttitude):
                 if not found.defect or missed <= 0:
                     self._formulas[bits] = found
                     break
-                if more > _MOST_MORE:
+                size = int(mpmath.mag(found.defect))
+                if more > _MOST_MORE or (before is not None and size > before - 8):
                     raise ArithmeticError("the attitude's constants do not reproduce the start")
-                more += missed + 16
+                more, before = more + missed + 16, size
         return self._formulas[bits]
 
     def _turn(self, bits: int) -> Quaternion:
