@@ -66,15 +66,20 @@ def test_every_type_and_class_of_the_kovalevskaya_top_has_a_case():
     }
 
 
+def corrupt(module, function, which, monkeypatch):
+    """One of the numbers that a function gives, changed by 1e-20 of itself."""
+    honest = getattr(module, function)
+
+    def corrupted(*arguments):
+        numbers = honest(*arguments)
+        return numbers | {which: numbers[which] * CHANGE}
+
+    monkeypatch.setattr(module, function, corrupted)
+
+
 @pytest.mark.parametrize("which", ["p.qr", "q.rp", "p.gamma2", "q.gamma1"])
 def test_a_corrupted_equation_of_the_lagrange_top_fails(which, monkeypatch):
-    honest = principal.coefficients
-
-    def corrupted(body, time_unit=0):
-        k = honest(body, time_unit)
-        return k | {which: k[which] * CHANGE}
-
-    monkeypatch.setattr(principal, "coefficients", corrupted)
+    corrupt(principal, "coefficients", which, monkeypatch)
     report = next(regression.check(["lagrange/nutation"], ["quad"]))
     assert not report.passed
 
@@ -92,13 +97,7 @@ def test_a_case_passes(name):
 
 @pytest.mark.parametrize("which", ["p.qr", "q.rp", "r.pq"])
 def test_a_corrupted_equation_of_motion_fails(which, monkeypatch):
-    honest = principal.coefficients
-
-    def corrupted(body, time_unit=0):
-        k = honest(body, time_unit)
-        return k | {which: k[which] * CHANGE}
-
-    monkeypatch.setattr(principal, "coefficients", corrupted)
+    corrupt(principal, "coefficients", which, monkeypatch)
     report = next(regression.check(["euler/largest-axis"]))
     assert not report.passed
     bad = {line.number for line in report.lines if not line.passed}
@@ -113,13 +112,7 @@ def exact_numbers() -> dict[str, object]:
 @pytest.mark.parametrize("which", sorted(exact_numbers()))
 def test_each_corrupted_number_of_the_closed_form_fails(which, monkeypatch):
     """Every exact number that the Euler top's closed form uses, changed by 1e-20 of itself."""
-    honest = top.exact_numbers
-
-    def corrupted(*arguments):
-        numbers = honest(*arguments)
-        return numbers | {which: numbers[which] * CHANGE}
-
-    monkeypatch.setattr(top, "exact_numbers", corrupted)
+    corrupt(top, "exact_numbers", which, monkeypatch)
     report = next(regression.check(["euler/largest-axis"]))
     assert not report.passed
 

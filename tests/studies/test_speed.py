@@ -156,6 +156,22 @@ def test_stale_rows():
     assert not processes.stale([start, moved, [2, 3]])
 
 
+#: What the process of a peer needs beside numpy.
+PACKAGES = {"scipy_python": "scipy", "scipy_numba": "numba", "numbalsoda_cfunc": "numbalsoda"}
+PACKAGES |= {"cyrk": "CyRK", "diffrax_dopri8": "diffrax"}
+
+
+def missing(package: str) -> bool:
+    command = [sys.executable, "-c", f"import {package}"]
+    return subprocess.run(command, capture_output=True).returncode != 0
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory):
+    """The folder of compiled code, for all methods."""
+    return tmp_path_factory.mktemp("compiled")
+
+
 @pytest.mark.parametrize(
     ("method", "digits"),
     [
@@ -166,11 +182,12 @@ def test_stale_rows():
     ],
     ids=lambda x: x.name.replace(" ", "-") if isinstance(x, Method) else "",
 )
-def test_every_method_that_is_here_finds_the_motion(method, digits, tmp_path):
+def test_every_method_that_is_here_finds_the_motion(method, digits, compiled):
     scene = contenders.scene_of(SHORT)
     tight = method._replace(tolerances=method.tolerances[-1:])
-    curve = processes.run_all([Task(tight, scene)], tmp_path, 1, 10.0, rounds=1)[0]
+    curve = processes.run_all([Task(tight, scene)], compiled, 1, 10.0, rounds=1)[0]
     if curve.status == "missing":
+        assert missing(PACKAGES[method.module.rpartition(".")[2]])
         pytest.skip(curve.reason)
     row = speed.motion_row(SHORT, scene, {tight: curve})["methods"][0]
     found = [p["digits"] for p in row["points"] if "digits" in p]
