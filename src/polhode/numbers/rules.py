@@ -91,6 +91,7 @@ def _not_below_zero(low: Any) -> Any:
 
 
 def libmp() -> Any:
-    from mpmath import libmp  # only irrational data pay for this import
+    """mpmath's own arithmetic; only irrational data pay for this import."""
+    from mpmath import libmp as found
 
-    return libmp
+    return found
