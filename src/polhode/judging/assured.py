@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.common.text import few
 from polhode.numbers import number_types
@@ -75,7 +76,11 @@ def integrate(
     """
     scene = library.load(scene)
     if at is not None:
-        scene = scene.at(tuple(exact_number(t) for t in at))
+        scene = scene.at(each(scene.name, "at", at, exact_number, "times"))
+    if digits is not None:
+        digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
+    if max_steps is not None:
+        max_steps = whole(scene.name, "max_steps", max_steps, 1)
     if digits is None:
         chosen, free, need = choose_number(scene, number, None), False, Need(0.0, math.inf)
     else:
@@ -115,8 +120,6 @@ def _chosen(
 
     A motion that multiplies errors beyond what can be computed gets the type of the digits alone.
     """
-    if not 1 <= digits <= number_types.MAX_DIGITS:
-        raise BadInput(scene.name, "digits", digits, f"1 to {number_types.MAX_DIGITS}")
     if not open_to_choice or number not in (None, "mp"):
         return choose_number(scene, number, digits), False, Need(0.0, math.inf)
     need = needed(scene, digits)

@@ -332,7 +332,7 @@ def compare(
         if not isinstance(what, Trajectory):
             raise BadInput("compare", "against", None, "a reference, or a scene")
         against = what.scene
-    kinds = (Reference, TwoPrecisions, Remembered, Scene, str, Path)
+    kinds = (Reference, Certified, TwoPrecisions, Remembered, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
     if isinstance(against, (Scene, str, Path)):
         against = reference(against)

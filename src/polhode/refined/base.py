@@ -102,7 +102,7 @@ def _begin(ta: Any, problem: Problem, state: tuple[Fraction, ...], unit: int) ->
 
 
 def _length(span: Fraction, unit: int) -> float:
-    return min(float(span * Fraction(2) ** unit), _LONGEST)
+    return float(min(span * Fraction(2) ** unit, Fraction(_LONGEST)))
 
 
 def _first_guess(ta: Any, problem: Problem, state: tuple[Fraction, ...], span: Fraction) -> int:

@@ -19,6 +19,7 @@ from polhode.taylor.outcomes import Outcome
 
 METHODS = ("auto", "taylor", "refined")
 
+_MOST_LOG10_ANGLE = 12  # beyond it no run ends
 _LEAST_ANGLE = 5.0  # radians turned: a shorter run of heyoka's own takes no longer
 _LEAST_ANGLE_MP = 100.0  # for more limbs than quad's, whose field takes seconds to compile once
 _TRIES = 3  # with more digits each, until the estimate holds those asked for
@@ -65,6 +66,8 @@ def why_not(
         return "no events"
     if tolerance is not None or inputs is not None or project:
         return "no tolerance, rounded inputs or projection of its own"
+    if scene.log10_angle > _MOST_LOG10_ANGLE:
+        return f"a motion of at most 10**{_MOST_LOG10_ANGLE} radians"
     if equilibrium.at_rest(scene).state:
         return "a motion that does not stand still"
     return None
@@ -73,7 +76,7 @@ def why_not(
 def worth_it(scene: Scene, number: NumberType) -> bool:
     """Whether a run is long enough for refinement to be the faster way."""
     least = _LEAST_ANGLE if _digits(number) <= 34 else _LEAST_ANGLE_MP
-    return bool(10.0**scene.log10_angle >= least)
+    return bool(scene.log10_angle >= math.log10(least))
 
 
 def refinement(

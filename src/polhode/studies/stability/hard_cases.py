@@ -33,6 +33,17 @@ KINDS: dict[str, tuple[str, ...]] = {
         "hard/near-steady",
     ),
     "Cusps": ("lagrange/cusped", "hard/near-cusp"),
+    "Next to a solvable case": (
+        "hard/near-bobylev-steklov-asymmetric",
+        "hard/near-chaplygin",
+        "hard/near-goryachev-chaplygin",
+        "hard/near-goryachev",
+        "hard/near-grioli",
+        "hard/near-hess",
+        "hard/near-n-kowalewski",
+        "hard/near-staude",
+        "hard/near-steklov",
+    ),
     "Through a pole or past it": (
         "lagrange/upper-pole",
         "lagrange/lower-pole",
