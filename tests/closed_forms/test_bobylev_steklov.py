@@ -151,7 +151,7 @@ def test_random_members():
     assert checks.check_random(BobylevSteklov, member, range(30)) == {SWINGING, TURNING}
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_300_random_members():
     checks.check_random(BobylevSteklov, member, range(100, 400))
 

@@ -128,7 +128,7 @@ def test_random_members():
     checks.check_random(Chaplygin, member, range(30))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_300_random_members():
     checks.check_random(Chaplygin, member, range(100, 400))
 

@@ -112,7 +112,7 @@ def test_random_members():
     checks.check_random(Goryachev, member, range(30))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_300_random_members():
     checks.check_random(Goryachev, member, range(100, 400))
 

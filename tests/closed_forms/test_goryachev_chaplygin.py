@@ -137,7 +137,7 @@ def test_attitude_agrees_with_a_taylor_run(name):
     assert mpf("1e-70") < off(omega, gamma, torque, digits=25, attitudes=True) < mpf("1e-23")
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("name", ["whole", "high", "from above", "from below", "separatrix"])
 def test_attitude_of_the_others_agrees_with_a_taylor_run(name):
     omega, gamma, torque, _ = named(name)
@@ -207,7 +207,7 @@ def test_random_members_agree_with_a_taylor_run(seed):
     assert mpf("1e-90") < off(omega, gamma, torque, (F(1),), 25) < mpf("1e-23")
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("seed", range(30, 330))
 def test_more_random_members(seed):
     omega, gamma, torque = random_member(seed)
@@ -398,7 +398,7 @@ NEAR = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("power", [8, 20])
 @pytest.mark.parametrize("name", NEAR)
 def test_near_degenerate_motions(name, power):
@@ -407,7 +407,7 @@ def test_near_degenerate_motions(name, power):
     assert mpf("1e-90") < off(omega, gamma, torque, (F(8),), 25) < mpf("1e-25")
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_too_near_two_degenerate_motions_at_once_is_refused():
     """G and H - 2a both nearly 0: near roots on both sides, more than one chart can part."""
     omega, gamma, torque = on_cubics(F(3, 2), F(5, 4), F(1), F(2), F(1, 10**20))

@@ -196,7 +196,7 @@ def test_random_members_agree_with_a_taylor_run(seed):
     assert mpf("1e-90") < found < mpf("1e-22")
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("seed", range(30, 330))
 def test_more_random_members(seed):
     body, torque, omega, gamma = random_member(seed)

@@ -137,7 +137,7 @@ def test_random_members():
     assert checks.check_random(Steklov, member, range(30)) == {LOWER, UPPER}
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_300_random_members():
     checks.check_random(Steklov, member, range(100, 400))
 

@@ -251,7 +251,7 @@ def test_first_tries_suffice() -> None:
     assert sorted(spare)[10] < 4.0
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_radius_follows_the_exponent_of_the_motion_alone() -> None:
     scene = top(omega=("0.3", "0.2", "1.1"))
     found = polhode.certify(scene, at=[300], digits=18)
@@ -259,7 +259,7 @@ def test_the_radius_follows_the_exponent_of_the_motion_alone() -> None:
     assert found.noise < 150
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_proof_costs_about_an_uncertified_quad_run() -> None:
     scene = top()
     polhode.certify(scene, at=[1], digits=30)  # compiles

@@ -63,7 +63,7 @@ def test_every_low_noise_level_contains_or_refuses() -> None:
         assert max(found, default=0.0) <= 1.0
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_thousands_of_random_tops_are_contained() -> None:
     found, refused = _random_ratios(5, 700, (45, 76, 90, 126))
     assert max(found) <= 1.0
@@ -108,7 +108,7 @@ def test_no_fault_in_an_untrusted_part_makes_a_wrong_enclosure() -> None:
     assert refused >= 5
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_two_thousand_faults_and_not_one_wrong_enclosure() -> None:
     contained, _, largest = _faulty_runs(22, 2000)
     assert largest <= 1.0
@@ -177,7 +177,7 @@ def test_closed_forms_lie_in_their_enclosures(name: str) -> None:
     assert max(_contained(name, 16)) <= 1.0
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("digits", [10, 16, 30])
 def test_every_closed_form_lies_in_its_enclosure(digits: int) -> None:
     ratios: list[float] = []

@@ -254,7 +254,7 @@ def test_random_events_are_heyokas() -> None:
     assert undecided <= 12
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_many_random_events_are_heyokas() -> None:
     found, undecided = _against_heyoka(4, 330)
     assert found > 1500

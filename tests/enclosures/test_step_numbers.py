@@ -54,7 +54,7 @@ def test_no_number_of_a_step_is_below_its_exact_value() -> None:
     assert all(worst[name] >= least for name, least in LEAST.items()), worst
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_no_number_of_many_steps_is_below_its_exact_value() -> None:
     rng = random.Random(2)
     worst = _worst(_windows(rng, 3 * trials.KINDS, (36, 42, 60, 79, 126, 226)), rng, 2)

@@ -113,7 +113,7 @@ def test_an_extreme_scene_is_as_right_as_it_is_said_to_be(kind, seed):
     judged(kind, seed)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("kind", KINDS)
 def test_many_extreme_scenes_are_as_right_as_they_are_said_to_be(kind):
     for seed in range(4, 40):

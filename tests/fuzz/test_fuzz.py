@@ -44,7 +44,7 @@ def test_the_promise_is_kept(kind):
     kept(kind, range(FAST[kind]))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("kind", [*MANY])
 def test_the_promise_is_kept_in_many_cases(kind):
     kept(kind, range(FAST[kind], MANY[kind]))

@@ -257,7 +257,7 @@ def test_fifty_digits():
     assert max(found.estimate.errors[0]) < 1e-47
 
 
-@pytest.mark.slow  # the field in 15 limbs takes ten seconds to compile where no cache holds it
+@pytest.mark.campaign  # the field in 15 limbs takes ten seconds to compile where no cache holds it
 def test_a_hundred_digits_by_the_closed_form():
     scene = library.load("kovalevskaya/generic")
     found = run(scene, 3, wanted=accuracy(100))
