@@ -98,7 +98,7 @@ def _runs(scene: Scene, reference: Remembered, number: str, rounds: int) -> list
 def _run(scene: Scene, reference: Remembered, number: str) -> dict[str, Any]:
     known: dict[str, Any] = {"form": scene.form, "number": number}
     try:
-        run = integrate(scene, number)
+        run = integrate(scene, number, method="taylor")
     except BadInput as refusal:
         return known | {"outcome": "refused", "reason": refusal.expected}
     known |= {"outcome": run.outcome.value, "steps": run.steps}

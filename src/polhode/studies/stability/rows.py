@@ -90,7 +90,8 @@ def _case(scene: Scene, reference: Remembered, known: Conditioning) -> dict[str,
 
 
 def _run(scene: Scene, reference: Remembered, known: Conditioning, name: str) -> dict[str, Any]:
-    run = integrate(scene, name, digits=number_types.DEFAULT_MP_DIGITS if name == "mp" else None)
+    digits = number_types.DEFAULT_MP_DIGITS if name == "mp" else None
+    run = integrate(scene, name, digits=digits, method="taylor")
     found: dict[str, Any] = {
         "number": name,
         "bits": run.number.bits,
