@@ -126,6 +126,10 @@ def test_the_spin_of_a_symmetric_body_is_exact_on_average():
 # -- never spoils -----------------------------------------------------------------------------
 
 
+#: Measured: 0.51 digits in extended at every time from 13 to 20, one rounding multiplied.
+LOSES = {"steklov/upper": 0.55}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", library.names())
 def test_no_case_loses_digits(name):
@@ -136,8 +140,7 @@ def test_no_case_loses_digits(name):
             polhode.compare(polhode.integrate(scene, number, project=p), truth).worst
             for p in (False, None)
         )
-        # half a digit is the luck of single roundings where a motion multiplies errors
-        assert often > bare - 0.6
+        assert often > bare - LOSES.get(name, 0.5)
 
 
 @pytest.mark.parametrize(
