@@ -88,6 +88,7 @@ def test_the_readme_shows_what_this_file_looks_for() -> None:
     assert len(BLOCKS) == len(SESSIONS) + 2 * len(PYTHON) + 1
 
 
+@pytest.mark.slow
 def test_each_command_prints_what_stands_there(folder: Path) -> None:
     """In their order, as the later ones judge what the first ones wrote."""
     for block in SESSIONS:

@@ -238,6 +238,7 @@ def test_a_constant_that_does_not_sharpen_is_refused() -> None:
         fixed.sharp(lambda bits: arb(1, 1e-9), 80)
 
 
+@pytest.mark.slow
 def test_first_tries_suffice() -> None:
     rng = random.Random(17)
     tries, spare = [], []

@@ -50,6 +50,7 @@ def _random_ratios(seed: int, rounds: int, levels: tuple[int, ...]) -> tuple[lis
     return found, refused
 
 
+@pytest.mark.slow
 def test_random_tops_are_contained_and_no_radius_is_slack() -> None:
     found, refused = _random_ratios(11, 22, (50, 79, 126))
     assert max(found) <= 1.0
@@ -57,6 +58,7 @@ def test_random_tops_are_contained_and_no_radius_is_slack() -> None:
     assert refused <= 2
 
 
+@pytest.mark.slow
 def test_every_low_noise_level_contains_or_refuses() -> None:
     for level in range(36, 61, 3):
         found, _ = _random_ratios(level, 4, (level,))
@@ -101,6 +103,7 @@ def _faulty_runs(seed: int, count: int) -> tuple[int, int, float]:
     return contained, refused, largest
 
 
+@pytest.mark.slow
 def test_no_fault_in_an_untrusted_part_makes_a_wrong_enclosure() -> None:
     contained, refused, largest = _faulty_runs(21, 100)
     assert largest <= 1.0

@@ -248,6 +248,7 @@ def _against_heyoka(seed: int, rounds: int) -> tuple[int, int]:
     return found, undecided
 
 
+@pytest.mark.slow
 def test_random_events_are_heyokas() -> None:
     found, undecided = _against_heyoka(3, 11)
     assert found > 50

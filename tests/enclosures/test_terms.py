@@ -81,6 +81,7 @@ def test_one_term_alone_is_enough_and_not_slack(motion: str) -> None:
     assert max(found) >= 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("term", [row[0] for row in DROPPED])
 def test_a_dropped_term_is_noticed(term: str) -> None:
     _, motion, change = next(row for row in DROPPED if row[0] == term)

@@ -180,9 +180,8 @@ def exact_motion(scene, times, digits):
     )
 
 
-@pytest.mark.parametrize(
-    "name", ["omega-only", pytest.param("momentum-only", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["omega-only", "momentum-only"])
 def test_forty_digits_give_the_principal_motion_to_38_through_branch_points(name):
     """A regular motion to t = 10: D changes sign 25 times, and nothing is lost."""
     form = FORMS[name].for_scene(REGULAR)
@@ -225,6 +224,7 @@ def test_distance_lies_between_0_and_1(name, scene):
         assert 0 < form.distance(values, k, MP) <= 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FORMS)
 def test_double_loses_the_digits_of_the_miss_where_the_momentum_starts_along_the_centre(name):
     """Iw at an angle of about 1e-2, 1e-4, 1e-6 to r0: the error grows as eps over the angle.

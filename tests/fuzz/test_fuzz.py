@@ -39,6 +39,7 @@ def kept(kind: str, seeds: range) -> None:
         assert not faults, f"{kind} {seed}\n{text[:2000]}\n{faults}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [*FAST])
 def test_the_promise_is_kept(kind):
     kept(kind, range(FAST[kind]))
@@ -50,6 +51,7 @@ def test_the_promise_is_kept_in_many_cases(kind):
     kept(kind, range(FAST[kind], MANY[kind]))
 
 
+@pytest.mark.slow
 def test_the_generator_makes_what_is_refused_and_what_is_not():
     scene = polhode.load("top.toml")
     for kind, ends in (("scene", {0, 2}), ("call", {True, False})):
@@ -300,6 +302,7 @@ def _status(pid: int) -> str:
         return "\nState:\tZ"
 
 
+@pytest.mark.slow
 def test_sigterm_ends_a_run_as_ctrl_c_does():
     command = [sys.executable, "-m", "polhode", "run", "top.toml", "--max-steps", "10000000000"]
     with subprocess.Popen(

@@ -15,6 +15,7 @@ from polhode.runs.integrate import integrate as once
 from polhode.taylor.outcomes import Outcome
 
 
+@pytest.mark.slow
 def test_digits_of_a_chaotic_motion_are_had():
     """Before: 36 digits printed, none of them right."""
     run = polhode.integrate("general/asymmetric-chaotic", digits=15, at=[200, 400], method="taylor")
@@ -26,6 +27,7 @@ def test_digits_of_a_chaotic_motion_are_had():
     assert abs(had - run.correct_digits) < 0.01
 
 
+@pytest.mark.slow
 def test_the_first_choice_suffices_on_a_separatrix(monkeypatch):
     """Before: at t = 400 told to ask for 31 (extended), and then for more."""
     monkeypatch.setattr(assured, "MOST_RUNS", 1)

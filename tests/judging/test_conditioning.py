@@ -108,6 +108,7 @@ def test_kappa_in_turned_axes_is_judged_on_the_components_of_the_scene():
     assert conditioning(own).kappa != conditioning(turned).kappa
 
 
+@pytest.mark.slow
 def test_kappa_beyond_what_a_double_can_follow_is_the_scenes_own():
     """kappa 1.2e15 at t = 300: the motion in double is another one by then."""
     scene = asymmetric("1.1", [200, 300])

@@ -113,6 +113,7 @@ def test_a_start_from_rest_has_a_drift_all_the_same():
     assert integrals.scales(scene)[1] > 0
 
 
+@pytest.mark.slow
 def test_rounding_the_inputs_alone_is_told_from_the_steps():
     """On a fast top the steps cost digits; on the separatrix the rounded inputs do."""
     fast = polhode.compare(polhode.integrate("euler/fast-spin", project=False))

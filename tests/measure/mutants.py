@@ -1,19 +1,18 @@
-"""Would a test notice?  Small random changes of the code, each run against the tests that touch it.
+"""Would a test notice?  Small random changes of the code, each run against the tests of its file.
 
-    python tests/measure/mutants.py map MAP.json [TESTS...]
-    python tests/measure/mutants.py run MAP.json RESULT.json [--count 250] [--seed 1] [--package P]
-    python tests/measure/mutants.py again MAP.json RESULT.json
+    python tests/measure/mutants.py times TIMES.json [TESTS...]
+    python tests/measure/mutants.py run TIMES.json RESULT.json [--count N] [--seed N] [--package P]
+    python tests/measure/mutants.py again TIMES.json RESULT.json
     python tests/measure/mutants.py show RESULT.json
 
-``map`` runs the fast tests (or the TESTS named) once under coverage.py (``pip install coverage``)
-and writes down which test touches which line and how long it takes.  ``run`` draws mutants, all
-places of all rooms equally likely, and runs on each one the tests that touch its line: the quickest
-first, then the others, then their neighbours in the same files (which may read what a first test
-left in a cache), until a test fails or about ``BUDGET`` seconds of tests have passed.  Each mutant
+``times`` runs the fast tests (or the TESTS named) once and writes down how long each takes.
+``run`` draws mutants, all places of all rooms equally likely, and runs on each one the tests of its
+package: first those of files named like the changed one or its folder, then the others, the
+quickest first, until a test fails or about ``BUDGET`` seconds of tests have passed.  Each mutant
 lives in a copy of the project, never in the project itself.  It is killed by a test that fails, or
 that takes ``PATIENCE`` times its processor time.  The result is written after every mutant, and a
 run that was interrupted goes on where it was.  ``again`` runs the survivors once more, on today's
-tests.
+tests and with ten times the budget.
 
 Nothing here passes or fails by itself: survivors are for a reader, who writes a test, or names the
 reason why no test can tell the mutant from the code.
@@ -35,18 +34,21 @@ import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from resource import RUSAGE_CHILDREN, RUSAGE_SELF
 from typing import Any, NamedTuple
+from xml.etree import ElementTree
 
 TOP = Path(__file__).parents[2]
 SOURCE = Path("src/polhode")
-ROOMS = ("numbers", "equations", "taylor", "judging", "closed_forms")
-#: Tests whose processes are not followed (verbs), or that test no number (figures, pages), are not
-#: among them.
-TESTS = [f"tests/{name}" for name in ("numbers", "scenes", "equations", "judging", "taylor")]
-TESTS += [f"tests/{name}" for name in ("closed_forms", "runs", "checks")]
-FIRST = 25  # tests of the first round
-BUDGET = 90  # seconds of tests a mutant
+#: Where the tests of each room lie.
+ROOMS = {
+    "numbers": ("numbers", "scenes", "judging", "equations"),
+    "equations": ("equations", "runs", "taylor"),
+    "taylor": ("taylor", "runs", "judging"),
+    "judging": ("judging", "checks", "verbs"),
+    "closed_forms": ("closed_forms", "checks"),
+}
+FIRST = 12.0  # seconds of tests of the first round
+BUDGET = 60.0  # and of both
 PATIENCE = 5  # a test that takes so much longer than before fails
 GRACE = 60  # seconds of processor time for imports, and for compiling what changed
 OTHER = {
@@ -174,92 +176,51 @@ def drawn(count: int, seed: int, package: str | None) -> list[Mutant]:
     return list(found.values())
 
 
-class Coverage:
-    """A plugin of pytest: which test touches which line, and its seconds of processor time."""
-
-    def __init__(self, target: Path) -> None:
-        import coverage
-
-        self.target, self.written = target, time.monotonic()
-        self.measured = coverage.Coverage(data_file=None, source=[str(TOP / SOURCE)])
-        self.seconds: dict[str, float] = {}
-        self.failed: set[str] = set()
-        self.measured.start()
-        self.measured.switch_context("import")
-
-    def pytest_runtest_logstart(self, nodeid: str) -> None:
-        self.measured.switch_context(nodeid)
-        self.seconds[nodeid] = -spent()
-
-    def pytest_runtest_logreport(self, report: Any) -> None:
-        if report.failed:  # it would kill every mutant
-            self.failed.add(report.nodeid)
-
-    def pytest_runtest_logfinish(self, nodeid: str) -> None:
-        self.seconds[nodeid] += spent()
-        if time.monotonic() > self.written + 60:
-            self.write()
-
-    def write(self) -> None:
-        """The map as JSON: seconds by test, and tests (by number) by line."""
-        names = [name for name, s in self.seconds.items() if name not in self.failed and s >= 0]
-        number = {name: k for k, name in enumerate(names)}
-        data, lines = self.measured.get_data(), {}
-        for file in data.measured_files():
-            rows = data.contexts_by_lineno(file)
-            lines[str(Path(file).relative_to(TOP))] = {
-                n: [number[name] for name in tests if name in number] for n, tests in rows.items()
-            }
-        held = {"tests": names, "seconds": self.seconds, "lines": lines}
-        self.target.write_text(json.dumps(held))
-        self.written = time.monotonic()
+def take_times(target: Path, tests: list[str]) -> None:
+    """Run the tests once; how long each takes, by its name, and none that fails."""
+    with tempfile.TemporaryDirectory() as folder:
+        report = Path(folder) / "report.xml"
+        subprocess.run([sys.executable, "-m", "pytest", f"--junitxml={report}", *tests], cwd=TOP)
+        found = {}
+        for case in ElementTree.parse(report).iter("testcase"):
+            if all(child.tag not in ("failure", "error", "skipped") for child in case):
+                file = case.get("classname", "").replace(".", "/") + ".py"
+                found[f"{file}::{case.get('name')}"] = float(case.get("time", 0))
+    target.write_text(json.dumps(found, indent=0))
 
 
-def spent() -> float:
-    """Processor time of this process and of those that it waited for."""
-    return sum(sum(resource.getrusage(who)[:2]) for who in (RUSAGE_SELF, RUSAGE_CHILDREN))
+class Times:
+    """The tests and their seconds, read again."""
 
-
-def make_map(target: Path, tests: list[str]) -> None:
-    """The map of these tests, written every minute."""
-    import pytest
-
-    sys.path.insert(0, str(TOP / "src"))
-    plugin = Coverage(target)
-    options = ["-p", "no:cacheprovider", "-n0", "-k", "not ctrl_c"]  # coverage swallows Ctrl-C
-    pytest.main([*options, *(tests or TESTS)], plugins=[plugin])
-    plugin.measured.stop()
-    plugin.write()
-
-
-class Map:
-    """The map, read again."""
-
-    def __init__(self, path: Path) -> None:
-        held = json.loads(path.read_text())
-        self.names, self.seconds = held["tests"], held["seconds"]
-        self.lines = held["lines"]
+    def __init__(self, path: Path, budget: float) -> None:
+        self.seconds: dict[str, float] = json.loads(path.read_text())
+        self.budget = budget
 
     def rounds(self, mutant: Mutant) -> list[list[str]]:
-        """The tests that touch a mutant's line, quickest first, in two rounds.
+        """The tests of a mutant's room in two rounds: those of its own name, then the others."""
+        path = Path(mutant.file).relative_to(SOURCE)
+        places = tuple(f"tests/{name}/" for name in ROOMS[path.parts[0]])
+        words = (path.stem, *path.parts[1:-1])  # the file's name, then its folders'
 
-        A line that no test touches, but only the import, is touched by the tests of its file.
-        """
-        rows = self.lines.get(mutant.file, {})
-        touching = {self.names[k] for k in rows.get(str(mutant.line), ())}
-        if not touching and str(mutant.line) in rows:
-            touching = {self.names[k] for tests in rows.values() for k in tests}
-        files = {name.partition("::")[0] for name in touching}
-        beside = [n for n in self.names if n.partition("::")[0] in files and n not in touching]
-        order = sorted(touching, key=self.seconds.__getitem__)
-        rest = [*order[FIRST:], *sorted(beside, key=self.seconds.__getitem__)]
-        spent, found = sum(self.seconds[n] for n in order[:FIRST]), []
-        for name in rest:
-            spent += self.seconds[name]
-            if spent > BUDGET:
+        def likeness(name: str) -> int:
+            file = Path(name.partition("::")[0]).stem
+            return next((k for k, word in enumerate(words) if word in file), len(words))
+
+        those = [name for name in self.seconds if name.startswith(places)]
+        those.sort(key=lambda name: (likeness(name), self.seconds[name]))
+        first = self.within([n for n in those if likeness(n) < len(words)], FIRST)
+        rest = [name for name in those if name not in set(first)]
+        return [tests for tests in (first, self.within(rest, self.budget - FIRST)) if tests]
+
+    def within(self, names: list[str], budget: float) -> list[str]:
+        """As many of the names as fit into so many seconds."""
+        found, spent = [], 0.0
+        for name in names:
+            spent += self.seconds[name] + 0.005
+            if spent > budget:
                 break
             found.append(name)
-        return [tests for tests in (order[:FIRST], found) if tests]
+        return found
 
 
 class Copy:
@@ -273,11 +234,9 @@ class Copy:
         for name in ("pyproject.toml", "README.md", "CITATION.cff"):
             shutil.copy(TOP / name, folder / name)
 
-    def outcome(self, mutant: Mutant, tests: Map) -> tuple[str, str]:
-        """killed, slow, survived or untouched; and the test that failed."""
+    def outcome(self, mutant: Mutant, tests: Times) -> tuple[str, str]:
+        """killed, slow or survived; and the test that failed."""
         rounds = tests.rounds(mutant)
-        if not rounds:
-            return "untouched", ""
         path = self.folder / mutant.file
         text = path.read_bytes()
         path.write_bytes(mutated(text, mutant))
@@ -312,7 +271,7 @@ class Copy:
         return "" if done.returncode < 0 else f"exit {done.returncode}"
 
 
-def run(tests: Map, target: Path, chosen: list[Mutant]) -> None:
+def run(tests: Times, target: Path, chosen: list[Mutant]) -> None:
     """Run what is not in the result yet; write it after every mutant."""
     results = json.loads(target.read_text()) if target.exists() else []
     known = {tuple(one["mutant"].values()) for one in results}
@@ -330,7 +289,7 @@ def run(tests: Map, target: Path, chosen: list[Mutant]) -> None:
     show(results)
 
 
-def again(tests: Map, target: Path) -> None:
+def again(tests: Times, target: Path) -> None:
     """The survivors once more, on today's tests: only those whose place has not changed."""
     results = json.loads(target.read_text())
     with tempfile.TemporaryDirectory() as folder:
@@ -338,7 +297,7 @@ def again(tests: Map, target: Path) -> None:
         for one in results:
             mutant = Mutant(**one["mutant"])
             text = (TOP / mutant.file).read_bytes()
-            if one["outcome"] in ("survived", "untouched"):
+            if one["outcome"] == "survived":
                 if text[mutant.start : mutant.end].decode() != mutant.before:
                     print("moved:", line(one))
                     continue
@@ -369,20 +328,20 @@ def show(results: list[dict[str, Any]]) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=["map", "run", "again", "show"])
+    parser.add_argument("what", choices=["times", "run", "again", "show"])
     parser.add_argument("files", nargs="+", type=Path)
     parser.add_argument("--count", type=int, default=250)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--package", choices=ROOMS)
     asked = parser.parse_args()
     match asked.what:
-        case "map":
-            make_map(asked.files[0], list(map(str, asked.files[1:])))
+        case "times":
+            take_times(asked.files[0], list(map(str, asked.files[1:])))
         case "run":
             chosen = drawn(asked.count, asked.seed, asked.package)
-            run(Map(asked.files[0]), asked.files[1], chosen)
+            run(Times(asked.files[0], BUDGET), asked.files[1], chosen)
         case "again":
-            again(Map(asked.files[0]), asked.files[1])
+            again(Times(asked.files[0], 10 * BUDGET), asked.files[1])
         case "show":
             show(json.loads(asked.files[0].read_text()))
 

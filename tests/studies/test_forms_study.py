@@ -14,6 +14,7 @@ def found() -> dict:
     return rows.rows(quick=True)
 
 
+@pytest.mark.slow
 def test_every_form_stands_in_every_motion_with_its_digits(found):
     for motion in found["motions"]:
         runs = [run for run in motion["runs"] if run["number"] == "double"]
@@ -31,6 +32,7 @@ def test_page_and_figure_are_made_from_the_json_alone(found):
     assert figure.svg(found) == figure.svg(found)
 
 
+@pytest.mark.slow
 def test_the_top_near_a_pole_meets_the_singular_set_in_angles_and_keeps_its_row():
     motion = next(m for m in rows.MOTIONS if "bruels" in m.case)
     runs = {run["form"]: run for run in rows._motion(motion, quick=True)["runs"]}

@@ -158,6 +158,7 @@ class Studies:
         monkeypatch.setattr(accuracy, "rows", second)
 
 
+@pytest.mark.slow
 def test_a_report_that_was_killed_goes_on_where_it_stopped(tmp_path, monkeypatch):
     studies, said = Studies(monkeypatch), []
     studies.interrupted = True
@@ -174,6 +175,7 @@ def test_a_report_that_was_killed_goes_on_where_it_stopped(tmp_path, monkeypatch
     assert studies.runs == ["published", "accuracy"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", ["fresh", "quick", "text", "cut short", "code"])
 def test_results_that_are_not_todays_are_made_again(change, tmp_path, monkeypatch):
     studies = Studies(monkeypatch)

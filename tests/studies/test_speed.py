@@ -134,6 +134,7 @@ def test_a_peer_that_cannot_be_built_fails_at_every_tolerance(peer):
     assert curve.reason == "at tolerance 1e-06, 1e-09: RuntimeError: no compiler"
 
 
+@pytest.mark.slow
 def test_a_peer_that_takes_too_long_is_stopped_and_keeps_what_it_had(peer):
     curve = peer("sleeping", limit=3.0)
     assert curve.status == "failed"
@@ -172,6 +173,7 @@ def compiled(tmp_path_factory):
     return tmp_path_factory.mktemp("compiled")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("method", "digits"),
     [
@@ -242,6 +244,7 @@ def test_a_wall_is_blamed_on_the_reference():
     assert wall([("double", CLIMBING), ("quad", [])]) is None
 
 
+@pytest.mark.slow
 def test_a_reference_that_is_wrong_is_found_by_the_wall(monkeypatch, tmp_path):
     """The closed form of another motion, off by 1e-9: every type flattens there."""
     scene = contenders.scene_of(SHORT)
@@ -357,6 +360,7 @@ def test_page_and_figure_are_made_from_the_json_alone():
     assert figure.absent(found["motions"]) == ["missing: numbalsoda lsoda"]
 
 
+@pytest.mark.slow
 def test_a_small_study_from_end_to_end(monkeypatch):
     """The quick study on its shortest motion alone; the same digits twice."""
     monkeypatch.setattr(speed, "MOTIONS", tuple(m for m in speed.MOTIONS if m.kind == "short"))

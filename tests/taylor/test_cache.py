@@ -75,6 +75,7 @@ def fill(path: Path, good: Path, how: str) -> None:
         path.chmod(0o555)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "how",
     [
@@ -132,6 +133,7 @@ def test_a_sweep_with_a_bad_cache(home, tmp_path):
     assert done.stderr == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", ["extended", "quad", "mp"])
 def test_the_cache_does_not_grow_once_it_holds_what_a_run_needs(home, tmp_path, number):
     """heyoka never finds its mp code again: each process would add some 0.8 MB."""

@@ -167,6 +167,7 @@ def test_a_closed_stdout_is_a_place_that_cannot_be_written_to():
     assert Path("x.csv").exists()
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_said_of_the_stream_that_is_full():
     with open("/dev/full", "w") as full:
         done = subprocess.run([*COMMAND, "list"], stdout=full, stderr=subprocess.PIPE, text=True)
