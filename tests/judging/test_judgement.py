@@ -117,10 +117,10 @@ def test_a_start_from_rest_has_a_drift_all_the_same():
 def test_rounding_the_inputs_alone_is_told_from_the_steps():
     """On a fast top the steps cost digits; on the separatrix the rounded inputs do."""
     fast = polhode.compare(polhode.integrate("euler/fast-spin", project=False))
-    assert fast.input_rounding > fast.worst + 1
-    assert fast.limit == "method (rounding in the steps)"
+    assert fast.inputs[-1] > fast.worst + 1
+    assert fast.limit == "conditioning"
     apart = polhode.compare(polhode.integrate("euler/separatrix"))
-    assert abs(apart.input_rounding - apart.worst) < 0.7
+    assert abs(apart.inputs[-1] - apart.worst) < 0.7
 
 
 def test_a_loose_tolerance_is_named_as_the_limit():
@@ -285,7 +285,8 @@ def test_a_run_its_file_and_its_array_are_judged_alike(tmp_path, capsys):
     by_file = polhode.compare(path, "euler/largest-axis", number="double")
     by_array = polhode.compare(run.states, run.scene, at=run.times)
     assert by_run.digits == by_file.digits == by_array.digits
-    assert by_run.digits_possible == by_file.digits_possible == by_array.digits_possible
+    assert by_run.expected == by_file.expected == by_array.expected
+    assert by_run.inputs == by_file.inputs == by_array.inputs
     assert by_file.drift == by_array.drift == pytest.approx(by_run.drift, rel=1e-3)
     assert by_run.limit == by_array.limit
     capsys.readouterr()

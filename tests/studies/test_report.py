@@ -72,7 +72,7 @@ def test_a_quick_study_agrees_with_the_committed_one(name, tmp_path):
     assert differences(today, committed(name)) == []
 
 
-DIGITS = {"correct_digits", "digits_possible", "digits_right", "digits", "reference_digits"}
+DIGITS = {"correct_digits", "digits_bound", "inputs", "digits", "digits_right", "reference_digits"}
 SAME = {
     *("outcome", "regime", "reference", "verdict", "printed", "ours", "lost", "stands", "changed"),
     *("true", "found", "grazing", "complete", "touches", "cusps", "as_expected", "exit_code"),

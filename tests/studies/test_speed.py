@@ -314,7 +314,7 @@ def synthetic() -> dict:
         "methods": methods,
         "wall": None,
         "kappa": 1e3,
-        "digits_possible": 12.9,
+        "digits_bound": 12.9,
         "verdict": speed.verdict(methods, 12.4),
     }
     return {

@@ -15,7 +15,7 @@ from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes import library
 from polhode.studies import report
 from polhode.studies.page.blocks import PageTable
-from polhode.studies.stability import hard_cases, limits, page, rows, symmetries
+from polhode.studies.stability import hard_cases, limits, page, symmetries
 
 
 def test_every_case_tagged_hard_is_in_the_study_once():
@@ -134,13 +134,13 @@ def test_beyond_each_limit_one_line_says_so(limit):
 def test_the_list_of_runs_that_stay_behind_is_computed():
     run = {
         **{"number": "double", "outcome": "reached end", "steps": 7, "lost": "", "drift": {}},
-        **{"correct_digits": 9.0, "digits_possible": 12.0, "limit": "method (rounding)"},
-        **{"input_rounding": 12.5},
+        **{"correct_digits": 9.0, "expected": [12.0, 12.5, 13.0], "limit": "method (rounding)"},
+        **{"inputs": 12.5},
     }
     case = {"case": "a/b", "regime": "r", "end": 1.0, "log10_kappa": 3.0, "kappa_note": ""}
-    runs = [run | {"behind": 3.0}, run | {"number": "quad", "behind": 1.4}]
+    runs = [run | {"behind": 3.0}, run | {"number": "quad", "behind": -0.1}]
     found = {
-        **{"target": 1.5, "units": [], "rest": [], "back": [], "limits": []},
+        **{"units": [], "rest": [], "back": [], "limits": []},
         "kinds": [{"kind": "k", "cases": ["a/b"]}],
         "cases": [case | {"runs": runs}],
     }
@@ -155,8 +155,8 @@ def test_the_committed_study_names_the_reason_of_every_run_that_stays_behind():
     for case in found["cases"]:
         for run in case["runs"]:
             assert run["outcome"] == "reached end"
-            if run["behind"] is not None and run["behind"] > rows.TARGET:
-                assert run["limit"]
-                assert run["input_rounding"] is not None
+            if run["behind"] is not None and run["behind"] > 0:
+                assert run["limit"].startswith(("method", "rounding"))
+                assert run["inputs"] is not None
     assert all(row["changed"] == 0 for row in found["units"])
     assert {row["number"] for row in found["units"]} == {*number_types.NAMES[:3]}

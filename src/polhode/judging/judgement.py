@@ -18,17 +18,17 @@ from polhode.equations.integrals import Drift
 from polhode.judging.certified import Certified
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.digits import digits_of, errors, rate_scale
-from polhode.judging.limits import is_lost, limit, shown_digits, shown_possible
+from polhode.judging.limits import is_lost, limit, shown_digits, shown_expected
 from polhode.judging.lyapunov import Lyapunov, lyapunov
 from polhode.judging.omega_alone import OmegaAlone, omega_alone
 from polhode.judging.reference import Reference, Remembered, TwoPrecisions, by_sign, reference, rows
+from polhode.judging.rounding import Band
 from polhode.judging.subject import Subject, of_run, of_table
 from polhode.judging.table import Table, read_table, table_of_rows
 from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.decimals import brief, decimal_string, in_full
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import NumberType, wider
-from polhode.runs.integrate import integrate, undisturbed
+from polhode.numbers.number_types import NumberType
 from polhode.runs.request import choose_number
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
@@ -104,16 +104,29 @@ class Judgement(ByValue):
         return tuple(conditioning(scene, times, number) for times in by_sign(self.times))
 
     @cached_property
-    def digits_possible(self) -> tuple[float | None, ...]:
-        """The digits that kappa leaves in the subject's type at each time; None where unknown."""
-        number = self.subject.number
+    def expected(self) -> tuple[Band | None, ...]:
+        """The digits of runs that round once a step of the subject's type; None where unknown.
+
+        Of a projected run those that projection leaves; see :func:`polhode.conditioning`.
+        """
+        run = self.subject.run
+        every = 0 if run is None or run.projection is None else run.projection.every
+        return self._told(lambda known: known.expected(self.subject.number, every))
+
+    @cached_property
+    def inputs(self) -> tuple[float | None, ...]:
+        """The digits that rounding the scene's numbers to the subject's type leaves."""
+        return self._told(lambda known: known.inputs(self.subject.number))
+
+    def _told(self, what: Callable[[Conditioning], tuple[Any, ...]]) -> tuple[Any, ...]:
+        """What is known of the times judged."""
         if not self.digits:
             return ()
         if self.known is not None:
-            return self.known.digits_possible(number)[: len(self.times)]
-        found: dict[Exact, float | None] = {}
+            return what(self.known)[: len(self.times)]
+        found: dict[Exact, Any] = {}
         for part in self.conditionings:
-            found |= dict(zip(part.times, part.digits_possible(number), strict=True))
+            found |= dict(zip(part.times, what(part), strict=True))
         return tuple(found[t] for t in self.times)
 
     @property
@@ -125,7 +138,7 @@ class Judgement(ByValue):
     @property
     def lost(self) -> str:
         """That no digits are left, and after which time; empty where some are left throughout."""
-        gone = any(map(is_lost, self.digits, self.digits_possible))
+        gone = any(map(is_lost, self.digits, self.expected))
         return next((part.lost for part in self.conditionings if gone and part.lost), "")
 
     @cached_property
@@ -135,33 +148,20 @@ class Judgement(ByValue):
 
     @cached_property
     def limit(self) -> str:
-        """What limits the digits: rounding, conditioning, method or reference; empty unjudged."""
+        """What limits the digits, see :func:`polhode.judging.limits.limit`; empty unjudged."""
         if not self.digits:
             return ""
         about, agreement, worst = self.subject, self.reference.agreement, self.worst
         if about.printed is not None and worst >= about.printed - 1:
             return "rounding (of the printed digits)"
         held, steps = min(about.held, about.number.most_digits), about.steps
-        cheap = limit(worst, held, None, agreement, steps)
-        if cheap in ("rounding", "reference"):  # needs no kappa
+        cheap = limit(worst, held, None, None, agreement, steps)
+        if cheap in ("rounding", "reference"):  # needs nothing of the motion
             return cheap
-        possible = self.digits_possible[self.digits.index(worst)]
-        if possible is None:
-            steps += "; kappa not computed"
-            possible = None if about.run is None else self.input_rounding
-        return limit(worst, held, possible, agreement, steps)
-
-    @cached_property
-    def input_rounding(self) -> float:
-        """Correct digits of the exact motion of a run's rounded inputs: what rounding them costs.
-
-        The same rounded start and coefficients, integrated in a wider type.
-        """
-        run = self.subject.run
-        if run is None:
-            raise ValueError("only of a run is it known how its inputs were rounded")
-        scene, number = run.scene.at(run.times), wider(run.number)
-        return min(self._digits(undisturbed(integrate(scene, number, inputs=run.number)).states))
+        at = self.digits.index(worst)
+        if self.expected[at] is None:
+            steps += "; digits to expect not computed"
+        return limit(worst, held, self.expected[at], self.inputs[at], agreement, steps)
 
     @property
     def parts(self) -> dict[str, float]:
@@ -367,13 +367,13 @@ def _wording(found: Judgement) -> str:
         + how
     ]
     if found.digits:
-        shown, possible = few(len(found.digits), SHOWN), found.digits_possible
-        header = ["t", "correct digits", f"possible in {found.subject.number.name}"]
+        shown, expected = few(len(found.digits), SHOWN), found.expected
+        header = ["t", "correct digits", f"expected in {found.subject.number.name}"]
         rows = [
             [
                 _time(found.times[k]),
-                shown_digits(found.digits[k], possible[k]),
-                shown_possible(possible[k]),
+                shown_digits(found.digits[k], expected[k]),
+                shown_expected(expected[k]),
             ]
             for k in shown
         ]

@@ -1,42 +1,60 @@
-"""What limits the digits of a trajectory: rounding, conditioning, method or reference."""
+"""What limits the digits of a trajectory: rounding, inputs, conditioning, method or reference."""
 
 from __future__ import annotations
 
-WITHIN = 1.0  # digits: kappa·eps bounds an error, which seldom comes nearer to it
-KAPPA_TAKES = 2.0  # digits: what the problem takes before it is named
+from polhode.judging.rounding import Band
+
+LAST = 1.0  # digits: the type's own last ones
+MOTION_TAKES = 2.0  # digits: what the motion takes before it is named
+ALONE = 0.03  # digits: what steps add to an error three times theirs
 
 
-def limit(digits: float, held: float, possible: float | None, reference: float, steps: str) -> str:
+def limit(
+    digits: float,
+    held: float,
+    expected: Band | None,
+    inputs: float | None,
+    reference: float,
+    steps: str,
+) -> str:
     """The name of what limits so many correct digits.
 
-    ``held``: the most that the number type holds.  ``possible``: those that the problem allows.
-    ``reference``: those that the reference is good for, inf for a closed form.
-    *reference*: it is not good for more.  *rounding*: these are the type's own last digits, or
-    rounding the inputs and the time leaves no more.  *conditioning*: likewise, and it is the
-    motion that makes these few.  *method*: the problem would allow more; ``steps`` says what the
-    method does.  An unknown ``possible`` counts as more.
+    ``held``: the most that the number type holds.  ``expected``: those of a run that rounds once a
+    step.  ``inputs``: those that rounding the scene's numbers leaves.  ``reference``: those that
+    the reference is good for, inf for a closed form.
+
+    *reference*: it is not good for more.  *rounding*: these are the type's own last digits, or the
+    motion takes few.  *inputs*: no fewer than expected, and it is rounding the scene's numbers that
+    costs them: the steps add next to nothing.  *conditioning*: no fewer than expected; any method
+    that rounds its state at each step in this type loses as much.  *method*: fewer than nineteen in
+    twenty such runs have; ``steps`` says what the method does.  Where nothing is known of what to
+    expect, it is the method.
     """
-    if reference < digits + WITHIN:
+    if reference < digits + LAST:
         return "reference"
-    if digits >= held - WITHIN:
+    if digits >= held - LAST:
         return "rounding"
-    if possible is None or digits < possible - WITHIN:
+    if expected is None or digits < expected.least:
         return f"method ({steps})"
-    return "conditioning" if possible < held - KAPPA_TAKES else "rounding"
+    if expected.middle >= held - MOTION_TAKES:
+        return "rounding"
+    lost = expected.most == 0
+    alone = inputs is not None and inputs < expected.middle + ALONE and not lost
+    return "inputs" if alone else "conditioning"
 
 
-def is_lost(digits: float, possible: float | None) -> bool:
-    """Whether kappa leaves no digit there, and none was found either."""
-    return possible == 0 and digits < 1
+def is_lost(digits: float, expected: Band | None) -> bool:
+    """Whether no digit is expected there, and none was found either."""
+    return expected is not None and expected.middle == 0 and digits < 1
 
 
-def shown_digits(digits: float, possible: float | None) -> str:
+def shown_digits(digits: float, expected: Band | None) -> str:
     """Correct digits for people; never a number where none is left."""
-    return "none left" if is_lost(digits, possible) else f"{digits:.2f}"
+    return "none left" if is_lost(digits, expected) else f"{digits:.2f}"
 
 
-def shown_possible(possible: float | None) -> str:
-    """Digits possible for people."""
-    if possible is None:
+def shown_expected(expected: Band | None) -> str:
+    """The digits expected, for people: nine in ten runs have so many."""
+    if expected is None:
         return "unknown"
-    return "none" if possible == 0 else f"{possible:.2f}"
+    return "none" if expected.most == 0 else f"{expected.least:.1f}-{expected.most:.1f}"

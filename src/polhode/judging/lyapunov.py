@@ -19,13 +19,13 @@ from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.system import system
-from polhode.judging.conditioning import six
 from polhode.judging.reference import reference
 from polhode.numbers import exact
 from polhode.numbers.convert import exact_number, to_double
 from polhode.numbers.exact import sign
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.taylor.passage import six
 
 MAX_STEPS = 1_000_000  # of 3 µs
 DEFAULT_LENGTH = 2000  # in the motion's slowest unit of time

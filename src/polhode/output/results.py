@@ -274,9 +274,12 @@ def of_judgement(judged: Judgement) -> dict[str, Any]:
         "times": [in_full(t) for t in judged.times],
         "correct_digits": [
             None if is_lost(d, p) else round(d, 2)
-            for d, p in zip(judged.digits, judged.digits_possible, strict=True)
+            for d, p in zip(judged.digits, judged.expected, strict=True)
         ],
-        "digits_possible": [None if p is None else round(p, 2) for p in judged.digits_possible],
+        "digits_expected": [
+            None if b is None else [round(d, 2) for d in b] for b in judged.expected
+        ],
+        "digits_inputs": [None if d is None else round(d, 2) for d in judged.inputs],
         "worst": round(judged.worst, 2) if told and not judged.lost else None,
         "worst_time": in_full(judged.worst_time) if told else None,
         "limit": judged.limit or None,

@@ -58,6 +58,10 @@ class Variations:
         self.state = start
         self._tangents[:] = tangents.T
 
+    def restart(self, tangents: Doubles) -> None:
+        """Begin with other tangents where the state stands."""
+        self._tangents[:] = tangents.T
+
     @property
     def time(self) -> float:
         """The time reached."""

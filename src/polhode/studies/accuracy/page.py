@@ -35,7 +35,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "reference and the error of gamma, worst over all output times, never more than the type "
         "holds (double 15.95, extended 19.27, quad 34.02; mp is asked for 50). A run is judged "
         "against the exact scene, so rounding of its inputs is part of its error; the column "
-        "*inputs alone* shows the digits that rounding leaves by itself in double. Drift is the "
+        "*inputs* shows the digits that rounding leaves by itself in double. Drift is the "
         "largest departure of the integrals from the exact scene's values, in double; it says "
         "nothing of the error where a run is put back on them: the sum of all corrections, w in "
         "units in which it is of order 1, stands beside it. A dash: not projected, or "
@@ -43,12 +43,15 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "beside ours in [published](published.md), the hard cases in [stability](stability.md)."
     )
     yield Text(
-        "*Possible*: the digits that kappa·eps leaves in double, kappa the most that the state "
-        "changes per unit of relative change of all inputs at once: a bound that a run can be a "
-        "digit or two better than. *Limit*, in double: *rounding*, the type's last digits; "
-        "*conditioning*, the motion multiplies rounding, and the run has all but a digit of those "
-        "possible; *method*, the problem would allow more; *reference*, it is good for no more."
+        "*Expected*, in double: the digits that nine in ten runs would have that round the state "
+        "once a step, from the variational equations: the known error of the rounded inputs and "
+        "the covariance of the steps' rounding, as far as projection leaves it. *Limit*, in "
+        "double: *rounding*, the type's last digits, or nearly; *inputs*, rounding the "
+        "scene's numbers costs them, the steps next to nothing; *conditioning*, the motion "
+        "multiplies rounding, and the run has as many digits as expected or more; *method*, it "
+        "has fewer; *reference*, it is good for no more."
     )
+    yield Text(_within(found["cases"]))
     yield Figure("accuracy", "Correct digits of every case in every number type")
     for kind, title in _TITLES.items():
         cases = [case for case in found["cases"] if case["reference"] == kind]
@@ -60,8 +63,8 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
 
 def _table(cases: list[dict[str, Any]]) -> PageTable:
     header = (
-        *("case", "regime", "t", "double", "extended", "quad", "mp (50)", "inputs alone"),
-        *("possible", "limit", "drift h", "drift f", "corrections", "steps", "outcome"),
+        *("case", "regime", "t", "double", "extended", "quad", "mp (50)", "inputs"),
+        *("expected", "limit", "drift h", "drift f", "corrections", "steps", "outcome"),
     )
     rows = []
     for case in cases:
@@ -75,8 +78,8 @@ def _table(cases: list[dict[str, Any]]) -> PageTable:
                 case["regime"],
                 format(float(case["end"]), "g"),
                 *(_digits(runs.get(name)) for name in ("double", "extended", "quad", "mp")),
-                _number(double.get("input_rounding"), ".1f"),
-                _number(double.get("digits_possible"), ".1f"),
+                _number(double.get("inputs"), ".1f"),
+                expected(double.get("expected")),
                 double.get("limit") or "–",
                 _number(drift.get("h"), ".0e"),
                 _number(drift.get("f"), ".0e"),
@@ -88,6 +91,27 @@ def _table(cases: list[dict[str, Any]]) -> PageTable:
     return PageTable(header, tuple(rows), "llrrrrrrrlrrrrl")
 
 
+def _within(cases: list[dict[str, Any]]) -> str:
+    """How many runs of all types end within what was expected of them."""
+    judged = [
+        (run["correct_digits"], run["expected"])
+        for case in cases
+        for run in case["runs"]
+        if run.get("expected") and not run["lost"] and run["limit"] != "reference"
+    ]
+    fewer = sum(digits < band[0] for digits, band in judged)
+    more = sum(digits > band[2] for digits, band in judged)
+    return (
+        f"Of {len(judged)} runs in all types that have digits left {len(judged) - fewer - more} "
+        f"end within the nine-in-ten band, {fewer} with fewer digits, {more} with more."
+    )
+
+
+def expected(band: list[float] | None) -> str:
+    """The digits expected, as they are printed."""
+    return "–" if band is None else f"{band[0]:.1f}–{band[2]:.1f}"
+
+
 def _weakest(cases: list[dict[str, Any]]) -> Iterator[Block]:
     """The three runs in double with the fewest digits, and what limits them."""
     ranked = sorted(
@@ -95,7 +119,7 @@ def _weakest(cases: list[dict[str, Any]]) -> Iterator[Block]:
             run["correct_digits"],
             case["case"],
             run["limit"],
-            run["input_rounding"],
+            run["inputs"],
             run.get("lost") or "",
         )
         for case in cases
@@ -108,7 +132,7 @@ def _weakest(cases: list[dict[str, Any]]) -> Iterator[Block]:
     yield Items(
         tuple(
             f"`{name}`: {lost or f'{digits:.1f} digits'} in double, limited by {limit} "
-            f"(rounded inputs alone leave {inputs:.1f})"
+            f"(rounded inputs alone leave {_number(inputs, '.1f')})"
             for digits, name, limit, inputs, lost in ranked[:3]
         )
     )

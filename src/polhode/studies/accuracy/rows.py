@@ -10,6 +10,7 @@ from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.judgement import compare
 from polhode.judging.reference import Remembered
 from polhode.judging.reference import reference as reference_of
+from polhode.judging.rounding import Band
 from polhode.numbers import convert, decimals, number_types
 from polhode.runs.integrate import integrate
 from polhode.runs.trajectory import Trajectory
@@ -73,12 +74,12 @@ def _run(
     }
     if run.outcome.done:
         judged = compare(run, reference, known=known)
-        possible = judged.digits_possible[judged.digits.index(judged.worst)]
+        at = judged.digits.index(judged.worst)
         found |= {
             "correct_digits": round(judged.worst, 2),
             "worst_time": float(judged.worst_time),
-            "input_rounding": round(judged.input_rounding, 2) if name == "double" else None,
-            "digits_possible": None if possible is None else round(possible, 2),
+            "inputs": rounded(judged.inputs[at]),
+            "expected": band(judged.expected[at]),
             "limit": judged.limit,
             "lost": judged.lost or None,
             "drift": {
@@ -89,6 +90,16 @@ def _run(
             "reference_digits": None if reference.is_closed_form else round(reference.agreement, 1),
         }
     return found
+
+
+def rounded(digits: float | None) -> float | None:
+    """Digits as they are printed."""
+    return None if digits is None else round(digits, 2)
+
+
+def band(expected: Band | None) -> list[float] | None:
+    """The least, the middle and the most digits expected."""
+    return None if expected is None else [round(digits, 2) for digits in expected]
 
 
 def projection(run: Trajectory) -> dict[str, Any] | None:

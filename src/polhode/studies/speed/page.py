@@ -154,8 +154,8 @@ def _limits(motion: dict[str, Any]) -> str:
     told = [f"Case `{motion['case']}`, {motion['kind']}."]
     if "kappa" in motion:
         told.append(
-            f"kappa = {motion['kappa']:.1e}; digits possible in double "
-            f"{motion['digits_possible']:.1f}."
+            f"kappa = {motion['kappa']:.1e}; its bound leaves a double "
+            f"{motion['digits_bound']:.1f} digits."
         )
     if motion["wall"] is None:
         told.append("No wall: the curves do not flatten together.")

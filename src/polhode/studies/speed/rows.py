@@ -100,10 +100,10 @@ def motion_row(motion: SpeedMotion, scene: Scene, curves: Mapping[Method, Curve]
         "methods": [_method_row(method, curve, digits[method]) for method, curve in curves.items()],
         "wall": wall([(method.number, [*digits[method].items()]) for method in curves]),
     }
-    kappa, possible = _limits(scene)
-    if kappa is not None and possible is not None:
-        floor = possible - math.log10(3)
-        found |= {"kappa": float(f"{kappa:.2e}"), "digits_possible": round(possible, 2)}
+    kappa, bound = _limits(scene)
+    if kappa is not None and bound is not None:
+        floor = bound - math.log10(3)
+        found |= {"kappa": float(f"{kappa:.2e}"), "digits_bound": round(bound, 2)}
         if any(method.name == PLAIN for method in curves):
             found["verdict"] = verdict(found["methods"], floor)
     return found
@@ -222,10 +222,10 @@ def _digits(rows: Any, reference: Any, scene: Scene, cap: float) -> float:
 
 
 def _limits(scene: Scene) -> tuple[float | None, float | None]:
-    """kappa at the end, and the fewest digits possible in double over the run."""
+    """kappa at the end, and the fewest digits over the run that its bound leaves a double."""
     found = conditioning(scene)
-    possible = [x for x in found.digits_possible(DOUBLE) if x is not None]
-    return found.kappa[-1], min(possible, default=None)
+    bounds = [x for x in found.digits_bound(DOUBLE) if x is not None]
+    return found.kappa[-1], min(bounds, default=None)
 
 
 def _marks(points: Sequence[Mapping[str, Any]]) -> list[WorkPoint]:

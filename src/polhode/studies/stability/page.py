@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from polhode.studies.accuracy.page import expected
 from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
 
 TITLE = "Stability: hard motions, symmetries, and where runs refuse"
@@ -17,14 +18,15 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     cases = {case["case"]: case for case in found["cases"]}
     yield Text(
         "Of each pair of numbers the first is the digits correct at the worst output time, the "
-        "second those that kappa·eps leaves possible there; kappa, whose decimal logarithm stands "
+        "second those that nine in ten runs would have there that round the state once a step "
+        "(see [accuracy](accuracy.md)); kappa, whose decimal logarithm stands "
         "beside the case, is the most that the state changes per unit of relative change of all "
         "inputs at once. mp is asked for 50 digits. A dash: not run, for it would take too long "
         "in that type, or kappa not computed. Drift and steps are those in double; drift says "
         "nothing of the error where a run is put back on its integrals: the largest correction and "
         "the sum of all stand beside it, w in units in which it is of order 1."
     )
-    yield Figure("stability", "Digits correct against digits possible of every hard case")
+    yield Figure("stability", "Digits correct against digits expected of every hard case")
     yield from _behind(found)
     for kind in found["kinds"]:
         if kind["cases"]:
@@ -37,28 +39,27 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
 
 
 def _behind(found: dict[str, Any]) -> Iterator[Block]:
-    """The runs that stay behind what is possible by more than the target, and why."""
+    """The runs that have fewer digits than expected, and why."""
     judged = [
         (case, run)
         for case in found["cases"]
         for run in case["runs"]
         if run.get("behind") is not None
     ]
-    late = [(case, run) for case, run in judged if run["behind"] > found["target"]]
+    late = [(case, run) for case, run in judged if run["behind"] > 0]
     late.sort(key=lambda pair: -float(pair[1]["behind"]))
     unknown = [
         (case, run) for case in found["cases"] for run in case["runs"] if run.get("behind") is None
     ]
-    yield Heading(f"What limits the digits: runs more than {found['target']} digits behind")
+    yield Heading("What limits the digits: runs with fewer than expected")
     yield Text(
-        f"{len(judged) - len(late)} of {len(judged)} runs end within {found['target']} digits of "
-        "those possible, or with more: kappa·eps is a bound, and rounding is mostly kinder. "
-        + ("The others:" if late else "None stays behind.")
+        f"{len(judged) - len(late)} of {len(judged)} runs end with the digits expected, or with "
+        "more. " + ("The others:" if late else "None stays behind.")
     )
     if late:
         yield PageTable(
             (
-                *("case", "number", "correct", "possible", "behind", "inputs alone", "steps"),
+                *("case", "number", "correct", "expected", "behind", "inputs", "steps"),
                 "limited by",
             ),
             tuple(
@@ -66,9 +67,9 @@ def _behind(found: dict[str, Any]) -> Iterator[Block]:
                     case["case"],
                     run["number"],
                     f"{run['correct_digits']:.1f}",
-                    f"{run['digits_possible']:.1f}",
+                    expected(run["expected"]),
                     f"{run['behind']:.1f}",
-                    _number(run["input_rounding"], ".1f"),
+                    _number(run["inputs"], ".1f"),
                     str(run["steps"]),
                     run["limit"],
                 )
@@ -77,15 +78,11 @@ def _behind(found: dict[str, Any]) -> Iterator[Block]:
             "llrrrrrl",
         )
         yield Text(
-            "*Inputs alone*: the digits that the exact motion of the rounded inputs keeps. What is "
-            "lost beyond that, the steps lose: their roundings add up, for the phase at worst like "
-            "the 3/2 power of their number; and next to an unstable motion one of them, of the "
-            "size of the whole state, is multiplied like an error of a component that the start "
-            "gives as zero or tiny, exactly. Kappa, of relative changes of the inputs, contains "
-            "neither."
+            "*Inputs*: the digits that the exact motion of the rounded inputs keeps. *Behind*: the "
+            "least digits expected less those correct; by chance alone one run in twenty is behind."
         )
     if unknown:
-        yield Text("Not judged so, without a kappa or without an end:")
+        yield Text("Not judged so, for nothing is known of what to expect, or without an end:")
         yield Items(
             tuple(
                 f"`{case['case']}`, {run['number']}: {run.get('limit') or run['outcome']}"
@@ -233,7 +230,7 @@ def _pair(run: dict[str, Any] | None) -> str:
         return str(run["outcome"])
     if run["lost"]:
         return str(run["lost"])
-    return f"{run['correct_digits']:.1f} / {_number(run['digits_possible'], '.1f')}"
+    return f"{run['correct_digits']:.1f} / {expected(run['expected'])}"
 
 
 def _verdict(row: dict[str, Any]) -> str:

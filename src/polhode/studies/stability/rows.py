@@ -16,7 +16,7 @@ from polhode.numbers import number_types
 from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.studies.accuracy.rows import LONGEST, projection
+from polhode.studies.accuracy.rows import LONGEST, band, projection, rounded
 from polhode.studies.stability import hard_cases, limits, symmetries
 
 NAME = "stability"
@@ -25,7 +25,6 @@ QUESTION = (
     "more? What is kept exactly: under powers of two, at rest, on the way back? Where does a run "
     "refuse, and what does its user see?"
 )
-TARGET = 1.5  # digits that a run may stay behind those possible
 SYMMETRIC = ("double", "extended", "quad")  # types of the symmetry checks
 LONGEST_SYMMETRIC = {"double": 1e4, "extended": 1e4, "quad": 200.0}
 SPARE_DIGITS = 40  # of the states from which kappa of the way back is computed
@@ -54,7 +53,6 @@ def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
         "study": NAME,
         "question": QUESTION,
         "quick": quick,
-        "target": TARGET,
         "kinds": [
             {"kind": kind, "cases": [name for name in names if name in chosen]}
             for kind, names in hard_cases.KINDS.items()
@@ -101,17 +99,16 @@ def _run(scene: Scene, reference: Remembered, known: Conditioning, name: str) ->
     if not run.outcome.done:
         return found
     judged = compare(run, reference, known=known)
-    possible = judged.digits_possible[judged.digits.index(judged.worst)]
-    behind = None if possible is None else possible - judged.worst
-    late = behind is not None and behind > TARGET
+    at = judged.digits.index(judged.worst)
+    expected = judged.expected[at]
     found |= {
         "correct_digits": round(judged.worst, 2),
-        "digits_possible": None if possible is None else round(possible, 2),
-        "behind": None if behind is None else round(behind, 2),
+        "expected": band(expected),
+        "inputs": rounded(judged.inputs[at]),
+        "behind": None if expected is None else round(expected.least - judged.worst, 2),
         "worst_time": float(judged.worst_time),
         "lost": judged.lost,
         "limit": judged.limit,
-        "input_rounding": round(judged.input_rounding, 2) if late else None,
         "drift": {
             key: None if value is None else float(f"{value:.2e}")
             for key, value in run.drift._asdict().items()

@@ -1,0 +1,231 @@
+"""What rounding does to a motion: the inputs', and that of the steps.
+
+**Inputs.**  The scene's numbers are rounded to the type once.  The differences are known, and so
+is what they cause, to first order: v(t) = Phi(t, 0) dx(0) + U(t) dk.
+
+**Steps.**  A step method that rounds the state once a step adds r to it, independent from step to
+step and from component to component, of variance (eps x_i)²/12: that of rounding a number of
+relative spacing eps.  Their sum has the covariance
+
+    C(t) = sum over the steps s of Phi(t, s) diag((eps x_i(s))²/12) Phi(t, s)^T.
+
+Components that the equations themselves keep take no rounding.  Where a run is projected onto its
+first integrals, the part of C across their level is taken away as often as the run does it.
+
+**Together.**  The error of such a run is v(t) plus a normal deviate of covariance C(t), and its
+size has a distribution: half of such runs have less than its median, nine in ten lie between its
+5 % and 95 % quantiles.
+
+Sizes are those of *correct digits*: the larger of the largest component of w over the largest |w|
+at the outputs, and of gamma, in scene axes.  They are kept in eps of the type, as a number times a
+power of two, for a motion may multiply them beyond any double.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+
+from polhode.equations.equilibrium import at_rest
+from polhode.equations.forms import principal
+from polhode.equations.integrals import first_integrals
+from polhode.numbers import exact
+from polhode.numbers.convert import to_double
+from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.number_types import LOG10_2, NumberType
+from polhode.numbers.scalars import FLOATS
+from polhode.taylor.passage import Passage
+from polhode.taylor.projection import kept_at_zero
+from polhode.taylor.variations import Doubles
+
+VARIANCE = 1 / 12  # of a rounding, in squared spacings
+_SAMPLES = 2000  # of the normal deviates; fixed ones, so that the quantiles are always the same
+_QUANTILES = (0.05, 0.5, 0.95)
+_STEP = 2.0**-20  # of the differences for the integrals' gradients
+
+
+class Scaled(NamedTuple):
+    """An array times a power of two."""
+
+    values: Doubles
+    exponent: int
+
+    def normalised(self) -> Scaled:
+        """The same, its largest element about 1."""
+        largest = float(np.max(np.abs(self.values), initial=0.0))
+        if largest == 0 or not math.isfinite(largest):
+            return self
+        by = math.frexp(largest)[1]
+        return Scaled(np.ldexp(self.values, -by), self.exponent + by)
+
+
+class Band(NamedTuple):
+    """Correct digits that runs are expected to have: nine in ten between ``least`` and ``most``.
+
+    ``middle``: half of them have more.
+    """
+
+    least: float
+    middle: float
+    most: float
+
+
+def kappa(along: Passage) -> Iterator[tuple[float, float]]:
+    """(time, log10 of kappa) at the end of each stretch, see :mod:`polhode.judging.conditioning`.
+
+    The start and each number of the body, changed by one unit of itself.
+    """
+    start = six_of_start(along)
+    by = principal.sensitivities(along.scene.body, along.scene.time_unit)
+    chain = np.array(
+        [
+            [to_double(d.get(name, 0)) / (unit or 1.0) for d in by]
+            for name, unit in zip(principal.NAMES, along.units, strict=True)
+        ]
+    )
+    tangents = Scaled(np.hstack([np.diag(start), np.zeros((6, 6))]), 0)
+    scale = along.rate_scale
+    for stretch in along.stretches:
+        values = stretch.carried @ tangents.values
+        values[:, 6:] += np.ldexp(stretch.driven @ chain, -tangents.exponent)
+        tangents = Scaled(values, tangents.exponent).normalised()
+        sums = [np.abs(along.turn @ tangents.values[i : i + 3]).sum(axis=1).max() for i in (0, 3)]
+        yield stretch.time, _log10(max(sums[0] / scale, sums[1])) + tangents.exponent * LOG10_2
+
+
+def inputs(along: Passage, number: NumberType) -> Iterator[Scaled]:
+    """At the end of each stretch the error that rounding the inputs to the type causes, in eps."""
+    k = along.plain.coefficients
+    start = [_rounding(x, number) for x in along.plain.start]
+    v = Scaled(np.array([*start, *[0.0] * (6 - len(start))]), 0)
+    if at_rest(along.scene).state:  # a run keeps its rounded state
+        yield from (v for _ in along.stretches)
+        return
+    drive = np.array(
+        [
+            _rounding(k.get(name, ZERO), number) / (unit or 1.0)
+            for name, unit in zip(principal.NAMES, along.units, strict=True)
+        ]
+    )
+    for stretch in along.stretches:
+        values = stretch.carried @ v.values
+        values = values + np.ldexp(stretch.driven @ drive, -v.exponent)
+        v = Scaled(values, v.exponent).normalised()
+        yield v
+
+
+def scatter(along: Passage, every: int) -> Iterator[Scaled]:
+    """At the end of each stretch the covariance of the steps' rounding, in eps².
+
+    ``every``: steps between two projections; 0 where there are none.
+    """
+    k = {name: to_double(x) for name, x in along.plain.coefficients.items()}
+    held, still = kept_at_zero(along.scene), at_rest(along.scene).state
+    across = _Across(along) if every else None
+    found, due = Scaled(np.zeros((6, 6)), 0), float(every)
+    for stretch in along.stretches:
+        x = stretch.state
+        rates = principal.field([float(c) for c in x], k, FLOATS)
+        moving = [not still and i not in held and r != 0 for i, r in enumerate(rates)]
+        once = np.where(moving, x * x, 0.0) * VARIANCE * stretch.steps
+        values = stretch.carried @ found.values @ stretch.carried.T
+        values += np.diag(np.ldexp(once, -found.exponent))
+        due -= stretch.steps
+        if across is not None and due <= 0:
+            keep = across.removed(x)
+            values, due = keep @ values @ keep.T, float(every)
+        found = Scaled(values, found.exponent).normalised()
+        yield found
+
+
+def amplification(along: Passage, until: int) -> float:
+    """log10 of the most that a change on the way is multiplied by, up to a stretch's end.
+
+    The largest |Phi(t, s)| over s <= t, w and gamma in their scales, spectral norm.
+    """
+    sizes = np.array([along.rate_scale] * 3 + [1.0] * 3)
+    back, largest = Scaled(np.eye(6), 0), 0.0
+    for stretch in reversed(along.stretches[: until + 1]):
+        carried = stretch.carried / sizes[:, None] * sizes
+        back = Scaled(back.values @ carried, back.exponent).normalised()
+        here = _log10(float(np.linalg.norm(back.values, 2))) + back.exponent * LOG10_2
+        largest = max(largest, here)
+    return largest
+
+
+def size(along: Passage, error: Scaled) -> float:
+    """log10 of an error's size; -inf for none."""
+    return _log10(float(_sizes(along, error.values[None, :])[0])) + error.exponent * LOG10_2
+
+
+def quantiles(along: Passage, error: Scaled, spread: Scaled) -> tuple[float, ...]:
+    """log10 of the 5 %, 50 % and 95 % quantiles of the size of an error and a spread about it."""
+    squares, axes = np.linalg.eigh(spread.values)
+    exponent, odd = divmod(spread.exponent, 2)
+    root = axes * np.sqrt(np.maximum(squares, 0) * 2.0**odd)
+    common = max(exponent, error.exponent)
+    normal = np.random.default_rng(1850).standard_normal((_SAMPLES, 6))  # Kovalevskaya's birth
+    values = np.ldexp(error.values, error.exponent - common)
+    values = values + np.ldexp(normal @ root.T, exponent - common)
+    found = np.quantile(_sizes(along, values), _QUANTILES)
+    return tuple(_log10(float(x)) + common * LOG10_2 for x in found)
+
+
+def six_of_start(along: Passage) -> Doubles:
+    """The start in principal axes, gamma zero where there is none."""
+    start = [to_double(x) for x in along.plain.start]
+    return np.array([*start, *[0.0] * (6 - len(start))])
+
+
+class _Across:
+    """Takes away what lies across the level of the first integrals."""
+
+    def __init__(self, along: Passage) -> None:
+        self._known = first_integrals(along.scene)
+        self._k = {name: to_double(x) for name, x in self._known.coefficients.items()}
+        self._columns = len(along.plain.start)
+        w = along.rate_scale
+        self._sizes = np.array([w, w, w, 1.0, 1.0, 1.0])[: self._columns]
+
+    def removed(self, state: Doubles) -> Doubles:
+        """The projection onto the level's tangent space at a state, (6, 6)."""
+        x, sizes = state[: self._columns], self._sizes
+        gradients = []
+        for i in range(self._columns):
+            step = np.zeros(self._columns)
+            step[i] = _STEP * sizes[i]
+            ahead, behind = (
+                np.array(self._known.values([float(c) for c in y], self._k, 0.0))
+                for y in (x + step, x - step)
+            )
+            gradients.append((ahead - behind) / (2 * _STEP))
+        _, strengths, rows = np.linalg.svd(np.array(gradients).T, full_matrices=False)
+        rows = rows[strengths > 1e-7 * strengths[0]]
+        keep = np.eye(6)
+        inner = np.eye(self._columns) - rows.T @ rows
+        keep[: self._columns, : self._columns] = sizes[:, None] * inner / sizes
+        return keep
+
+
+def _sizes(along: Passage, errors: Doubles) -> Doubles:
+    """The size of each row."""
+    w, gamma = (np.abs(errors[:, i : i + 3] @ along.turn.T).max(axis=1) for i in (0, 3))
+    found: Doubles = np.maximum(w / along.rate_scale, gamma)
+    return found
+
+
+def _rounding(x: Exact, number: NumberType) -> float:
+    """The rounded number minus the number, in eps."""
+    if sign(x) == 0:
+        return 0.0
+    mantissa, exponent = exact.rounded(x, number.bits)
+    difference = Fraction(mantissa) * Fraction(2) ** exponent - x
+    return to_double(difference * Fraction(2) ** (number.bits - 1))
+
+
+def _log10(x: float) -> float:
+    return math.log10(x) if x > 0 else -math.inf
