@@ -9,9 +9,8 @@ import random
 from fractions import Fraction
 from pathlib import Path
 
-import mpmath
 import pytest
-from mpmath import mpc, mpf
+from mpmath import libmp
 
 from polhode.closed_forms.functions import riemann_theta
 from polhode.closed_forms.kovalevskaya import axes as top_axes
@@ -20,6 +19,7 @@ from polhode.closed_forms.kovalevskaya.abel import image
 from polhode.closed_forms.kovalevskaya.curve import curve
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers import exact
+from polhode.numbers.private import mpc, mpf, mpmath
 from polhode.scenes.body import OWN_AXES, PrincipalAxes, cross, dot
 from shared import series
 from shared.closed_form_checks import belongs, fractions, in_band, in_scene, number, unwound
@@ -171,7 +171,7 @@ def test_one_frequency_motions(name):
     else:
         with mpmath.workdps(60):
             start = [[number(x) for x in (*fractions(omega), *fractions(gamma))]]
-        turned = exact.exact(F(*map(int, mpmath.libmp.to_rational(period._mpf_))))
+        turned = exact.exact(F(*map(int, libmp.to_rational(period._mpf_))))
         assert distance(top.at([turned], 45), start) < mpf(10) ** -44
         with mpmath.workdps(60):
             turn = top.frequencies(40)["body"] * period / (2 * mpmath.pi)
@@ -341,7 +341,7 @@ def test_frequencies_are_those_of_the_periods_of_the_curve(name):
 
 def variables(start):
     """The separation variables s1, s2 of a start, roots of q^2 s^2 + R s/2 + R1/4."""
-    (p, q, _), _ = start.numbers(mpmath.mp.prec)
+    (p, q, _), _ = start.numbers(mpmath.prec)
     H, m, b = (number(x) for x in (start.H, start.m, start.b))
     sg, pi = 2 * p, p * p + q * q
     R = -pi * pi + 2 * H * pi - 2 * m * sg + b

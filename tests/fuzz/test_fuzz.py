@@ -200,7 +200,7 @@ def test_one_long_cell_costs_no_reference_of_as_many_digits(monkeypatch):
 
 
 def test_a_table_of_many_right_digits_is_given_them_all():
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     exact = polhode.reference("top.toml")
     Path("right.csv").write_text(f"t,p\n1,{mpmath.nstr(exact.at([1], 420)[0][0], 410)}\n")

@@ -356,9 +356,9 @@ def _states(plan: _Plan, found: Sequence[Solved | None]) -> Rows:
     elif plan.number.name == "extended":
         states = np.full(shape, np.nan, dtype=np.longdouble)
     else:
-        import mpmath
+        from polhode.numbers.private import mpmath, ordinary
 
-        states = np.full(shape, mpmath.nan, dtype=object)
+        states = np.full(shape, ordinary(mpmath.nan), dtype=object)
     alike: dict[tuple[int, int], list[int]] = {}  # members that one readout reads
     reached = {k: r.rows for k, r in enumerate(found) if r is not None and len(r.rows)}
     for k in reached:
