@@ -96,7 +96,7 @@ class Reference:
         rows, finer = self.at(times, digits), self.at(times, digits + 15)
         bits = number_types.bits_for(digits + 40)
         scale = rate_scale(finer, self.scene, bits)
-        return max(errors(rows, finer, scale, bits))
+        return ordinary(max(errors(rows, finer, scale, bits)))
 
     @property
     def conditions(self) -> tuple[str, ...]:

@@ -18,7 +18,8 @@ from mpmath import libmp
 from mpmath.ctx_mp import MPContext, PrecisionManager
 
 if TYPE_CHECKING:
-    from mpmath import mpc, mpf
+    from mpmath import mpc as mpc
+    from mpmath import mpf as mpf
 
 
 class _Within(PrecisionManager):  # type: ignore[misc]
@@ -39,7 +40,8 @@ class _Private(MPContext):  # type: ignore[misc]
     def __init__(self) -> None:
         super().__init__()
         self.unlock()
-        os.register_at_fork(after_in_child=self.unlock)  # the thread that held it is not there
+        if hasattr(os, "register_at_fork"):  # the thread that held it is not there
+            os.register_at_fork(after_in_child=self.unlock)
 
     def unlock(self) -> None:
         """A lock that nobody holds."""

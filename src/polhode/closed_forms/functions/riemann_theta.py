@@ -282,13 +282,12 @@ def _flint_sums(
     """The same by ``acb_theta_jet`` of FLINT."""
     import flint
 
+    from polhode.numbers.balls import ctx
+
     prec = mpmath.prec + 2 * _SPARE
-    context: Any = flint.ctx
 
     def sums(z: Pair, wanted: Sequence[Characteristic]) -> list[tuple[Any, Any, Any]]:
-        before = context.prec
-        context.prec = prec
-        try:
+        with ctx.workprec(prec):
             t = [_to_acb(flint, x) for x in tau]
             matrix = flint.acb_mat([[t[0], t[1]], [t[1], t[2]]])
             column = flint.acb_mat([[_to_acb(flint, x)] for x in z])
@@ -299,8 +298,6 @@ def _flint_sums(
                 value, d1, d2 = (_from_acb(jets[index, i]) for i in range(3))
                 rows.append((value, d1, d2))
             return rows
-        finally:
-            context.prec = before
 
     return sums
 
