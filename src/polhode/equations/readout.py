@@ -72,7 +72,7 @@ class Readout:
                 angles(state[3:], row[first : first + 2] if len(row) > first else (0, 0), fn)
                 for state, row in zip(states, rows, strict=True)
             ]
-        return found if self.number.flat else ordinary(found)  # type: ignore[no-any-return]
+        return found if self.number.flat else ordinary(found)
 
     @cached_property
     def _functions(self) -> AngleFunctions:
