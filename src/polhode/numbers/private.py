@@ -15,23 +15,29 @@ from typing import TYPE_CHECKING, Any
 
 import mpmath as shared
 from mpmath import libmp
-from mpmath.ctx_mp import MPContext, PrecisionManager
+from mpmath.ctx_mp import MPContext
 
 if TYPE_CHECKING:
     from mpmath import mpc as mpc
     from mpmath import mpf as mpf
 
 
-class _Within(PrecisionManager):  # type: ignore[misc]
+class _Within:
     """A precision in force; the thread that set it has the context to itself meanwhile."""
 
-    def __enter__(self) -> None:
-        self.ctx.lock.acquire()
-        super().__enter__()
+    __slots__ = ("_before", "_bits", "_context")
 
-    def __exit__(self, *fault: Any) -> None:
-        super().__exit__(*fault)
-        self.ctx.lock.release()
+    def __init__(self, context: Any, bits: int) -> None:
+        self._context, self._bits = context, bits
+
+    def __enter__(self) -> None:
+        self._context.lock.acquire()
+        self._before = self._context.prec
+        self._context.prec = self._bits
+
+    def __exit__(self, *fault: object) -> None:
+        self._context.prec = self._before
+        self._context.lock.release()
 
 
 class _Private(MPContext):  # type: ignore[misc]
@@ -47,17 +53,17 @@ class _Private(MPContext):  # type: ignore[misc]
         """A lock that nobody holds."""
         self.lock = RLock()
 
-    def workprec(self, n: int, normalize_output: bool = False) -> _Within:
+    def workprec(self, bits: int) -> _Within:
         """``with mpmath.workprec(bits)``: so many bits, and no other thread, until its end."""
-        return _Within(self, lambda _: n, None, normalize_output)
+        return _Within(self, bits)
 
-    def extraprec(self, n: int, normalize_output: bool = False) -> _Within:
-        """The same for so many bits more."""
-        return _Within(self, lambda bits: bits + n, None, normalize_output)
-
-    def workdps(self, n: int, normalize_output: bool = False) -> _Within:
+    def workdps(self, digits: int) -> _Within:
         """The same for so many decimal digits."""
-        return self.workprec(libmp.dps_to_prec(n), normalize_output)
+        return _Within(self, libmp.dps_to_prec(digits))
+
+    def extraprec(self, bits: int) -> _Within:
+        """The same for so many bits more than are in force."""
+        return _Within(self, self.prec + bits)
 
 
 #: To be imported in place of the package ``mpmath``.
@@ -67,10 +73,13 @@ if not TYPE_CHECKING:
     mpf, mpc = mpmath.mpf, mpmath.mpc
 
 
+_make_mpf = shared.mp.make_mpf
+
+
 def ordinary(value: Any) -> Any:
     """A value with its mpf and mpc, in lists, tuples and dicts too, as those of plain mpmath."""
     if (raw := getattr(value, "_mpf_", None)) is not None:
-        return shared.mp.make_mpf(raw)
+        return _make_mpf(raw)
     if (parts := getattr(value, "_mpc_", None)) is not None:
         return shared.mp.make_mpc(parts)
     if type(value) in (list, tuple):
