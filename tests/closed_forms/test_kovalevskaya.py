@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from mpmath import libmp
 
+import polhode
 from polhode.closed_forms.functions import riemann_theta
 from polhode.closed_forms.kovalevskaya import axes as top_axes
 from polhode.closed_forms.kovalevskaya import cayley_klein, generic
@@ -19,6 +20,7 @@ from polhode.closed_forms.kovalevskaya.abel import image
 from polhode.closed_forms.kovalevskaya.curve import curve
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers import exact
+from polhode.numbers.convert import exactly
 from polhode.numbers.private import mpc, mpf, mpmath
 from polhode.scenes.body import OWN_AXES, PrincipalAxes, cross, dot
 from shared import series
@@ -677,3 +679,18 @@ def test_a_corrupted_attitude_has_no_certificate(name, monkeypatch):
     monkeypatch.setattr(cayley_klein, name, lambda *a: shifted(old(*a)))
     with pytest.raises(ArithmeticError):
         top_of(*GENERIC["ee-e+"]).attitude([F(2)], 30)
+
+
+def test_a_start_1e_170_off_has_the_frequencies_of_one_1e_60_off():
+    """A place beyond the range of doubles gave "cannot convert float NaN to integer"."""
+    body = polhode.Body.of_moments((2, 2, 1), (1, 0, 0), 1)
+    far, near = (
+        polhode.reference(
+            polhode.Scene(body, (F(1, 2), F(1, 10**n), F(1, 3)), (F(3, 5), 0, F(4, 5)), times=(1,))
+        )
+        for n in (170, 60)
+    )
+    for name, value in far.frequencies.items():
+        assert abs(exactly(value) / exactly(near.frequencies[name]) - 1) < F(1, 10**48)
+    for one, other in zip(far.at([3], 50)[0], near.at([3], 50)[0], strict=True):
+        assert abs(exactly(one) - exactly(other)) < F(1, 10**48)

@@ -87,6 +87,8 @@ def _height(where: Place) -> complex:
     x, rest = where
     if not x or not rest:
         raise TooManyNodes
+    if not (cmath.isfinite(x) and cmath.isfinite(rest)):  # beyond doubles: x = -rest in effect
+        return 1j * math.pi / 2
     y = (cmath.log(x) - cmath.log(rest)) / 2
     return y - 1j * math.pi * round(y.imag / math.pi)
 
