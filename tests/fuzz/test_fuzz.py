@@ -18,7 +18,7 @@ from fuzz import generate, promise
 from fuzz.campaign import case
 from polhode.common import files
 from polhode.output import description
-from polhode.runs import sweep
+from polhode.runs import sweep_results
 from polhode.taylor.integrator import Integrator
 
 FAST = {"scene": 600, "call": 1300, "table": 50, "command": 50}
@@ -251,13 +251,14 @@ def test_ctrl_c_waits_until_files_are_whole(monkeypatch):
 
 
 def test_ctrl_c_while_a_sweep_is_read_out_loses_nothing(monkeypatch):
-    read = sweep._states
+    read = sweep_results._states
 
     def interrupted(*given):
+        monkeypatch.setattr(sweep_results, "_states", read)
         os.kill(os.getpid(), signal.SIGINT)
         return read(*given)
 
-    monkeypatch.setattr(sweep, "_states", interrupted)
+    monkeypatch.setattr(sweep_results, "_states", interrupted)
     many = polhode.integrate_many("top.toml", {"start.omega[1]": [1, 2]}, at=[0])
     assert many.done
 
