@@ -40,6 +40,16 @@ def test_the_readme_prints_the_enforced_layers():
         assert set(re.findall(r"`(\w+)/?`", rooms)) == layer
 
 
+def test_nobody_computes_at_a_precision_that_others_share():
+    """Mpmath's context and flint's are imported where they are made private, and nowhere else."""
+    private = {"numbers/private.py", "numbers/balls.py", "common/values.py"}
+    shared = re.compile(r"^ *(import mpmath|from mpmath import (?!libmp)|from flint.*\bctx)", re.M)
+    for path in (TOP / "src/polhode").rglob("*.py"):
+        name = path.relative_to(TOP / "src/polhode").as_posix()
+        if name not in private and not name.startswith("peers/"):
+            assert not shared.search(path.read_text()), name
+
+
 def test_tracked_text_names_no_machine():
     """No absolute path of a machine in the sources, cases, reports or documents."""
     pattern = re.compile(r"(?<![\w.])/(home|root|work|tmp|Users)/")

@@ -44,8 +44,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(f"polhode: {fault}", file=sys.stderr)
             return BAD_INPUT
         except KeyboardInterrupt:
-            print("polhode: interrupted", file=sys.stderr)
-            return INTERRUPTED
+            return _interrupted()
+        except ImportError as fault:  # a compiled library that Ctrl-C met while it was loaded
+            if isinstance(fault.__cause__, KeyboardInterrupt):
+                return _interrupted()
+            raise
     except StdoutFault as full:
         terminal.give_up_stdout()
         if isinstance(full.fault, BrokenPipeError):  # the reader had enough
@@ -56,6 +59,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         where = fault.filename or "the system"
         print(f"polhode: {where}: expected to do its work ({fault.strerror})", file=sys.stderr)
         return BAD_INPUT
+
+
+def _interrupted() -> int:
+    print("polhode: interrupted", file=sys.stderr)
+    return INTERRUPTED
 
 
 def _joined(arguments: Sequence[str]) -> list[str]:

@@ -3,10 +3,10 @@
 from fractions import Fraction
 
 import pytest
-from mpmath import mpf
 
 from polhode.closed_forms.chaplygin.top import REGIME, Chaplygin
 from polhode.numbers import exact
+from polhode.numbers.private import mpf
 from shared import orbit_checks as checks
 
 F = Fraction

@@ -9,11 +9,10 @@ import random
 import re
 from pathlib import Path
 
-import mpmath
 import pytest
-from mpmath import mpf
 
 import polhode
+from polhode.numbers.private import mpf, mpmath
 
 PAGE = Path(polhode.__file__).parent / "errata.md"
 WORKING = 80

@@ -10,17 +10,16 @@ import math
 from fractions import Fraction
 from pathlib import Path
 
-import mpmath
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mpmath import mpf
 
 from polhode.closed_forms.attitude import angles as euler_angles
 from polhode.closed_forms.euler import attitude as euler_attitude
 from polhode.closed_forms.euler import motion
 from polhode.closed_forms.euler.top import EulerTop
 from polhode.numbers import exact
+from polhode.numbers.private import mpf, mpmath
 from shared import series
 from shared.closed_form_checks import (
     check_attitude,
@@ -532,4 +531,4 @@ def test_without_gamma_only_omega_is_known():
 def test_precision_in_force_is_left_alone():
     with mpmath.workprec(77):
         top_of("around C").angles([F(3)], 100)
-        assert mpmath.mp.prec == 77
+        assert mpmath.prec == 77

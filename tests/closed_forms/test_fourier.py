@@ -2,14 +2,13 @@
 
 from fractions import Fraction
 
-import mpmath
 import numpy as np
 import pytest
-from mpmath import mpf
 
 from polhode.closed_forms.functions import fourier, plane
 from polhode.closed_forms.functions.fourier import TooManyTerms, cosines, fixed, transform, waves
 from polhode.closed_forms.functions.panels import Panels
+from polhode.numbers.private import mpf, mpmath
 
 
 def test_the_fast_transform_is_the_sum():

@@ -12,9 +12,7 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
-import mpmath
 import pytest
-from mpmath import mpf
 
 from polhode.closed_forms import families
 from polhode.closed_forms.functions import fourier
@@ -33,6 +31,7 @@ from polhode.common.errors import BadInput
 from polhode.judging.reference import reference
 from polhode.numbers import exact
 from polhode.numbers.expression import number as read
+from polhode.numbers.private import mpf, mpmath
 from polhode.scenes import scene_file
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene

@@ -2,12 +2,11 @@
 
 from fractions import Fraction
 
-import mpmath
 import pytest
-from mpmath import mpf
 
 from polhode.closed_forms.grioli.top import REGIME, Grioli
 from polhode.numbers import exact
+from polhode.numbers.private import mpf, mpmath
 from shared import orbit_checks as checks
 from shared.closed_form_checks import fractions
 

@@ -10,9 +10,7 @@ import random
 from fractions import Fraction
 from pathlib import Path
 
-import mpmath
 import pytest
-from mpmath import mpf
 
 from polhode.closed_forms import families
 from polhode.closed_forms.hess import axes, conditions, explicit, general, series
@@ -22,6 +20,7 @@ from polhode.common.errors import BadInput
 from polhode.judging.reference import reference
 from polhode.numbers import exact
 from polhode.numbers.expression import number as read
+from polhode.numbers.private import mpf, mpmath
 from polhode.output.description import described
 from polhode.scenes import library
 from polhode.scenes.body import Body

@@ -1,10 +1,9 @@
 """Jacobi's functions and theta quotients against mpmath's own, which use other algorithms."""
 
-import mpmath
 import pytest
-from mpmath import mpf
 
 from polhode.closed_forms.functions.jacobi import MP, jacobi, numpy_functions, quotient
+from polhode.numbers.private import mpf, mpmath
 
 PARAMETERS = ["0", "1e-20", "0.3", "0.5", "0.7", "0.999", "1"]
 ARGUMENTS = ["0", "0.3", "-1.7", "7.3"]

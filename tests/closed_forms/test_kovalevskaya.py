@@ -9,10 +9,10 @@ import random
 from fractions import Fraction
 from pathlib import Path
 
-import mpmath
 import pytest
-from mpmath import mpc, mpf
+from mpmath import libmp
 
+import polhode
 from polhode.closed_forms.functions import riemann_theta
 from polhode.closed_forms.kovalevskaya import axes as top_axes
 from polhode.closed_forms.kovalevskaya import cayley_klein, generic
@@ -20,6 +20,8 @@ from polhode.closed_forms.kovalevskaya.abel import image
 from polhode.closed_forms.kovalevskaya.curve import curve
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers import exact
+from polhode.numbers.convert import exactly
+from polhode.numbers.private import mpc, mpf, mpmath
 from polhode.scenes.body import OWN_AXES, PrincipalAxes, cross, dot
 from shared import series
 from shared.closed_form_checks import belongs, fractions, in_band, in_scene, number, unwound
@@ -171,7 +173,7 @@ def test_one_frequency_motions(name):
     else:
         with mpmath.workdps(60):
             start = [[number(x) for x in (*fractions(omega), *fractions(gamma))]]
-        turned = exact.exact(F(*map(int, mpmath.libmp.to_rational(period._mpf_))))
+        turned = exact.exact(F(*map(int, libmp.to_rational(period._mpf_))))
         assert distance(top.at([turned], 45), start) < mpf(10) ** -44
         with mpmath.workdps(60):
             turn = top.frequencies(40)["body"] * period / (2 * mpmath.pi)
@@ -341,7 +343,7 @@ def test_frequencies_are_those_of_the_periods_of_the_curve(name):
 
 def variables(start):
     """The separation variables s1, s2 of a start, roots of q^2 s^2 + R s/2 + R1/4."""
-    (p, q, _), _ = start.numbers(mpmath.mp.prec)
+    (p, q, _), _ = start.numbers(mpmath.prec)
     H, m, b = (number(x) for x in (start.H, start.m, start.b))
     sg, pi = 2 * p, p * p + q * q
     R = -pi * pi + 2 * H * pi - 2 * m * sg + b
@@ -677,3 +679,18 @@ def test_a_corrupted_attitude_has_no_certificate(name, monkeypatch):
     monkeypatch.setattr(cayley_klein, name, lambda *a: shifted(old(*a)))
     with pytest.raises(ArithmeticError):
         top_of(*GENERIC["ee-e+"]).attitude([F(2)], 30)
+
+
+def test_a_start_1e_170_off_has_the_frequencies_of_one_1e_60_off():
+    """A place beyond the range of doubles gave "cannot convert float NaN to integer"."""
+    body = polhode.Body.of_moments((2, 2, 1), (1, 0, 0), 1)
+    far, near = (
+        polhode.reference(
+            polhode.Scene(body, (F(1, 2), F(1, 10**n), F(1, 3)), (F(3, 5), 0, F(4, 5)), times=(1,))
+        )
+        for n in (170, 60)
+    )
+    for name, value in far.frequencies.items():
+        assert abs(exactly(value) / exactly(near.frequencies[name]) - 1) < F(1, 10**48)
+    for one, other in zip(far.at([3], 50)[0], near.at([3], 50)[0], strict=True):
+        assert abs(exactly(one) - exactly(other)) < F(1, 10**48)

@@ -11,16 +11,15 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
-import mpmath
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mpmath import mpf
 
 from polhode.closed_forms.lagrange import axes as top_axes
 from polhode.closed_forms.lagrange import motion as lagrange_motion
 from polhode.closed_forms.lagrange.top import LagrangeTop
 from polhode.numbers import exact
+from polhode.numbers.private import mpf, mpmath
 from shared import series
 from shared.closed_form_checks import (
     belongs,
@@ -378,4 +377,4 @@ def test_close_to_the_vertical_nothing_is_lost():
 def test_precision_in_force_is_left_alone():
     with mpmath.workprec(77):
         top_of("nutation").angles([F(3)], 100)
-        assert mpmath.mp.prec == 77
+        assert mpmath.prec == 77

@@ -3,14 +3,13 @@
 import itertools
 from fractions import Fraction
 
-import mpmath
 import pytest
-from mpmath import mpf
 
 from polhode.closed_forms.attitude import angles as euler_angles
 from polhode.closed_forms.lagrange.attitude import LagrangeAttitude
 from polhode.closed_forms.lagrange.top import LagrangeTop
 from polhode.numbers import exact
+from polhode.numbers.private import mpf, mpmath
 from shared import series
 from shared.closed_form_checks import (
     check_attitude,

@@ -2,14 +2,13 @@
 
 from fractions import Fraction
 
-import mpmath
 import pytest
-from mpmath import mpf
 
 from polhode.closed_forms.functions.cosine_series import cosine_series, integral, integrated
 from polhode.closed_forms.functions.one_degree import one_degree, value
 from polhode.closed_forms.n_kowalewski.top import REGIME, NKowalewski
 from polhode.numbers import exact
+from polhode.numbers.private import mpf, mpmath
 from shared import orbit_checks as checks
 
 F = Fraction

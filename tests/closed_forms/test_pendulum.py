@@ -10,16 +10,15 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
-import mpmath
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from mpmath import mpf
 
 from polhode.closed_forms.pendulum import conditions
 from polhode.closed_forms.pendulum import top as pendulum
 from polhode.closed_forms.pendulum.top import Pendulum
 from polhode.numbers import exact
+from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import cross
 from shared import series
 from shared.closed_form_checks import (
@@ -706,7 +705,7 @@ def test_precision_in_force_is_left_alone():
         top.angles([F(3)], 100)
         top.at([F(3)], 100)
         top.period(100)
-        assert mpmath.mp.prec == 77
+        assert mpmath.prec == 77
 
 
 def test_the_axis_of_a_motion_released_is_that_of_the_moment():

@@ -3,12 +3,11 @@
 import itertools
 from fractions import Fraction
 
-import mpmath
 import pytest
-from mpmath import mpc, mpf
 
 from polhode.closed_forms.steklov.top import REGIMES, Steklov
 from polhode.numbers import exact
+from polhode.numbers.private import mpc, mpf, mpmath
 from shared import orbit_checks as checks
 
 F = Fraction

@@ -8,7 +8,6 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-import mpmath
 import pytest
 from flint import arb, ctx
 
@@ -17,6 +16,7 @@ from polhode.enclosures import crossings, fixed, march, zonotope
 from polhode.enclosures.events import certify_events
 from polhode.enclosures.polynomial import constant, rate, variable
 from polhode.numbers.convert import exactly
+from polhode.numbers.private import mpmath
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Event, Scene
 from shared import enclosure_trials as trials

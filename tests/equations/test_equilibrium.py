@@ -83,7 +83,7 @@ def test_a_hair_off_is_a_motion(name):
 @pytest.mark.parametrize("end", [500, -500])
 def test_a_permanent_rotation_turns_uniformly(number, end):
     """psi grows like |w| t; the quaternion keeps its length, and gamma is the one it says."""
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     scene = replace(staude(), psi=F(1, 3), outputs=("angles", "attitude"))
     run = polhode.integrate(scene, number, at=[0, end])

@@ -6,7 +6,6 @@ import json
 from dataclasses import replace
 from fractions import Fraction
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -16,6 +15,7 @@ from polhode.equations.form import equations, source
 from polhode.judging.digits import worst_digits
 from polhode.numbers import convert, number_types
 from polhode.numbers.convert import exactly
+from polhode.numbers.private import mpmath
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Event, Scene
 from polhode.scenes.words import FORMS

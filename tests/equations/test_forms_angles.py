@@ -7,17 +7,16 @@ rotation matrix R = Rz(psi) Rx(theta) Rz(phi) and every derivative of L numerica
 from dataclasses import replace
 from fractions import Fraction
 
-import mpmath
 import pytest
 from hypothesis import given, reject, settings
 from hypothesis import strategies as st
-from mpmath import mpf
 
 import polhode
 from polhode.common.errors import BadInput
 from polhode.equations.forms import hamiltonian, lagrangian, routhian
 from polhode.numbers.convert import to_mpf
 from polhode.numbers.number_types import DOUBLE, mp
+from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import Outcome

@@ -4,7 +4,6 @@ quaternion.  Judged against the vector equations with the full inertia matrix, a
 from dataclasses import replace
 from fractions import Fraction
 
-import mpmath
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -14,6 +13,7 @@ from polhode.equations.form import equations
 from polhode.equations.forms import matrices
 from polhode.numbers.convert import exactly
 from polhode.numbers.exact import sign
+from polhode.numbers.private import mpmath
 from polhode.scenes.body import Body, cross, dot
 from polhode.scenes.scene import Scene
 from shared import form_trials as trials

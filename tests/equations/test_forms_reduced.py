@@ -4,11 +4,9 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 
-import mpmath
 import pytest
 from hypothesis import given, reject, settings
 from hypothesis import strategies as st
-from mpmath import mpf
 
 import polhode
 from polhode.common.errors import BadInput
@@ -16,6 +14,7 @@ from polhode.equations.forms import momentum_only, omega_only
 from polhode.equations.forms.without_gamma import gamma_from_omega
 from polhode.numbers.convert import to_mpf
 from polhode.numbers.number_types import DOUBLE, mp
+from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import Outcome

@@ -7,7 +7,6 @@ import json
 from dataclasses import replace
 from fractions import Fraction
 
-import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -20,6 +19,7 @@ from polhode.judging import rolling
 from polhode.numbers import number_types
 from polhode.numbers.convert import exactly, to_extended, to_mpf
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
+from polhode.numbers.private import mpmath
 
 NUMBERS = ("double", "extended", "quad", "mp")
 TOPS = ("euler/largest-axis", "lagrange/turned-axes", "kovalevskaya/generic", "pendulum/librating")

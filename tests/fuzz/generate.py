@@ -217,7 +217,8 @@ def command(random: Random) -> list[str]:
 def call(random: Random, scene: polhode.Scene) -> tuple[str, Callable[[], Any]]:
     """A call of the front door with one or two arguments that are wrong, and how it is written."""
     import numpy as np
-    from mpmath import mpf
+
+    from polhode.numbers.private import mpf
 
     hostile = values.python(np.array, mpf)
     good: dict[str, tuple[list[Any], dict[str, Any]]] = {

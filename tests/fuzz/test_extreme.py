@@ -10,11 +10,10 @@ from __future__ import annotations
 from fractions import Fraction
 from random import Random
 
-import mpmath
 import pytest
-from mpmath import mpf
 
 import polhode
+from polhode.numbers.private import mpf, mpmath
 from shared import series
 
 DIGITS = 25

@@ -8,7 +8,6 @@ import math
 from dataclasses import replace
 from fractions import Fraction
 
-import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -23,6 +22,7 @@ from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.digits import rate_scale
 from polhode.judging.rounding import Band
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
+from polhode.numbers.private import mpmath
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor.build import build

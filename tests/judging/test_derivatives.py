@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-import mpmath
 import pytest
 
 from polhode.judging.derivatives import derivative_weights
 from polhode.numbers.convert import to_mpf
+from polhode.numbers.private import mpmath
 
 EVEN = [Fraction(k, 8) for k in range(-3, 4)]
 UNEVEN = [Fraction(x) for x in ("-1/3", "0", "1/7", "1/2", "4/5", "6/5", "3")]

@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 from fractions import Fraction
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -17,6 +16,7 @@ from polhode.judging import digits as correct_digits
 from polhode.judging.reference import Reference, TwoPrecisions
 from polhode.numbers import exact, number_types
 from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.private import mpmath
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
 from polhode.scenes.words import STATE

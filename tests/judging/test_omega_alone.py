@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 from fractions import Fraction
 
-import mpmath
 import pytest
 
 import polhode
 from polhode import cli
 from polhode.judging.omega_alone import SAMPLES, omega_alone
+from polhode.numbers.private import mpmath
 
 BITS = 150
 

@@ -6,7 +6,6 @@ import math
 from fractions import Fraction
 from operator import add, mul, sub, truediv
 
-import mpmath
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -26,6 +25,7 @@ from polhode.numbers.exact import (
     sin,
 )
 from polhode.numbers.exact import sqrt as root
+from polhode.numbers.private import mpmath
 
 TWO, THREE, SIX = Fraction(2), Fraction(3), Fraction(6)
 BITS = [1, 2, 8, 24, 53, 64, 113, 333]

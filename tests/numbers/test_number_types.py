@@ -6,7 +6,6 @@ import decimal
 import math
 from fractions import Fraction
 
-import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -17,6 +16,7 @@ from polhode.numbers.convert import exactly
 from polhode.numbers.decimals import decimal_in_full, decimal_string
 from polhode.numbers.expression import decimal as read_decimal
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType, for_digits
+from polhode.numbers.private import mpmath
 
 TYPES = [DOUBLE, EXTENDED, QUAD, number_types.mp(1), number_types.mp(50), NumberType("mp", 1000)]
 wide = pytest.mark.skipif(np.finfo(np.longdouble).nmant != 63, reason="no 80-bit long double here")

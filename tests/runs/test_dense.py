@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-import mpmath
 import numpy as np
 import pytest
 
 import polhode
 from polhode.numbers import number_types
 from polhode.numbers.convert import exactly
+from polhode.numbers.private import mpmath
 from polhode.scenes import scene_file
 from shared.motions import heavy
 from shared.policies import change_policy

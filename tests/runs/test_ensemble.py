@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode.numbers.convert import exactly
-from polhode.runs import sweep
+from polhode.runs import sweep_plan
 from polhode.scenes import scene_file, vary
 from polhode.taylor import batches
 from polhode.taylor.outcomes import Outcome
@@ -228,7 +228,7 @@ def test_events_are_refused():
 
 
 def test_too_many_numbers_are_refused(monkeypatch):
-    monkeypatch.setattr(sweep, "MAX_NUMBERS", 100)
+    monkeypatch.setattr(sweep_plan, "MAX_NUMBERS", 100)
     with pytest.raises(polhode.BadInput, match="4 members at 5 times: expected at most 100"):
         polhode.integrate_many(heavy(), {"body.weight": "0:1:4"})
 
@@ -406,7 +406,7 @@ def test_ctrl_c_with_an_executor_keeps_what_is_finished():
 def test_a_job_is_plain_data():
     import pickle
 
-    plan = sweep._plan(heavy(), {"body.weight": ["sqrt(2)"]}, None, None, None, None)
+    plan = sweep_plan.planned(heavy(), {"body.weight": ["sqrt(2)"]}, None, None, None, None)
     lane = plan.lanes[0]
     assert all(isinstance(x, Fraction) for x in (*lane.coefficients, *lane.start))
     assert pickle.loads(pickle.dumps(lane)) == lane

@@ -12,7 +12,6 @@ import time
 from dataclasses import replace
 from fractions import Fraction
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -22,6 +21,7 @@ from polhode.equations.system import System, system
 from polhode.numbers import convert, number_types
 from polhode.numbers.convert import exactly
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType
+from polhode.numbers.private import mpmath
 from polhode.taylor import heyoka_numbers, policy
 from polhode.taylor.build import build
 from polhode.taylor.integrator import Integrator

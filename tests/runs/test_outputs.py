@@ -6,12 +6,12 @@ import math
 from dataclasses import replace
 from fractions import Fraction
 
-import mpmath
 import pytest
 
 import polhode
 from polhode.numbers import convert
 from polhode.numbers.convert import exactly
+from polhode.numbers.private import mpmath
 from polhode.scenes import library
 from shared.policies import change_policy
 

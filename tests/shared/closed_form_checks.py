@@ -3,11 +3,9 @@
 import itertools
 from fractions import Fraction
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers import exact
+from polhode.numbers.private import mpf, mpmath
 
 
 def fractions(row):
@@ -16,7 +14,7 @@ def fractions(row):
 
 def number(x):
     """An exact number as mpf, at the precision in force."""
-    return mpf(exact.rounded(x, mpmath.mp.prec))
+    return mpf(exact.rounded(x, mpmath.prec))
 
 
 def belongs(fits):

@@ -10,8 +10,7 @@ solution over a length at which its last terms are below the precision.
 import math
 from operator import mul
 
-import mpmath
-from mpmath import mpf
+from polhode.numbers.private import mpf, mpmath
 
 CYCLE = ((1, 2), (2, 0), (0, 1))
 

@@ -6,12 +6,11 @@ gamma' = gamma x w, written here with the full inertia matrix.
 
 from fractions import Fraction
 
-import mpmath
 from hypothesis import strategies as st
-from mpmath import mpf
 
 from polhode.numbers.convert import to_mpf
 from polhode.numbers.number_types import DOUBLE, mp
+from polhode.numbers.private import mpf, mpmath
 from polhode.numbers.scalars import Functions
 from polhode.scenes.body import OWN_AXES, Body
 from polhode.scenes.scene import Scene

@@ -2,9 +2,8 @@
 
 from fractions import Fraction
 
-import mpmath
-
 from polhode.closed_forms.lagrange.top import LagrangeTop
+from polhode.numbers.private import mpmath
 from shared.closed_form_checks import fractions, number
 
 F = Fraction

@@ -11,14 +11,13 @@ import random
 from fractions import Fraction
 from pathlib import Path
 
-import mpmath
 import pytest
-from mpmath import mpf
 
 from polhode.closed_forms.attitude.normal_form import shortfall
 from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers import exact
 from polhode.numbers.expression import number as parsed
+from polhode.numbers.private import mpf, mpmath
 from shared import fast_series
 from shared.closed_form_checks import distance, number
 

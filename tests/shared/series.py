@@ -14,8 +14,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-import mpmath
-from mpmath import mpf
+from polhode.numbers.private import mpf, mpmath
 
 Matrix = Sequence[Sequence[Any]]
 
@@ -46,7 +45,7 @@ def integrate(
             inertia = [[x if i == j else 0 for j in range(3)] for i, x in enumerate(inertia)]
         tensor = mpmath.matrix([[number(x) for x in row] for row in inertia])
         body = (tensor.tolist(), (tensor**-1).tolist(), [number(x) for x in torque])
-        order = int(1.15 * mpmath.mp.prec * 0.69 / 2) + 10  # terms fall as e^-2
+        order = int(1.15 * mpmath.prec * 0.69 / 2) + 10  # terms fall as e^-2
         now, rows = mpf(0), []
         for time in map(number, times):
             while now != time:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-import mpmath
 import pytest
 
 import polhode
 from polhode.equations.equilibrium import at_rest
 from polhode.numbers import exact, number_types
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
+from polhode.numbers.private import mpmath
 from polhode.scenes import library
 from polhode.studies import report
 from polhode.studies.page.blocks import PageTable

@@ -9,7 +9,6 @@ import sys
 from dataclasses import replace
 from fractions import Fraction
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -17,6 +16,7 @@ import polhode
 from polhode.numbers import number_types
 from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
+from polhode.numbers.private import mpmath
 from polhode.scenes import columns, scene_file
 from polhode.scenes.scene import Event
 from polhode.taylor.outcomes import Outcome

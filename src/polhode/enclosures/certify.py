@@ -9,7 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from flint import arb, ctx
+from flint import arb
 
 from polhode.common.errors import BadInput
 from polhode.enclosures import conserved, fixed, march, pilot
@@ -17,6 +17,7 @@ from polhode.enclosures.fixed import MOST_NOISE, Motion, Refused, motion, upper
 from polhode.enclosures.polynomial import ball
 from polhode.enclosures.result import Enclosure
 from polhode.numbers import exact
+from polhode.numbers.balls import ctx
 from polhode.numbers.convert import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign

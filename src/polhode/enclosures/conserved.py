@@ -23,7 +23,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb
 
 from polhode.enclosures.bound import TINY, gamma
 from polhode.enclosures.fixed import UP, Motion, Problem, upper
@@ -37,6 +37,7 @@ from polhode.enclosures.polynomial import (
 )
 from polhode.enclosures.zonotope import State
 from polhode.numbers import exact
+from polhode.numbers.balls import ctx
 
 
 class Contradiction(AssertionError):

@@ -21,13 +21,14 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from flint import arb, arb_poly, ctx
+from flint import arb, arb_poly
 
 from polhode.enclosures.bound import Bounds
 from polhode.enclosures.conserved import Contradiction
 from polhode.enclosures.fixed import CLOCK, UP
 from polhode.enclosures.polynomial import BallPolynomial
 from polhode.enclosures.zonotope import Step, around
+from polhode.numbers.balls import ctx
 
 GRAIN = 48  # ends of intervals are integers times 2**-GRAIN of a step
 WHOLE = 1 << GRAIN

@@ -20,10 +20,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, ctx, fmpz
+from flint import arb, fmpz
 
 from polhode.enclosures.polynomial import Polynomial, ball, total, variable
 from polhode.numbers import exact
+from polhode.numbers.balls import ctx
 from polhode.numbers.exact import Exact, sign
 from polhode.scenes.body import dot
 from polhode.scenes.scene import Scene

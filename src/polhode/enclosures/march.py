@@ -10,12 +10,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from flint import arb, ctx
+from flint import arb
 
 from polhode.enclosures import approximate, bound, conserved, correction, pieces, zonotope
 from polhode.enclosures.crossings import Search
 from polhode.enclosures.fixed import CLOCK, TIME_BITS, Problem, Refused
 from polhode.enclosures.zonotope import State
+from polhode.numbers.balls import ctx
 
 _LOST = -34  # a correction above 2**_LOST: the approximation has lost the motion
 _FEWEST, _FIRST = 4, 32

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from flint import arb, ctx, fmpq
+from flint import arb, fmpq
 
 from polhode.numbers import exact
+from polhode.numbers.balls import ctx
 from polhode.numbers.exact import Exact
 
 SIZE = 6

@@ -13,6 +13,7 @@ from polhode.common.values import ByValue
 from polhode.numbers.convert import to_mpf
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
+from polhode.numbers.private import ordinary
 from polhode.scenes.scene import Scene
 
 
@@ -51,7 +52,7 @@ class Enclosure(ByValue):
     def midpoints(self) -> list[list[Any]]:
         """The midpoints as mpf, exact: rows of six (of three without gamma)."""
         bits = self.noise + 128
-        return [[to_mpf(x, bits) for x in row] for row in self.centres]
+        return [[ordinary(to_mpf(x, bits)) for x in row] for row in self.centres]
 
     @property
     def reached(self) -> bool:

@@ -31,10 +31,11 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from flint import arb, arb_poly, ctx, fmpz
+from flint import arb, arb_poly, fmpz
 
 from polhode.enclosures.bound import TINY, Bounds, difference, gamma, gaps
 from polhode.enclosures.fixed import CLOCK, TIME_BITS, UP, Problem, Refused, upper
+from polhode.numbers.balls import ctx
 
 SETTLED = 24
 MOST_COLUMNS = 80_000  # sums of more would need more than UP for their rounding

@@ -51,7 +51,7 @@ def in_space(attitude: Rows, vectors: Rows, number: NumberType) -> Rows:
 
         quaternion, vector = (np.asarray(x, dtype=np.longdouble).T for x in (attitude, vectors))
         return np.array(turned(quaternion, vector)).T.astype(np.float64)
-    import mpmath
+    from polhode.numbers.private import mpmath, ordinary
 
     wide = number.bits + GUARD_BITS
     with mpmath.workprec(wide):
@@ -65,7 +65,7 @@ def in_space(attitude: Rows, vectors: Rows, number: NumberType) -> Rows:
         kind, to = (np.float64, float) if number.name == "double" else (np.longdouble, to_extended)
         return np.array([[to(exactly(x)) for x in row] for row in rows], dtype=kind)
     with mpmath.workprec(number.bits):
-        return [[+x for x in row] for row in rows]
+        return [ordinary([+x for x in row]) for row in rows]
 
 
 def turned(quaternion: Row, vector: Row) -> list[Scalar]:

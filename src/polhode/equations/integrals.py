@@ -192,7 +192,7 @@ def drift(scene: Scene, states: Rows, bits: int) -> Drift:
         columns = list(states.astype(np.longdouble).T)
         departures = _departures(scene, [columns], to_extended)[0]
         return _named(scene, [float(np.max(np.abs(d))) for d in departures])
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     precision = bits + GUARD_BITS
     with mpmath.workprec(precision):

@@ -99,7 +99,7 @@ def angles_off_the_pole(
     psi + phi = 2 arg(q0 + i q3) and psi - phi = 2 arg(q1 + i q2): the former is continuous over the
     upper pole, the latter over the lower one.
     """
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     with mpmath.workprec(bits + 16):
         q0, q1, q2, q3, g1, g2, g3 = (to_mpf(exactly(x), bits) for x in (*quaternion, *gamma))

@@ -42,9 +42,9 @@ class Readout:
             if exponent:
                 turned[:, :3] = np.ldexp(turned[:, :3], exponent)
             return turned
-        import mpmath
+        from polhode.numbers.private import mpmath, ordinary
 
-        return [[mpmath.ldexp(x, exponent) for x in row[:3]] + row[3:] for row in turned]
+        return [ordinary([mpmath.ldexp(x, exponent) for x in row[:3]] + row[3:]) for row in turned]
 
     def attitude(self, rows: Sequence[Row]) -> Rows | None:
         """q0 q1 q2 q3, if asked for or needed."""
@@ -59,17 +59,20 @@ class Readout:
             return None
         states = self.states(rows)
         fn = self._functions
-        import mpmath
+        from polhode.numbers.private import mpmath, ordinary, own
 
         first = len(self.form.variables) + (
             len(ATTITUDE) if "attitude" in self.scene.modelled else 0
         )
+        if not self.number.flat:
+            states, rows = own(states), own(list(rows))
         with mpmath.workprec(self.number.bits):
-            return [
+            found = [
                 # a motion that stays at a pole has no psi and phi among its variables
                 angles(state[3:], row[first : first + 2] if len(row) > first else (0, 0), fn)
                 for state, row in zip(states, rows, strict=True)
             ]
+        return found if self.number.flat else ordinary(found)
 
     @cached_property
     def _functions(self) -> AngleFunctions:
@@ -78,7 +81,7 @@ class Readout:
 
             pi = 4 * np.arctan(np.ones(1, dtype=self._kind))[0]
             return AngleFunctions(np.hypot, np.arctan2, pi, np.rint)
-        import mpmath
+        from polhode.numbers.private import mpmath
 
         return AngleFunctions(mpmath.hypot, mpmath.atan2, mpmath.pi, mpmath.nint)
 
@@ -99,7 +102,7 @@ class Readout:
         """Rows of omega and gamma in scene axes and the run's unit, rounded once at the end."""
         if self.number.name == "double":
             return self._in_extended(rows)
-        import mpmath
+        from polhode.numbers.private import mpmath
 
         bits = self.number.bits + GUARD_BITS
         with mpmath.workprec(bits):
@@ -116,7 +119,7 @@ class Readout:
 
     def _turned(self, found: Sequence[Sequence[Row]], bits: int) -> list[list[Value]]:
         """Pairs of omega and gamma, one after the other, turned and rounded to the run's type."""
-        import mpmath
+        from polhode.numbers.private import mpmath
 
         axes = self.form.axes
         with mpmath.workprec(self.number.bits):

@@ -108,6 +108,7 @@ def _departures(row: Callable[[int], Any], count: int, scene: Scene, bits: int) 
 
 
 def _log10(values: Sequence[Any]) -> Any:
-    import mpmath
+    from polhode.numbers.private import mpmath
 
-    return np.array([float(mpmath.log10(x)) if x else math.nan for x in values])
+    with mpmath.workprec(53):
+        return np.array([float(mpmath.log10(x)) if x else math.nan for x in values])

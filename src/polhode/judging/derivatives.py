@@ -8,7 +8,7 @@ from typing import Any
 
 def derivative_weights(nodes: Sequence[Any]) -> list[Any]:
     """Weights of the derivative at the middle node of the polynomial through all of them (mpf)."""
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     middle = len(nodes) // 2
     scale = [

@@ -19,7 +19,7 @@ from polhode.scenes.scene import Scene
 
 def rate_scale(rows: Sequence[Sequence[Any]], scene: Scene, bits: int) -> Any:
     """What errors of w are relative to: the largest |w| of the reference, as mpf."""
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     with mpmath.workprec(bits):
         largest = max((mpmath.hypot(mpmath.hypot(r[0], r[1]), r[2]) for r in rows), default=0)
@@ -34,7 +34,7 @@ def errors(states: Any, reference: Sequence[Sequence[Any]], scale: Any, bits: in
 
     ``states``: rows as long as those of ``reference``; an entry None is not judged.
     """
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     with mpmath.workprec(bits):
         found = []
@@ -51,17 +51,14 @@ def errors(states: Any, reference: Sequence[Sequence[Any]], scale: Any, bits: in
 
 def digits_of(error: Any, cap: float) -> float:
     """-log10 of an error, never more than ``cap`` and never less than 0."""
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     if not mpmath.isfinite(error):
         return 0.0
     if error == 0:
         return cap
-    return (
-        min(cap, max(0.0, -float(mpmath.log10(error))))
-        if cap < math.inf
-        else max(0.0, -float(mpmath.log10(error)))
-    )
+    with mpmath.workprec(53):
+        return min(cap, max(0.0, -float(mpmath.log10(error))))
 
 
 def worst_digits(states: Any, reference: Any, scene: Scene, cap: float) -> float:

@@ -285,7 +285,7 @@ class Judgement(ByValue):
         return max(self._part_digits(own, true, s) for s in signs)
 
     def _part_digits(self, own: Any, true: list[Any], side: int) -> float:
-        import mpmath
+        from polhode.numbers.private import mpmath
 
         worst = self.subject.held
         with mpmath.workprec(self._bits):

@@ -55,7 +55,7 @@ def omega_alone(
 
     ``reference``: its states at these times.  Times need not be in order, but different.
     """
-    import mpmath
+    from polhode.numbers.private import mpmath, own
 
     allowed = scene.gamma is not None and not is_zero(scene.body.torque)
     if not allowed or len(set(times)) != len(times) or len(times) < SAMPLES:
@@ -63,6 +63,7 @@ def omega_alone(
     order = sorted(range(len(times)), key=times.__getitem__)
     half, states, off, worst = SAMPLES // 2, [], mpmath.mpf(0), mpmath.mpf(0)
     with mpmath.workprec(bits):
+        omega = [own(list(row)) for row in omega]
 
         def number(x: Any) -> Any:
             return to_mpf(x, bits)
@@ -81,7 +82,7 @@ def omega_alone(
             )
             states.append([*omega[here], *near])
             off = max(off, *(abs(x - y) for x, y in zip(near, rough, strict=True)))
-            true = reference[here][3:]
+            true = own(list(reference[here][3:]))
             worst = max(worst, *(abs(x - y) for x, y in zip(near, true, strict=True)))
     cap = bits * 0.3
     return OmegaAlone(digits_of(worst, cap), digits_of(off, cap), drift(scene, states, bits))

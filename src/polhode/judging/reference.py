@@ -21,11 +21,13 @@ from polhode.judging.digits import errors, rate_scale, worst_digits
 from polhode.numbers import exact, number_types
 from polhode.numbers.convert import exact_number
 from polhode.numbers.exact import Exact
+from polhode.numbers.private import mpmath, ordinary
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.tops import kind_of_body
 
 MAX_LOG10_ANGLE = 100
+ROUGH = 53  # bits in which a closed form plans; it computes with more
 MOST_ASKED = number_types.MAX_DIGITS + 1000  # those for users and what judging them spares
 
 
@@ -94,7 +96,7 @@ class Reference:
         rows, finer = self.at(times, digits), self.at(times, digits + 15)
         bits = number_types.bits_for(digits + 40)
         scale = rate_scale(finer, self.scene, bits)
-        return max(errors(rows, finer, scale, bits))
+        return ordinary(max(errors(rows, finer, scale, bits)))
 
     @property
     def conditions(self) -> tuple[str, ...]:
@@ -121,7 +123,8 @@ class Reference:
     def _told(self, answer: Callable[[], Any]) -> Any:
         """An answer of the closed form; raises BadInput where it has none."""
         try:
-            return answer()
+            with mpmath.workprec(ROUGH):  # one question at a time; each sets what it needs
+                return ordinary(answer())
         except BadInput:
             raise
         except (ValueError, ArithmeticError) as fault:
@@ -265,7 +268,8 @@ def reference(scene: Scene | str | Path) -> Reference | Certified | TwoPrecision
         return TwoPrecisions(scene)
     if scene.reference == "certified":
         return Certified(scene)
-    found = closed_form(scene, scene.reference)
+    with mpmath.workprec(ROUGH):
+        found = closed_form(scene, scene.reference)
     if found is not None:
         return Reference(scene, *found)
     if scene.reference != "auto":

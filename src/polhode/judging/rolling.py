@@ -39,7 +39,7 @@ def omega_rate(body: Body, omega: Sequence[Any], gamma: Sequence[Any], bits: int
 
     Written in vectors, apart from the forms that are integrated.
     """
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     with mpmath.workprec(bits):
         x, y, z = ([to_mpf(entry, bits) for entry in row] for row in body.inertia)
@@ -68,8 +68,7 @@ def rolling(run: Trajectory) -> Rolling:
     >>> 1e-33 < polhode.rolling(run).tangent < 1e-30
     True
     """
-    import mpmath
-
+    from polhode.numbers.private import mpmath
     from polhode.runs.trajectory import Trajectory
 
     of_kind("rolling", "run", run, Trajectory, "a Trajectory")
@@ -102,7 +101,7 @@ def rolling(run: Trajectory) -> Rolling:
 
 
 def _length(vector: Sequence[Any]) -> Any:
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     return mpmath.sqrt(mpmath.fsum(x * x for x in vector))
 

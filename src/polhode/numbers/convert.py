@@ -25,7 +25,11 @@ def number_value(x: Number, number: NumberType) -> Value:
     """The number nearest to x of the kind that a trajectory holds: float, longdouble or mpf."""
     if number.name == "double":
         return to_double(x)
-    return to_extended(x) if number.name == "extended" else to_mpf(x, number.bits)
+    if number.name == "extended":
+        return to_extended(x)
+    from polhode.numbers.private import ordinary
+
+    return ordinary(to_mpf(x, number.bits))
 
 
 def to_double(x: Number) -> float:
@@ -49,11 +53,13 @@ def to_extended(x: Number) -> Value:
 
 
 def to_mpf(x: Number, bits: int) -> Value:
-    """The nearest binary number of so many bits, as an mpmath mpf."""
-    from mpmath import libmp, mp
+    """The nearest binary number of so many bits, to be computed with: polhode's own mpf."""
+    from mpmath import libmp
+
+    from polhode.numbers.private import mpmath
 
     mantissa, exponent = exact.rounded(x, bits)
-    return mp.make_mpf(libmp.from_man_exp(mantissa, exponent))
+    return mpmath.make_mpf(libmp.from_man_exp(mantissa, exponent))
 
 
 def exactly(value: Any) -> Fraction:

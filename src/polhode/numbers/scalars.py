@@ -41,7 +41,7 @@ FLOATS = Functions(0.0, math.sin, math.cos, math.sqrt)
 
 def of_mpmath() -> Functions:
     """Of mpmath's numbers, to the precision at which they are called."""
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     return Functions(mpmath.mpf(0), mpmath.sin, mpmath.cos, mpmath.sqrt)
 

@@ -88,7 +88,7 @@ def _frequencies(reference: Reference) -> dict[str, Any]:
 
 def _curve(found: dict[str, Any]) -> dict[str, Any]:
     """The curve of a Kovalevskaya top, in time units of 2**-exponent, to 17 digits."""
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     def text(x: Any) -> str:
         return str(mpmath.nstr(x, 17))

@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import mpmath
-
 from polhode.numbers import number_types
+from polhode.numbers.private import mpmath, ordinary, own
 
 _SPARE = 4  # digits beyond the last printed one: the last is then right to 0.5001 of its unit
 
@@ -47,5 +46,8 @@ def _zero_or(coarse: Any, fine: Any, digits: int) -> Any:
     """The finer value; 0 where it is below what was asked for first and shares no digit with it."""
     if not fine or not coarse:
         return fine
-    small = mpmath.mag(coarse) < -digits / number_types.LOG10_2 + 8
-    return fine * 0 if small and abs(coarse - fine) > abs(fine) / 2 else fine
+    if mpmath.mag(coarse) >= -digits / number_types.LOG10_2 + 8:
+        return fine
+    with mpmath.workprec(53):
+        alike = abs(own(coarse) - own(fine)) <= abs(own(fine)) / 2
+    return fine if alike else ordinary(mpmath.mpf(0))

@@ -49,6 +49,11 @@ def check_path(path: Path, inputs: Sequence[Path | None] = ()) -> None:
         check_writable(path, [".npz", ".csv"], inputs)
 
 
+def parts_of(path: Path) -> Path | None:
+    """The folder beside an output in which a sweep keeps what is done; None beside a stream."""
+    return None if is_stream(path) else path.with_name(path.name + ".parts")
+
+
 def write(path: Path, found: Ensemble) -> None:
     """Write an ensemble whole, by the path's ending; raises BadInput.
 

@@ -92,14 +92,15 @@ class Dense:
 
     def _moved(self, row: Row, by: Fraction, what: System) -> Row:
         """A row moved on by less than the last bit of its time."""
-        import mpmath
+        from polhode.numbers.private import mpmath, ordinary, own
 
         with mpmath.workprec(self.number.bits):
-            k = {name: number_value(x, self.number) for name, x in what.coefficients.items()}
-            zero, step = (number_value(x, self.number) for x in (Fraction(0), by))
+            k = {name: own(number_value(x, self.number)) for name, x in what.coefficients.items()}
+            zero, step = (own(number_value(x, self.number)) for x in (Fraction(0), by))
             fn = of_mpmath()._replace(zero=zero)
-            rates = what.field(list(row), k, fn)
-            return [x + step * rate for x, rate in zip(row, rates, strict=True)]
+            state = [own(x) for x in row]
+            rates = what.field(state, k, fn)
+            return [ordinary(x + step * rate) for x, rate in zip(state, rates, strict=True)]
 
     def _pieces(self, index: int) -> Sequence[Piece]:
         """A chunk's polynomials; those used last are kept."""

@@ -22,13 +22,12 @@ def check(text: str, names: tuple[str, ...]) -> None:
 
 def value(text: str, columns: Mapping[str, Any], bits: int) -> Any:
     """The value of an expression at one instant, its columns given as mpf, to so many bits."""
-    import mpmath
+    from polhode.numbers.private import mpmath, own
 
     functions = {"sqrt": mpmath.sqrt, "sin": mpmath.sin, "cos": mpmath.cos}
+    given = {name: own(x) for name, x in columns.items()}
     with mpmath.workprec(bits):
-        found = expression.evaluate(
-            text, columns, Algebra(lambda x: to_mpf(x, bits + 8), functions)
-        )
+        found = expression.evaluate(text, given, Algebra(lambda x: to_mpf(x, bits + 8), functions))
         return found if isinstance(found, mpmath.mpf) else to_mpf(found, bits)
 
 

@@ -42,7 +42,7 @@ class Size:
 
 def size(text: str, columns: Mapping[str, Size]) -> Size:
     """The size of an expression in columns of these sizes (a quotient's: that of its parts)."""
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     def root(x: Size) -> Size:
         value = mpmath.sqrt(x.value)
@@ -103,7 +103,7 @@ def middle_axis(scene: Scene) -> int:
 
 def size_of(scene: Scene, event: Event) -> Size:
     """How large an event's expression and its rate, per unit of the run's time, can be."""
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     unit = Fraction(2) ** scene.time_unit
     spin2 = dot(scene.omega, scene.omega) + 4 * scene.pendulum_rate_squared

@@ -73,10 +73,10 @@ def numbers(row: Row, number: NumberType) -> Row:
     """A row of heyoka's numbers as a trajectory holds them: an array, or mpf above extended."""
     if number.flat:
         return row
-    import mpmath
+    from polhode.numbers.private import mpmath, ordinary
 
     with mpmath.workprec(number.bits):
-        return [mpmath.mpf(str(x)) for x in row]
+        return [ordinary(mpmath.mpf(str(x))) for x in row]
 
 
 _TYPES: dict[str, Callable[[NumberType], dict[str, Any]]] = {
@@ -104,7 +104,7 @@ def as_fraction(value: HeyokaNumber, number: NumberType) -> Fraction:
     """The exact value of a number of heyoka's."""
     if number.flat:
         return exactly(value)
-    import mpmath
+    from polhode.numbers.private import mpmath
 
     with mpmath.workprec(number.bits):
         return exactly(mpmath.mpf(str(value)))

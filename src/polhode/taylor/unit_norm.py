@@ -40,7 +40,7 @@ class UnitNorm:
 
     def correct(self, state: Row) -> bool:
         """Correct a state where it stands, in heyoka's numbers."""
-        import mpmath
+        from polhode.numbers.private import mpmath
 
         bits = self.number.bits + _GUARD_BITS
         places = range(*self.which.indices(len(state)))

@@ -37,7 +37,8 @@ def options(parser: ArgumentParser) -> None:
         help="a number of the scene file, such as start.omega[1] or body.weight, and N values for "
         "it evenly spaced, or KEY=a,b,c; several: every combination",
     )
-    parser.add_argument("--digits", type=whole, help="digits wanted; they choose the number type")
+    digits = "digits wanted; they choose the number type, by the fastest member; not checked"
+    parser.add_argument("--digits", type=whole, help=digits)
     parser.add_argument("--number", help="double (default), extended, quad or mp")
     parser.add_argument("--at", metavar="T,T...", help="output times instead of the scene's")
     parser.add_argument(
@@ -45,7 +46,8 @@ def options(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--max-steps", type=positive, metavar="N", help="limit on a member's steps")
     parser.add_argument("--workers", type=positive, metavar="N", help="threads (all cores)")
-    parser.add_argument("-o", dest="file", metavar="FILE", help="write FILE.npz or FILE.csv")
+    output = "write FILE.npz or FILE.csv; a killed sweep, given again, goes on from FILE.npz.parts"
+    parser.add_argument("-o", dest="file", metavar="FILE", help=output)
 
 
 def main(options: Namespace) -> int:
@@ -76,10 +78,13 @@ def main(options: Namespace) -> int:
             tol=options.tol,
             max_steps=options.max_steps,
             workers=options.workers,
+            parts=None if path is None else sweeps.parts_of(path),
             progress=lambda fraction, done: progress.say(f"{100 * fraction:.1f} %, {done} members"),
         )
     if path is not None:
         sweeps.write(path, found)
+        if found.parts is not None and not found.interrupted:
+            found.parts.remove()
     if options.json:
         print_json(sweeps.of_ensemble(found))
     elif path is None:
@@ -97,5 +102,7 @@ def main(options: Namespace) -> int:
             first = found.outcomes.index(outcome)
             note(f"polhode: {found.members[first].name}: {outcome.cause}{advice}")
     if found.interrupted:
+        if found.parts is not None:
+            note(f"polhode: the same command goes on from {found.parts.folder}")
         return INTERRUPTED
     return DONE if found.done else NOT_REACHED

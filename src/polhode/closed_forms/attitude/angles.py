@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.quaternion import Quaternion, direction
 from polhode.closed_forms.attitude.winding import growth, longest
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 from polhode.numbers.exact import EQUAL_BITS
+from polhode.numbers.private import mpf, mpmath
 
 
 class Attitude(Protocol):
@@ -115,7 +113,7 @@ def _start(attitude: Attitude, t: mpf, start: tuple[Any, Any]) -> tuple[Any, Any
     if al and bt:
         return one, other
     speed = attitude.speed()
-    soon = mpmath.sign(t) * mpmath.ldexp(1, -mpmath.mp.prec // 4) / speed if speed else mpf(0)
+    soon = mpmath.sign(t) * mpmath.ldexp(1, -mpmath.prec // 4) / speed if speed else mpf(0)
     q0, q1, q2, q3 = attitude.at(soon, MP)
     if not bt:
         return one, one + direction(mpmath.mpc(q1, q2) * al.conjugate())

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import mpmath
-
 from polhode.closed_forms.functions.rounding import number
 from polhode.numbers.exact import Exact, total
+from polhode.numbers.private import mpmath
 from polhode.scenes.body import Vector
 
 #: rows[i] is principal axis i in the scene's axes.

@@ -19,10 +19,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.numbers.private import mpf, mpmath
 
 #: w, gamma and dt/ds at an s, in the frame of the attitude, at the precision in force.
 State = Callable[[Any], tuple[Sequence[Any], Sequence[Any], Any]]
@@ -100,11 +98,11 @@ class Azimuth:
 
 def _expanded(state: State, begin: Any, end: Any) -> tuple[tuple[int, ...], list[Any]]:
     """The direction of a panel and the series of its azimuth's growth."""
-    count = 2 * int(mpmath.ceil(_NODES * mpmath.mp.prec))
+    count = 2 * int(mpmath.ceil(_NODES * mpmath.prec))
     known: dict[tuple[int, int], tuple[Sequence[Any], Sequence[Any], Any]] = {}
     half = (end - begin) / 2
     for _ in range(_MOST_DOUBLINGS + 1):
-        cosines, values = _cosines(count, mpmath.mp.prec), []
+        cosines, values = _cosines(count, mpmath.prec), []
         for j in range(count + 1):
             shared = _reduced(j, count)
             if shared not in known:
@@ -117,7 +115,7 @@ def _expanded(state: State, begin: Any, end: Any) -> tuple[tuple[int, ...], list
         rates = [_rate(direction, w, gamma) * half * pace for w, gamma, pace in values]
         series = _coefficients(rates, cosines)
         scale = max(max(abs(x) for x in series), mpf(1))
-        if max(abs(x) for x in series[-3:]) <= mpmath.ldexp(scale, _GUARD - mpmath.mp.prec):
+        if max(abs(x) for x in series[-3:]) <= mpmath.ldexp(scale, _GUARD - mpmath.prec):
             return direction, _integrated(series)
         count *= 2
     raise ValueError("the azimuth's series does not converge")

@@ -6,15 +6,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from functools import cached_property
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.angles import Attitude, angles
 from polhode.closed_forms.attitude.quaternion import Quaternion
 from polhode.closed_forms.attitude.start import start_quaternion, start_sign
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import number, shortened
 from polhode.numbers.exact import Exact
+from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector
 
 

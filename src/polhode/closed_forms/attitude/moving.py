@@ -16,12 +16,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.attitude.winding import growth, longest
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
+from polhode.numbers.private import mpf, mpmath
 
 
 class MomentumFrame(Protocol):

@@ -16,12 +16,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import mpmath
-from mpmath import mpc, mpf
-
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.attitude.winding import bisected
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
+from polhode.numbers.private import mpc, mpf, mpmath
 
 _STEP = 2  # radians between two marks of the count
 _LATER = 0.1237  # of a period: the count of whole periods begins at no special place

@@ -14,9 +14,6 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from typing import Any, Protocol, runtime_checkable
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.angles import Attitude, angles
 from polhode.closed_forms.attitude.axes import MotionAxes
 from polhode.closed_forms.attitude.azimuth import Azimuth
@@ -28,6 +25,7 @@ from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, sqrt
+from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector, dot
 
 _GUARD = 40  # bits beyond the digits asked for and the growth of phases

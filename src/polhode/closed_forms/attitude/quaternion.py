@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, TypeAlias
 
-import mpmath
+from polhode.numbers.private import mpmath
 
 AnyVector: TypeAlias = tuple[Any, Any, Any]
 

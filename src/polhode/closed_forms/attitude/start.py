@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import mpmath
-
 from polhode.closed_forms.attitude.quaternion import Quaternion
 from polhode.closed_forms.functions.rounding import number
 from polhode.numbers.exact import EQUAL_BITS, Exact, sign
+from polhode.numbers.private import mpmath
 
 
 def first_quaternion(gamma: Sequence[Exact], psi: Exact, bits: int) -> Quaternion:

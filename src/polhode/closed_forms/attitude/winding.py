@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import mpmath
-from mpmath import mpf
+from polhode.numbers.private import mpf, mpmath
 
 MOST_SAMPLES = 20_000_000
 _REACH = 0.25  # of one step of the march
@@ -112,7 +111,7 @@ def bisected(fine: Fine, left: mpf, right: mpf, bend: Any | None = None) -> list
             certain = max(abs(p), abs(q)) > reach or (
                 bend is not None and _from_origin(p, q) > bend * reach * reach / 2
             )
-            if certain or reach < mpmath.ldexp(1, -mpmath.mp.prec // 3):
+            if certain or reach < mpmath.ldexp(1, -mpmath.prec // 3):
                 total += _difference(p, q)
                 continue
             middle = (a + b) / 2
@@ -133,7 +132,7 @@ def _from_origin(p: Any, q: Any) -> Any:
 
 
 def _difference(p: Any, q: Any) -> float:
-    tiny = mpmath.ldexp(1, -2 * mpmath.mp.prec // 3)
+    tiny = mpmath.ldexp(1, -2 * mpmath.prec // 3)
     if abs(p) < tiny or abs(q) < tiny:
         return 0.0
     angle = float(mpmath.arg(q * p.conjugate()))

@@ -15,12 +15,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import mpmath
-from mpmath import mpc, mpf
-
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.attitude.winding import bisected
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
+from polhode.numbers.private import mpc, mpf, mpmath
 
 
 @dataclass(frozen=True)
@@ -66,7 +64,7 @@ class Asymptotic:
         Without their common turn about the vertical the two parameters move at most at sqrt(2) in
         x = atan(sinh v), dx = sech v dv; from |v| = ``last`` on their directions stay.
         """
-        last = mpmath.mp.prec * mpmath.ln2 / 3
+        last = mpmath.prec * mpmath.ln2 / 3
 
         def moved(v: Any) -> Any:
             return 3 * mpmath.atan(mpmath.sinh(min(max(v, -last), last)))

@@ -23,8 +23,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import mpmath
-
 from polhode.closed_forms.attitude.angles import Attitude
 from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.attitude.quaternion import Quaternion
@@ -33,6 +31,7 @@ from polhode.closed_forms.bobylev_steklov.conditions import conditions
 from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
 from polhode.closed_forms.functions.rounding import number
 from polhode.numbers.exact import ZERO, sign, sqrt
+from polhode.numbers.private import mpmath
 
 SWINGING = "Bobylev-Steklov, r changes its sign"
 TURNING = "Bobylev-Steklov, r keeps its sign"

@@ -16,12 +16,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import mpmath
-
 from polhode.closed_forms.attitude.axes import MotionAxes
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.euler.motion import EulerMotion, PermanentRotation, Polhode
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
+from polhode.numbers.private import mpmath
 
 
 @dataclass(frozen=True)
@@ -114,7 +113,7 @@ def _dominated(row: list[Any], motion: Polhode, t: Any) -> Any:
     if motion.momentum[2] < 0:
         ratio = [1 / x for x in ratio]
     # Equality is enough: it is met at most in the limit of a separatrix.
-    slack = 1 - mpmath.ldexp(1, -mpmath.mp.prec // 2)
+    slack = 1 - mpmath.ldexp(1, -mpmath.prec // 2)
     if all((sizes[0] - sizes[1]) * x > (sizes[2] + sizes[3]) * slack for x in ratio):
         lead = 0
     elif all((sizes[1] - sizes[0]) * x > (sizes[2] + sizes[3]) * slack for x in ratio):
@@ -149,7 +148,7 @@ def _along_ellipse(one: Any, other: Any, x: Any) -> Any:
 
     Through 0 itself the argument jumps by pi, counted upwards away from the start.
     """
-    zero = mpmath.ldexp(1, -mpmath.mp.prec // 2)
+    zero = mpmath.ldexp(1, -mpmath.prec // 2)
     if abs(one) < zero and abs(other) < zero:
         return None
     n = int(mpmath.nint(x / mpmath.pi))

@@ -21,9 +21,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.quaternion import AnyVector, Quaternion, product
 from polhode.closed_forms.functions.jacobi import (
     MP,
@@ -33,6 +30,7 @@ from polhode.closed_forms.functions.jacobi import (
     jacobi,
     quotient,
 )
+from polhode.numbers.private import mpf, mpmath
 
 
 @dataclass(frozen=True)

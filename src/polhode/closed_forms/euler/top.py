@@ -14,9 +14,6 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.attitude.quaternion import turned_back
 from polhode.closed_forms.euler.attitude import EulerAttitude
@@ -26,6 +23,7 @@ from polhode.closed_forms.euler.regimes import exact_numbers, is_permanent, regi
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened, vector
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector, is_zero
 
 _ZERO = Fraction(0)

@@ -11,8 +11,7 @@ import functools
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import mpmath
-from mpmath import mpc, mpf
+from polhode.numbers.private import mpc, mpf, mpmath
 
 _FIRST = 32
 _MOST = 1 << 13
@@ -24,7 +23,7 @@ def cosine_series(F: Callable[[Any], Any]) -> list[Any]:
 
     Raises ArithmeticError where more than 8192 terms would be needed.
     """
-    precision = mpmath.mp.prec
+    precision = mpmath.prec
     with mpmath.extraprec(_GUARD):
         return _grown(F, precision)
 
@@ -33,7 +32,7 @@ def _grown(F: Callable[[Any], Any], precision: int) -> list[Any]:
     count: int = _FIRST
     known: dict[int, Any] = {}
     while count <= _MOST:
-        cosines = _cosines(2 * count, mpmath.mp.prec)
+        cosines = _cosines(2 * count, mpmath.prec)
         for j in range(count + 1):
             place = j * (_MOST // count)
             if place not in known:
@@ -79,7 +78,7 @@ def _transform(points: list[Any]) -> list[Any]:
     if n == 1:
         return points
     even, odd = _transform(points[::2]), _transform(points[1::2])
-    turned = [w.conjugate() * z for w, z in zip(_cosines(n, mpmath.mp.prec), odd, strict=False)]
+    turned = [w.conjugate() * z for w, z in zip(_cosines(n, mpmath.prec), odd, strict=False)]
     return [a + b for a, b in zip(even, turned, strict=True)] + [
         a - b for a, b in zip(even, turned, strict=True)
     ]

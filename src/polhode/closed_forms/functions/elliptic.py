@@ -8,9 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import mpmath
-
 from polhode.closed_forms.functions.jacobi import MP, Jacobi, jacobi
+from polhode.numbers.private import mpmath
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import mpmath
 import numpy as np
-from mpmath import libmp, mpf
+from mpmath import libmp
+
+from polhode.numbers.private import mpf, mpmath
 
 _GUARD = 32  # bits of the integers beyond the precision in force
 _LEAST = 16  # samples tried first
@@ -58,7 +59,7 @@ def fixed(x: Any, bits: int) -> int:
 
 def floating(n: int, bits: int) -> Any:
     """n units of 2^-bits as a number at the precision in force."""
-    return mpmath.make_mpf(libmp.from_man_exp(n, -bits, mpmath.mp.prec, "n"))
+    return mpmath.make_mpf(libmp.from_man_exp(n, -bits, mpmath.prec, "n"))
 
 
 @dataclass(frozen=True)
@@ -165,7 +166,7 @@ def cosines(
     They are doubled until the last coefficients are below the precision in force; beyond ``most``
     TooManyTerms is raised.  ``spoiled``: the last bits of the values that are not right.
     """
-    prec = mpmath.mp.prec
+    prec = mpmath.prec
     known: dict[Any, Sequence[Any]] = {}
     count = _LEAST
     while count < first:
@@ -235,7 +236,7 @@ def waves(function: Callable[[Any], Any], most: int = _MOST) -> WaveSeries:
 
     Raises TooManyTerms beyond ``most`` samples.
     """
-    prec = mpmath.mp.prec
+    prec = mpmath.prec
     known: dict[Any, Any] = {}
     count = _LEAST
     while count <= most:
@@ -274,9 +275,9 @@ def _series(values: Sequence[Any], bits: int, spoiled: int) -> Cosines | None:
     terms = [int(x) // (half * k) for k, x in enumerate(found[1:half], start=1)]
     edge = half // 8 + 1
     last = max(abs(int(x)) for x in found[half - edge : half + 1])
-    if last > (half << bits) >> (mpmath.mp.prec - spoiled - 8):
+    if last > (half << bits) >> (mpmath.prec - spoiled - 8):
         return None
-    small = 1 << max(0, bits - mpmath.mp.prec + spoiled - 12)
+    small = 1 << max(0, bits - mpmath.prec + spoiled - 12)
     while terms and abs(terms[-1]) < small:
         terms.pop()
     return Cosines(mean, tuple(terms), scale, bits)

@@ -18,8 +18,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import mpmath
-from mpmath import libmp, mpf
+from mpmath import libmp
+
+from polhode.numbers.private import mpf, mpmath
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class SeriesFunctions:
 
 
 def _cosh_sinh(x: Any) -> tuple[Any, Any]:
-    cosh, sinh = libmp.mpf_cosh_sinh(x._mpf_, mpmath.mp.prec, "n")
+    cosh, sinh = libmp.mpf_cosh_sinh(x._mpf_, mpmath.prec, "n")
     return mpmath.make_mpf(cosh), mpmath.make_mpf(sinh)
 
 
@@ -288,7 +289,7 @@ def _terms(nome: Any) -> int:
     if nome == 0:
         return 1
     bits = float(-mpmath.log(nome, 2))
-    return math.ceil((1 + math.sqrt(1 + 4 * (mpmath.mp.prec + 4) / bits)) / 2)
+    return math.ceil((1 + math.sqrt(1 + 4 * (mpmath.prec + 4) / bits)) / 2)
 
 
 def _alternate(row: list[Any]) -> list[Any]:

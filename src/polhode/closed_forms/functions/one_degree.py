@@ -15,11 +15,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.functions.cosine_series import cosine_series, integral, integrated
 from polhode.closed_forms.functions.frame import value
+from polhode.numbers.private import mpf, mpmath
 
 _STEP = mpf(1) / 2  # of Newton's iteration, at most
 _MOST_STEPS = 60
@@ -96,7 +94,7 @@ class OneDegree:
     def _phase(self, time: Any) -> Any:
         """x at a time, by Newton's iteration from the mean rate: in doubles, then in full."""
         x = mpf(0)
-        for precision in (53, mpmath.mp.prec):
+        for precision in (53, mpmath.prec):
             with mpmath.workprec(precision):
                 series = self._short if precision == 53 else self.series
                 x = x or time / series[0]
@@ -114,7 +112,7 @@ class OneDegree:
         return found
 
     def _newton(self, x: Any, time: Any, series: Sequence[Any]) -> Any:
-        close = mpmath.ldexp(1 + abs(x), 6 - mpmath.mp.prec)
+        close = mpmath.ldexp(1 + abs(x), 6 - mpmath.prec)
         for _ in range(_MOST_STEPS):
             step = (time - integral(series, x)) * self._rate(x)
             if abs(step) > _STEP:
@@ -122,7 +120,7 @@ class OneDegree:
             x += step
             if abs(step) < close:
                 return x
-            if abs(step) < mpmath.ldexp(1, -mpmath.mp.prec // 2 - 4):
+            if abs(step) < mpmath.ldexp(1, -mpmath.prec // 2 - 4):
                 return x + (time - integral(series, x)) * self._rate(x)
         raise ArithmeticError("Newton's iteration for the time does not end")
 
@@ -202,7 +200,7 @@ def _ends(
 
 def real_zeros(polynomial: Sequence[Any]) -> list[Any]:
     """The real zeros of a polynomial with simple ones, at the precision in force, ascending."""
-    prec = mpmath.mp.prec
+    prec = mpmath.prec
     with mpmath.extraprec(prec // 2 + 32):
         roots = mpmath.polyroots(list(reversed(polynomial)), maxsteps=200, extraprec=prec)
     scale = max((abs(z) for z in roots), default=mpf(0))

@@ -10,10 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.functions.fourier import TooManyTerms, WaveSeries, cosines
+from polhode.numbers.private import mpf, mpmath
 
 MOST_PANELS = 20_000
 _NODES = 512  # samples of a panel's circle; beyond it the panel is halved

@@ -17,11 +17,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-import mpmath
 import numpy as np
-from mpmath import mpf
 
 from polhode.closed_forms.functions.fourier import TooManyTerms, fixed, floating, transform
+from polhode.numbers.private import mpf, mpmath
 
 _GUARD = 40
 _FIRST = 32
@@ -101,7 +100,7 @@ def plane(
 
     Raises TooManyTerms where ``most`` samples of the torus are too few.
     """
-    prec = mpmath.mp.prec
+    prec = mpmath.prec
     n = m = _FIRST
     while True:
         bits = prec + _GUARD + (n * m).bit_length()
@@ -147,7 +146,7 @@ def _gathered(
     """The half of the coefficients that a real function needs, divided by i Om."""
     n, m = re.shape
     h, g = (mpf(x.numerator) / x.denominator for x in shift)
-    prec = mpmath.mp.prec
+    prec = mpmath.prec
     small = 1 << (bits - prec - 12)
     fast = max(abs(rates[0]), abs(rates[1]))
     rows, slow = [], []

@@ -22,7 +22,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-import mpmath
+from polhode.numbers.private import mpmath
 
 Nodes = tuple[tuple[Any, Any, Any], ...]
 
@@ -52,7 +52,7 @@ def nodes(singularities: Iterable[Place], *, periodic: bool = True) -> Nodes:
     ``periodic`` allows the midpoint rule: the integrand is analytic in cos th.
     """
     points = list(singularities)
-    wanted = (mpmath.mp.prec + _EXTRA) * math.log(2)
+    wanted = (mpmath.prec + _EXTRA) * math.log(2)
     heights = [_height(point) for point in points]
     # Rounded, so that nodes are made once for several integrals.
     y1 = _COARSE * math.ceil(max([0.0, *(y.real for y in heights)]) / _COARSE)
@@ -64,10 +64,10 @@ def nodes(singularities: Iterable[Place], *, periodic: bool = True) -> Nodes:
         speed = min([20.0, *map(_ellipse, points)])
         midpoints = wanted / (2 * speed) + 4 if speed > 0 else math.inf
         if midpoints <= reach / step:
-            return _midpoint(_grown(math.ceil(midpoints)), mpmath.mp.prec)
+            return _midpoint(_grown(math.ceil(midpoints)), mpmath.prec)
     if reach > MOST_NODES * step:
         raise TooManyNodes
-    return _double_exponential(math.ceil(-8 * math.log2(step)), y1, y2, mpmath.mp.prec)
+    return _double_exponential(math.ceil(-8 * math.log2(step)), y1, y2, mpmath.prec)
 
 
 def _grown(count: int) -> int:
@@ -87,6 +87,8 @@ def _height(where: Place) -> complex:
     x, rest = where
     if not x or not rest:
         raise TooManyNodes
+    if not (cmath.isfinite(x) and cmath.isfinite(rest)):  # beyond doubles: x = -rest in effect
+        return 1j * math.pi / 2
     y = (cmath.log(x) - cmath.log(rest)) / 2
     return y - 1j * math.pi * round(y.imag / math.pi)
 
@@ -126,7 +128,7 @@ def _double_exponential(ladder: int, y1: float, y2: float, prec: int) -> Nodes:
         h = mpmath.mpf(2) ** (-mpmath.mpf(ladder) / 8)
         growth, ends = mpmath.exp(h), (mpmath.exp(-y1) / 2, mpmath.exp(-y2) / 2)
         found: list[tuple[Any, Any, Any]] = []
-        tiny = mpmath.ldexp(1, -mpmath.mp.prec)
+        tiny = mpmath.ldexp(1, -mpmath.prec)
         for sense in (1, -1):
             ta, e = mpmath.mpf(0), mpmath.mpf(1)
             if sense < 0:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import mpmath
+from polhode.numbers.private import mpmath
 
 #: The three entries tau11, tau12, tau22.
 SymmetricMatrix = tuple[Any, Any, Any]

@@ -20,10 +20,10 @@ from dataclasses import dataclass
 from operator import mul
 from typing import Any
 
-import mpmath
-from mpmath import libmp, mpc
+from mpmath import libmp
 
 from polhode.closed_forms.functions.riemann_periods import Pair, SymmetricMatrix
+from polhode.numbers.private import mpc, mpmath
 
 #: A characteristic a1, a2, b1, b2 of zeros and ones.
 Characteristic = tuple[int, int, int, int]
@@ -103,7 +103,7 @@ def thetas(
     is installed: below, the sums in integers are as fast.
     """
     if backend is None:
-        backend = "flint" if mpmath.mp.prec >= FLINT_FROM and has_flint() else "mpmath"
+        backend = "flint" if mpmath.prec >= FLINT_FROM and has_flint() else "mpmath"
     sums = _flint_sums(tau) if backend == "flint" else _fixed_point_sums(tau)
     return Thetas(tau, direction, tuple(characteristics), sums)
 
@@ -122,7 +122,7 @@ def _fixed_point_sums(
 ) -> Callable[[Pair, Sequence[Characteristic]], list[tuple[Any, Any, Any]]]:
     """The sums over a half-integer lattice, N = 2n: values, d/dz1 and d/dz2."""
     y11, y12, y22 = (float(t.imag) for t in tau)
-    prec = mpmath.mp.prec + _SPARE
+    prec = mpmath.prec + _SPARE
     reach = math.sqrt((prec + 10) * math.log(2) / math.pi)
     # The largest |y| of a reduced argument, in the metric of Im tau.
     edge = math.sqrt(y11 + y22 + 2 * abs(y12)) / 2
@@ -179,7 +179,7 @@ def _fixed_point_sums(
 
 def _scaled(mantissa: int, bits: int) -> Any:
     """mantissa/2^bits at the precision in force."""
-    return mpmath.make_mpf(libmp.from_man_exp(mantissa, -bits, mpmath.mp.prec, "n"))
+    return mpmath.make_mpf(libmp.from_man_exp(mantissa, -bits, mpmath.prec, "n"))
 
 
 def _joined(table: list[list[list[int]]], characteristic: Characteristic) -> list[int]:
@@ -282,13 +282,12 @@ def _flint_sums(
     """The same by ``acb_theta_jet`` of FLINT."""
     import flint
 
-    prec = mpmath.mp.prec + 2 * _SPARE
-    context: Any = flint.ctx
+    from polhode.numbers.balls import ctx
+
+    prec = mpmath.prec + 2 * _SPARE
 
     def sums(z: Pair, wanted: Sequence[Characteristic]) -> list[tuple[Any, Any, Any]]:
-        before = context.prec
-        context.prec = prec
-        try:
+        with ctx.workprec(prec):
             t = [_to_acb(flint, x) for x in tau]
             matrix = flint.acb_mat([[t[0], t[1]], [t[1], t[2]]])
             column = flint.acb_mat([[_to_acb(flint, x)] for x in z])
@@ -299,8 +298,6 @@ def _flint_sums(
                 value, d1, d2 = (_from_acb(jets[index, i]) for i in range(3))
                 rows.append((value, d1, d2))
             return rows
-        finally:
-            context.prec = before
 
     return sums
 

@@ -6,10 +6,10 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import mpmath
-from mpmath import libmp, mpf
+from mpmath import libmp
 
 from polhode.numbers.exact import Exact, rounded
+from polhode.numbers.private import mpf, mpmath
 
 _SPARE = 8  # bits kept beyond the digits asked for
 

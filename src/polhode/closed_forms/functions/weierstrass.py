@@ -13,12 +13,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.functions.jacobi import MP, Jacobi, jacobi
 from polhode.closed_forms.functions.rounding import number
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.private import mpf, mpmath
 
 
 @dataclass(frozen=True)

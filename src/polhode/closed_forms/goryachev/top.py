@@ -20,14 +20,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import mpmath
-
 from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
 from polhode.closed_forms.functions.frame import Frame
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev.conditions import coefficients, conditions, frame_of
 from polhode.numbers.exact import Exact, sign, sqrt
+from polhode.numbers.private import mpmath
 
 REGIME = "Goryachev"
 

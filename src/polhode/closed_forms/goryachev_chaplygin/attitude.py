@@ -13,9 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.goryachev_chaplygin.clocks import Clock
@@ -28,6 +25,7 @@ from polhode.closed_forms.goryachev_chaplygin.explicit import (
 from polhode.closed_forms.goryachev_chaplygin.motion import GoryachevMotion, Path, Separated, joined
 from polhode.closed_forms.goryachev_chaplygin.tending import Tending
 from polhode.closed_forms.goryachev_chaplygin.torus import Torus
+from polhode.numbers.private import mpf, mpmath
 
 #: Takes the third axis to the first, the first to the second, the second to the third.
 _RENAMED = (0.5, 0.5, 0.5, 0.5)

@@ -11,11 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.functions.jacobi import Jacobi, SeriesFunctions, jacobi
 from polhode.closed_forms.goryachev_chaplygin.variables import Variable, width
+from polhode.numbers.private import mpf, mpmath
 
 
 class Chart(Protocol):
@@ -152,7 +150,7 @@ def chart(variable: Variable, limit: int) -> tuple[Chart, int]:
     x itself where ``limit`` samples are enough.
     """
     eta, nearest = width(variable)
-    bits = mpmath.mp.prec
+    bits = mpmath.prec
     needed = 2 * bits * mpmath.ln2 / eta if eta else mpf("inf")
     if needed <= limit:
         return Plain(), int(needed)

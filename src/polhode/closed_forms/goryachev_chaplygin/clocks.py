@@ -11,12 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-import mpmath
-
 from polhode.closed_forms.functions.fourier import Cosines, Doubles, cosines
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.goryachev_chaplygin.charts import Chart, chart
 from polhode.closed_forms.goryachev_chaplygin.variables import Variable
+from polhode.numbers.private import mpmath
 
 _PLAIN = 512  # samples of a turn up to which x itself is the angle
 

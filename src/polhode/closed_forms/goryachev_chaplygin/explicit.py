@@ -14,9 +14,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import mpmath
-
 from polhode.closed_forms.functions.jacobi import Jacobi, SeriesFunctions, jacobi
+from polhode.numbers.private import mpmath
 
 
 class HalvesPoint(NamedTuple):

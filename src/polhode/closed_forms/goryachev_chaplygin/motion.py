@@ -14,9 +14,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev_chaplygin import explicit, regimes
@@ -38,6 +35,7 @@ from polhode.closed_forms.goryachev_chaplygin.variables import (
     v_part,
     v_whole,
 )
+from polhode.numbers.private import mpf, mpmath
 
 
 class Path(Protocol):

@@ -15,14 +15,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import mpmath
-
 from polhode.closed_forms.functions.fourier import OddSines, cosines
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
 from polhode.closed_forms.goryachev_chaplygin.clocks import Halves
 from polhode.closed_forms.goryachev_chaplygin.variables import v_roots
+from polhode.numbers.private import mpmath
 
 _SAMPLES = 64  # tried first
 

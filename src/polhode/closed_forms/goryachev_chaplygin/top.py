@@ -13,9 +13,6 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.attitude.moving import Moving, moving
 from polhode.closed_forms.functions.jacobi import MP
@@ -27,6 +24,7 @@ from polhode.closed_forms.goryachev_chaplygin.motion import GoryachevMotion, fre
 from polhode.closed_forms.goryachev_chaplygin.turning import turning
 from polhode.closed_forms.goryachev_chaplygin.variables import lost_bits
 from polhode.numbers.exact import Exact
+from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector
 
 _ZERO = Fraction(0)

@@ -10,10 +10,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import mpmath
-
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 from polhode.closed_forms.goryachev_chaplygin.clocks import Clock, Halves
+from polhode.numbers.private import mpmath
 
 _STEPS = 200
 _LARGEST = 0.5  # a step of Newton's method in doubles
@@ -60,7 +59,7 @@ class Torus:
         for _ in range(_STEPS):
             step = _step(self, (x, y), (dx, dy), MP)
             dx, dy = dx - step[0], dy - step[1]
-            if max(abs(step[0]), abs(step[1])) < mpmath.ldexp(1, -mpmath.mp.prec // 2 - 8):
+            if max(abs(step[0]), abs(step[1])) < mpmath.ldexp(1, -mpmath.prec // 2 - 8):
                 return x + dx, y + dy
         raise ArithmeticError("the phases of the motion were not found")
 

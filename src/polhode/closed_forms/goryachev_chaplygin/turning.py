@@ -13,9 +13,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
-import mpmath
 import numpy as np
-from mpmath import mpf
 
 from polhode.closed_forms.functions.fourier import (
     TooManyTerms,
@@ -31,6 +29,7 @@ from polhode.closed_forms.goryachev_chaplygin.clocks import Oscillating, Standin
 from polhode.closed_forms.goryachev_chaplygin.explicit import Libration, Rotation, Separatrix
 from polhode.closed_forms.goryachev_chaplygin.motion import GoryachevMotion, Separated
 from polhode.closed_forms.goryachev_chaplygin.tending import Tending
+from polhode.numbers.private import mpf, mpmath
 
 #: chi(t) - chi(0), t in the motion's units.
 Turning = Callable[[Any], Any]
@@ -119,7 +118,7 @@ def _of_tending(path: Separated, sg: int) -> Turning:
     torus, v = path.torus, path.torus.v
     assert isinstance(v, Tending)
     panels = _of_panels(path, sg)
-    reach = mpmath.mp.prec * mpmath.ln2 / 2 + 4
+    reach = mpmath.prec * mpmath.ln2 / 2 + 4
     # |y| >= reach where the mean phase, which differs by what is bounded, is farther than that.
     edge = mpf(1)
     while min(abs(torus.phases(edge)[1]), abs(torus.phases(-edge)[1])) < reach:
@@ -205,7 +204,7 @@ def _along(clock: Oscillating, small: Oscillating, al: Any) -> Any:
         miss = (phase - al) * clock.S.mean + clock.bounded(phase)[0]
         step = miss / clock.at(phase, MP).slope
         phase -= step
-        if abs(step) < mpmath.ldexp(1, -mpmath.mp.prec // 2 - 8):
+        if abs(step) < mpmath.ldexp(1, -mpmath.prec // 2 - 8):
             return phase
     raise ArithmeticError("a phase was not found")
 

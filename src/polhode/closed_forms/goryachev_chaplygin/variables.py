@@ -17,12 +17,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.functions.rounding import log2, number
 from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
 from polhode.closed_forms.goryachev_chaplygin.regimes import discriminants
+from polhode.numbers.private import mpf, mpmath
 
 #: Which functions of the half angle stand before the roots in sin(angle/2) and cos(angle/2).
 _FACTORS: dict[str, Callable[[Any, Any], Any]] = {

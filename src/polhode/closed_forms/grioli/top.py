@@ -18,14 +18,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import mpmath
-
 from polhode.closed_forms.attitude.angles import Attitude
 from polhode.closed_forms.attitude.one_orbit import OneOrbit
 from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.functions.rounding import number, vector
 from polhode.closed_forms.grioli.conditions import SpinFrame, conditions, spin_frame
+from polhode.numbers.private import mpmath
 
 REGIME = "Grioli's regular precession"
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-import mpmath
 import numpy as np
-from mpmath import mpf
 
 from polhode.closed_forms.attitude.quaternion import product
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.hess.explicit import SurfacePoint
 from polhode.closed_forms.hess.general import GeneralMotion, powered
+from polhode.numbers.private import mpf, mpmath
 
 _TERMS = 40  # of a step's series: they fall by e^-2
 

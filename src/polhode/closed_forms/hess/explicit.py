@@ -15,9 +15,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.moving import of_matrix
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.functions.jacobi import Jacobi, SeriesFunctions, jacobi
@@ -30,6 +27,7 @@ from polhode.closed_forms.hess.axes import (
     SEPARATRIX,
     HessStart,
 )
+from polhode.numbers.private import mpf, mpmath
 
 
 class SurfacePoint(NamedTuple):

@@ -15,9 +15,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import mpmath
-from mpmath import mpc, mpf
-
 from polhode.closed_forms.attitude.moving import conjugate, of_matrix
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
@@ -25,6 +22,7 @@ from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.hess.axes import HessStart
 from polhode.closed_forms.hess.explicit import SurfacePoint
 from polhode.closed_forms.hess.series import Period, period
+from polhode.numbers.private import mpc, mpf, mpmath
 
 
 @dataclass(frozen=True)

@@ -17,10 +17,8 @@ from dataclasses import dataclass
 from operator import mul
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.functions.fourier import fixed, floating
+from polhode.numbers.private import mpf, mpmath
 
 #: z1, z2, g1, g2, u, U1, U2, V1, V2, q0, q1, q2, q3.
 WIDTH = 13
@@ -58,7 +56,7 @@ class Period:
 
 def period(start: Sequence[Any], P: Any, a12: Any, end: Any) -> Period:
     """The series from time 0 to ``end``, from the components at 0, at the precision in force."""
-    prec = mpmath.mp.prec
+    prec = mpmath.prec
     bits = prec + _GUARD
     order = math.ceil(0.35 * bits) + 12  # terms fall by e^-2
     now, state, steps = mpf(0), list(start), []

@@ -14,9 +14,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.attitude.moving import Moving, moving
 from polhode.closed_forms.attitude.quaternion import Quaternion
@@ -27,6 +24,7 @@ from polhode.closed_forms.hess.doubles import DoubleGeneral
 from polhode.closed_forms.hess.explicit import Cone, PlaneMotion, cone, plane
 from polhode.closed_forms.hess.general import GeneralMotion, general
 from polhode.numbers.exact import Exact
+from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector
 
 _ZERO = Fraction(0)

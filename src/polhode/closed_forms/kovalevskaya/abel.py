@@ -16,14 +16,12 @@ from collections.abc import Iterator
 from itertools import product
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.functions.quadrature import Place, nodes, place
 from polhode.closed_forms.functions.riemann_periods import Pair
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, principal_roots
+from polhode.numbers.private import mpf, mpmath
 
 _NEAR = -24  # |q| below 2^this, in the units of the start: the signs of w_i are left open
 _FAR = 4  # |s| beyond this multiple of the branch points: the path comes from infinity
@@ -74,7 +72,7 @@ def divisors(start: KovalevskayaStart, prec: int) -> list[tuple[CurvePoint, Curv
 def starts(curve: KovalevskayaCurve, start: KovalevskayaStart) -> Iterator[Pair]:
     """u(0) for each of the :func:`divisors`, at the precision in force."""
     known: dict[tuple[int, Any], Pair] = {}
-    for pair in divisors(start, mpmath.mp.prec):
+    for pair in divisors(start, mpmath.prec):
         total: Pair = (mpf(0), mpf(0))
         for i, point in enumerate(pair):
             if point is None:

@@ -17,12 +17,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import mpmath
-from mpmath import mpc, mpf
-
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.attitude.winding import bisected
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
+from polhode.numbers.private import mpc, mpf, mpmath
 
 #: w and gamma at a time, in the frame of the attitude, at the precision in force.
 MovingState = Callable[[Any], tuple[Sequence[Any], Sequence[Any]]]
@@ -156,7 +154,7 @@ def _expanded(state: MovingState, begin: Any, length: Any, first: int) -> tuple[
     count = first
     known: dict[tuple[int, int], tuple[Sequence[Any], Sequence[Any]]] = {}
     for _ in range(_MOST_DOUBLINGS + 1):
-        cosines = _cosines(count, mpmath.mp.prec)
+        cosines = _cosines(count, mpmath.prec)
         values = []
         for j in range(count + 1):
             shared = _reduced(j, count)
@@ -172,7 +170,7 @@ def _expanded(state: MovingState, begin: Any, length: Any, first: int) -> tuple[
             rates.append((area - w[axis] * up) / (1 - up * up) * length / 2)
         series = _coefficients(rates, cosines)
         scale = max(abs(x) for x in series) or mpf(1)
-        if max(abs(x) for x in series[-3:]) <= mpmath.ldexp(scale, _GUARD - mpmath.mp.prec):
+        if max(abs(x) for x in series[-3:]) <= mpmath.ldexp(scale, _GUARD - mpmath.prec):
             return axis, _integrated(series)
         count *= 2
     raise ValueError("the rate of psi does not converge: gamma comes too near all three axes")

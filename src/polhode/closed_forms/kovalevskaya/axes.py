@@ -20,12 +20,11 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-import mpmath
-
 from polhode.closed_forms.attitude.axes import RowMatrix, in_scene, principal
 from polhode.closed_forms.functions.rounding import log2, number
 from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, binary, exact, rounded, sign, sqrt
+from polhode.numbers.private import mpmath
 from polhode.scenes.body import Vector
 from polhode.scenes.tops import KOVALEVSKAYA, classical_top, with_last
 

@@ -19,9 +19,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import mpmath
-from mpmath import mpc, mpf
-
 from polhode.closed_forms.functions.riemann_periods import Pair, SymmetricMatrix
 from polhode.closed_forms.functions.riemann_theta import Thetas, added, thetas, whole_parts
 from polhode.closed_forms.functions.rounding import number
@@ -29,6 +26,7 @@ from polhode.closed_forms.kovalevskaya.abel import image
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.curve import Unresolved
 from polhode.closed_forms.kovalevskaya.generic import Generic
+from polhode.numbers.private import mpc, mpf, mpmath
 
 _HALVES = ((0, 0), (0, 1), (1, 0), (1, 1))
 _TIMES = ("0.7", "1.9", "3.1", "4.3")  # over the bound of |w|: three to solve, one to test
@@ -122,7 +120,7 @@ def cayley_klein(start: KovalevskayaStart, motion: Generic, first: Sequence[Any]
 
     Raises Unresolved where no choice of signs gives the motion.
     """
-    bits = mpmath.mp.prec
+    bits = mpmath.prec
     made, tau, V = motion.curve, motion.curve.periods[2], motion.velocity
     U = made.reduced((mpc(1), mpc(0)))
     m, b, a2 = (number(x, bits) for x in (start.m, start.b, start.a2))

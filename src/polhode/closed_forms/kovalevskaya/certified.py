@@ -11,9 +11,6 @@ import math
 from collections.abc import Sequence
 from typing import Any, Protocol
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.functions.quadrature import TooManyNodes
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up
 from polhode.closed_forms.kovalevskaya import regimes
@@ -22,6 +19,7 @@ from polhode.closed_forms.kovalevskaya.degenerate import Averaged, averaged
 from polhode.closed_forms.kovalevskaya.generic import generic
 from polhode.closed_forms.kovalevskaya.one_frequency import special
 from polhode.numbers.exact import Exact
+from polhode.numbers.private import mpf, mpmath
 
 CERTIFIED = 40  # bits by which the start must be reproduced beyond the digits asked for
 _SPARE = 8  # bits of the answers beyond the digits asked for

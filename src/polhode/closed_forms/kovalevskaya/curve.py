@@ -23,14 +23,12 @@ from functools import cached_property
 from itertools import pairwise, product
 from typing import Any
 
-import mpmath
-from mpmath import mpc, mpf
-
 from polhode.closed_forms.functions.quadrature import nodes, place
 from polhode.closed_forms.functions.riemann_periods import Pair, SymmetricMatrix, reduced, solved
 from polhode.closed_forms.functions.riemann_theta import Characteristic, added, is_odd, whole_parts
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
+from polhode.numbers.private import mpc, mpf, mpmath
 
 _TILTS = 61  # directions tried
 _SMALL = 1e-280

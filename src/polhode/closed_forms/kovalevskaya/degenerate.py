@@ -16,10 +16,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from mpmath import mpf
-
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.generic import Generic, generic
+from polhode.numbers.private import mpf
 
 
 @dataclass(frozen=True)

@@ -17,14 +17,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import mpmath
-from mpmath import mpc, mpf
-
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.functions.weierstrass import Quartic, WeierstrassSolution, solution
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
+from polhode.numbers.private import mpc, mpf, mpmath
 
 State = list[Any]
 

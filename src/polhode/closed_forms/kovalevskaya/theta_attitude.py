@@ -13,15 +13,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Protocol
 
-import mpmath
-from mpmath import mpc, mpf
-
 from polhode.closed_forms.attitude.moving import conjugate
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.riemann_periods import Pair, solved
 from polhode.closed_forms.kovalevskaya.attitude import KovalevskayaAttitude
 from polhode.closed_forms.kovalevskaya.cayley_klein import CayleyKlein, quaternion
+from polhode.numbers.private import mpc, mpf, mpmath
 
 _TRIALS = 6
 _MORE = 64  # bits more at each trial

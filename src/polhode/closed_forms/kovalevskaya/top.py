@@ -15,9 +15,6 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.angles import Attitude
 from polhode.closed_forms.attitude.axes import RowMatrix, placed
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
@@ -35,6 +32,7 @@ from polhode.closed_forms.kovalevskaya.one_frequency import special
 from polhode.closed_forms.kovalevskaya.theta_attitude import PeriodicAttitude, ThetaAttitude
 from polhode.numbers.convert import exactly
 from polhode.numbers.exact import Exact
+from polhode.numbers.private import mpf, mpmath
 
 _ZERO = Fraction(0)
 _NODES = 0.22  # half of the Chebyshev intervals tried first, for each bit

@@ -16,9 +16,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import mpmath
-from mpmath import mpc, mpf
-
 from polhode.closed_forms.attitude.axes import RowMatrix
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
@@ -33,6 +30,7 @@ from polhode.closed_forms.lagrange.motion import (
 )
 from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.private import mpc, mpf, mpmath
 
 
 @dataclass(frozen=True)
@@ -86,7 +84,7 @@ class LagrangeAttitude:
                 continue
             begin = mpf(0)
             if not mpc(*_part(self.start, which)) and self.motion.speed:
-                begin = mpmath.sign(t) * mpmath.ldexp(1, -mpmath.mp.prec // 4) / self.motion.speed
+                begin = mpmath.sign(t) * mpmath.ldexp(1, -mpmath.prec // 4) / self.motion.speed
             grown.append(self._argument(row, lead, t) - self._argument(row, lead, begin))
         return grown[0], grown[1]
 
@@ -101,7 +99,7 @@ class LagrangeAttitude:
         if not one * high_al:
             return 1
         # Equality is enough: then the sum vanishes at most where theta turns.
-        slack = 1 + mpmath.ldexp(1, -mpmath.mp.prec // 2)
+        slack = 1 + mpmath.ldexp(1, -mpmath.prec // 2)
         if one * low_al * slack >= other * high_bt:
             return 0
         if other * low_bt * slack >= one * high_al:

@@ -24,9 +24,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
-import mpmath
-from mpmath import mpc, mpf
-
 from polhode.closed_forms.functions.jacobi import (
     MP,
     Jacobi,
@@ -40,6 +37,7 @@ from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.closed_forms.lagrange.roots import Gaps, gaps
 from polhode.numbers.exact import sign
+from polhode.numbers.private import mpc, mpf, mpmath
 
 #: A complex number of any scalars, as its two parts.
 Parts: TypeAlias = tuple[Any, Any]

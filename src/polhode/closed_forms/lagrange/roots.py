@@ -13,12 +13,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.numbers.exact import sign
+from polhode.numbers.private import mpf, mpmath
 
 #: Distances of a point from u1, u2, u3: none is negative.
 Distances: TypeAlias = tuple[Any, Any, Any]

@@ -15,9 +15,6 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.axes import placed
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.functions.jacobi import MP
@@ -35,6 +32,7 @@ from polhode.closed_forms.lagrange.motion import (
 from polhode.closed_forms.lagrange.regimes import constants, regime
 from polhode.closed_forms.lagrange.roots import gaps
 from polhode.numbers.exact import Exact
+from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector
 
 _ZERO = Fraction(0)

@@ -6,13 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.quaternion import direction
 from polhode.closed_forms.functions.rounding import digits_of, log2, number, rounded_up
 from polhode.closed_forms.pendulum.motion import Swing
 from polhode.numbers.exact import EQUAL_BITS, Exact, sign
+from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector
 
 

@@ -26,9 +26,6 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import mpmath
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.axes import MotionAxes
 from polhode.closed_forms.attitude.quaternion import product
 from polhode.closed_forms.attitude.start import start_angles, start_quaternion, start_sign
@@ -50,6 +47,7 @@ from polhode.closed_forms.pendulum.motion import (
 from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers import exact
 from polhode.numbers.exact import EQUAL_BITS, ZERO, Exact, sign
+from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector, cross, dot, scaled
 
 _GUARD = 40  # bits beyond the digits asked for and the growth of phases

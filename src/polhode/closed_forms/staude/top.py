@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from mpmath import mpf
-
 from polhode.closed_forms.attitude.angles import Attitude
 from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
@@ -22,6 +20,7 @@ from polhode.closed_forms.functions.rounding import number, shortened
 from polhode.closed_forms.staude.conditions import conditions
 from polhode.closed_forms.staude.stability import Stability, stability
 from polhode.numbers.exact import sign
+from polhode.numbers.private import mpf
 from polhode.scenes.body import dot, is_zero
 
 HANGING, UPRIGHT = "rest, hanging", "rest, upright"

@@ -18,13 +18,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import mpmath
-
 from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.steklov.conditions import coefficients, conditions
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.private import mpmath
 
 #: By the sign of A - B: which of p and q is a sine, and where axis 1 points when p = 0.
 REGIMES = {

@@ -126,7 +126,7 @@ class Zeros:
         return found
 
     def _refined(self, low: Fraction, high: Fraction) -> Fraction:
-        import mpmath
+        from polhode.numbers.private import mpmath
 
         def value(t: Any) -> Any:
             row = self._reference.at([t], DIGITS)[0]
