@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from fractions import Fraction
 
 import pytest
 
 import polhode
+from polhode import cli
 from polhode.checks import printed, regression
 from polhode.closed_forms.euler import top
 from polhode.equations.forms import principal
@@ -86,8 +88,24 @@ def test_a_corrupted_equation_of_the_lagrange_top_fails(which, monkeypatch):
 
 @pytest.mark.slow
 def test_the_whole_library_passes():
-    failed = [report.scene.name for report in regression.check() if not report.passed]
+    failed = [report.scene.name for report in regression.check() if report.passed is not True]
     assert not failed
+
+
+def test_without_a_band_nothing_passes_or_fails_and_lost_digits_are_words(tmp_path, capsys):
+    path = tmp_path / "own.toml"
+    text = (library.folder() / "euler" / "separatrix.toml").read_text()
+    path.write_text(text.partition("[expect]")[0].replace("end = 30", "end = 400"))
+    report = next(regression.check([str(path)], ["double"]))
+    assert report.passed is None
+    assert cli.main(["check", str(path), "--number", "double"]) == 0
+    out = capsys.readouterr().out
+    assert "no digits left after t = 100: no band" in out
+    assert "0.00" not in out
+    assert out.endswith("0 passed, 0 failed, 1 without a band\n")
+    assert cli.main(["check", str(path), "--number", "double", "--json"]) == 0
+    (run,) = json.loads(capsys.readouterr().out)["cases"][0]["runs"]
+    assert run["correct_digits"] is run["passed"] is None
 
 
 @pytest.mark.parametrize("name", ["euler/largest-axis", "published/nasa-brick", "euler/sphere"])

@@ -15,7 +15,6 @@ from polhode.judging import rounding
 from polhode.judging.conditioning import conditioning
 from polhode.judging.digits import digits_of, errors, rate_scale
 from polhode.judging.rounding import Scaled
-from polhode.numbers import number_types
 from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.runs.integrate import undisturbed

@@ -46,6 +46,11 @@ class PrintedFigure:
         return max(0.0, min(most, -exact.log10(self.difference / abs(ours))))
 
     @property
+    def complete(self) -> bool:
+        """Whether every printed digit is right, the last one rounded or cut off."""
+        return self.passed and self.published.right is None
+
+    @property
     def verdict(self) -> str:
         """In words: every printed digit is right, so many of them are, or what differs."""
         shown = significant_digits(self.published.value)
@@ -59,7 +64,7 @@ class PrintedFigure:
 def figures(scene: Scene, reference: Reference | Certified | TwoPrecisions) -> list[PrintedFigure]:
     """Every published figure of a scene beside ours."""
     columns = {
-        (t, digits): _columns(scene, reference, t, digits)
+        (t, digits): columns_at(scene, reference, t, digits)
         for t, digits in {(_key(p.t), _digits(p)): None for p in scene.published}
     }
     return [_figure(p, columns[_key(p.t), _digits(p)]) for p in scene.published]
@@ -72,9 +77,7 @@ def significant_digits(printed: str) -> int:
 
 
 def _figure(published: Published, columns: Mapping[str, Any]) -> PrintedFigure:
-    digits = _digits(published)
-    bits = bits_for(digits) + 32
-    ours = exactly(value(published.quantity, columns, bits))
+    ours = ours_of(published, columns)
     printed = decimal(published.value)
     difference = abs(printed - ours)
     return PrintedFigure(
@@ -83,6 +86,11 @@ def _figure(published: Published, columns: Mapping[str, Any]) -> PrintedFigure:
         difference,
         _stands(published, ours, difference),
     )
+
+
+def ours_of(published: Published, columns: Mapping[str, Any]) -> Fraction:
+    """Our value of a printed quantity, from the columns at its time."""
+    return exactly(value(published.quantity, columns, bits_for(_digits(published)) + 32))
 
 
 def _stands(published: Published, ours: Fraction, difference: Fraction) -> bool:
@@ -109,7 +117,7 @@ def _leading_unit(x: Fraction) -> Fraction:
     return unit
 
 
-def _columns(
+def columns_at(
     scene: Scene, reference: Reference | Certified | TwoPrecisions, t: Fraction, digits: int
 ) -> dict[str, Any]:
     """All columns that the scene's figures name, at one time."""

@@ -35,11 +35,16 @@ class Line:
     outcome: str
 
     @property
-    def passed(self) -> bool:
-        """Whether the run ended as it should and its digits lie inside the band."""
+    def passed(self) -> bool | None:
+        """Whether the run ended as it should, its digits inside the band; None without a band."""
         if self.judgement is None:
             return False
-        return self.band is None or self.band[0] <= self.digits <= self.band[1]
+        return None if self.band is None else self.band[0] <= self.digits <= self.band[1]
+
+    @property
+    def lost(self) -> str:
+        """That no digits are left, and after which time; else empty."""
+        return "" if self.judgement is None else self.judgement.lost
 
     @property
     def limit(self) -> str:
@@ -52,7 +57,7 @@ class Line:
         if self.judgement is None:
             return self.outcome
         if self.band is None:
-            return "no band"
+            return "no band to hold it against"
         if self.digits < self.band[0]:
             return "too few digits"
         return "inside" if self.passed else "more digits than the case can have"
@@ -69,9 +74,11 @@ class Report:
     figures: tuple[PrintedFigure, ...]
 
     @property
-    def passed(self) -> bool:
-        """Whether everything stands."""
-        return all(x.passed for x in self.lines) and all(x.passed for x in self.figures)
+    def passed(self) -> bool | None:
+        """Whether everything stands; None where nothing says what should."""
+        every = [*(x.passed for x in self.lines), *(x.passed for x in self.figures)]
+        found = [passed for passed in every if passed is not None]
+        return all(found) if found else None
 
 
 def check(

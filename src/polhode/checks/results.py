@@ -25,7 +25,7 @@ def of_check(report: Report) -> dict[str, Any]:
         "runs": [
             {
                 "number": line.number,
-                "correct_digits": round(line.digits, 2),
+                "correct_digits": None if line.lost else round(line.digits, 2),
                 "expected": None if line.band is None else list(line.band),
                 "outcome": line.outcome,
                 "passed": line.passed,

@@ -31,13 +31,21 @@ from polhode.scenes.words import (
 
 
 class Published(NamedTuple):
-    """A figure that somebody printed: an expression in the columns and its printed value."""
+    """A figure that somebody printed: an expression in the columns and its printed value.
+
+    A cite that ends in "(recomputed to N digits)": the scene is somebody's, the figure is not.
+    """
 
     t: Exact
     quantity: str
     value: str
     cite: str
     right: int | None = None  # significant digits known to be right, where not all are
+
+    @property
+    def recomputed(self) -> bool:
+        """Whether the scene alone is the source's, and the figure was computed for this case."""
+        return "(recomputed" in self.cite
 
 
 class Event(NamedTuple):

@@ -41,12 +41,15 @@ def main(options: Namespace) -> int:
                     progress.clear()
                     _print_cross_check(found)
     verdicts = [report.passed for report in reports] + [found.passed for found in crossed]
-    passed = all(verdicts)
+    judged = [verdict for verdict in verdicts if verdict is not None]
+    passed = all(judged)
     if options.json:
         answer = {"passed": passed, "cases": [results.of_check(r) for r in reports]}
         print_json(answer | {"forms": [results.of_cross_check(c) for c in crossed]})
     else:
-        say(f"{sum(verdicts)} passed, {len(verdicts) - sum(verdicts)} failed")
+        unjudged = len(verdicts) - len(judged)
+        rest = f", {unjudged} without a band" if unjudged else ""
+        say(f"{sum(judged)} passed, {len(judged) - sum(judged)} failed{rest}")
     return DONE if passed else FAILED
 
 
@@ -57,12 +60,13 @@ def _print_cross_check(found: Any) -> None:
 
 
 def _print_check(report: Any) -> None:
-    mark = "ok  " if report.passed else "FAIL"
+    mark = {True: "ok  ", False: "FAIL", None: "--  "}[report.passed]
     say(f"{mark} {report.scene.name} ({report.regime}, {report.reference})")
     for line in report.lines:
         band = "" if line.band is None else f" in [{line.band[0]:g}, {line.band[1]:g}]"
         why = line.limit and f", limited by {line.limit}"
-        say(f"     {line.number:<9}{line.digits:6.2f} digits{band}: {line.verdict}{why}")
+        digits = line.lost or f"{line.digits:6.2f} digits"
+        say(f"     {line.number:<9}{digits}{band}: {line.verdict}{why}")
     for figure in report.figures:
         p = figure.published
         say(f"     {p.quantity} at t = {shown(p.t)}: {figure.verdict}  ({p.cite})")

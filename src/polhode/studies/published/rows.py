@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from polhode.checks.printed import PrintedFigure, figures, last_unit, significant_digits
+from polhode.checks.time_labels import TimeLabel, time_labels
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers.decimals import decimal_string
 from polhode.scenes import library
@@ -13,7 +14,7 @@ from polhode.scenes import library
 NAME = "published"
 QUESTION = (
     "Which figures that somebody printed are right, and by how much are the others off? Ours come "
-    "from closed forms, or from two integrations at different precision where there is none."
+    "from closed forms, or from proven enclosures where there is none."
 )
 QUICK_CASES = ("published/nasa-brick", "published/curtis", "published/detest-b5")
 
@@ -28,14 +29,15 @@ def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict
         if tick is not None:
             tick(f"{NAME}: {name}")
         reference = reference_of(scene)
-        found = [_row(figure) for figure in figures(scene, reference)]
+        found = figures(scene, reference)
         cases.append(
             {
                 "case": name,
                 "title": scene.title,
                 "reference": reference.kind,
                 "cite": [*scene.cite],
-                "figures": found,
+                "figures": [_row(figure) for figure in found],
+                "time_labels": [label_row(x) for x in time_labels(scene, reference, found)],
             }
         )
     return {"study": NAME, "question": QUESTION, "quick": quick, "cases": cases}
@@ -47,12 +49,24 @@ def _row(figure: PrintedFigure) -> dict[str, Any]:
         "t": float(printed.t),
         "quantity": printed.quantity,
         "cite": printed.cite,
+        "recomputed": printed.recomputed,
         "printed": printed.value,
         "ours": figure.ours,
         "difference": decimal_string(figure.difference, 2),
         "last_units": float(f"{float(figure.difference / last_unit(printed.value)):.2g}"),
         "digits_shown": significant_digits(printed.value),
         "digits_right": round(figure.digits_right, 1),
-        "stands": figure.passed and printed.right is None,
+        "stands": figure.complete,
         "verdict": figure.verdict,
+    }
+
+
+def label_row(found: TimeLabel) -> dict[str, Any]:
+    """A source whose figures hold at another time."""
+    return {
+        "cite": found.cite,
+        "t": float(found.t),
+        "shift": float(f"{found.shift:.4g}"),
+        "before": float(f"{found.before:.2g}"),
+        "after": float(f"{found.after:.2g}"),
     }
