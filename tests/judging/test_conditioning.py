@@ -387,6 +387,15 @@ def test_a_chaotic_motion_is_told_from_a_regular_one():
     assert regular.growth == pytest.approx(math.log(2), abs=0.1)
 
 
+@pytest.mark.slow
+def test_the_exponents_of_neighbours_scatter_as_the_uncertainty_says():
+    spins = [Fraction(11, 10) + Fraction(k, 1000) for k in range(16)]
+    found = [polhode.lyapunov(asymmetric(str(spin), [1]), 2000) for spin in spins]
+    scatter = np.std([x.exponent for x in found], ddof=1)
+    claimed = math.sqrt(np.mean([x.uncertainty**2 for x in found]))
+    assert 0.6 < claimed / scatter < 1.7
+
+
 def test_too_short_a_look_decides_nothing():
     assert polhode.lyapunov(asymmetric("1.1", [1]), 20).verdict == "undecided"
     assert polhode.lyapunov(asymmetric("3", [1]), 20).verdict == "undecided"

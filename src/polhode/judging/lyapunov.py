@@ -10,10 +10,11 @@ neighbour's, which has the same exponent where the motion is chaotic.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
@@ -27,11 +28,15 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor.passage import six
 
+if TYPE_CHECKING:
+    from polhode.taylor.variations import Doubles
+
 MAX_STEPS = 1_000_000  # of 3 µs
 DEFAULT_LENGTH = 2000  # in the motion's slowest unit of time
 SHORTEST = 100  # below this no verdict rests on growth
 BLOCKS, LOOKS = 32, 8  # blocks over the whole time, looks at the tangent in each
 REGULAR, CHAOTIC = 2.0, 6.0  # growth of ln |tangent| in the second half: below, above
+NEIGHBOURS, APART = 7, 1e-6  # of a chaotic motion: their number, their relative distance
 _DOUBLES_TRUE = 12 * math.log(10)  # ln of the growth up to which a double follows the motion
 
 
@@ -40,7 +45,9 @@ class Lyapunov:
     """The largest exponent per unit of time, and the verdict on the motion up to ``end``.
 
     ``exponent`` is the mean growth of ln |tangent| over the second half of the time;
-    ``uncertainty`` its standard error over blocks, and for what a power law would show as well.
+    ``uncertainty``: of a chaotic motion the standard deviation of the exponents of it and seven
+    neighbours, found alike; of another the standard error over blocks of time, and for what a power
+    law would show as well (blocks of a chaotic one hang together: their error is half the scatter).
     ``growth``: of ln |tangent| over that half.  ``verdict``: "regular", "chaotic" or "undecided".
 
     >>> import polhode
@@ -100,21 +107,34 @@ def lyapunov(scene: Scene | str | Path, end: Any = None, max_steps: int = MAX_ST
     tangent = np.array([[0.6], [-0.5], [0.4], [0.3], [0.2], [-0.3]])  # along no axis
     if len(plain.start) == 3:
         tangent[3:] = 0
-    flow = Variations(plain.coefficients, start, tangent)
     still, closed = at_rest(scene).state, reference(scene).is_closed_form
-    sizes = [_size(flow)]
-    for k in range(1, BLOCKS * LOOKS + 1):
-        if not flow.to(last * k / (BLOCKS * LOOKS), max_steps - flow.steps):
-            break
-        if still:
-            flow.state = start
-        flow.rescale()
-        sizes.append(_size(flow))
-        if closed and not still and k < BLOCKS * LOOKS and sizes[-1] - sizes[0] > _DOUBLES_TRUE:
-            return lyapunov(scene, flow.time * unit, max_steps)  # as far as it is this motion
+
+    def followed(start: Doubles, last: float) -> Iterator[float]:
+        """The tangent's size at each look."""
+        flow = Variations(plain.coefficients, start, tangent)
+        yield _size(flow)
+        for k in range(1, BLOCKS * LOOKS + 1):
+            if not flow.to(last * k / (BLOCKS * LOOKS), max_steps - flow.steps):
+                return
+            if still:
+                flow.state = start
+            flow.rescale()
+            yield _size(flow)
+
+    sizes: list[float] = []
+    for size in followed(start, last):
+        sizes.append(size)
+        looks = len(sizes) - 1
+        if closed and not still and looks < BLOCKS * LOOKS and size - sizes[0] > _DOUBLES_TRUE:
+            # as far as it is this motion
+            return lyapunov(scene, last * looks / (BLOCKS * LOOKS) * unit, max_steps)
     reached = abs(last) * (len(sizes) - 1) / (BLOCKS * LOOKS)
     exponent, error, growth = _fitted(sizes, reached)
     verdict, reason = _judged(still, closed, growth, exponent, error, reached / slow)
+    if verdict == "chaotic":
+        moved = (start * (1 + APART * k) for k in range(1, NEIGHBOURS + 1))
+        ends = [_fitted([*followed(x, math.copysign(reached, last))], reached)[0] for x in moved]
+        error = float(np.std([exponent, *ends], ddof=1))
     found = math.copysign(reached * unit, last)
     return Lyapunov(scene, exponent / unit, error / unit, growth, found, verdict, reason)
 
