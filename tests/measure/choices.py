@@ -102,7 +102,8 @@ def tolerances() -> None:
     print(
         "`--tol` loosens it. Heavy top, double, t = 1000; the error of the state against a "
         "quad run of the same rounded inputs, median of seven starts. Below eps more work "
-        "buys no digit, so that is refused.\n"
+        "buys no digit, so that is refused. Between 1e-14 and eps it buys next to none: a fifth "
+        "of the time, so that what is left is the rounding of the steps and no tolerance.\n"
     )
     end = [Fraction(1000)]
     scenes = [heavy(1000, f"1.{k}1") for k in range(7)]
