@@ -220,7 +220,7 @@ def cadences() -> None:
     for name, end, chosen in (("double", 10_000, 320), ("extended", 1000, 32)):
         rows: dict[str, list[str]] = {}
         for top in long_run.TOPS:
-            scenes = [long_run.Start(top, k, (Fraction(end),), ()).scene for k in range(8)]
+            scenes = [long_run.RunStart(top, k, (Fraction(end),), ()).scene for k in range(8)]
             truths = [polhode.reference(scene).at(scene.times, 30) for scene in scenes]
             plain, slow = projected(scenes, truths, name, False)
             for every in (8, 32, 80, 160, 320, 640):

@@ -62,6 +62,9 @@ def test_starts_are_exact_alike_every_time_and_all_different(top):
     again = [long_run.RunStart(top, k, (Fraction(1),), ()).scene for k in range(long_run.STARTS)]
     assert [s.start for s in scenes] == [s.start for s in again]
     assert len({s.start for s in scenes}) == long_run.STARTS >= 16
+    assert len({s.body for s in scenes}) == long_run.STARTS
+    inexact = [s for s in scenes if any(float(x) != x for x in s.body.moments)]
+    assert len(inexact) > long_run.STARTS / 2
     for scene in scenes:
         assert dot(scene.gamma, scene.gamma) == 1
         truth = reference(scene)

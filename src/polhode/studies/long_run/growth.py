@@ -15,11 +15,12 @@ RESAMPLES = 400
 
 
 class Exponent(NamedTuple):
-    """A fitted exponent, its standard error, and the exponent of the last decade alone."""
+    """A fitted exponent and that of the last decade alone, each with its standard error."""
 
     value: float
     uncertainty: float
     last_decade: float
+    last_uncertainty: float
 
 
 def medians(members: Sequence[Sequence[float]]) -> list[float]:
@@ -45,10 +46,12 @@ def exponent(
     middle = np.log10(np.median(y, axis=0))
     slopes = [_slope(x, sample, weights) for sample in samples]
     last = x >= x[-1] - 1 - 1e-9
+    late = [_slope(x[last], sample[last], weights[last]) for sample in samples]
     return Exponent(
         _slope(x, middle, weights),
         float(np.std(slopes, ddof=1)),
         _slope(x[last], middle[last], weights[last]),
+        float(np.std(late, ddof=1)),
     )
 
 

@@ -15,19 +15,21 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     """The study's page from its JSON object."""
     tops = found["tops"]
     yield Text(
-        f"Each top is followed from {tops[0]['starts']} random rational starts to t = "
-        f"{tops[0]['times'][-1]} in double at the tolerance eps and judged against its closed form "
-        "at that moment. Error: the larger of the error of w over the largest |w| and the error of "
-        "gamma. Drift: the largest of the relative departures of h, f and |gamma|² from the exact "
-        "scene's values, of runs that are not projected. Exponents are slopes of the ensemble's "
+        f"{tops[0]['starts']} random bodies of each kind, each from a random start, all numbers "
+        "decimals of two places, are followed to t = "
+        f"{tops[0]['times'][-1]} in double at the tolerance eps and judged against their closed "
+        "forms at each moment. Error: the larger of the error of w over the largest |w| and the "
+        "error of gamma. Drift: the largest of the relative departures of h, f and |gamma|² from "
+        "the exact scene's values, of runs that are not projected. Exponents are slopes of the ensemble's "
         f"median on log–log from t = {tops[0]['fitted_since']:g} on, by weighted least squares; "
-        "their uncertainty is the standard error of a bootstrap over the starts."
+        "their uncertainty is the standard error of a bootstrap over the bodies."
     )
     yield Figure("long-run", "Growth of error and drift with time, beside Brouwer's exponents")
     yield Heading("Exponents")
     yield Text(
         "Brouwer's law for independent roundings: 3/2 for the error, 1/2 for the drift. Rounding "
-        "the inputs once shifts the frequencies: an error that grows like t, 1."
+        "the inputs once shifts the frequencies: an error that grows like t, 1. That is what is "
+        "left of a projected run's error, whose integrals stay."
     )
     yield _exponents(tops, found["brouwer"])
     for name, title in (("error", "Error"), ("drift", "Drift")):
@@ -56,7 +58,7 @@ def _exponents(tops: list[dict[str, Any]], brouwer: dict[str, float]) -> PageTab
                             method["method"],
                             name,
                             f"{found['exponent']:.2f} ± {found['uncertainty']:.2f}",
-                            f"{found['last_decade']:.2f}",
+                            f"{found['last_decade']:.2f} ± {found['last_uncertainty']:.2f}",
                             f"{brouwer[name]:g}",
                         )
                     )

@@ -1,8 +1,9 @@
 """Study ``long-run``: growth of error and drift in double over four decades of time and more.
 
 Brouwer's law (Brouwer 1937): where roundings are independent, errors of the integrals grow like
-t^(1/2) and those of the phase like t^(3/2).  Ensembles of random starts of the three tops, each
-start rational and exact, are judged against closed forms.
+t^(1/2) and those of the phase like t^(3/2).  Ensembles of random bodies of the three kinds, each
+with a random start, all numbers decimals of two places that no double holds, are judged against
+closed forms.
 """
 
 from __future__ import annotations
@@ -22,7 +23,6 @@ from polhode.equations.integrals import drift
 from polhode.judging.digits import errors, rate_scale
 from polhode.judging.reference import Reference
 from polhode.judging.reference import reference as reference_of
-from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import DOUBLE, bits_for
 from polhode.runs.integrate import integrate
 from polhode.scenes.body import Body, Vector
@@ -45,19 +45,35 @@ PLAIN, PROJECTED = "double", "double projected"
 Tick = Callable[[str], None]
 
 
-def body(moments: tuple[Any, ...], centre: tuple[int, int, int]) -> Body:
-    """A body in principal axes of weight 1, 0 where it is held at its centre of mass."""
-    a, b, c = (Fraction(x) for x in moments)
-    inertia = ((a, ZERO, ZERO), (ZERO, b, ZERO), (ZERO, ZERO, c))
-    x, y, z = (Fraction(k) for k in centre)
-    return Body(inertia, (x, y, z), Fraction(1 if any(centre) else 0))
+def hundredths(dice: random.Random, least: float, most: float) -> Fraction:
+    """A random decimal of two places, not a double's as a rule."""
+    return Fraction(dice.randint(round(100 * least), round(100 * most)), 100)
 
 
-TOPS = {
-    "euler": body((2, 3, 4), (0, 0, 0)),
-    "lagrange": body((1, 1, Fraction(1, 2)), (0, 0, 1)),
-    "kovalevskaya": body((2, 2, 1), (1, 0, 0)),
-}
+def free(dice: random.Random) -> Body:
+    """A free body of any moments, in any order."""
+    a, b = hundredths(dice, 1, 3), hundredths(dice, 1, 3)
+    c = hundredths(dice, float(abs(a - b)) + 0.1, float(a + b) - 0.1)
+    moments = [a, b, c]
+    dice.shuffle(moments)
+    return Body.of_moments(moments)
+
+
+def symmetric(dice: random.Random) -> Body:
+    """A symmetric top, disc or needle, its centre on the axis."""
+    a = hundredths(dice, 0.7, 2)
+    c = hundredths(dice, 0.2, 1.8 * float(a))
+    return Body.of_moments((a, a, c), (0, 0, hundredths(dice, 0.3, 1.5)), 1)
+
+
+def kovalevskayas(dice: random.Random) -> Body:
+    """A = B = 2C, the centre anywhere in the equator."""
+    c = hundredths(dice, 0.5, 1.5)
+    x, y = hundredths(dice, -1.2, 1.2), hundredths(dice, 0.2, 1.2)
+    return Body.of_moments((2 * c, 2 * c, c), (x, y, 0), 1)
+
+
+TOPS = {"euler": free, "lagrange": symmetric, "kovalevskaya": kovalevskayas}
 
 
 class Member(NamedTuple):
@@ -83,8 +99,9 @@ class RunStart:
 
     @property
     def scene(self) -> Scene:
-        """The exact scene: each |component| of w at most 1, gamma anywhere on the sphere."""
+        """The exact scene: any body of the kind, |components| of w at most 1, any gamma."""
         dice = random.Random(f"{SEED} {self.top} {self.index}")
+        body = TOPS[self.top](dice)
         omega = [Fraction(dice.randint(-100, 100), 100) for _ in range(3)]
         u, v = (Fraction(dice.randint(-20, 20), 10) for _ in range(2))
         square = u * u + v * v
@@ -92,7 +109,7 @@ class RunStart:
         p, q, r = omega
         start: Vector = (p, q, r)
         name = f"{self.top} start {self.index + 1}"
-        return Scene(TOPS[self.top], start, gamma, times=self.times, name=name)
+        return Scene(body, start, gamma, times=self.times, name=name)
 
 
 def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
@@ -241,6 +258,9 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
                     "exponent": None if fitted is None else round(fitted.value, 3),
                     "uncertainty": None if fitted is None else round(fitted.uncertainty, 3),
                     "last_decade": None if fitted is None else round(fitted.last_decade, 3),
+                    "last_uncertainty": None
+                    if fitted is None
+                    else round(fitted.last_uncertainty, 3),
                 }
         taken = [m.projection for m in members if m.projection is not None]
         if method == PROJECTED and taken:
