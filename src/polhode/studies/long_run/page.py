@@ -20,8 +20,8 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         f"{tops[0]['times'][-1]} in double at the tolerance eps and judged against their closed "
         "forms at each moment. Error: the larger of the error of w over the largest |w| and the "
         "error of gamma. Drift: the largest of the relative departures of h, f and |gamma|² from "
-        "the exact scene's values, of runs that are not projected. Exponents are slopes of the ensemble's "
-        f"median on log–log from t = {tops[0]['fitted_since']:g} on, by weighted least squares; "
+        "the exact scene's values, of runs that are not projected. Exponents are slopes of the "
+        f"ensemble's median on log–log from t = {tops[0]['fitted_since']:g} on, by weighted least squares; "
         "their uncertainty is the standard error of a bootstrap over the bodies."
     )
     yield Figure("long-run", "Growth of error and drift with time, beside Brouwer's exponents")
