@@ -16,13 +16,13 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     tops = found["tops"]
     yield Text(
         f"{tops[0]['starts']} random bodies of each kind, each from a random start, all numbers "
-        "decimals of two places, are followed to t = "
-        f"{tops[0]['times'][-1]} in double at the tolerance eps and judged against their closed "
-        "forms at each moment. Error: the larger of the error of w over the largest |w| and the "
-        "error of gamma. Drift: the largest of the relative departures of h, f and |gamma|² from "
-        "the exact scene's values, of runs that are not projected. Exponents are slopes of the "
-        f"ensemble's median on log–log from t = {tops[0]['fitted_since']:g} on, by weighted least squares; "
-        "their uncertainty is the standard error of a bootstrap over the bodies."
+        f"decimals of two places, are followed to t = {tops[0]['times'][-1]} in double at the "
+        "tolerance eps and judged against their closed forms at each moment. Error: the larger of "
+        "the error of w over the largest |w| and the error of gamma. Drift: the largest of the "
+        "relative departures of h, f and |gamma|² from the exact scene's values, of runs that are "
+        "not projected. Exponents are slopes of the ensemble's median on log–log from "
+        f"t = {tops[0]['fitted_since']:g} on, by weighted least squares; their uncertainty is the "
+        "standard error of a bootstrap over the bodies."
     )
     yield Figure("long-run", "Growth of error and drift with time, beside Brouwer's exponents")
     yield Heading("Exponents")
