@@ -35,8 +35,8 @@ BLOCKS = (
     Text("See [published](published.md) and [elsewhere](other.md)."),
 )
 SECTIONS = (
-    html.Section("first", "First <study>", BLOCKS, {"one": SVG, "two": SVG}),
-    html.Section("published", "Second", (Text("text"),), {}),
+    html.Section("first", "First <study>", "3 < 4.", BLOCKS, {"one": SVG, "two": SVG}),
+    html.Section("published", "Second", "", (Text("text"),), {}),
 )
 
 
@@ -140,7 +140,7 @@ def test_links_to_studies_lead_into_the_page_and_to_other_files_nowhere():
 
 def test_wide_things_scroll_in_boxes_of_their_own():
     text = html.page("t", SECTIONS)
-    assert text.count('<div class="wide"><table>') == 1
+    assert text.count('<div class="wide" tabindex="0"><table>') == 1
     assert text.count('<div class="wide"><svg') == 2
     assert '<meta name="viewport"' in text
     assert "@media print" in text
@@ -150,7 +150,7 @@ def test_wide_things_scroll_in_boxes_of_their_own():
 
 
 def test_a_row_of_another_length_than_its_header_is_an_error():
-    broken = html.Section("x", "x", (PageTable(("a", "b"), (("1",),)),), {})
+    broken = html.Section("x", "x", "", (PageTable(("a", "b"), (("1",),)),), {})
     with pytest.raises(ValueError, match="zip"):
         html.page("t", [broken])
 

@@ -344,6 +344,18 @@ def test_the_verdict_says_where_polhode_is_behind():
     assert engine[contenders.PROJECTED]["digits_gained"] == round(EPS_DIGITS - 12, 2)
 
 
+def test_no_claim_is_made_of_nothing():
+    found = synthetic()
+    assert page.finding(found).endswith("ahead of every program but CyRK DOP853.")
+    (motion,) = found["motions"]
+    alone = [m for m in motion["methods"] if not m["method"].startswith(("CyRK", "diffrax"))]
+    motion |= {"methods": alone, "verdict": speed.verdict(alone, 12.4)}
+    found["target"] = speed.target([motion])
+    assert found["target"]["ahead"] is None
+    assert page.finding(found).startswith("No other program was here")
+    assert "ahead of" not in markdown(page.TITLE, page.blocks(found))
+
+
 def test_polhode_as_it_comes_is_projected_at_eps_alone():
     marks = speed.as_it_comes(synthetic()["motions"][0]["methods"])
     assert marks == [WorkPoint(6, 0.002), WorkPoint(12, 0.003), WorkPoint(EPS_DIGITS, 0.004)]

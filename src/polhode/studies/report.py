@@ -88,7 +88,7 @@ def _made(
         kept.append(folder / f"{name}.json")
         texts |= {folder / f"{figure}.svg": svg for figure, svg in drawn.items()}
         texts[folder / f"{name}.md"] = markdown(title(name), parts)
-        sections.append(html.Section(name, title(name), parts, drawn))
+        sections.append(html.Section(name, title(name), finding(found), parts, drawn))
     return kept, texts, sections
 
 
@@ -115,6 +115,13 @@ def title(name: str) -> str:
     """The title of a study's page."""
     found: str = _module(name, "page").TITLE
     return found
+
+
+def finding(found: dict[str, Any]) -> str:
+    """A study in a sentence made of its results; its question where it has none."""
+    module = _module(found["study"], "page")
+    told: str = module.finding(found) if hasattr(module, "finding") else found["question"]
+    return told
 
 
 def page(found: dict[str, Any]) -> str:

@@ -51,7 +51,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "multiplies rounding, and the run has as many digits as expected or more; *method*, it "
         "has fewer; *reference*, it is good for no more."
     )
-    yield Text(_within(found["cases"]))
+    yield Text(finding(found))
     yield Figure("accuracy", "Correct digits of every case in every number type")
     for kind, title in _TITLES.items():
         cases = [case for case in found["cases"] if case["reference"] == kind]
@@ -91,8 +91,9 @@ def _table(cases: list[dict[str, Any]]) -> PageTable:
     return PageTable(header, tuple(rows), "llrrrrrrrlrrrrl")
 
 
-def _within(cases: list[dict[str, Any]]) -> str:
+def finding(found: dict[str, Any]) -> str:
     """How many runs of all types end within what was expected of them."""
+    cases = found["cases"]
     judged = [
         (run["correct_digits"], run["expected"])
         for case in cases

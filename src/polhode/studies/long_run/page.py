@@ -45,6 +45,18 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield from _far(found["at"])
 
 
+def finding(found: dict[str, Any]) -> str:
+    """The study in a sentence."""
+    told = []
+    for top in found["tops"]:
+        plain, projected = (m["error"]["median"][-1] for m in top["methods"])
+        told.append(f"{_power(projected)} ({top['top']}; {_power(plain)} without)")
+    return (
+        f"At t = {found['tops'][0]['times'][-1]} half of the runs in double of random bodies are "
+        f"within {', '.join(told)} of the truth where they are put back on their first integrals."
+    )
+
+
 def _exponents(tops: list[dict[str, Any]], brouwer: dict[str, float]) -> PageTable:
     rows = []
     for top in tops:

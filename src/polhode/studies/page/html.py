@@ -11,10 +11,11 @@ from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable
 
 
 class Section(NamedTuple):
-    """One study's page: its name, title, blocks, and figures as SVG by name."""
+    """One study's page: its name, title, what it found, blocks, and figures as SVG by name."""
 
     name: str
     title: str
+    finding: str
     blocks: tuple[Block, ...]
     figures: Mapping[str, str]
 
@@ -53,6 +54,7 @@ def inline(text: str, pages: Iterable[str] = ()) -> str:
 
 
 _CASE = re.compile(r"\w+/[\w-]+")
+_SHORT = 8  # rows of a table that is shown without being asked for
 _LONG = 48  # characters of a cell that may be broken into lines
 
 _MARK = re.compile(
@@ -90,6 +92,7 @@ def _contents(sections: tuple[Section, ...]) -> Iterator[str]:
     yield "<ol>"
     for section in sections:
         yield f'<li><a href="#{section.name}">{escape(section.title)}</a>'
+        yield f"<p>{inline(section.finding)}</p>"
         yield "<details><summary>sections</summary><ul>"
         for slug, text in _headings(section):
             yield f'<li><a href="#{slug}">{inline(text)}</a></li>'
@@ -129,11 +132,17 @@ def _section(section: Section, names: set[str]) -> Iterator[str]:
 
 def _table(table: PageTable, names: set[str]) -> Iterator[str]:
     sides = table.align or "l" * len(table.header)
-    yield '<div class="wide"><table>'
+    folded = len(table.rows) > _SHORT
+    if folded:
+        columns = escape(", ".join(table.header[:3]))
+        yield f'<details class="rows"><summary>{len(table.rows)} rows: {columns}, …</summary>'
+    yield '<div class="wide" tabindex="0"><table>'
     yield f"<thead>{_row('th', table.header, sides, names)}</thead>"
     yield "<tbody>"
     yield from (_row("td", row, sides, names) for row in table.rows)
     yield "</tbody></table></div>"
+    if folded:
+        yield "</details>"
 
 
 def _row(tag: str, cells: Iterable[str], sides: str, names: set[str]) -> str:
@@ -186,9 +195,14 @@ a { color: #005a9c; }
 code { font: .9em ui-monospace, "DejaVu Sans Mono", monospace; background: #f2f2f2;
        padding: 0 .2em; }
 nav ol { padding-left: 1.4rem; }
+nav p { margin: 0; }
 nav details { font-size: .85rem; color: #555; }
 nav ul { padding-left: 1rem; font-size: .85rem; list-style: none; columns: 18rem; }
 .wide { overflow-x: auto; max-width: 100%; }
+.wide { background: linear-gradient(90deg, #fff 30%, #fff0) left / 3rem 100% local no-repeat,
+                    linear-gradient(270deg, #fff 30%, #fff0) right / 3rem 100% local no-repeat,
+                    linear-gradient(270deg, #0003, #0000) right / .8rem 100% scroll no-repeat; }
+details.rows > summary { cursor: pointer; color: #005a9c; font-size: .85rem; margin: .5rem 0; }
 table { border-collapse: collapse; font-size: .75rem; font-variant-numeric: tabular-nums;
         margin: .5rem 0; }
 th, td { padding: .2rem .45rem; border-bottom: 1px solid #ddd; text-align: left;
@@ -196,7 +210,7 @@ th, td { padding: .2rem .45rem; border-bottom: 1px solid #ddd; text-align: left;
 td.long { white-space: normal; min-width: 18rem; max-width: 30rem; }
 th { border-bottom: 2px solid #999; }
 th.r, td.r { text-align: right; }
-tbody tr:nth-child(even) { background: #f8f8f8; }
+tbody tr:nth-child(even) { background: #0000000a; }
 figure { margin: 1rem 0; }
 figure svg { display: block; width: 100%; height: auto; min-width: 44rem; }
 figcaption { font-size: .85rem; color: #444; margin-top: .3rem; }

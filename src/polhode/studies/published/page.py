@@ -25,12 +25,10 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     """The study's page from its JSON object."""
     both = [(case, row) for case in found["cases"] for row in case["figures"]]
     every = [(case, row) for case, row in both if not row["recomputed"]]
-    right = sum(row["stands"] for _, row in every)
     own = [row for _, row in both if row["recomputed"]]
     reproduced = "all" if all(row["stands"] for row in own) else "not all"
     yield Text(
-        f"{len(every)} figures that somebody printed: {right} are right to their last digit, "
-        f"rounded or cut off there, {len(every) - right} are not. Beside them stand {len(own)} "
+        f"{finding(found)} Beside them stand {len(own)} "
         "figures of published scenes that were recomputed for this library, for others to check "
         f"theirs by; {reproduced} are reproduced. *Units* is the difference in units of the last "
         "digit printed, *digits right* -log10 of the relative difference. Ours are evaluated to "
@@ -49,6 +47,16 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "Of a figure that stands, only the digits printed. Of one that does not, what the source "
         "computed: ours are the closed form's, which the tests hold against an integration that "
         "shares no code with it, or lie in a proven enclosure; each case says which."
+    )
+
+
+def finding(found: dict[str, Any]) -> str:
+    """The study in a sentence."""
+    printed = [row for case in found["cases"] for row in case["figures"] if not row["recomputed"]]
+    right = sum(row["stands"] for row in printed)
+    return (
+        f"Of {len(printed)} figures that somebody printed {right} are right to their last digit, "
+        f"rounded or cut off there, {len(printed) - right} are not."
     )
 
 

@@ -64,9 +64,12 @@ def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
 def target(motions: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Whether polhode's double curve is ahead of every peer on the regular motions.
 
-    ``behind``: where it is not, at what factor of the peer's seconds, from which digits.
+    None where no peer ran.  ``behind``: where it is not, at what factor of the peer's seconds, from
+    which digits.
     """
-    regular = [m for m in motions if m["kind"] == "regular" and "verdict" in m]
+    regular = [
+        m for m in motions if m["kind"] == "regular" and "verdict" in m and m["verdict"]["peers"]
+    ]
     return {
         "ahead": all(m["verdict"]["ahead_of_all"] for m in regular) if regular else None,
         "reaches_floor": all(m["verdict"]["reaches_floor"] for m in regular) if regular else None,

@@ -38,6 +38,17 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield from _limits(found["limits"])
 
 
+def finding(found: dict[str, Any]) -> str:
+    """The study in a sentence."""
+    behind = [run["behind"] for case in found["cases"] for run in case["runs"]]
+    judged = [x for x in behind if x is not None]
+    enough = sum(x <= 0 for x in judged)
+    return (
+        f"{enough} of {len(judged)} runs of {len(found['cases'])} hard motions end with the digits "
+        "expected of any method that rounds once a step, or with more."
+    )
+
+
 def _behind(found: dict[str, Any]) -> Iterator[Block]:
     """The runs that have fewer digits than expected, and why."""
     judged = [
@@ -52,10 +63,7 @@ def _behind(found: dict[str, Any]) -> Iterator[Block]:
         (case, run) for case in found["cases"] for run in case["runs"] if run.get("behind") is None
     ]
     yield Heading("What limits the digits: runs with fewer than expected")
-    yield Text(
-        f"{len(judged) - len(late)} of {len(judged)} runs end with the digits expected, or with "
-        "more. " + ("The others:" if late else "None stays behind.")
-    )
+    yield Text(f"{finding(found)} " + ("The others:" if late else "None stays behind."))
     if late:
         yield PageTable(
             (
