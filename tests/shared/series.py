@@ -75,11 +75,10 @@ def integrate(
 
 
 def _of_order_one(given: list[list[mpf]]) -> bool:
-    """Whether integers in units of 2^-bits keep the digits: nothing large, some rate not small."""
+    """Whether integers in units of 2^-bits keep the digits: nothing large, |w| not small."""
     moments, torque, omega, gamma, _ = given
-    small, rates = [*moments, *torque, *omega, *gamma], [*torque, *omega]
-    large = max(abs(x) for x in small) > 32 or min(moments) < mpf(1) / 32
-    return not large and max(abs(x) for x in rates) > mpf(1) / 32
+    size = max(abs(x) for x in (*moments, *torque, *omega, *gamma))
+    return size < 32 and min(moments) > mpf(1) / 32 and max(abs(x) for x in omega) > mpf(1) / 32
 
 
 def number(x: Any) -> mpf:
