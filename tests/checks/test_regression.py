@@ -88,7 +88,8 @@ def test_a_corrupted_equation_of_the_lagrange_top_fails(which, monkeypatch):
 
 @pytest.mark.slow
 def test_the_whole_library_passes():
-    failed = [report.scene.name for report in regression.check() if report.passed is not True]
+    found = regression.check(workers=2)
+    failed = [report.scene.name for report in found if report.passed is not True]
     assert not failed
 
 
@@ -111,6 +112,14 @@ def test_without_a_band_nothing_passes_or_fails_and_lost_digits_are_words(tmp_pa
 @pytest.mark.parametrize("name", ["euler/largest-axis", "published/nasa-brick", "euler/sphere"])
 def test_a_case_passes(name):
     assert next(regression.check([name])).passed
+
+
+def test_cases_shared_by_processes_give_the_same_reports():
+    names = ["euler/rest", "euler/sphere", "staude/stable"]
+    one, two = ([*regression.check(names, ["double"], workers=n)] for n in (1, 2))
+    assert [report.scene.name for report in two] == names
+    assert [report.lines[0].digits for report in one] == [r.lines[0].digits for r in two]
+    assert [report.lines[0].limit for report in one] == [r.lines[0].limit for r in two]
 
 
 @pytest.mark.parametrize("which", ["p.qr", "q.rp", "r.pq"])

@@ -4,6 +4,7 @@ Errors are asked to lie in a band: asked for 50 digits, more than 1e-70 (a check
 thing with itself is none) and less than 1e-50.
 """
 
+import functools
 import itertools
 import json
 import math
@@ -110,7 +111,9 @@ MOTIONS = {
 MOVING = [name for name in MOTIONS if name != "rest"]
 
 
+@functools.cache
 def top_of(name, gamma=GAMMA, psi=PSI):
+    """One motion for all tests that ask for it: its constants are made once."""
     moments, omega, _ = MOTIONS[name]
     return EulerTop(fractions(moments), fractions(omega), gamma, psi)
 
@@ -198,7 +201,7 @@ def test_a_coefficient_off_by_1e_20_is_seen(name, monkeypatch):
     moments, omega, _ = MOTIONS[name]
     (state,) = series.integrate(fractions(moments), fractions(omega), GAMMA, [F(2)], 40)
     made = motion.polhode
-    assert distance([state], top_of(name).at([F(2)], 40)) < mpf(10) ** -40
+    assert distance([state], top_of.__wrapped__(name).at([F(2)], 40)) < mpf(10) ** -40
     for field in ("rate", "v0", "precession"):
 
         def corrupt(numbers, signs, field=field):
@@ -207,7 +210,7 @@ def test_a_coefficient_off_by_1e_20_is_seen(name, monkeypatch):
             return motion.replace(right, **{field: wrong})
 
         monkeypatch.setattr("polhode.closed_forms.euler.top.polhode", corrupt)
-        error = distance([state], top_of(name).at([F(2)], 40))
+        error = distance([state], top_of.__wrapped__(name).at([F(2)], 40))
         monkeypatch.undo()
         seen = mpf(10) ** -24 < error < mpf(10) ** -18
         still = field == "v0" and MOTIONS[name][1][1] == 0

@@ -4,7 +4,6 @@ from fractions import Fraction
 
 import pytest
 
-from polhode.closed_forms.functions.cosine_series import cosine_series, integral, integrated
 from polhode.closed_forms.functions.one_degree import one_degree, value
 from polhode.closed_forms.n_kowalewski.top import REGIME, NKowalewski
 from polhode.numbers import exact
@@ -138,21 +137,6 @@ def test_300_random_members():
 
 def test_a_corrupted_formula_fails(monkeypatch):
     checks.check_corrupted(NKowalewski, SHEET, monkeypatch)
-
-
-def test_cosine_series():
-    """1/(1 - a cos x): A_0 = 1/sqrt(1 - a^2), A_k = 2 A_0 ((1 - sqrt(1 - a^2))/a)^k."""
-    with mpmath.workdps(60):
-        a = mpf(9) / 10
-        root = mpmath.sqrt(1 - a * a)
-        found = cosine_series(lambda c: 1 / (1 - a * c))
-        for k, x in enumerate(found):
-            right = (1 if k == 0 else 2) / root * ((1 - root) / a) ** k
-            assert abs(x - right) < mpf(10) ** -58
-        assert 200 < len(found) < 400
-        one, other = (integral(integrated(found), x) for x in (mpf(1), mpf(4)))
-        sought = mpmath.quad(lambda x: 1 / (1 - a * mpmath.cos(x)), [1, 2, 3, 4])
-        assert abs(other - one - sought) < mpf(10) ** -50
 
 
 def test_one_degree_is_a_sine():

@@ -4,6 +4,7 @@ Errors are asked to lie in a band: asked for 50 digits, more than 1e-75 (a check
 thing with itself is none) and less than 1e-50.
 """
 
+import functools
 import itertools
 import json
 from dataclasses import replace
@@ -129,7 +130,9 @@ def data(name):
     ]
 
 
+@functools.cache
 def top_of(name, psi=PSI):
+    """One motion for all tests that ask for it: its constants are made once."""
     return Pendulum(*data(name), psi)
 
 
@@ -411,7 +414,7 @@ def test_the_quarter_period_by_integration():
 def test_a_constant_off_by_1e_20_is_seen(name, monkeypatch):
     moments, torque, omega, gamma = data(name)
     done = taylor(moments, torque, omega, gamma, [F(2)], 40)
-    assert distance(done, top_of(name).at([F(2)], 40)) < mpf(10) ** -40
+    assert distance(done, top_of.__wrapped__(name).at([F(2)], 40)) < mpf(10) ** -40
     made = pendulum.swing_of
     for field in ("rate", "v0", "k"):
 
@@ -420,7 +423,7 @@ def test_a_constant_off_by_1e_20_is_seen(name, monkeypatch):
             return replace(right, **{field: getattr(right, field) * (1 + mpf(10) ** -20)})
 
         monkeypatch.setattr(pendulum, "swing_of", corrupt)
-        error = distance(done, top_of(name).at([F(2)], 40))
+        error = distance(done, top_of.__wrapped__(name).at([F(2)], 40))
         monkeypatch.undo()
         noticed = mpf(10) ** -23 < error < mpf(10) ** -18
         unused = field == "k" and MOTIONS[name][4] != "pendulum, librating"

@@ -1,5 +1,6 @@
 """Motions of Lagrange tops, one or more of every regime, and what their tests share."""
 
+import functools
 from fractions import Fraction
 
 from polhode.closed_forms.lagrange.top import LagrangeTop
@@ -172,7 +173,9 @@ def motion(name):
     return tuple(fractions(row) for row in MOTIONS[name][:4])
 
 
+@functools.cache
 def top_of(name, psi=PSI):
+    """One motion for all tests that ask for it: its constants are made once."""
     return LagrangeTop(*motion(name), psi)
 
 

@@ -53,7 +53,14 @@ def renamed(start, order, signs):
 
 
 def all_names():
+    """All 48 orders and senses of the axes."""
     return itertools.product(itertools.permutations(range(3)), itertools.product((1, -1), repeat=3))
+
+
+def some_names():
+    """Eight of them: every order, and every choice of senses."""
+    orders = itertools.cycle(itertools.permutations(range(3)))
+    return zip(orders, itertools.product((1, -1), repeat=3), strict=False)
 
 
 def back(row, order, signs):
@@ -113,7 +120,7 @@ def check_stored(family, group, digits=50):
 def check_two_precisions(family, start):
     top = family(*start, PSI)
     far = [F(0), F(7, 3), F(-11), F(10**4), F(-(10**9))]
-    for low, high, answers in ((15, 33, top.at), (50, 90, top.at), (20, 35, top.attitude)):
+    for low, high, answers in ((20, 35, top.at), (50, 90, top.at), (20, 35, top.attitude)):
         error = distance(answers(far, low), answers(far, high))
         assert error < 4 * mpf(10) ** -low
         assert error == 0 or error > mpf(10) ** (-low - 20)
@@ -135,7 +142,7 @@ def slopes(answers, digits):
 
 
 def check_equations(family, start):
-    """The residual of the six equations at 200 digits, of attitude and angles at 45."""
+    """The residual of the six equations at 200 digits, of attitude and angles at 30."""
     top = family(*start, PSI)
     with mpmath.workdps(230):
         A, K = ([number(x) for x in row] for row in start[:2])
@@ -152,18 +159,18 @@ def check_equations(family, start):
         error = max(abs(s - t) for s, t in zip(found, rules, strict=True))
         assert mpf(10) ** -200 < error < mpf(10) ** -150, mpmath.nstr(error, 3)
     with mpmath.workdps(80):
-        (a, x, y, z), found = slopes(lambda times: top.attitude(times, 45), 45)
+        (a, x, y, z), found = slopes(lambda times: top.attitude(times, 30), 30)
         rules = [
             -(x * p + y * q + z * r) / 2,
             (a * p + y * r - z * q) / 2,
             (a * q + z * p - x * r) / 2,
             (a * r + x * q - y * p) / 2,
         ]
-        turns = slopes(lambda times: [row[::2] for row in top.angles(times, 45)], 45)[1]
+        turns = slopes(lambda times: [row[::2] for row in top.angles(times, 30)], 30)[1]
         rate = (p * g1 + q * g2) / (g1 * g1 + g2 * g2)
         rules += [rate, r - rate * g3]
         error = max(abs(s - t) for s, t in zip(found + turns, rules, strict=True))
-        assert mpf(10) ** -45 < error < mpf(10) ** -31 * (1 + abs(rate)), mpmath.nstr(error, 3)
+        assert mpf(10) ** -30 < error < mpf(10) ** -20 * (1 + abs(rate)), mpmath.nstr(error, 3)
 
 
 def check_taylor(family, start, times=(7.3,), digits=40):
@@ -182,11 +189,11 @@ def check_taylor(family, start, times=(7.3,), digits=40):
         assert abs(grown[1] - row[10] + row[11]) < 1e-13
 
 
-def check_names_and_axes(family, start):
-    """Axes renamed, reflected and turned: the same regime, period and motion."""
+def check_names_and_axes(family, start, names=some_names):
+    """Axes renamed, reflected and turned: the same regime and motion."""
     plain, times = family(*start, PSI), [F(7, 3), F(-4)]
     rows = plain.at(times, 40)
-    for order, signs in all_names():
+    for order, signs in names():
         other = family(*renamed(start, order, signs), PSI)
         assert other.regime == plain.regime
         found = [back(row, order, signs) for row in other.at(times, 40)]
@@ -197,13 +204,13 @@ def check_names_and_axes(family, start):
     with mpmath.workdps(50):
         sought = [[*seen_mpf(row[:3]), *seen_mpf(row[3:])] for row in rows]
     assert relative(sought, turned.at(times, 40)) < mpf(10) ** -39
-    attitudes = turned.attitude(times, 40), plain.attitude(times, 40)
-    starts = turned.attitude([F(0)], 40)[0], plain.attitude([F(0)], 40)[0]
-    with mpmath.workdps(50):
+    attitudes = turned.attitude(times, 20), plain.attitude(times, 20)
+    starts = turned.attitude([F(0)], 20)[0], plain.attitude([F(0)], 20)[0]
+    with mpmath.workdps(30):
         one, other = (
             [growth(q, begin) for q in rows] for rows, begin in zip(attitudes, starts, strict=True)
         )
-        assert distance(one, [[c, *seen_mpf(v)] for c, *v in other]) < mpf(10) ** -38
+        assert distance(one, [[c, *seen_mpf(v)] for c, *v in other]) < mpf(10) ** -18
 
 
 def growth(q, start):

@@ -15,6 +15,7 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.numbers.private import mpf, mpmath
+from shared import fast_series
 
 Matrix = Sequence[Sequence[Any]]
 
@@ -34,8 +35,17 @@ def integrate(
 
     ``inertia`` is three principal moments or a 3x3 matrix, ``torque`` is Mg r0.  Numbers are
     anything exact: ints, Fractions, decimal strings, or mpf.  The error is about 10^-digits while
-    the motion does not amplify errors by more than 10^10.
+    the motion does not amplify errors by more than 10^10.  About principal axes, without psi and
+    with numbers of order 1, the same series are summed in integers (:mod:`.fast_series`).
     """
+    if psi is None and not isinstance(inertia[0], (list, tuple)):
+        with mpmath.workdps(digits + 40):
+            given = [[number(x) for x in row] for row in (inertia, torque, omega, gamma, times)]
+            turn = None if quaternion is None else [number(x) for x in quaternion]
+        if _of_order_one(given):
+            found = fast_series.integrate(*given, digits + 5, turn)
+            with mpmath.workdps(digits + 5):
+                return [[+x for x in row[: 6 if turn is None else 10]] for row in found]
     with mpmath.workdps(digits + 20):
         state = [number(x) for x in (*omega, *gamma)]
         if quaternion is not None:
@@ -62,6 +72,13 @@ def integrate(
             rows.append([*state] + ([] if angle is None else [angle]))
     with mpmath.workdps(digits + 5):
         return [[+x for x in row] for row in rows]
+
+
+def _of_order_one(given: list[list[mpf]]) -> bool:
+    """Whether integers in units of 2^-bits keep the digits: nothing large, |w| not small."""
+    moments, torque, omega, gamma, _ = given
+    size = max(abs(x) for x in (*moments, *torque, *omega, *gamma))
+    return size < 32 and min(moments) > mpf(1) / 32 and max(abs(x) for x in omega) > mpf(1) / 32
 
 
 def number(x: Any) -> mpf:

@@ -13,6 +13,7 @@ from polhode.common.errors import BadInput
 from polhode.judging.digits import worst_digits
 from polhode.runs.integrate import integrate, undisturbed
 from polhode.runs.trajectory import Trajectory
+from polhode.runs.workers import in_order
 from polhode.scenes import library
 from polhode.scenes.words import FORMS
 
@@ -36,16 +37,23 @@ class CrossCheck:
         return self.digits is None or self.digits >= LEAST
 
 
-def cross_checks(tick: Callable[[str], None] | None = None) -> Iterator[CrossCheck]:
-    """Each scene in each form against its principal form."""
-    for name in SCENES:
-        scene = replace(library.load(name), outputs=(), events=(), form="principal")
-        trusted = undisturbed(integrate(scene, digits=DIGITS, at=[TIME]))
-        for form in FORMS:
-            if tick is not None:
-                tick(f"{name} in the form {form}")
-            if form != scene.form:
-                yield _checked(form, trusted)
+def cross_checks(
+    tick: Callable[[str], None] | None = None, workers: int = 1
+) -> Iterator[CrossCheck]:
+    """Each scene in each form against its principal form; ``workers``: processes for that."""
+
+    def begun(name: str) -> None:
+        if tick is not None:
+            tick(f"{name} in all forms")
+
+    for found in in_order(_in_all_forms, SCENES, workers, begun):
+        yield from found
+
+
+def _in_all_forms(name: str) -> list[CrossCheck]:
+    scene = replace(library.load(name), outputs=(), events=(), form="principal")
+    trusted = undisturbed(integrate(scene, digits=DIGITS, at=[TIME]))
+    return [_checked(form, trusted) for form in FORMS if form != scene.form]
 
 
 def _checked(form: str, trusted: Trajectory) -> CrossCheck:

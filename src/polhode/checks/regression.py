@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from polhode.checks.printed import PrintedFigure, figures
 from polhode.common.errors import BadInput, nearest
@@ -16,6 +17,7 @@ from polhode.judging.judgement import Judgement, compare
 from polhode.judging.reference import Remembered
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers import number_types
+from polhode.runs import workers as of_work
 from polhode.runs.integrate import integrate, undisturbed
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -82,20 +84,27 @@ class Report:
 
 
 def check(
-    patterns: Sequence[str] = (), numbers: Sequence[str] = (), tick: TICK | None = None
+    patterns: Sequence[str] = (),
+    numbers: Sequence[str] = (),
+    tick: TICK | None = None,
+    workers: int = 1,
 ) -> Iterator[Report]:
     """Check cases (all that ship, or names, patterns, paths) in the number types that they expect.
 
     ``numbers``: these types instead; a case without a band for one is run and shown without.
+    ``workers``: processes that share the cases.
     """
     for number in numbers:
         if number not in number_types.NAMES:
             raise BadInput("check", "number", number, nearest(number, list(number_types.NAMES)))
     scenes = [library.load(name) for name in library.matching(list(patterns))]
-    for scene in scenes:
+
+    def begun(scene: Scene) -> None:
         if tick is not None:
             tick(scene.name)
-        yield check_scene(scene, numbers)
+
+    solve = partial(check_scene, numbers=tuple(numbers))
+    yield from of_work.in_order(solve, scenes, min(workers, len(scenes)), begun)
 
 
 def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:

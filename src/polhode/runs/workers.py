@@ -1,19 +1,25 @@
-"""Jobs carried out by threads of this process, or by any executor of ``concurrent.futures``."""
+"""Jobs carried out by threads or processes of our own, or by any executor of
+``concurrent.futures``."""
 
 from __future__ import annotations
 
 import os
+import signal
 import threading
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
+    BrokenExecutor,
     CancelledError,
     Executor,
     Future,
+    ProcessPoolExecutor,
     ThreadPoolExecutor,
     wait,
 )
+from multiprocessing import active_children, get_context
+from multiprocessing.process import BaseProcess
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -52,6 +58,50 @@ def here(
         return True
     _collect({f: k for f, k in futures.items() if not f.cancelled()}, ready)
     return False
+
+
+def in_order(
+    solve: Callable[[Any], T],
+    jobs: Sequence[Any],
+    workers: int,
+    begun: Callable[[Any], None] | None = None,
+) -> Iterator[T]:
+    """The results of the jobs, in their order, from so many processes; with one, from this one.
+
+    ``begun`` is called with the job whose result is waited for.  The jobs of a process that died
+    are done here; where the caller goes, by Ctrl-C too, the processes are ended.
+    """
+    if workers == 1:
+        for job in jobs:
+            if begun is not None:
+                begun(job)
+            yield solve(job)
+        return
+    others = {*active_children()}
+    ours: set[BaseProcess] | None = None
+    pool = ProcessPoolExecutor(workers, get_context("spawn"), _deaf_to_ctrl_c)
+    try:
+        futures = [pool.submit(solve, job) for job in jobs]
+        ours = {*active_children()} - others
+        for job, future in zip(jobs, futures, strict=True):
+            if begun is not None:
+                begun(job)
+            try:
+                result = future.result()
+            except BrokenExecutor:
+                result = solve(job)
+            yield result
+    except BaseException:
+        for process in {*active_children()} - others if ours is None else ours:
+            process.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _deaf_to_ctrl_c() -> None:
+    """Ctrl-C reaches every process of a terminal; who started this one ends it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def elsewhere(

@@ -10,6 +10,7 @@ from polhode.numbers.decimals import shown
 from polhode.verbs.terminal import DONE, FAILED, Progress, print_json, say
 
 HELP = "regression against references and published figures"
+_MANY = 8  # cases: for fewer, processes of their own take longer to start than they save
 
 
 def options(parser: ArgumentParser) -> None:
@@ -25,17 +26,21 @@ def main(options: Namespace) -> int:
     """The library's regression, and without SCENE the cross-checks between the forms."""
     from polhode.checks.forms import cross_checks
     from polhode.checks.regression import check as checks
+    from polhode.runs.workers import cores
+    from polhode.scenes import library
 
     reports, crossed = [], []
+    many = len(library.matching(options.scenes)) >= _MANY
+    shared = cores() if many else 1
     with Progress("check") as progress:
         if options.scenes or not options.forms:
-            for report in checks(options.scenes, options.number or (), progress.say):
+            for report in checks(options.scenes, options.number or (), progress.say, shared):
                 reports.append(report)
                 if not options.json:
                     progress.clear()
                     _print_check(report)
         if options.forms or not (options.scenes or options.number):
-            for found in cross_checks(progress.say):
+            for found in cross_checks(progress.say, shared):
                 crossed.append(found)
                 if not options.json:
                     progress.clear()

@@ -5,30 +5,29 @@ The azimuth al of a unit vector e fixed in the body, seen from space with z alon
     al' = (w.gamma - (w.e)(gamma.e))/(1 - (gamma.e)^2)
 
 (for e = e3 it is psi - pi/2, Yehia 3.33).  Time is cut into panels in which the body turns by at
-most two radians; in each, e is the direction, of 13, that stays farthest from the vertical, and al'
-is expanded in Chebyshev polynomials (Clenshaw & Curtis 1960), whose number is doubled until the
-last coefficients are below the precision.  Panels are made as they are needed and kept.  The series
-is one in any quantity s that grows with time, t itself or an angle in which the motion is simpler.
+most two radians; in each, e is the direction, of 13, that stays farthest from the vertical, and the
+integral of al' is a Chebyshev series.  Panels are made as they are needed and kept.  The series is
+one in any quantity s that grows with time, t itself or an angle in which the motion is simpler.
 """
 
 from __future__ import annotations
 
-import functools
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.functions import chebyshev
 from polhode.numbers.private import mpf, mpmath
 
 #: w, gamma and dt/ds at an s, in the frame of the attitude, at the precision in force.
 State = Callable[[Any], tuple[Sequence[Any], Sequence[Any], Any]]
 
 TURN = 2  # radians a panel, at most
-_NODES = 0.16  # Chebyshev intervals tried first, for each bit
-_MOST_DOUBLINGS = 6
-_GUARD = 12  # bits
+_CHOICE = 16  # samples, of a circle, by which a panel's direction is chosen
+_MOST = 1 << 13  # samples of a panel's series
+_SPOILED = 8  # last bits of a state that need not be right
 
 #: Axes, diagonals of faces, diagonals of the cube: one of each pair v, -v.
 _DIRECTIONS = tuple(
@@ -43,14 +42,13 @@ class _Panel:
     begin: Any
     end: Any
     direction: tuple[int, ...]
-    azimuth: Sequence[Any]  # Chebyshev coefficients of its growth since ``begin``
+    azimuth: chebyshev.Integral  # its growth since ``begin``
     start: Quaternion  # at ``begin``
     upright: Quaternion  # the inverse of :func:`_upright` there, after ``start``
 
     def turned(self, s: Any, gamma: Sequence[Any]) -> Quaternion:
         """The attitude at s in the panel, where the vertical is ``gamma``."""
-        x = (2 * s - self.begin - self.end) / (self.end - self.begin)
-        cosine, sine = mpmath.cos_sin(_series(self.azimuth, x) / 2)
+        cosine, sine = mpmath.cos_sin(self.azimuth.at(s) / 2)
         turn = product(self.upright, _upright(gamma, self.direction))
         found = product((cosine, mpf(0), mpf(0), sine), turn)
         # Within a panel the body turns by less than pi: of the two signs one is continuous.
@@ -96,29 +94,23 @@ class Azimuth:
         self._panels.append(_Panel(begin, end, direction, azimuth, start, upright))
 
 
-def _expanded(state: State, begin: Any, end: Any) -> tuple[tuple[int, ...], list[Any]]:
+def _expanded(state: State, begin: Any, end: Any) -> tuple[tuple[int, ...], chebyshev.Integral]:
     """The direction of a panel and the series of its azimuth's growth."""
-    count = 2 * int(mpmath.ceil(_NODES * mpmath.prec))
-    known: dict[tuple[int, int], tuple[Sequence[Any], Sequence[Any], Any]] = {}
-    half = (end - begin) / 2
-    for _ in range(_MOST_DOUBLINGS + 1):
-        cosines, values = _cosines(count, mpmath.prec), []
-        for j in range(count + 1):
-            shared = _reduced(j, count)
-            if shared not in known:
-                known[shared] = state(begin + half * (1 + cosines[j]))
-            values.append(known[shared])
-        direction = max(
-            _DIRECTIONS,
-            key=lambda e: min(_sine2(e, gamma) for _, gamma, _ in values[:: count // 8]),
-        )
-        rates = [_rate(direction, w, gamma) * half * pace for w, gamma, pace in values]
-        series = _coefficients(rates, cosines)
-        scale = max(max(abs(x) for x in series), mpf(1))
-        if max(abs(x) for x in series[-3:]) <= mpmath.ldexp(scale, _GUARD - mpmath.prec):
-            return direction, _integrated(series)
-        count *= 2
-    raise ValueError("the azimuth's series does not converge")
+    known: dict[Any, tuple[Sequence[Any], Sequence[Any], Any]] = {}
+
+    def seen(s: Any) -> tuple[Sequence[Any], Sequence[Any], Any]:
+        if s not in known:
+            known[s] = state(s)
+        return known[s]
+
+    samples = [seen(chebyshev.node(begin, end, j, _CHOICE))[1] for j in range(_CHOICE // 2 + 1)]
+    direction = max(_DIRECTIONS, key=lambda e: min(_sine2(e, gamma) for gamma in samples))
+
+    def rate(s: Any) -> Any:
+        w, gamma, pace = seen(s)
+        return _rate(direction, w, gamma) * pace
+
+    return direction, chebyshev.integral(rate, begin, end, most=_MOST, spoiled=_SPOILED)
 
 
 def _sine2(e: tuple[int, ...], gamma: Sequence[Any]) -> float:
@@ -136,50 +128,6 @@ def _rate(e: tuple[int, ...], w: Sequence[Any], gamma: Sequence[Any]) -> Any:
 
 def _along(e: tuple[int, ...], v: Sequence[Any]) -> Any:
     return sum((x * y for x, y in zip(e, v, strict=True) if x), mpf(0))
-
-
-def _reduced(j: int, count: int) -> tuple[int, int]:
-    while j % 2 == 0 and count % 2 == 0 and count > 1:
-        j, count = j // 2, count // 2
-    return j, count
-
-
-@functools.lru_cache(maxsize=16)
-def _cosines(count: int, prec: int) -> tuple[Any, ...]:
-    """cos(pi m/count) for m = 0 ... 2 count - 1."""
-    with mpmath.workprec(prec):
-        half = [mpmath.cospi(mpf(m) / count) for m in range(count + 1)]
-    return (*half, *half[count - 1 : 0 : -1])
-
-
-def _coefficients(values: Sequence[Any], cosines: Sequence[Any]) -> list[Any]:
-    """Chebyshev coefficients from the values at cos(pi j/n), j = 0 ... n."""
-    n = len(values) - 1
-    halved = [values[0] / 2, *values[1:-1], values[-1] / 2]
-    found = [
-        2 * mpmath.fdot(halved, [cosines[j * k % (2 * n)] for j in range(n + 1)]) / n
-        for k in range(n + 1)
-    ]
-    found[0] /= 2
-    found[-1] /= 2
-    return found
-
-
-def _integrated(series: Sequence[Any]) -> list[Any]:
-    """The coefficients of the integral from -1."""
-    c = [*series, mpf(0), mpf(0)]
-    found = [mpf(0), c[0] - c[2] / 2]
-    found += [(c[k - 1] - c[k + 1]) / (2 * k) for k in range(2, len(series) + 1)]
-    found[0] = -mpmath.fsum(x if k % 2 == 0 else -x for k, x in enumerate(found))
-    return found
-
-
-def _series(coefficients: Sequence[Any], x: Any) -> Any:
-    """The sum of Chebyshev's series at x (Clenshaw 1955)."""
-    one, two = mpf(0), mpf(0)
-    for c in reversed(coefficients[1:]):
-        one, two = 2 * x * one - two + c, one
-    return x * one - two + coefficients[0]
 
 
 def _upright(gamma: Sequence[Any], e: tuple[int, ...]) -> Quaternion:

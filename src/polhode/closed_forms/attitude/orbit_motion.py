@@ -31,6 +31,7 @@ from polhode.scenes.body import Vector, dot
 _GUARD = 40  # bits beyond the digits asked for and the growth of phases
 _SLACK = 24  # of these, what the set-up may use up; where it needs more it is made with more
 _TRIALS = 6  # of a set-up with more bits each time
+_AMPLE = 512  # bits; where more of them than these do not help, none do
 
 
 class Orbit(Protocol):
@@ -196,6 +197,7 @@ class OrbitMotion(ABC):
         """
         if bits in self._orbits:
             return self._orbits[bits]
+        before: Any = mpmath.inf
         for _ in range(_TRIALS):
             prec = bits + self._extra
             with mpmath.workprec(prec):
@@ -205,7 +207,9 @@ class OrbitMotion(ABC):
             if lost <= self._extra + _SLACK:
                 self._orbits[bits] = orbit
                 return orbit
-            self._extra = lost
+            if prec > _AMPLE and defect > before / 2:
+                break
+            self._extra, before = lost, defect
         raise ArithmeticError("the closed form does not reproduce the start")
 
     def _defect(self, row: Sequence[Any], bits: int) -> Any:

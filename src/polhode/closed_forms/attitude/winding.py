@@ -100,13 +100,20 @@ def bisected(fine: Fine, left: mpf, right: mpf, bend: Any | None = None) -> list
     With a bound of the second derivative, the path is also known to stay near its chord.  Through
     an exact 0 the argument jumps by pi, counted upwards.
     """
+    known: dict[Any, tuple[Any, Any]] = {}
+
+    def at(t: Any) -> tuple[Any, Any]:
+        if t not in known:
+            known[t] = fine(t)
+        return known[t]
+
     grown = []
     for which in (0, 1):
         total = 0.0
         pending = [(left, right)]
         while pending:
             a, b = pending.pop()
-            p, q = fine(a)[which], fine(b)[which]
+            p, q = at(a)[which], at(b)[which]
             reach = abs(b - a) / 2
             certain = max(abs(p), abs(q)) > reach or (
                 bend is not None and _from_origin(p, q) > bend * reach * reach / 2

@@ -277,7 +277,7 @@ def _series(values: Sequence[Any], bits: int, spoiled: int) -> Cosines | None:
     last = max(abs(int(x)) for x in found[half - edge : half + 1])
     if last > (half << bits) >> (mpmath.prec - spoiled - 8):
         return None
-    small = 1 << max(0, bits - mpmath.prec + spoiled - 12)
+    small = 1 << max(0, bits - mpmath.prec + spoiled)  # what is below is rounding
     while terms and abs(terms[-1]) < small:
         terms.pop()
     return Cosines(mean, tuple(terms), scale, bits)

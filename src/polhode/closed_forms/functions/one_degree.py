@@ -10,16 +10,18 @@ R likewise; Q0 and R0 have no zero there, and the time t(x) = integral dx/x' is 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from polhode.closed_forms.functions.cosine_series import cosine_series, integral, integrated
+from polhode.closed_forms.functions.fourier import Cosines, cosines
 from polhode.closed_forms.functions.frame import value
 from polhode.numbers.private import mpf, mpmath
 
-_STEP = mpf(1) / 2  # of Newton's iteration, at most
+_STEP = 0.5  # of Newton's iteration in doubles, at most
+_CLOSE = 1e-12
 _MOST_STEPS = 60
 
 
@@ -48,24 +50,24 @@ class OneDegree:
     M: Any
     D: Any
     signs: tuple[int, int]
-    series: Sequence[Any]
+    series: Cosines  # of dt/dx
     x0: Any
 
     @cached_property
     def begin(self) -> Any:
         """t(x0)."""
-        return integral(self.series, self.x0)
+        return self._time(self.x0)
 
     @property
     def period(self) -> Any:
         """Of z, y and w: one of z if both ends are zeros of the same polynomial, else two."""
         both = any(factor.low == factor.high for factor in self.factors)
-        return (2 if both else 4) * mpmath.pi * self.series[0]
+        return (2 if both else 4) * mpmath.pi * self.series.mean
 
     @property
     def fastest(self) -> Any:
         """The mean rate of x."""
-        return 1 / self.series[0]
+        return 1 / self.series.mean
 
     def at(self, t: Any) -> tuple[Any, Any, Any]:
         """z, y, w."""
@@ -91,43 +93,54 @@ class OneDegree:
         )
         return z, y, w
 
+    def _time(self, x: Any) -> Any:
+        return self.series.mean * x + self.series.bounded(x)
+
     def _phase(self, time: Any) -> Any:
-        """x at a time, by Newton's iteration from the mean rate: in doubles, then in full."""
-        x = mpf(0)
-        for precision in (53, mpmath.prec):
-            with mpmath.workprec(precision):
-                series = self._short if precision == 53 else self.series
-                x = x or time / series[0]
-                x = self._newton(x, time, series)
+        """x at a time, by Newton's iteration: from doubles, which leave out whole turns."""
+        turn = 2 * mpmath.pi
+        turns = turn * mpmath.nint(time / (turn * self.series.mean))
+        x = turns + self._coarse(float(time - self.series.mean * turns))
+        for _ in range(_MOST_STEPS):
+            step = (time - self._time(x)) * self._rate(x)
+            x += step
+            if abs(step) < mpmath.ldexp(1, -mpmath.prec // 2 - 4):
+                return x
+        raise ArithmeticError("Newton's iteration for the time does not end")
+
+    def _coarse(self, time: float) -> float:
+        """x at a time within a turn, in doubles."""
+        mean, terms = self._doubles
+        x = time / mean
+        for _ in range(_MOST_STEPS):
+            turn, first, second = 2 * math.cos(x), 0.0, 0.0
+            slope, before = 0.0, 0.0
+            for k, term in terms:
+                first, second = term + turn * first - second, first
+                slope, before = k * term + turn * slope - before, slope
+            # The sums of a_k sin(k x)/k and of a_k cos(k x) (Clenshaw 1955).
+            step = (time - mean * x - math.sin(x) * first) / (mean + turn * slope / 2 - before)
+            x += max(-_STEP, min(_STEP, step))
+            if abs(step) < _CLOSE:
+                break
         return x
 
     @cached_property
-    def _short(self) -> list[Any]:
-        """The series to a double's precision."""
-        with mpmath.workprec(53):
-            found = [+a for a in self.series]
-        small = mpmath.ldexp(abs(found[0]), -60)
-        while len(found) > 1 and abs(found[-1]) < small:
-            found.pop()
-        return found
-
-    def _newton(self, x: Any, time: Any, series: Sequence[Any]) -> Any:
-        close = mpmath.ldexp(1 + abs(x), 6 - mpmath.prec)
-        for _ in range(_MOST_STEPS):
-            step = (time - integral(series, x)) * self._rate(x)
-            if abs(step) > _STEP:
-                step = mpmath.sign(step) * _STEP
-            x += step
-            if abs(step) < close:
-                return x
-            if abs(step) < mpmath.ldexp(1, -mpmath.prec // 2 - 4):
-                return x + (time - integral(series, x)) * self._rate(x)
-        raise ArithmeticError("Newton's iteration for the time does not end")
+    def _doubles(self) -> tuple[float, list[tuple[int, float]]]:
+        """The mean of the series, and k and a_k/k from the last one down, in doubles."""
+        found = self.series.doubles()
+        return found.mean, [*enumerate(found.terms, 1)][::-1]
 
     def _rate(self, x: Any) -> Any:
-        z = self.M - self.D * mpmath.cos(x)
-        one, other = (value(factor.quotient, z) for factor in self.factors)
-        return abs(self.k) * mpmath.sqrt(one * other)
+        return _rate(self.factors, self.k, self.M - self.D * mpmath.cos(x))
+
+
+def _rate(factors: Sequence[_Factor], k: Any, z: Any) -> Any:
+    """x' at z."""
+    one, other = (value(factor.quotient, z) for factor in factors)
+    if one * other <= 0:
+        raise ArithmeticError("no motion between these zeros")
+    return abs(k) * mpmath.sqrt(one * other)
 
 
 def one_degree(
@@ -150,15 +163,8 @@ def one_degree(
         factors.append(_Factor(quotient, low[1] == which, high[1] == which))
     both = factors[0], factors[1]
 
-    def time_rate(c: Any) -> Any:
-        z = M - D * c
-        product = value(both[0].quotient, z) * value(both[1].quotient, z)
-        if product <= 0:
-            raise ArithmeticError("no motion between these zeros")
-        return 1 / (abs(k) * mpmath.sqrt(product))
-
-    series = integrated(cosine_series(time_rate))
-    rate = 1 / time_rate((M - z0) / D)
+    (series,) = cosines(lambda x: [1 / _rate(both, k, M - D * mpmath.cos(x))])
+    rate = _rate(both, k, z0)
     x0 = mpmath.atan2(k * y0 * w0 / (D * rate), (M - z0) / D)
     cosine, sine = mpmath.cos_sin(x0 / 2)
     half = mpmath.sqrt(2 * D)

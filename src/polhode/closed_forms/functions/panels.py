@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from polhode.closed_forms.functions.fourier import TooManyTerms, WaveSeries, cosines
+from polhode.closed_forms.functions.chebyshev import Integral, integral
+from polhode.closed_forms.functions.fourier import TooManyTerms
 from polhode.numbers.private import mpf, mpmath
 
 MOST_PANELS = 20_000
@@ -23,7 +24,7 @@ class Panels:
 
     def __init__(self, function: Callable[[Any], Any], length: Any) -> None:
         self._function, self._length = function, length
-        self._known: dict[int, list[tuple[Any, Any, WaveSeries]]] = {}
+        self._known: dict[int, list[Integral]] = {}
         self._sums: dict[int, list[Any]] = {1: [mpf(0)], -1: [mpf(0)]}
 
     def at(self, t: Any) -> Any:
@@ -40,19 +41,17 @@ class Panels:
             sums.append(sums[-1] + self._whole(side * len(sums)))
         total = sums[n]
         left = abs(t) - n * self._length
-        for begin, end, series in self._panel(side * (n + 1)):
-            if left <= end:
-                return total + side * _inside(series, begin, end, left)
-            total += side * _inside(series, begin, end, end)
+        for piece in self._panel(side * (n + 1)):
+            if left <= piece.end:
+                return total + side * piece.at(left)
+            total += side * piece.at(piece.end)
         return total
 
     def _whole(self, number: int) -> Any:
         side = 1 if number > 0 else -1
-        return side * sum(
-            _inside(series, begin, end, end) for begin, end, series in self._panel(number)
-        )
+        return side * sum(piece.at(piece.end) for piece in self._panel(number))
 
-    def _panel(self, number: int) -> list[tuple[Any, Any, WaveSeries]]:
+    def _panel(self, number: int) -> list[Integral]:
         """The pieces of one panel; panel n >= 1 ends at n lengths, -n at -n lengths."""
         if number not in self._known:
             side = 1 if number > 0 else -1
@@ -65,7 +64,7 @@ class Panels:
             while todo:
                 begin, end = todo.pop()
                 try:
-                    pieces.append((begin, end, _series(value, begin, end)))
+                    pieces.append(integral(value, begin, end, most=_NODES))
                 except TooManyTerms:
                     if (end - begin) * _SMALLEST < self._length:
                         raise
@@ -73,16 +72,3 @@ class Panels:
                     todo += [(middle, end), (begin, middle)]
             self._known[number] = pieces
         return self._known[number]
-
-
-def _series(value: Callable[[Any], Any], begin: Any, end: Any) -> WaveSeries:
-    """The integral over x = begin + (end - begin)(1 - cos ph)/2 as a series in ph."""
-    half = (end - begin) / 2
-    (series,) = cosines(lambda ph: [half * value(begin + half * (1 - mpmath.cos(ph)))], most=_NODES)
-    return series.times_sine()
-
-
-def _inside(series: WaveSeries, begin: Any, end: Any, x: Any) -> Any:
-    """The integral from begin to x."""
-    ph = mpmath.acos(max(mpf(-1), min(mpf(1), 1 - 2 * (x - begin) / (end - begin))))
-    return series.at(ph) - series.at(mpf(0))

@@ -35,7 +35,6 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.private import mpf, mpmath
 
 _ZERO = Fraction(0)
-_NODES = 0.22  # half of the Chebyshev intervals tried first, for each bit
 _MOST_MORE = 2_000  # bits that the set-up of an attitude may lose
 _COUNTING = 128  # bits of panels that only count turns
 _TURNING = 16  # bits that the sum over the panels may lose beyond the phase
@@ -255,7 +254,7 @@ class KovalevskayaTop(FromAttitude):
         start = self._first_quaternion(bits)
         with mpmath.workprec(bits):
             rate = mpmath.ldexp(self._start.fastest(bits), exponent)
-            found = KovalevskayaAttitude(state, start, rate, 2 * math.ceil(_NODES * bits))
+            found = KovalevskayaAttitude(state, start, rate)
         self._made_panels[bits] = solution, found
         return found
 

@@ -1,13 +1,38 @@
-"""Figure of the accuracy study: correct digits of every case in every number type."""
+"""Figures of the accuracy study: the digits of every case, and three notable motions."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from polhode.figures.canvas import COLOURS, MARKS, as_svg, pyplot
+import numpy as np
+
+from polhode.figures.canvas import COLOURS, HIDDEN, MARKS, PAPER, SPACE, as_svg, pyplot
+from polhode.figures.globe import facing_most
 
 
-def svg(found: dict[str, Any]) -> str:
+def svgs(found: dict[str, Any]) -> dict[str, str]:
+    """The study's figures by name, from its JSON object."""
+    drawn = {"accuracy": digits(found)}
+    return drawn | {"motions": motions(found["motions"])} if "motions" in found else drawn
+
+
+def motions(rows: list[dict[str, Any]]) -> str:
+    """The path in space of a point of the body, a sphere a motion."""
+    plt = pyplot()
+    with plt.rc_context(PAPER):
+        figure, panels = plt.subplots(1, len(rows), figsize=(9.6, 4.0), layout="constrained")
+        for axes, row in zip(panels, rows, strict=True):
+            points = np.array(row["path"])
+            globe = facing_most(points)
+            globe.surface(axes)
+            globe.arms(axes, ("X", "Y", "Z"))
+            globe.curve(axes, points, SPACE, HIDDEN[SPACE], row["case"].partition("/")[0], lw=1.2)
+            globe.mark(axes, points[0], SPACE)
+            axes.set_title(f"{row['name']}\n{row['point']} in space", size=9)
+        return as_svg(figure)
+
+
+def digits(found: dict[str, Any]) -> str:
     """Correct digits of every case in every number type, from the accuracy study's JSON object."""
     plt = pyplot()
     cases = found["cases"]

@@ -59,6 +59,23 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
             yield Heading(title)
             yield _table(cases)
     yield from _weakest(found["cases"])
+    yield from _motions(found.get("motions", []))
+
+
+def _motions(motions: list[dict[str, Any]]) -> Iterator[Block]:
+    """Three notable motions: what is seen of each."""
+    if not motions:
+        return
+    yield Heading("Three motions by their closed forms")
+    yield Figure(
+        "motions", "Paths in space of a point of the body, Z upwards; a dot where it starts"
+    )
+    yield Items(
+        tuple(
+            f"{row['name']} (`{row['case']}` to t = {row['end']}): {row['seen']}."
+            for row in motions
+        )
+    )
 
 
 def _table(cases: list[dict[str, Any]]) -> PageTable:

@@ -16,6 +16,7 @@ from polhode.runs.integrate import integrate
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.studies.accuracy.motions import paths
 
 NAME = "accuracy"
 QUESTION = (
@@ -37,7 +38,8 @@ def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict
         if tick is not None:
             tick(f"{NAME}: {name}")
         cases.append(_case(library.load(name)))
-    return {"study": NAME, "question": QUESTION, "quick": quick, "cases": cases}
+    found = {"study": NAME, "question": QUESTION, "quick": quick, "cases": cases}
+    return found | {"motions": paths()}
 
 
 def _case(scene: Scene) -> dict[str, Any]:
