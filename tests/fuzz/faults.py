@@ -1,4 +1,4 @@
-"""Work that is killed: ``python -m fuzz.faults WORK,WORK MOMENTS [SEED]`` in tests/; counts.
+"""Killed work: ``python -m fuzz.faults WORK,WORK MOMENTS [SEED]`` in tests/; counts, and faults.
 
 Each work is done once undisturbed.  Then, for SIGKILL, SIGTERM and SIGINT, it is ended at so many
 random moments: what it leaves under its outputs' names is whole or not there, and the same command

@@ -118,7 +118,8 @@ class Parts:
     def remove(self) -> None:
         """The whole result is written: the parts go, the manifest last."""
         self.release()
-        for path in [*self._paths(), self.folder / MANIFEST]:
+        unfinished = self.folder.glob(".*.npz.*")  # of a process that was killed
+        for path in [*self._paths(), *unfinished, self.folder / MANIFEST]:
             path.unlink(missing_ok=True)
         with contextlib.suppress(OSError):  # somebody else's files, which stay
             self.folder.rmdir()
