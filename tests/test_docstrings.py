@@ -13,6 +13,7 @@ import sys
 from dataclasses import replace
 from fractions import Fraction
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -30,7 +31,8 @@ def test_every_public_name_has_an_example(name):
 
 @pytest.mark.parametrize("module", MODULES)
 def test_every_example_runs_and_prints_what_it_says(module):
-    found = doctest.testmod(importlib.import_module(f"polhode.{module}".rstrip(".")))
+    with mpmath.workprec(53):  # that of a caller who leaves it alone
+        found = doctest.testmod(importlib.import_module(f"polhode.{module}".rstrip(".")))
     assert found.attempted > 0
     assert found.failed == 0
 

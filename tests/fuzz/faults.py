@@ -1,4 +1,4 @@
-"""Work that is killed: ``python -m fuzz.faults WORK,WORK MOMENTS [SEED]`` in tests/; counts.
+"""Killed work: ``python -m fuzz.faults WORK,WORK MOMENTS [SEED]`` in tests/; counts, and faults.
 
 Each work is done once undisturbed.  Then, for SIGKILL, SIGTERM and SIGINT, it is ended at so many
 random moments: what it leaves under its outputs' names is whole or not there, and the same command
@@ -57,10 +57,15 @@ def done(folder: Path, command: list[str], at: float | None = None, by: int = 0)
         child = os.fork()
         if child == 0:
             _carry_out(folder, command, out.fileno(), err.fileno())
-        if at is not None:
-            time.sleep(at)
-            os.kill(child, by)
-        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        ended = 0
+        while at is not None and not ended and time.monotonic() < begun + at:
+            time.sleep(0.001)
+            ended, status = os.waitpid(child, os.WNOHANG)
+        if not ended:
+            if at is not None:
+                os.kill(child, by)
+            _, status = os.waitpid(child, 0)
+        code = os.waitstatus_to_exitcode(status)
         told = []
         for stream in (out, err):
             stream.seek(0)
@@ -217,7 +222,8 @@ def main() -> None:
             if name != "run":
                 _imported()
             found = trials(name, moments, seed)
-            print(name, dict(sorted(found.counts.items())), f"{len(found.faults)} faults")
+            counts = dict(sorted(found.counts.items()))
+            print(name, counts, f"{len(found.faults)} faults", flush=True)
             print(*(f"== {fault}" for fault in found.faults), sep="\n", flush=True)
             bad |= bool(found.faults)
         os.chdir("/")

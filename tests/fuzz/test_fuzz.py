@@ -174,6 +174,13 @@ def test_a_limit_on_steps_is_one(steps):
     assert abs(found.end) < 1
 
 
+def test_a_limit_beyond_counting_is_none():
+    """It gave heyoka's own TypeError."""
+    assert polhode.lyapunov("top.toml", 1, max_steps=10**450).end == 1
+    many = polhode.integrate_many("top.toml", {"start.omega[3]": [1]}, at=[1], max_steps=10**450)
+    assert many.done
+
+
 @pytest.mark.parametrize("digits", [0, -1, 1.5, True, "10", None, 10**6])
 def test_digits_are_a_whole_number_within_bounds(digits):
     for reference in (

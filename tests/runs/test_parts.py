@@ -145,6 +145,22 @@ def test_two_sweeps_do_not_share_a_folder(tmp_path):
     assert "no other sweep at work here" in tried[0]
 
 
+def test_a_disk_that_fills_ends_the_sweep_and_keeps_what_was_written(tmp_path, monkeypatch):
+    folder, whole, write = tmp_path / "parts", swept(None), parts.write_whole
+
+    def full(texts: Any) -> None:
+        if any(path.name == "part-00001.npz" for path in texts):
+            raise polhode.BadInput("part", "file", None, "a place to write to (No space left)")
+        write(texts)
+
+    monkeypatch.setattr(parts, "write_whole", full)
+    with pytest.raises(polhode.BadInput, match="No space left"):
+        swept(folder)
+    assert [path.name for path in sorted(folder.iterdir())] == ["manifest.json", "part-00000.npz"]
+    monkeypatch.setattr(parts, "write_whole", write)
+    assert alike(swept(folder), whole)
+
+
 ARGUMENTS = ["sweep", "lagrange/nutation", "--vary", "start.omega[3]=1:4:400", "--at", "0,100"]
 ARGUMENTS += ["--workers", "1", "-o", "x.npz"]
 EAGER = "from polhode import cli; from polhode.runs import parts; parts.EVERY = 0.0; "

@@ -10,6 +10,8 @@ from polhode.common.errors import BadInput
 
 T = TypeVar("T")
 
+MOST_STEPS = 1 << 62  # heyoka counts in 64 bits
+
 
 def whole(source: str, key: str, value: Any, least: int, most: int | None = None) -> int:
     """A whole number of any kind, numpy's too, between bounds; no bool, no float."""
@@ -23,6 +25,11 @@ def whole(source: str, key: str, value: Any, least: int, most: int | None = None
     if found < least or (most is not None and found > most):
         raise BadInput(source, key, value, expected)
     return found
+
+
+def steps(source: str, value: Any) -> int:
+    """A limit on steps; one beyond what can be counted is none."""
+    return min(whole(source, "max_steps", value, 1), MOST_STEPS)
 
 
 def each(

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from polhode.common.arguments import each, whole
+from polhode.common.arguments import each, steps, whole
 from polhode.common.errors import BadInput
 from polhode.common.text import few
 from polhode.numbers import number_types
@@ -80,7 +80,7 @@ def integrate(
     if digits is not None:
         digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
     if max_steps is not None:
-        max_steps = whole(scene.name, "max_steps", max_steps, 1)
+        max_steps = steps(scene.name, max_steps)
     if digits is None:
         chosen, free, need = choose_number(scene, number, None), False, Need(0.0, math.inf)
     else:

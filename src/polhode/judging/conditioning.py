@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.common.arguments import whole
+from polhode.common.arguments import steps
 from polhode.common.values import ByValue
 from polhode.equations.forms import principal
 from polhode.judging import rounding
@@ -252,7 +252,7 @@ def conditioning(
     if times is not None:
         scene = scene.at(times)
     kind = choose_number(scene, number, None)
-    most = whole(scene.name, "max_steps", max_steps, 1)
+    most = steps(scene.name, max_steps)
     along = passage(scene, kind, most, _limit(kind) + 2)
     return Conditioning(scene, scene.times, kind, along)
 

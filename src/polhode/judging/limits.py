@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from polhode.judging.rounding import Band
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from polhode.judging.rounding import Band
 
 LAST = 1.0  # digits: the type's own last ones
 MOTION_TAKES = 2.0  # digits: what the motion takes before it is named

@@ -16,7 +16,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.arguments import each, whole
+from polhode.common.arguments import each, steps
 from polhode.common.errors import BadInput
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.system import system
@@ -92,7 +92,7 @@ def lyapunov(scene: Scene | str | Path, end: Any = None, max_steps: int = MAX_ST
     scene = library.load(scene)
     unit, slow = 2.0**scene.time_unit, _slowest(scene)
     last = DEFAULT_LENGTH * slow
-    max_steps = whole(scene.name, "max_steps", max_steps, 1)
+    max_steps = steps(scene.name, max_steps)
     if end is not None:
         (until,) = each(scene.name, "end", (end,), exact_number, "a time")
         last = to_double(until) / unit

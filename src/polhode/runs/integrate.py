@@ -8,7 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from polhode.common.arguments import of_kind, whole
+from polhode.common.arguments import of_kind, steps, whole
 from polhode.common.errors import BadInput, nearest
 from polhode.common.provenance import provenance
 from polhode.equations.readout import Readout
@@ -70,7 +70,7 @@ def integrate(
     times = rounded_times(scene, chosen)
     every = None if inputs is not None else _cadence(scene, chosen, tolerance, project)
     if max_steps is not None:
-        max_steps = whole(scene.name, "max_steps", max_steps, 1)
+        max_steps = steps(scene.name, max_steps)
     refined, failed = _refined(
         scene, chosen, times, digits, tolerance, max_steps, inputs, project, method, progress
     )

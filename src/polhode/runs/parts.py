@@ -88,7 +88,16 @@ class Parts:
         return time.monotonic() - self._last > EVERY
 
     def keep(self, part: Part) -> None:
-        """Write one more part, whole."""
+        """Write one more part, whole; raises BadInput where that cannot be."""
+        try:
+            self._write(part)
+        except BadInput:
+            if not self._paths():
+                self.remove()
+            raise
+        self._last = time.monotonic()
+
+    def _write(self, part: Part) -> None:
         import numpy as np
 
         if self._lock is None:
@@ -107,7 +116,6 @@ class Parts:
         numbers = [int(path.stem.removeprefix("part-")) for path in self._paths()]
         name = f"part-{max(numbers, default=-1) + 1:05d}.npz"
         write_whole({self.folder / name: text.getvalue()})
-        self._last = time.monotonic()
 
     def release(self) -> None:
         """No more parts come from here."""
@@ -118,7 +126,8 @@ class Parts:
     def remove(self) -> None:
         """The whole result is written: the parts go, the manifest last."""
         self.release()
-        for path in [*self._paths(), self.folder / MANIFEST]:
+        unfinished = self.folder.glob(".*.npz.*")  # of a process that was killed
+        for path in [*self._paths(), *unfinished, self.folder / MANIFEST]:
             path.unlink(missing_ok=True)
         with contextlib.suppress(OSError):  # somebody else's files, which stay
             self.folder.rmdir()

@@ -11,7 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.arguments import whole
+from polhode.common.arguments import steps, whole
 from polhode.common.provenance import provenance
 from polhode.common.values import ByValue
 from polhode.numbers.decimals import shown
@@ -183,7 +183,7 @@ def integrate_many(
     if at is not None:
         scene = scene.at(at)
     if max_steps is not None:
-        max_steps = whole(scene.name, "max_steps", max_steps, 1)
+        max_steps = steps(scene.name, max_steps)
     if workers is not None:
         workers = whole(scene.name, "workers", workers, 1)
     plan = planned(scene, vary, number, digits, tol, max_steps)

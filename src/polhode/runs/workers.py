@@ -50,10 +50,12 @@ def here(
         futures = {pool.submit(solve, job, stop.is_set): k for k, job in enumerate(jobs)}
         try:
             _collect(futures, ready)
-        except KeyboardInterrupt:
+        except BaseException as fault:
             stop.set()
             for future in futures:
                 future.cancel()
+            if not isinstance(fault, KeyboardInterrupt):  # such as a disk that is full
+                raise
     if not stop.is_set():
         return True
     _collect({f: k for f, k in futures.items() if not f.cancelled()}, ready)

@@ -33,7 +33,8 @@ HELP = "integrate a scene"
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
-    parser.add_argument("--digits", type=whole, help="digits wanted; they choose the number type")
+    digits = "digits wanted: checked, and had at every time, or exit code 3 and how many are right"
+    parser.add_argument("--digits", type=whole, help=digits)
     parser.add_argument("--number", help="double (default), extended, quad or mp")
     parser.add_argument("--at", metavar="T,T...", help="output times instead of the scene's")
     parser.add_argument(
