@@ -145,6 +145,7 @@ def _refined(
         number=number,
         times=found.times,
         states=Readout(scene, number).states(found.rows),
+        events=found.events,
         outcome=found.outcome,
         steps=found.steps,
         reached=found.reached,

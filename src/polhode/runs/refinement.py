@@ -15,7 +15,7 @@ from polhode.numbers.number_types import LOG10_2, NumberType
 from polhode.runs.dense import Dense
 from polhode.runs.march import Progress
 from polhode.scenes.scene import Scene
-from polhode.taylor.outcomes import Outcome
+from polhode.taylor.outcomes import EventTimes, Outcome
 
 METHODS = ("auto", "taylor", "refined")
 
@@ -41,6 +41,7 @@ class Refinement:
     steps: int
     reached: Fraction
     dense: Any
+    events: tuple[EventTimes, ...] = ()
 
 
 def why_not(
@@ -62,8 +63,8 @@ def why_not(
         return "the form principal"
     if scene.modelled:
         return "no outputs beside the state"
-    if scene.events:
-        return "no events"
+    if not _all_entire(scene):
+        return "events without a division by what varies or a root of it"
     if tolerance is not None or inputs is not None or project:
         return "no tolerance, rounded inputs or projection of its own"
     if scene.log10_angle > _MOST_LOG10_ANGLE:
@@ -97,7 +98,15 @@ def refinement(
     inside = [t / unit for t in times]
     wanted = max(34, _digits(number))
     for _ in range(_TRIES):
-        found = refine(scene, inside, accuracy(wanted), progress=progress, max_steps=max_steps)
+        search = _search(scene, number)
+        found = refine(
+            scene,
+            inside,
+            accuracy(wanted),
+            progress=progress,
+            max_steps=max_steps,
+            search=search,
+        )
         lacking = 0 if digits is None else _lacking(found, digits)
         if not 0 < lacking <= MOST_DIGITS - wanted or found.stopped:
             break
@@ -106,6 +115,8 @@ def refinement(
     count = len(equations(scene).variables)
     outcome = Outcome(found.stopped) if found.stopped else Outcome.REACHED_END
     reached = found.reached * unit
+    if outcome is Outcome.STOPPED_AT_EVENT:
+        reached = number.rounded(found.reached) * unit
     return Refinement(
         tuple(times[: len(rows)]),
         [row[:count] for row in rows],
@@ -114,6 +125,42 @@ def refinement(
         found.steps,
         reached,
         RefinedDense(scene, number, reached, found),
+        () if search is None else _events(scene, number, search, found),
+    )
+
+
+def _all_entire(scene: Scene) -> bool:
+    """Whether all events have a value wherever the motion goes."""
+    if not scene.events:
+        return True
+    from polhode.taylor.event_steps import is_entire
+
+    return all(is_entire(scene, event) for event in scene.events)
+
+
+def _search(scene: Scene, number: NumberType) -> Any:
+    if not scene.events:
+        return None
+    from polhode.refined.events import Search
+
+    return Search(scene, number)
+
+
+def _events(scene: Scene, number: NumberType, search: Any, found: Any) -> tuple[EventTimes, ...]:
+    """The events in scene axes and units, in order of integration."""
+    read, unit = Readout(scene, number), Fraction(2) ** scene.time_unit
+    count = len(equations(scene).variables)
+    return tuple(
+        EventTimes(
+            name=event.name,
+            times=tuple(number.rounded(m.time) * unit for m in marks),
+            states=read.states([m.row[:count] for m in marks]),
+            grazing=tuple(m.slope == 0 for m in marks),
+            complete=complete,
+        )
+        for event, (marks, complete) in zip(
+            scene.events, search.sorted_out(found.reached), strict=True
+        )
     )
 
 
