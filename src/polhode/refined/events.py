@@ -104,9 +104,10 @@ class Search:
         row = [Fraction(x, 1 << series.bits) for x in series.at(self._ahead(series, place.time))]
         self._marks[k].append(Mark(when, row, place.slope, _exactly(place.width)))
         stops = event.stop and place.slope and event.counts(place.slope)
-        if stops and not is_start(when, place.slope, self.start[k], self.number):
-            if self.stop is None or abs(when) < abs(self.stop):
-                self.stop = when
+        if not stops or is_start(when, place.slope, self.start[k], self.number):
+            return
+        if self.stop is None or abs(when) < abs(self.stop):
+            self.stop = when
 
     def sorted_out(self, end: Fraction) -> list[tuple[list[Mark], bool]]:
         """Of each event its marks up to ``end``, those asked for; and whether none was lost."""

@@ -17,17 +17,19 @@ from typing import Any
 
 import numpy as np
 
+from polhode.refined.attitude import Attitude, Following
 from polhode.refined.base import STEPS, Base, base
 from polhode.refined.block import WIDTH, Block, cut
-from polhode.refined.events import Search
 from polhode.refined.estimate import Estimate, Side, Stretch, estimate, made
+from polhode.refined.events import Search
 from polhode.refined.limbs import Limbs
 from polhode.refined.problem import Problem, in_unit, out_of_unit, problem
-from polhode.refined.series import Series
 from polhode.refined.self_test import trusted_kernels, trusted_tables
-from polhode.refined.sweeps import Constants, Solved, solve
+from polhode.refined.series import Series
+from polhode.refined.sweeps import Constants, Intervals, Solved, solve
 from polhode.refined.threads import one_thread
 from polhode.refined.trouble import CannotRefine, TooFarOff, TooLong
+from polhode.refined.turns import turns
 from polhode.scenes.scene import Scene
 
 STEPS_AN_INTERVAL = 6
@@ -93,6 +95,7 @@ class Motion:
     ``states``: a row (w1 w2 w3 g1 g2 g3) a time, integers times 2**-``bits``; fewer than the times
     asked for where the run was ``stopped`` at the time ``reached``.  ``estimate``: their errors
     and the condition kappa.  ``steps``: of the run in double.  ``sweeps``: on average.
+    ``attitudes``: at the times, where they were asked for.
     """
 
     times: tuple[Fraction, ...]
@@ -104,6 +107,7 @@ class Motion:
     sweeps: float
     reached: Fraction
     stopped: str | None
+    attitudes: list[Attitude] | None
     _marks: tuple[tuple[Fraction, Problem], ...]
     _wanted: Accuracy
 
@@ -142,17 +146,18 @@ def refine(
     progress: Progress | None = None,
     max_steps: int | None = None,
     search: Search | None = None,
+    following: Following | None = None,
 ) -> Motion:
     """The motion of a scene at times (its own unit), of one sign, away from 0, exact rationals.
 
     ``m``: steps of the run in double to an interval; another one gives a run to compare with.
-    ``max_steps``: of the run in double.  ``search``: gathers the scene's events.  Ctrl-C stops the run at the block it is at.  Raises
-    CannotRefine where the motion cannot be refined, BadInput for another form than the principal
-    one.
+    ``max_steps``: of the run in double.  ``search``: gathers the scene's events.  ``following``:
+    the attitude at the start.  Ctrl-C stops the run at the block it is at.  Raises CannotRefine
+    where the motion cannot be refined, BadInput for another form than the principal one.
     """
     backward = times[-1] < 0
     exact = problem(scene, wanted.limbs.finest + 64, backward)
-    run = _Run(exact, [abs(t) for t in times], wanted, m, search)
+    run = _Run(exact, [abs(t) for t in times], wanted, m, search, following)
     with one_thread():
         stopped = run.to_the_end(progress, max_steps)
     reached = run.origin if stopped else abs(times[-1])
@@ -171,6 +176,7 @@ def refine(
         sweeps=run.sweeps / max(1, run.blocks),
         reached=-reached if backward else reached,
         stopped=stopped,
+        attitudes=None if following is None else [run.attitudes[i] for i in kept],
         _marks=tuple(run.marks),
         _wanted=wanted,
     )
@@ -191,7 +197,9 @@ class _Run:
         wanted: Accuracy,
         m: int,
         search: Search | None = None,
+        following: Following | None = None,
     ) -> None:
+        self.following, self.attitudes = following, list[Attitude]()
         self.problem, self.wanted, self.m, self.search = exact, wanted, m, search
         self.times, self._asked = list(times), frozenset(times)
         self._sought: dict[Fraction, list[tuple[int, bool]]] = {}  # events that may be there
@@ -277,8 +285,10 @@ class _Run:
         while clocks:
             block = cut(now, edges, at, self._width, clocks, state, limbs)
             try:
-                solved = solve(self._constants, block.intervals(self._constants.tables.nodes))
+                work = block.intervals(self._constants.tables.nodes)
+                solved = solve(self._constants, work, self.following is not None)
                 self._check_tails(solved)
+                self._turn(work, solved)
             except TooFarOff as far:
                 if far.good < 1:
                     raise CannotRefine("the run in double drifts within one interval") from None
@@ -312,6 +322,14 @@ class _Run:
         self.origin = now.time(clock)
         if self.origin > self.marks[-1][0]:
             self.marks.append((self.origin, replace(self.problem, state=self._state)))
+
+    def _turn(self, work: Intervals, solved: Solved) -> None:
+        """The attitude over a block, where it is asked for."""
+        if self.following is None:
+            return
+        found = turns(self._constants, solved.stages, work.lengths, self.wanted.tail)
+        nodes, lengths = self._constants.tables.nodes, work.lengths.sum(axis=0)
+        self.attitudes += self.following.advance(found, work.chain, work.starts, nodes, lengths)
 
     def _check_tails(self, solved: Solved) -> None:
         """Raise TooLong or _TooFewNodes where the nodes do not resolve the motion."""

@@ -136,22 +136,28 @@ def _refined(
 
     began = time.perf_counter()
     try:
-        found = refinement.refinement(scene, number, times, digits, max_steps, progress)
+        plain = refinement.in_principal_axes(scene)
+        found = refinement.refinement(plain, number, times, digits, max_steps, progress)
     except CannotRefine as fault:
         return None, {"not refined": str(fault)}
     seconds = time.perf_counter() - began
+    read = Readout(plain, number)
+    turned = {} if plain is scene else {"refined in": "principal axes, the same states"}
+    rows = [a + b for a, b in zip(found.rows, found.beside, strict=False)]
     return Trajectory(
         scene=scene,
         number=number,
         times=found.times,
-        states=Readout(scene, number).states(found.rows),
+        states=read.states(found.rows),
+        attitude=read.attitude(rows),
+        angles=read.angles(rows),
         events=found.events,
         outcome=found.outcome,
         steps=found.steps,
         reached=found.reached,
         tolerance=float(number.eps),
         digits=digits,
-        provenance={**provenance(scene.text), "seconds": {"build": 0.0, "run": seconds}},
+        provenance={**provenance(scene.text), "seconds": {"build": 0.0, "run": seconds}, **turned},
         dense=found.dense,
         method="refined",
         errors=found.errors,

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from polhode.equations import equilibrium
+from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import equations
 from polhode.equations.readout import Readout
+from polhode.numbers.convert import exactly, number_value, to_double, to_mpf
 from polhode.numbers.number_types import LOG10_2, NumberType
 from polhode.runs.dense import Dense
 from polhode.runs.march import Progress
@@ -19,9 +20,16 @@ from polhode.taylor.outcomes import EventTimes, Outcome
 
 METHODS = ("auto", "taylor", "refined")
 
+#: Forms whose variables are linear functions of those of the principal one.  Gauss collocation gives
+#: the same states in each of them, so it is done in principal axes.
+LINEAR = ("principal", "general", "inertia-axes", "momentum", "gyration-axes")
+
 _MOST_LOG10_ANGLE = 12  # beyond it no run ends
 _LEAST_ANGLE = 5.0  # radians turned: a shorter run of heyoka's own takes no longer
 _LEAST_ANGLE_MP = 100.0  # for more limbs than quad's, whose field takes seconds to compile once
+_MORE_DIGITS, _OTHER_INTERVALS = 10, 5  # of a second run, which tells the error of the first
+_PARTED = 1e-2  # so far apart two runs say nothing of each other
+_GUARD = 16  # bits for what is read from states
 _TRIES = 3  # with more digits each, until the estimate holds those asked for
 
 
@@ -29,13 +37,15 @@ _TRIES = 3  # with more digits each, until the estimate holds those asked for
 class Refinement:
     """What a refined run gives.
 
-    ``rows``: the form's variables at ``times``, as rationals.  ``errors``: largest error over the
+    ``rows``: the form's variables at ``times``, as rationals; ``beside``: what the outputs add to
+    each, as numbers of the run's type.  ``errors``: largest error over the
     columns of each state, absolute, its rounding to the run's type included; None where the
     motion multiplies errors too much for an estimate.  ``dense``: the state at any time reached.
     """
 
     times: tuple[Fraction, ...]
     rows: list[list[Fraction]]
+    beside: list[list[Any]]
     errors: tuple[float | None, ...]
     outcome: Outcome
     steps: int
@@ -59,10 +69,10 @@ def why_not(
 
     if digits > MOST_DIGITS:
         return f"at most {MOST_DIGITS} digits"
-    if scene.form != "principal":
-        return "the form principal"
-    if scene.modelled:
-        return "no outputs beside the state"
+    if scene.form not in LINEAR:
+        return "one of the forms " + ", ".join(LINEAR)
+    if "angles" in scene.outputs and scene.starts_at_pole:
+        return "no angles of a motion that starts at a pole"
     if not _all_entire(scene):
         return "events without a division by what varies or a root of it"
     if tolerance is not None or inputs is not None or project:
@@ -90,7 +100,7 @@ def refinement(
 ) -> Refinement:
     """Refine a run at times (scene's units); ``digits``: to be had by the estimate, if it can be.
 
-    Raises CannotRefine.
+    The scene is one in the principal form, see :func:`in_principal_axes`.  Raises CannotRefine.
     """
     from polhode.refined.motion import MOST_DIGITS, accuracy, refine
 
@@ -106,8 +116,12 @@ def refinement(
             progress=progress,
             max_steps=max_steps,
             search=search,
+            following=_following(scene, accuracy(wanted)),
         )
-        lacking = 0 if digits is None else _lacking(found, digits)
+        told = found.estimate.errors
+        if len(told) and not found.stopped and not math.isfinite(told.max()):
+            told = _by_a_second_run(scene, found, wanted, max_steps, progress)
+        lacking = 0 if digits is None else _lacking(found, told, digits)
         if not 0 < lacking <= MOST_DIGITS - wanted or found.stopped:
             break
         wanted += lacking
@@ -120,13 +134,49 @@ def refinement(
     return Refinement(
         tuple(times[: len(rows)]),
         [row[:count] for row in rows],
-        _errors(scene, number, found, rows),
+        _turned(scene, number, found.attitudes),
+        _errors(scene, number, told, rows),
         outcome,
         found.steps,
         reached,
         RefinedDense(scene, number, reached, found),
         () if search is None else _events(scene, number, search, found),
     )
+
+
+def _following(scene: Scene, wanted: Any) -> Any:
+    if not scene.modelled:
+        return None
+    from polhode.refined.attitude import Following
+
+    return Following(scene, wanted.limbs.finest, "angles" in scene.modelled)
+
+
+def _turned(scene: Scene, number: NumberType, attitudes: Any) -> list[list[Any]]:
+    """Quaternion, psi and phi as a run's rows have them behind the state, what is asked of them.
+
+    psi is the sum of the arguments of q0 + i q3 and q1 + i q2; phi only tells its branch.
+    """
+    if attitudes is None:
+        return []
+    import mpmath
+
+    context, found = mpmath.MPContext(), []
+    context.prec = number.bits + _GUARD
+    phi_0 = to_double(kinematics.starting_phi(scene.gamma or ()))
+    psi_0 = context.mpf(to_mpf(scene.psi, context.prec))
+    for quaternion, (sum_half, difference_half) in attitudes:
+        row = []
+        if "attitude" in scene.modelled:
+            row += [number_value(x, number) for x in quaternion]
+        if "angles" in scene.modelled:
+            q0, q1, q2, q3 = (context.mpf(to_mpf(x, context.prec)) for x in quaternion)
+            psi = context.atan2(q3, q0) + context.atan2(q2, q1)
+            near, whole = psi_0 + sum_half + difference_half, 2 * context.pi
+            psi += whole * context.nint((near - psi) / whole)
+            row += [number_value(exactly(psi), number), phi_0 + sum_half - difference_half]
+        found.append(row)
+    return found
 
 
 def _all_entire(scene: Scene) -> bool:
@@ -168,9 +218,42 @@ def _digits(number: NumberType) -> int:
     return int(number.bits * LOG10_2)
 
 
-def _lacking(found: Any, digits: int) -> int:
-    """How many more digits the estimate asks for; 0 where it is infinite: no more would help."""
-    errors = found.estimate.errors
+def in_principal_axes(scene: Scene) -> Scene:
+    """The same scene in the form that is refined."""
+    return scene if scene.form == "principal" else replace(scene, form="principal")
+
+
+def _by_a_second_run(
+    scene: Scene, found: Any, wanted: int, max_steps: int | None, progress: Progress | None
+) -> Any:
+    """Errors as the estimates are, where these are infinite: twice the distance from another run.
+
+    That one has other intervals and so many more digits that the distance is the first run's error.
+    Still infinite from where on the two have parted, or the second did not come.
+    """
+    import numpy as np
+    from polhode.refined.motion import MOST_DIGITS, accuracy, refine
+
+    errors = found.estimate.errors.copy()
+    digits = wanted + _MORE_DIGITS
+    if digits > MOST_DIGITS:
+        return errors
+    steps = None if max_steps is None else 2 * max_steps
+    other = refine(
+        scene, found.times, accuracy(digits), _OTHER_INTERVALS, progress=progress, max_steps=steps
+    )
+    for i in range(len(other.states)):
+        pairs = zip(found.exactly(i), other.exactly(i), strict=True)
+        apart = [abs(float(a - b)) for a, b in pairs]
+        if max(apart) > _PARTED:
+            break
+        if not np.isfinite(errors[i]).all():
+            errors[i] = 2 * max(apart[:3]), 2 * max(apart[3:])
+    return errors
+
+
+def _lacking(found: Any, errors: Any, digits: int) -> int:
+    """How many more digits the errors ask for; 0 where they are infinite: no more would help."""
     if not len(errors) or not math.isfinite(errors.max()):
         return 0
     fastest = max(abs(x) for row in found.states for x in row[:3]) / 2.0**found.bits
@@ -179,13 +262,13 @@ def _lacking(found: Any, digits: int) -> int:
 
 
 def _errors(
-    scene: Scene, number: NumberType, found: Any, rows: list[list[Fraction]]
+    scene: Scene, number: NumberType, told: Any, rows: list[list[Fraction]]
 ) -> tuple[float | None, ...]:
     """The estimate of each row in the scene's axes and units, rounded to its type."""
     turned = 1.0 if scene.body.axes.trivial else math.sqrt(3.0)  # of a vector's largest component
     scale, half_eps = 2.0**-scene.time_unit, float(number.eps) / 2
     errors: list[float | None] = []
-    for row, (omega, gamma) in zip(rows, found.estimate.errors.tolist(), strict=True):
+    for row, (omega, gamma) in zip(rows, told.tolist(), strict=True):
         w, g = (float(max(map(abs, part))) for part in (row[:3], row[3:]))
         error = turned * max(scale * (omega + half_eps * w), gamma + half_eps * g)
         errors.append(error if math.isfinite(error) else None)
