@@ -1,6 +1,7 @@
 """Runs by refinement as ``integrate`` hands them out: choice, errors, fallback, dense output."""
 
 import json
+import math
 from dataclasses import replace
 from fractions import Fraction
 
@@ -12,6 +13,8 @@ from polhode.common.errors import BadInput
 from polhode.numbers import number_types
 from polhode.numbers.convert import exactly
 from polhode.refined import motion, self_test
+from polhode.refined.motion import refine
+from polhode.refined.trouble import Stalled
 from polhode.runs import refinement
 from polhode.taylor.outcomes import Outcome
 
@@ -58,8 +61,10 @@ def test_what_cannot_be_refined_takes_steps_or_is_refused():
         assert polhode.integrate(scene, at=[1], **options).method == "taylor"
         with pytest.raises(BadInput, match=r"method = refined: expected .*taylor"):
             polhode.integrate(scene, at=[1], method="refined", **options)
-    for other in (replace(scene, form="general"), replace(scene, outputs=("angles",))):
-        assert polhode.integrate(other, "quad", at=[6]).method == "taylor"
+    pole = polhode.Scene(scene.body, scene.omega, (0, 0, 1), outputs=("angles",))
+    for other in (replace(scene, form="lagrangian"), pole):
+        with pytest.raises(BadInput, match=r"method = refined: expected .*taylor"):
+            polhode.integrate(other, "quad", at=[6], method="refined")
     with pytest.raises(BadInput, match="method = fast: expected auto, taylor, refined"):
         polhode.integrate(scene, "quad", at=[1], method="fast")
 
@@ -123,10 +128,47 @@ def test_digits_asked_for_are_digits_had():
     assert max(errors(run)) < 1e-31
 
 
-def test_where_no_estimate_can_be_had_it_is_none():
-    run = polhode.integrate("hard/chaotic-long", "quad", at=[30, 330])
+def test_where_no_estimate_can_be_had_a_second_run_tells_the_error():
+    scene = polhode.load("hard/chaotic-long").at([30, 330])
+    run = polhode.integrate(scene, "quad")
+    assert refine(scene, scene.times).estimate.errors[1].max() == math.inf
+    true = refine(scene, scene.times, motion.accuracy(60), m=5)
+    off = [
+        max(abs(float(exactly(a) - b)) for a, b in zip(row, true.exactly(i), strict=True))
+        for i, row in enumerate(run.states)
+    ]
+    assert 1e-35 < off[0] < run.errors[0]
+    assert off[1] < run.errors[1] < 3 * off[1]  # twice as much, to the second run's own error
+    assert 1e-22 < off[1]
+
+
+def test_no_errors_from_where_two_runs_have_parted():
+    run = polhode.integrate("hard/chaotic-long", "quad", at=[330, 900])
+    assert run.method == "refined"
     assert run.errors[0] is not None
     assert run.errors[1] is None
+
+
+def test_sweeps_that_stall_are_made_with_more_limbs():
+    scene = polhode.load("hard/dzhanibekov-1e-12").at([300])
+    with pytest.raises(Stalled):
+        refine(scene, scene.times)
+    run = polhode.integrate(scene, "quad")
+    assert run.method == "refined"
+    assert errors(run)[0] < run.errors[0] < 1e-30
+
+
+@pytest.mark.parametrize("form", ["general", "inertia-axes", "momentum", "gyration-axes"])
+def test_linear_forms_are_refined_in_principal_axes(form):
+    scene = replace(polhode.load("euler/turned-axes"), form=form, events=(), outputs=())
+    run = polhode.integrate(scene, "quad", at=[5, 30])
+    assert run.method == "refined"
+    assert run.scene.form == form
+    assert run.provenance["refined in"] == "principal axes, the same states"
+    assert max(errors(run)) < 2e-33
+    plain = polhode.integrate(replace(scene, form="principal"), "quad", at=[5, 30])
+    assert run.states == plain.states
+    assert run("7/3") == plain("7/3")
 
 
 def test_the_command_line_tells_method_and_errors(capsys):

@@ -27,7 +27,7 @@ from polhode.refined.chain import Chain
 from polhode.refined.kernels import COEFFICIENTS, VARIABLES, Kernels
 from polhode.refined.limbs import Limbs
 from polhode.refined.tables import LARGEST_FIELD, Tables
-from polhode.refined.trouble import CannotRefine, TooFarOff, TooLong
+from polhode.refined.trouble import CannotRefine, Stalled, TooFarOff, TooLong
 
 _TURNS = 60  # of an iteration
 _TRANSITIONS = 3e-12  # to which the transition matrices are iterated
@@ -111,7 +111,7 @@ def solve(constants: Constants, work: Intervals, with_stages: bool = False) -> S
         size = np.abs(defect).max(axis=(0, 1))
         largest = max(size.max(initial=0.0), errors.max(initial=0.0))
         if not np.isfinite(largest) or (count > 1 and largest > before / _SLOWEST):
-            raise CannotRefine("the sweeps do not converge")
+            raise Stalled("the sweeps do not converge")
         if first is None:
             first = largest
         relative = sweep.change + first + _RELATIVE
@@ -125,7 +125,7 @@ def solve(constants: Constants, work: Intervals, with_stages: bool = False) -> S
         enough = _enough(largest, relative, constants.target)
         sweep.move_stages(defect, e, enough)
         before = largest
-    raise CannotRefine("the sweeps do not converge")
+    raise Stalled("the sweeps do not converge")
 
 
 def _levels(constants: Constants, before: float, left: float) -> int:

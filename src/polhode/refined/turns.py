@@ -60,13 +60,13 @@ def turns(constants: Constants, stages: Any, lengths: Any, largest_tail: float) 
     ends = limbs.split_doubles(end).swapaxes(0, 1).copy()
     for count in range(constants.sweeps):
         r, r_end, tails = _defects(limbs, tables, split, ends, stages[:3], lengths)
-        if (tails > largest_tail).any():
-            raise TooLong(tails > largest_tail)
         forced = spun(r, omega)
         delta = r_end + times(tables.weights @ times(forced, conjugate(t)), end)
         limbs.adjust(ends.swapaxes(0, 1), delta)
         size = float(np.abs(r).max())
         if count and size * _ENDS < constants.target:
+            if (tails > largest_tail).any():  # told by the last sweep, which no guess disturbs
+                raise TooLong(tails > largest_tail)
             whole = ends.transpose(2, 0, 1).tolist()
             return Turns([[limbs.integer(x) for x in row] for row in whole], t)
         rest = np.zeros_like(t)

@@ -103,21 +103,31 @@ def refinement(
     The scene is one in the principal form, see :func:`in_principal_axes`.  Raises CannotRefine.
     """
     from polhode.refined.motion import MOST_DIGITS, accuracy, refine
+    from polhode.refined.trouble import Stalled
 
     unit = Fraction(2) ** scene.time_unit
     inside = [t / unit for t in times]
     wanted = max(34, _digits(number))
-    for _ in range(_TRIES):
+
+    def run(wanted: int) -> tuple[Any, Any]:
         search = _search(scene, number)
-        found = refine(
+        following = _following(scene, accuracy(wanted))
+        return search, refine(
             scene,
             inside,
             accuracy(wanted),
             progress=progress,
             max_steps=max_steps,
             search=search,
-            following=_following(scene, accuracy(wanted)),
+            following=following,
         )
+
+    for _ in range(_TRIES):
+        try:
+            search, found = run(wanted)
+        except Stalled:  # near a separatrix
+            wanted += _MORE_DIGITS
+            search, found = run(wanted)
         told = found.estimate.errors
         if len(told) and not found.stopped and not math.isfinite(told.max()):
             told = _by_a_second_run(scene, found, wanted, max_steps, progress)
@@ -163,7 +173,8 @@ def _turned(scene: Scene, number: NumberType, attitudes: Any) -> list[list[Any]]
 
     context, found = mpmath.MPContext(), []
     context.prec = number.bits + _GUARD
-    phi_0 = to_double(kinematics.starting_phi(scene.gamma or ()))
+    assert scene.gamma is not None  # else a scene has no outputs
+    phi_0 = to_double(kinematics.starting_phi(scene.gamma))
     psi_0 = context.mpf(to_mpf(scene.psi, context.prec))
     for quaternion, (sum_half, difference_half) in attitudes:
         row = []
@@ -232,16 +243,22 @@ def _by_a_second_run(
     Still infinite from where on the two have parted, or the second did not come.
     """
     import numpy as np
+
     from polhode.refined.motion import MOST_DIGITS, accuracy, refine
+    from polhode.refined.trouble import CannotRefine
 
     errors = found.estimate.errors.copy()
     digits = wanted + _MORE_DIGITS
     if digits > MOST_DIGITS:
         return errors
     steps = None if max_steps is None else 2 * max_steps
-    other = refine(
-        scene, found.times, accuracy(digits), _OTHER_INTERVALS, progress=progress, max_steps=steps
-    )
+    wider = accuracy(digits)
+    try:
+        other = refine(
+            scene, found.times, wider, _OTHER_INTERVALS, progress=progress, max_steps=steps
+        )
+    except CannotRefine:
+        return errors
     for i in range(len(other.states)):
         pairs = zip(found.exactly(i), other.exactly(i), strict=True)
         apart = [abs(float(a - b)) for a, b in pairs]
