@@ -82,7 +82,8 @@ def attitudes(scene, end, m=6):
 def test_another_grouping_of_steps_agrees_and_the_length_is_one():
     for end in (200, -30):
         six, five = attitudes(brick(), end), attitudes(brick(), end, 5)
-        assert 0 < max(abs(a - b) for a, b in zip(*(x.quaternion for x in (six, five)))) < 1e-33
+        pairs = zip(six.quaternion, five.quaternion, strict=True)
+        assert 0 < max(abs(a - b) for a, b in pairs) < 1e-33
         assert np.allclose(six.windings, five.windings, atol=1e-9)
         assert abs(sum(x * x for x in six.quaternion) - 1) < 1e-34
 

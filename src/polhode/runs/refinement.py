@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
+from polhode.common.arguments import of_kind
+from polhode.common.errors import BadInput, nearest
 from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import equations
 from polhode.equations.readout import Readout
@@ -20,8 +22,8 @@ from polhode.taylor.outcomes import EventTimes, Outcome
 
 METHODS = ("auto", "taylor", "refined")
 
-#: Forms whose variables are linear functions of those of the principal one.  Gauss collocation gives
-#: the same states in each of them, so it is done in principal axes.
+#: Forms whose variables are linear functions of the principal one's.  Gauss collocation gives the
+#: same states in each of them, so it is done in principal axes.
 LINEAR = ("principal", "general", "inertia-axes", "momentum", "gyration-axes")
 
 _MOST_LOG10_ANGLE = 12  # beyond it no run ends
@@ -52,6 +54,13 @@ class Refinement:
     reached: Fraction
     dense: Any
     events: tuple[EventTimes, ...] = ()
+
+
+def check_method(scene: Scene, method: str) -> None:
+    """Raise BadInput for a method that is none."""
+    of_kind(scene.name, "method", method, str, ", ".join(METHODS))
+    if method not in METHODS:
+        raise BadInput(scene.name, "method", method, nearest(method, list(METHODS)))
 
 
 def why_not(
@@ -88,6 +97,13 @@ def worth_it(scene: Scene, number: NumberType) -> bool:
     """Whether a run is long enough for refinement to be the faster way."""
     least = _LEAST_ANGLE if _digits(number) <= 34 else _LEAST_ANGLE_MP
     return bool(scene.log10_angle >= math.log10(least))
+
+
+def accuracy_for(number: NumberType) -> Any:
+    """What a run in a number type is refined to, at first."""
+    from polhode.refined.motion import accuracy
+
+    return accuracy(max(34, _digits(number)))
 
 
 def refinement(
