@@ -30,7 +30,7 @@ def chosen(member: Scene, number: NumberType, method: str) -> bool:
     """Whether a member is to be refined."""
     if method == "taylor" or refinement.why_not(member, number, None, None, None) is not None:
         return False
-    return method == "refined" or refinement.worth_it(member, number)
+    return method == "refined" or refinement.worth_it(member, number, loaded=True)
 
 
 def prepare(job: Job) -> None:

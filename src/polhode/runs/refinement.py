@@ -27,8 +27,11 @@ METHODS = ("auto", "taylor", "refined")
 LINEAR = ("principal", "general", "inertia-axes", "momentum", "gyration-axes")
 
 _MOST_LOG10_ANGLE = 12  # beyond it no run ends
-_LEAST_ANGLE = 5.0  # radians turned: a shorter run of heyoka's own takes no longer
-_LEAST_ANGLE_MP = 100.0  # for more limbs than quad's, whose field takes seconds to compile once
+_LEAST_ANGLE = (
+    120.0  # radians turned: loading what is compiled costs a shorter run more than it gains
+)
+_LEAST_ANGLE_LOADED = 5.0  # where it is loaded, as in a sweep: heyoka's own steps take no longer
+_LEAST_ANGLE_MP = 120.0  # for more limbs than quad's, whose field takes seconds to compile once
 _MORE_DIGITS, _OTHER_INTERVALS = 10, 5  # of a second run, which tells the error of the first
 _PARTED = 1e-2  # so far apart two runs say nothing of each other
 _GUARD = 16  # bits for what is read from states
@@ -93,9 +96,14 @@ def why_not(
     return None
 
 
-def worth_it(scene: Scene, number: NumberType) -> bool:
-    """Whether a run is long enough for refinement to be the faster way."""
-    least = _LEAST_ANGLE if _digits(number) <= 34 else _LEAST_ANGLE_MP
+def worth_it(scene: Scene, number: NumberType, loaded: bool = False) -> bool:
+    """Whether a run is long enough for refinement to be the faster way.
+
+    ``loaded``: what is compiled serves other runs, too.
+    """
+    least = _LEAST_ANGLE_LOADED if loaded else _LEAST_ANGLE
+    if _digits(number) > 34:
+        least = max(least, _LEAST_ANGLE_MP)
     return bool(scene.log10_angle >= math.log10(least))
 
 
