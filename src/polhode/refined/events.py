@@ -15,13 +15,12 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-import mpmath
-
 from polhode.numbers import expression
 from polhode.numbers.convert import to_mpf
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.private import mpmath
 from polhode.refined.candidates import Candidates
 from polhode.refined.dual import Dual
 from polhode.refined.series import Series
@@ -49,8 +48,7 @@ class Search:
         self.start = [sign_at_start(scene, k) for k in range(len(scene.events))]
         self.candidates = Candidates(scene, self.backward)
         self._marks: list[list[Mark]] = [[] for _ in scene.events]
-        self._context = mpmath.MPContext()
-        self._context.prec = number.bits + _GUARD
+        self._bits = number.bits + _GUARD
         self._limits = [
             Limits(size_of(scene, event), number, number.eps, False, self._typed)
             for event in scene.events
@@ -70,6 +68,10 @@ class Search:
 
     def look(self, time: Fraction, series: Series, k: int, extremum: bool) -> None:
         """Decide about a place of event k: ``time`` (own unit), ``series`` from the state then."""
+        with mpmath.workprec(self._bits):
+            self._look(time, series, k, extremum)
+
+    def _look(self, time: Fraction, series: Series, k: int, extremum: bool) -> None:
         event, limits = self.scene.events[k], self._limits[k]
 
         def at(ago: Any) -> tuple[Any, Any]:
@@ -94,7 +96,7 @@ class Search:
         value = at(when)[0]
         if not value * bend < 0:
             return []
-        away = self._context.sqrt(-2 * value / bend)
+        away = mpmath.sqrt(-2 * value / bend)
         return [when - away, when + away] if away < _FARTHEST else []
 
     def _mark(self, k: int, time: Fraction, series: Series, place: Place) -> None:
@@ -123,9 +125,7 @@ class Search:
         state = series.at(self._ahead(series, ago))
         pairs = zip(state, series.rates(state), strict=True)
         scale = -series.bits
-        columns = [
-            Dual(self._context.ldexp(a, scale), self._context.ldexp(b, scale)) for a, b in pairs
-        ]
+        columns = [Dual(mpmath.ldexp(a, scale), mpmath.ldexp(b, scale)) for a, b in pairs]
         if event.expression is None:
             found = columns[middle_axis(self.scene)]
             return found.value, found.rate
@@ -137,7 +137,7 @@ class Search:
         try:
             found = expression.evaluate(event.expression, names, self._algebra)
         except ExpressionError:
-            return self._context.nan, self._context.nan
+            return mpmath.nan, mpmath.nan
         return found.value, found.rate
 
     def _turned(self, vector: Sequence[Dual]) -> list[Dual]:
@@ -145,24 +145,24 @@ class Search:
         assert self._turn is not None
         return [
             Dual(
-                self._context.fdot((self._turn[i][j], vector[i].value) for i in range(3)),
-                self._context.fdot((self._turn[i][j], vector[i].rate) for i in range(3)),
+                mpmath.fdot((self._turn[i][j], vector[i].value) for i in range(3)),
+                mpmath.fdot((self._turn[i][j], vector[i].rate) for i in range(3)),
             )
             for j in range(3)
         ]
 
     def _ahead(self, series: Series, ago: Any) -> int:
-        return int(self._context.floor(self._context.ldexp(ago, series.bits)))
+        return int(mpmath.floor(mpmath.ldexp(ago, series.bits)))
 
     def _typed(self, x: Exact | int) -> Any:
         exact = Fraction(x) if isinstance(x, int) else x
-        return self._context.mpf(to_mpf(exact, self._context.prec))
+        return to_mpf(exact, self._bits)
 
     def _sine(self, x: Dual) -> Dual:
-        return Dual(self._context.sin(x.value), self._context.cos(x.value) * x.rate)
+        return Dual(mpmath.sin(x.value), mpmath.cos(x.value) * x.rate)
 
     def _cosine(self, x: Dual) -> Dual:
-        return Dual(self._context.cos(x.value), -self._context.sin(x.value) * x.rate)
+        return Dual(mpmath.cos(x.value), -mpmath.sin(x.value) * x.rate)
 
 
 def _exactly(x: Any) -> Fraction:

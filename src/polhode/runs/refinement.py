@@ -193,24 +193,25 @@ def _turned(scene: Scene, number: NumberType, attitudes: Any) -> list[list[Any]]
     """
     if attitudes is None:
         return []
-    import mpmath
+    from polhode.numbers.private import mpmath, ordinary
 
-    context, found = mpmath.MPContext(), []
-    context.prec = number.bits + _GUARD
+    bits, found = number.bits + _GUARD, []
     assert scene.gamma is not None  # else a scene has no outputs
     phi_0 = to_double(kinematics.starting_phi(scene.gamma))
-    psi_0 = context.mpf(to_mpf(scene.psi, context.prec))
-    for quaternion, (sum_half, difference_half) in attitudes:
-        row = []
-        if "attitude" in scene.modelled:
-            row += [number_value(x, number) for x in quaternion]
-        if "angles" in scene.modelled:
-            q0, q1, q2, q3 = (context.mpf(to_mpf(x, context.prec)) for x in quaternion)
-            psi = context.atan2(q3, q0) + context.atan2(q2, q1)
-            near, whole = psi_0 + sum_half + difference_half, 2 * context.pi
-            psi += whole * context.nint((near - psi) / whole)
-            row += [number_value(exactly(psi), number), phi_0 + sum_half - difference_half]
-        found.append(row)
+    with mpmath.workprec(bits):
+        psi_0 = to_mpf(scene.psi, bits)
+        for quaternion, (sum_half, difference_half) in attitudes:
+            row = []
+            if "attitude" in scene.modelled:
+                row += [number_value(x, number) for x in quaternion]
+            if "angles" in scene.modelled:
+                q0, q1, q2, q3 = (to_mpf(x, bits) for x in quaternion)
+                psi = mpmath.atan2(q3, q0) + mpmath.atan2(q2, q1)
+                near, whole = psi_0 + sum_half + difference_half, 2 * mpmath.pi
+                psi += whole * mpmath.nint((near - psi) / whole)
+                phi = mpmath.mpf(phi_0 + sum_half - difference_half)
+                row += [number_value(exactly(psi), number), ordinary(phi)]
+            found.append(row)
     return found
 
 

@@ -299,7 +299,5 @@ def _solve(
     began = time.perf_counter()
     prepare(jobs[0])
     build = time.perf_counter() - began
-    crew.here(
-        solve, [jobs[k] for k in left], lambda i, solved: ready(left[i], solved), workers
-    )
+    crew.here(solve, [jobs[k] for k in left], lambda i, solved: ready(left[i], solved), workers)
     return build
