@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from polhode.numbers.number_types import NumberType
 from polhode.runs import refinement
 from polhode.scenes.scene import Scene
-from polhode.taylor import batches
-from polhode.taylor.batches import BatchJob, Solved
 from polhode.taylor.outcomes import Outcome
+
+if TYPE_CHECKING:
+    from polhode.taylor.batches import BatchJob, Solved
 
 
 class Job(NamedTuple):
@@ -37,6 +38,7 @@ def prepare(job: Job) -> None:
     """Compile, or load, what the members share: once, before threads ask for it."""
     from polhode.refined.self_test import trusted_kernels
     from polhode.refined.trouble import CannotRefine
+    from polhode.taylor import batches
 
     try:
         trusted_kernels(refinement.accuracy_for(job.steps.number).limbs)
@@ -46,6 +48,8 @@ def prepare(job: Job) -> None:
 
 def solve(job: Job, stop: Callable[[], bool] | None = None) -> list[Solved | None]:
     """The members' rows, as those of steps are; None for those that ``stop`` kept from the end."""
+    from polhode.taylor import batches
+
     found: list[Solved | None] = []
     for member, lane in zip(job.members, job.steps.lanes, strict=True):
         if stop is not None and stop():
@@ -62,6 +66,7 @@ def solve(job: Job, stop: Callable[[], bool] | None = None) -> list[Solved | Non
 def _refined(job: Job, member: Scene, stop: Callable[[], bool] | None) -> Solved | None:
     """A member by refinement; None where it is not to be or does not succeed."""
     from polhode.refined.trouble import CannotRefine
+    from polhode.taylor.batches import Solved
 
     def look(_: float, __: int) -> None:
         if stop is not None and stop():
