@@ -50,6 +50,7 @@ def test_members_are_the_runs_of_their_scenes(number, end):
         scene,
         {"start.omega[3]": ["0.5", 3], "body.weight": [0, 1], "body.moments[2]": [3, 4]},
         number=number,
+        method="taylor",
     )
     assert many.done
     assert len(many) == 8

@@ -9,6 +9,7 @@ import json
 import math
 import subprocess
 import sys
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -24,7 +25,7 @@ from polhode.peers import field
 from polhode.studies import processes
 from polhode.studies.page.blocks import markdown
 from polhode.studies.processes import Method, Task
-from polhode.studies.speed import contenders, figure, page
+from polhode.studies.speed import contenders, figure, page, refined
 from polhode.studies.speed import rows as speed
 from polhode.studies.speed.work_precision import WorkPoint, against, frontier, seconds_at, wall
 
@@ -417,3 +418,17 @@ def test_a_peers_process_imports_nothing_else_of_polhode():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert all(m == "polhode" or m.startswith("polhode.peers") for m in done.stdout.split())
+
+
+def test_refined_runs_stand_beside_heyokas_own_steps():
+    (row,) = [refined._row(replace(refined.CONTESTS[0], end=4))]
+    assert row["refined"]["method"] == "refined"
+    assert row["taylor"]["method"] == "taylor"
+    assert 33.5 < row["refined"]["digits"] < 37
+    assert 32 < row["taylor"]["digits"] < 34.5
+    assert abs(row["agreement"] - row["taylor"]["digits"]) < 1
+    assert row["estimate"] > 10 ** -row["refined"]["digits"]
+    rows = [row, {**row, "gain": 20.0}]
+    text = markdown("Speed", page._refined(rows))
+    assert f"0.050 to {1 / row['gain']:.3f} of the time" in text
+    assert list(page._refined([])) == []

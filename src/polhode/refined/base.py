@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -11,6 +11,7 @@ import heyoka as hy
 import numpy as np
 
 from polhode.equations.forms import principal
+from polhode.refined.candidates import Candidates, Place
 from polhode.refined.limbs import rounded
 from polhode.refined.problem import Problem, in_unit
 from polhode.refined.tables import LARGEST_FIELD
@@ -38,6 +39,7 @@ class Base:
     start in the scene's unit.  ``edges``: of the intervals, doubles, the first one 0.
     ``polynomials``: the states at any time passed, as heyoka gives them.  ``final``: it reaches
     the end of the whole run; the last edge is then left out, what follows it is for outputs alone.
+    ``places``: where events may be.
     """
 
     unit: int
@@ -46,6 +48,7 @@ class Base:
     final: bool
     polynomials: Any
     steps: int
+    places: tuple[Place, ...] = ()
 
     def states(self, times: Any) -> Any:
         """States (6, ...) at an array of times."""
@@ -68,21 +71,25 @@ def base(
     end: Fraction,
     m: int,
     most: int = STEPS,
+    candidates: Candidates | None = None,
 ) -> Base:
     """Run in double from ``state`` at ``origin`` towards ``end`` (scene's unit), m steps a group.
 
-    ``most``: steps to take.
+    ``most``: steps to take.  ``candidates``: looks for events.
 
     Raises CannotRefine where the run does not succeed.
     """
     ta = _IDLE.take(_KEY) or _integrator()
     unit = _first_guess(ta, problem, state, end - origin)
     for _ in range(4):
-        found, fastest = _run(ta, problem, state, origin, end, unit, m, most)
+        runs = ta if candidates is None else candidates.begin(unit, origin)
+        found, fastest = _run(runs, problem, state, origin, end, unit, m, most)
         fit = problem.unit(fastest * 2.0**unit)
         if unit - 1 <= fit <= unit:
             _IDLE.put(_KEY, ta)
-            return found
+            if candidates is None:
+                return found
+            return replace(found, places=candidates.places(found.polynomials))
         unit = fit
     raise CannotRefine("no unit of time suits the motion")
 
@@ -96,7 +103,7 @@ def _integrator() -> Any:
 
 
 def _begin(ta: Any, problem: Problem, state: tuple[Fraction, ...], unit: int) -> None:
-    ta.pars[:] = [float(x) for x in problem.coefficients_in(unit)]
+    ta.pars[: len(principal.NAMES)] = [float(x) for x in problem.coefficients_in(unit)]
     ta.state[:] = [float(x) for x in in_unit(state, unit)]
     ta.time = 0.0
 

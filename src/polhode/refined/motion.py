@@ -17,15 +17,19 @@ from typing import Any
 
 import numpy as np
 
+from polhode.refined.attitude import Attitude, Following
 from polhode.refined.base import STEPS, Base, base
 from polhode.refined.block import WIDTH, Block, cut
 from polhode.refined.estimate import Estimate, Side, Stretch, estimate, made
+from polhode.refined.events import Search
 from polhode.refined.limbs import Limbs
 from polhode.refined.problem import Problem, in_unit, out_of_unit, problem
 from polhode.refined.self_test import trusted_kernels, trusted_tables
-from polhode.refined.sweeps import Constants, Solved, solve
+from polhode.refined.series import Series
+from polhode.refined.sweeps import Constants, Intervals, Solved, solve
 from polhode.refined.threads import one_thread
 from polhode.refined.trouble import CannotRefine, TooFarOff, TooLong
+from polhode.refined.turns import turns
 from polhode.scenes.scene import Scene
 
 STEPS_AN_INTERVAL = 6
@@ -80,7 +84,8 @@ def accuracy(digits: int) -> Accuracy:
 
 QUAD = accuracy(34)
 
-INTERRUPTED, STEP_LIMIT = "interrupted", "step limit"
+INTERRUPTED, STEP_LIMIT, AT_EVENT = "interrupted", "step limit", "stopped at event"
+_SEAM = Fraction(1, 1024)  # so far past a base's end the events that it saw count
 
 
 @dataclass(frozen=True)
@@ -90,6 +95,7 @@ class Motion:
     ``states``: a row (w1 w2 w3 g1 g2 g3) a time, integers times 2**-``bits``; fewer than the times
     asked for where the run was ``stopped`` at the time ``reached``.  ``estimate``: their errors
     and the condition kappa.  ``steps``: of the run in double.  ``sweeps``: on average.
+    ``attitudes``: at the times, where they were asked for.
     """
 
     times: tuple[Fraction, ...]
@@ -101,6 +107,7 @@ class Motion:
     sweeps: float
     reached: Fraction
     stopped: str | None
+    attitudes: list[Attitude] | None
     _marks: tuple[tuple[Fraction, Problem], ...]
     _wanted: Accuracy
 
@@ -138,32 +145,38 @@ def refine(
     m: int = STEPS_AN_INTERVAL,
     progress: Progress | None = None,
     max_steps: int | None = None,
+    search: Search | None = None,
+    following: Following | None = None,
 ) -> Motion:
     """The motion of a scene at times (its own unit), of one sign, away from 0, exact rationals.
 
     ``m``: steps of the run in double to an interval; another one gives a run to compare with.
-    ``max_steps``: of the run in double.  Ctrl-C stops the run at the block it is at.  Raises
-    CannotRefine where the motion cannot be refined, BadInput for another form than the principal
-    one.
+    ``max_steps``: of the run in double.  ``search``: gathers the scene's events.  ``following``:
+    the attitude at the start.  Ctrl-C stops the run at the block it is at.  Raises CannotRefine
+    where the motion cannot be refined, BadInput for another form than the principal one.
     """
     backward = times[-1] < 0
     exact = problem(scene, wanted.limbs.finest + 64, backward)
-    run = _Run(exact, [abs(t) for t in times], wanted, m)
+    run = _Run(exact, [abs(t) for t in times], wanted, m, search, following)
     with one_thread():
         stopped = run.to_the_end(progress, max_steps)
-    whole = min(len(run.found), len(run.sides))  # an interrupt may have come between the two
-    count = sum(len(stretch.made) for stretch in run.stretches) + whole
     reached = run.origin if stopped else abs(times[-1])
+    if search is not None and search.stop is not None:
+        reached = abs(search.stop)
+    whole = min(len(run.found), len(run.sides))  # an interrupt may have come between the two
+    asked = {abs(t) for t in times if abs(t) <= reached or not stopped}
+    kept = [i for i in range(whole) if run.times[i] in asked]
     return Motion(
-        times=tuple(times[:whole]),
-        states=[_turned(row, backward) for row in run.found[:whole]],
+        times=tuple(times[: len(kept)]),
+        states=[_turned(run.found[i], backward) for i in kept],
         bits=wanted.limbs.finest,
-        estimate=estimate(run.stretches, run.sides[:whole], 2.0**-wanted.limbs.bits),
+        estimate=estimate(run.stretches, [run.sides[i] for i in kept], 2.0**-wanted.limbs.bits),
         steps=run.steps,
-        intervals=count,
+        intervals=sum(len(stretch.made) for stretch in run.stretches) + whole,
         sweeps=run.sweeps / max(1, run.blocks),
         reached=-reached if backward else reached,
         stopped=stopped,
+        attitudes=None if following is None else [run.attitudes[i] for i in kept],
         _marks=tuple(run.marks),
         _wanted=wanted,
     )
@@ -177,8 +190,20 @@ def _turned(row: list[int], backward: bool) -> list[int]:
 class _Run:
     """A refinement under way: an exact state at an edge of the present run in double."""
 
-    def __init__(self, exact: Problem, times: Sequence[Fraction], wanted: Accuracy, m: int) -> None:
-        self.problem, self.times, self.wanted, self.m = exact, times, wanted, m
+    def __init__(
+        self,
+        exact: Problem,
+        times: Sequence[Fraction],
+        wanted: Accuracy,
+        m: int,
+        search: Search | None = None,
+        following: Following | None = None,
+    ) -> None:
+        self.following, self.attitudes = following, list[Attitude]()
+        self.problem, self.wanted, self.m, self.search = exact, wanted, m, search
+        self.times, self._asked = list(times), frozenset(times)
+        self._sought: dict[Fraction, list[tuple[int, bool]]] = {}  # events that may be there
+        self._looked = 0
         self.found: list[list[int]] = []
         self.stretches: list[Stretch] = []
         self.sides: list[Side] = []
@@ -198,13 +223,46 @@ class _Run:
                     return STEP_LIMIT
                 most = min(STEPS, STEPS if max_steps is None else max_steps - self.steps)
                 end = self.times[-1]
-                now = base(self.problem, self._state, self.origin, end, self.m, most)
+                seen = None if self.search is None else self.search.candidates
+                now = base(self.problem, self._state, self.origin, end, self.m, most, seen)
                 self.steps += now.steps
                 self._constants = self._in_unit(now.unit)
+                self._enlist(now)
                 self._through(now, progress)
+                if self._stopped_at_event():
+                    return AT_EVENT
         except KeyboardInterrupt:
             return INTERRUPTED
         return None
+
+    def _enlist(self, now: Base) -> None:
+        """Where a new base sees events, states are refined too; what the last one saw is dropped,
+        but for a little past its end."""
+        if self.search is None:
+            return
+        if not self.marks[1:]:
+            self.search.refuse_what_never_moves(now)
+        done, seam = len(self.found), self.origin + _SEAM
+        ahead = {t for t in self.times[done:] if t in self._asked or t <= seam}
+        for place in now.places:
+            t = now.time(place.clock)
+            if t <= self.times[-1]:
+                self._sought.setdefault(t, []).append((place.event, place.extremum))
+                ahead.add(t)
+        self.times[done:] = sorted(ahead)
+
+    def _stopped_at_event(self) -> bool:
+        """Look at the places passed since the last time; whether one of them ends the run."""
+        if self.search is None:
+            return False
+        bits, backward = self.wanted.limbs.finest, self.search.backward
+        for t, row in zip(self.times[self._looked :], self.found[self._looked :], strict=False):
+            if t in self._sought:
+                series = Series(_turned(row, backward), bits, self.problem.coefficients)
+                for event, extremum in self._sought[t]:
+                    self.search.look(-t if backward else t, series, event, extremum)
+        self._looked = len(self.found)
+        return self.search.stop is not None
 
     def _in_unit(self, unit: int) -> Constants:
         limbs = self.wanted.limbs
@@ -227,8 +285,10 @@ class _Run:
         while clocks:
             block = cut(now, edges, at, self._width, clocks, state, limbs)
             try:
-                solved = solve(self._constants, block.intervals(self._constants.tables.nodes))
+                work = block.intervals(self._constants.tables.nodes)
+                solved = solve(self._constants, work, self.following is not None)
                 self._check_tails(solved)
+                self._turn(work, solved)
             except TooFarOff as far:
                 if far.good < 1:
                     raise CannotRefine("the run in double drifts within one interval") from None
@@ -262,6 +322,14 @@ class _Run:
         self.origin = now.time(clock)
         if self.origin > self.marks[-1][0]:
             self.marks.append((self.origin, replace(self.problem, state=self._state)))
+
+    def _turn(self, work: Intervals, solved: Solved) -> None:
+        """The attitude over a block, where it is asked for."""
+        if self.following is None:
+            return
+        found = turns(self._constants, solved.stages, work.lengths, self.wanted.tail)
+        nodes, lengths = self._constants.tables.nodes, work.lengths.sum(axis=0)
+        self.attitudes += self.following.advance(found, work.chain, work.starts, nodes, lengths)
 
     def _check_tails(self, solved: Solved) -> None:
         """Raise TooLong or _TooFewNodes where the nodes do not resolve the motion."""

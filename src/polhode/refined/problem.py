@@ -67,14 +67,14 @@ def problem(scene: Scene, bits: int, backward: bool) -> Problem:
     if scene.form != "principal":
         raise BadInput(scene.name, "form", scene.form, "principal: no other form can be refined")
     form = equations(scene)
-    numbers = [_rational(form.coefficients.get(name, exact.ZERO), bits) for name in NAMES]
-    state = [_rational(x, bits) for x in form.start]
+    numbers = [rational(form.coefficients.get(name, exact.ZERO), bits) for name in NAMES]
+    state = [rational(x, bits) for x in form.start]
     state += [Fraction(0)] * (6 - len(state))
     if backward:
         state[:3] = [-x for x in state[:3]]
     return Problem(tuple(numbers), tuple(state))
 
 
-def _rational(x: Exact, bits: int) -> Fraction:
+def rational(x: Exact, bits: int) -> Fraction:
     """A rational as it is; an irrational to an error below 2**-bits of itself."""
     return x if isinstance(x, Fraction) else exact.binary(*exact.rounded(x, bits))

@@ -27,7 +27,7 @@ from polhode.refined.chain import Chain
 from polhode.refined.kernels import COEFFICIENTS, VARIABLES, Kernels
 from polhode.refined.limbs import Limbs
 from polhode.refined.tables import LARGEST_FIELD, Tables
-from polhode.refined.trouble import CannotRefine, TooFarOff, TooLong
+from polhode.refined.trouble import CannotRefine, Stalled, TooFarOff, TooLong
 
 _TURNS = 60  # of an iteration
 _TRANSITIONS = 3e-12  # to which the transition matrices are iterated
@@ -77,6 +77,7 @@ class Solved:
 
     ``drift``: how far the guess was off, at each end (N,).  ``unfinished``: error left of the
     last correction.  ``tails``: last Legendre coefficients of H f.  ``transitions``: (N, 6, 6).
+    ``stages``: limbs (6, L, M, N), where they were asked for.
     """
 
     states: Any
@@ -85,10 +86,13 @@ class Solved:
     tails: Any
     transitions: Any
     sweeps: int
+    stages: Any = None
 
 
-def solve(constants: Constants, work: Intervals) -> Solved:
+def solve(constants: Constants, work: Intervals, with_stages: bool = False) -> Solved:
     """Sweep until the error left is below the target.
+
+    ``with_stages``: the last correction of the stages is made, too, and they are given back.
 
     Raises TooFarOff, TooLong or CannotRefine.
     """
@@ -107,18 +111,21 @@ def solve(constants: Constants, work: Intervals) -> Solved:
         size = np.abs(defect).max(axis=(0, 1))
         largest = max(size.max(initial=0.0), errors.max(initial=0.0))
         if not np.isfinite(largest) or (count > 1 and largest > before / _SLOWEST):
-            raise CannotRefine("the sweeps do not converge")
+            raise Stalled("the sweeps do not converge")
         if first is None:
             first = largest
         relative = sweep.change + first + _RELATIVE
         whole = levels == constants.limbs.count
         if whole and count >= 2 and largest * relative < constants.target:
             unfinished = np.maximum(size, errors[work.starts]) * relative
-            return Solved(sweep.states, drift, unfinished, tails, sweep.transitions, count)
+            if with_stages:
+                sweep.move_stages(defect, e, _STAGES)
+            stages = sweep.stages if with_stages else None
+            return Solved(sweep.states, drift, unfinished, tails, sweep.transitions, count, stages)
         enough = _enough(largest, relative, constants.target)
         sweep.move_stages(defect, e, enough)
         before = largest
-    raise CannotRefine("the sweeps do not converge")
+    raise Stalled("the sweeps do not converge")
 
 
 def _levels(constants: Constants, before: float, left: float) -> int:
@@ -198,7 +205,7 @@ class _Sweep:
             costate(given, pars=parameters, outputs=pushed)
             np.matmul(tables.coarse, rates, out=y)
 
-        self.change = _iterated(turn, y[:, :: coarse - 1], _TRANSITIONS)
+        self.change = iterated(turn, y[:, :: coarse - 1], _TRANSITIONS)
         costate(given, pars=parameters, outputs=pushed)
         inner = self._gather[2 * VARIABLES :].reshape(VARIABLES**2, self.nodes, n)
         np.matmul(tables.fine[: self.nodes], rates, out=inner)
@@ -278,11 +285,11 @@ class _Sweep:
             self.constants.kernels.push(self._push, pars=self._plain, outputs=pushed)
             np.matmul(self.constants.tables.integrals, pushed.reshape(shape), out=rest)
 
-        _iterated(turn, rest[:, -2:], enough * float(np.abs(source).max(initial=0.0)))
+        iterated(turn, rest[:, -2:], enough * float(np.abs(source).max(initial=0.0)))
         self.constants.limbs.adjust(self.stages.swapaxes(0, 1), source + rest)
 
 
-def _iterated(turn: Callable[[], None], values: Any, enough: float) -> float:
+def iterated(turn: Callable[[], None], values: Any, enough: float) -> float:
     """Take turns until one changes ``values`` by no more than that; its change.
 
     ``values``: where changes are largest, farthest from where the integrals begin.

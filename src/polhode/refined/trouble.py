@@ -9,6 +9,10 @@ class CannotRefine(ArithmeticError):
     """A run that cannot be refined; the message says why.  Take heyoka's own steps instead."""
 
 
+class Stalled(CannotRefine):
+    """Sweeps that do not converge; with more limbs, whose noise is less, they may."""
+
+
 class TooFarOff(Exception):
     """The run in double has drifted too far within a block; ``good``: intervals still near."""
 

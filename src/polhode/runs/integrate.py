@@ -8,15 +8,14 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from polhode.common.arguments import of_kind, steps, whole
-from polhode.common.errors import BadInput, nearest
+from polhode.common.arguments import steps, whole
+from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
 from polhode.equations.readout import Readout
 from polhode.numbers.number_types import NumberType
 from polhode.runs import refinement
 from polhode.runs.dense import Dense
 from polhode.runs.march import Progress
-from polhode.runs.refinement import METHODS
 from polhode.runs.request import choose_number, rounded_times, rounded_tolerance
 from polhode.runs.run import Run
 from polhode.runs.trajectory import Trajectory
@@ -122,9 +121,7 @@ def _refined(
     progress: Progress | None,
 ) -> tuple[Trajectory | None, dict[str, str]]:
     """The trajectory by refinement, None where it is to be integrated; why a refinement failed."""
-    of_kind(scene.name, "method", method, str, ", ".join(METHODS))
-    if method not in METHODS:
-        raise BadInput(scene.name, "method", method, nearest(method, list(METHODS)))
+    refinement.check_method(scene, method)
     if method == "taylor":
         return None, {}
     hindrance = refinement.why_not(scene, number, tolerance, inputs, project)
@@ -136,21 +133,28 @@ def _refined(
 
     began = time.perf_counter()
     try:
-        found = refinement.refinement(scene, number, times, digits, max_steps, progress)
+        plain = refinement.in_principal_axes(scene)
+        found = refinement.refinement(plain, number, times, digits, max_steps, progress)
     except CannotRefine as fault:
         return None, {"not refined": str(fault)}
     seconds = time.perf_counter() - began
+    read = Readout(plain, number)
+    turned = {} if plain is scene else {"refined in": "principal axes, the same states"}
+    rows = [a + b for a, b in zip(found.rows, found.beside, strict=False)]
     return Trajectory(
         scene=scene,
         number=number,
         times=found.times,
-        states=Readout(scene, number).states(found.rows),
+        states=read.states(found.rows),
+        attitude=read.attitude(rows),
+        angles=read.angles(rows),
+        events=found.events,
         outcome=found.outcome,
         steps=found.steps,
         reached=found.reached,
         tolerance=float(number.eps),
         digits=digits,
-        provenance={**provenance(scene.text), "seconds": {"build": 0.0, "run": seconds}},
+        provenance={**provenance(scene.text), "seconds": {"build": 0.0, "run": seconds}, **turned},
         dense=found.dense,
         method="refined",
         errors=found.errors,

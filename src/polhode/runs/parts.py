@@ -2,7 +2,7 @@
 
 ``manifest.json`` says which sweep the parts belong to, by a fingerprint of all that decides its
 results; ``part-00000.npz`` and so on hold plain arrays: ``members``, ``states`` (members, times,
-columns; decimal strings above extended), ``outcomes``, ``steps``, ``reached``.
+columns; decimal strings above extended), ``outcomes``, ``steps``, ``reached``, ``errors`` (JSON).
 """
 
 from __future__ import annotations
@@ -40,6 +40,7 @@ class Part(NamedTuple):
     outcomes: Sequence[Outcome]
     steps: Sequence[int]
     reached: Sequence[Fraction]
+    errors: Sequence[tuple[float | None, ...] | None]
 
 
 class Parts:
@@ -80,6 +81,7 @@ class Parts:
                 [Outcome(text) for text in found["outcomes"].tolist()],
                 found["steps"].tolist(),
                 [Fraction(text) for text in found["reached"].tolist()],
+                [_errors(json.loads(text)) for text in found["errors"].tolist()],
             )
 
     @property
@@ -112,6 +114,7 @@ class Parts:
             outcomes=np.array([outcome.value for outcome in part.outcomes]),
             steps=np.array(part.steps, dtype=np.int64),
             reached=np.array([str(t) for t in part.reached]),
+            errors=np.array([json.dumps(told) for told in part.errors]),
         )
         numbers = [int(path.stem.removeprefix("part-")) for path in self._paths()]
         name = f"part-{max(numbers, default=-1) + 1:05d}.npz"
@@ -187,3 +190,7 @@ class Parts:
             if states[index] != "nan":
                 found[index] = number_value(Fraction(str(states[index])), self.number)
         return found
+
+
+def _errors(told: list[float | None] | None) -> tuple[float | None, ...] | None:
+    return None if told is None else tuple(told)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -17,8 +17,10 @@ from polhode.common.values import ByValue
 from polhode.numbers.decimals import shown
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Rows
+from polhode.runs import refined_sweep
 from polhode.runs import workers as crew
 from polhode.runs.parts import Parts
+from polhode.runs.refinement import check_method
 from polhode.runs.sweep_plan import Plan, planned
 from polhode.runs.sweep_results import Results
 from polhode.runs.trajectory import Trajectory
@@ -54,7 +56,8 @@ class Ensemble(ByValue):
     a number where a member did not come.  ``outcomes``, ``steps``, ``reached``: one a member.
     ``ensemble[k]`` is member k as a Trajectory.  ``projected``: False, steps are bare
     Taylor steps, not put back onto the first integrals.  ``parts``: the folder that finished
-    members were kept in.
+    members were kept in.  ``errors``: one entry a member, of a refined one what a refined
+    trajectory's are, else None.
     """
 
     scene: Scene
@@ -69,6 +72,7 @@ class Ensemble(ByValue):
     tolerance: float
     digits: int | None = None
     projected: bool = False
+    errors: tuple[tuple[float | None, ...] | None, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict, compare=False)
     parts: Parts | None = field(default=None, compare=False)
 
@@ -99,7 +103,12 @@ class Ensemble(ByValue):
             tolerance=self.tolerance,
             digits=self.digits,
             provenance=self.provenance,
+            method="taylor" if self._errors(index) is None else "refined",
+            errors=self._errors(index),
         )
+
+    def _errors(self, index: int) -> tuple[float | None, ...] | None:
+        return self.errors[index] if self.errors else None
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -145,6 +154,7 @@ def integrate_many(
     executor: Executor | None = None,
     workers: int | None = None,
     parts: Path | None = None,
+    method: str = "auto",
     progress: Progress | None = None,
 ) -> Ensemble:
     """Integrate many variants of a scene (3.29), by one compiled code for all.
@@ -156,7 +166,8 @@ def integrate_many(
     ``executor``: any executor of concurrent.futures instead (a process pool, dask's
     ``Client.get_executor()``, mpi4py's): jobs are plain data both ways, and jobs lost with a worker
     are run again here.  ``number``, ``digits``, ``at``, ``tol``, ``max_steps`` as in
-    :func:`polhode.integrate`; ``progress``: called with the fraction of members done and how many.
+    :func:`polhode.integrate`, and ``method``: "auto" refines, in quad and above, each member that
+    can be and is long enough; ``progress``: called with the fraction of members done and how many.
 
     Steps are bare: the states are not projected onto the first integrals, as single runs can be.
     ``parts``: a folder that finished members are written to about once a second, so that the same
@@ -186,11 +197,12 @@ def integrate_many(
         max_steps = steps(scene.name, max_steps)
     if workers is not None:
         workers = whole(scene.name, "workers", workers, 1)
+    check_method(scene, method)
     plan = planned(scene, vary, number, digits, tol, max_steps)
     prepared = time.perf_counter()
-    kept = _opened(plan, scene, parts)
+    kept = _opened(plan, scene, parts, method)
     results = Results(plan, kept)
-    build = _solve(plan, results, executor, workers, progress)
+    build = _solve(plan, results, executor, workers, progress, method)
     results.end()
     seconds = {
         "scenes": prepared - began,
@@ -210,18 +222,19 @@ def integrate_many(
         reached=tuple(results.reached),
         tolerance=float(tolerance),
         digits=digits,
+        errors=tuple(results.errors),
         provenance={**provenance(scene.text), "seconds": seconds},
         parts=kept,
     )
 
 
-def _opened(plan: Plan, scene: Scene, folder: Path | None) -> Parts | None:
+def _opened(plan: Plan, scene: Scene, folder: Path | None, method: str) -> Parts | None:
     """The folder of a sweep's parts, if there is to be one."""
     if folder is None:
         return None
     asked = (plan.varied, plan.number, plan.tolerance, plan.max_steps, plan.times, plan.names)
     axes = {id(m.body): repr(m.body.axes) for m in plan.members}
-    what = "\n".join([scene.name, repr(asked), *axes.values(), *map(repr, plan.lanes)])
+    what = "\n".join([scene.name, method, repr(asked), *axes.values(), *map(repr, plan.lanes)])
     return Parts(folder, what, plan.number)
 
 
@@ -231,6 +244,7 @@ def _solve(
     executor: Executor | None,
     workers: int | None,
     progress: Progress | None,
+    method: str,
 ) -> float:
     """Integrate the members that are not done; the seconds of compiling."""
     from polhode.taylor import batches
@@ -242,7 +256,7 @@ def _solve(
     groups = [[k for k in order[i : i + size] if k in wanted] for i in range(0, len(order), size)]
     groups = [group for group in groups if group]
     columns = len(plan.lanes[0].start)
-    jobs = [
+    steps = [
         batches.BatchJob(
             plan.names,
             columns,
@@ -254,6 +268,18 @@ def _solve(
         )
         for group in groups
     ]
+    jobs: Sequence[Any] = steps
+    solve: Any = batches.solve
+    prepare: Any = batches.compiled
+    members = tuple(
+        replace(m, times=plan.asked, outputs=(), form="principal") for m in plan.members
+    )
+    if plan.tolerance is None and refined_sweep.wanted(plan.number, method, members):
+        solve, prepare = refined_sweep.solve, refined_sweep.prepare
+        jobs = [
+            refined_sweep.Job(tuple(members[k] for k in group), job, method)
+            for group, job in zip(groups, steps, strict=True)
+        ]
     count = len(order) - len(wanted)
 
     def ready(k: int, solved: Sequence[Solved | None]) -> None:
@@ -265,15 +291,13 @@ def _solve(
 
     left = list(range(len(jobs)))
     if executor is not None:
-        undisturbed, left = crew.elsewhere(batches.solve, jobs, ready, executor)
+        undisturbed, left = crew.elsewhere(solve, jobs, ready, executor)
         if not undisturbed:
             return 0.0
     if not left:
         return 0.0
     began = time.perf_counter()
-    batches.compiled(jobs[0])
+    prepare(jobs[0])
     build = time.perf_counter() - began
-    crew.here(
-        batches.solve, [jobs[k] for k in left], lambda i, solved: ready(left[i], solved), workers
-    )
+    crew.here(solve, [jobs[k] for k in left], lambda i, solved: ready(left[i], solved), workers)
     return build

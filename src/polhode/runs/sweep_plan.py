@@ -32,6 +32,7 @@ class Plan:
     tolerance: Fraction | None
     max_steps: int
     times: tuple[Fraction, ...]
+    asked: tuple[Exact, ...]
     names: tuple[str, ...]
     lanes: tuple[Lane, ...]
 
@@ -64,7 +65,7 @@ def planned(
 
     names, lanes = _lanes(members, times[-1], chosen)
     limit = max_steps if max_steps is not None else policy.of(chosen).max_steps
-    return Plan(varied, members, chosen, tolerance, limit, times, names, lanes)
+    return Plan(varied, members, chosen, tolerance, limit, times, scene.times, names, lanes)
 
 
 def _lanes(

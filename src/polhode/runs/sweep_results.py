@@ -28,6 +28,7 @@ class Results:
         self.outcomes = [Outcome.NOT_RUN] * count
         self.steps = [0] * count
         self.reached = [Fraction(0)] * count
+        self.errors: list[tuple[float | None, ...] | None] = [None] * count
         self._kept = 0  # members in parts
         self._new: list[int] = []  # those in none yet
         for part in parts.done() if parts else ():
@@ -48,7 +49,8 @@ class Results:
         with delayed():  # a moment: no finished member is lost over it
             states = _states(self.plan, members, results)
             outcomes, steps = [r.outcome for r in results], [r.steps for r in results]
-            self._fill(Part(members, states, outcomes, steps, [r.reached for r in results]))
+            reached, errors = [r.reached for r in results], [r.errors for r in results]
+            self._fill(Part(members, states, outcomes, steps, reached, errors))
             self._new += members
             if self.parts is not None and self.parts.due:
                 self._keep()
@@ -64,17 +66,18 @@ class Results:
 
     def _fill(self, part: Part) -> None:
         self.states[list(part.members)] = part.states
-        for k, outcome, steps, reached in zip(
-            part.members, part.outcomes, part.steps, part.reached, strict=True
+        for k, outcome, steps, reached, errors in zip(
+            part.members, part.outcomes, part.steps, part.reached, part.errors, strict=True
         ):
             self.outcomes[k], self.steps[k], self.reached[k] = outcome, steps, reached
+            self.errors[k] = errors
 
     def _keep(self) -> None:
         if self._new and self.parts is not None:
             new = sorted(set(self._new))
             outcomes, steps = [self.outcomes[k] for k in new], [self.steps[k] for k in new]
-            reached = [self.reached[k] for k in new]
-            self.parts.keep(Part(new, self.states[new], outcomes, steps, reached))
+            reached, errors = [self.reached[k] for k in new], [self.errors[k] for k in new]
+            self.parts.keep(Part(new, self.states[new], outcomes, steps, reached, errors))
             self._kept += len(new)
             self._new = []
 

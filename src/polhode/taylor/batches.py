@@ -61,13 +61,15 @@ class BatchJob(NamedTuple):
 class Solved(NamedTuple):
     """Rows in principal axes and internal units as far as times were reached, and how it ended.
 
-    Above extended they are Fractions: an mpf narrows when it is unpickled.
+    Above extended they are Fractions: an mpf narrows when it is unpickled.  ``errors``: of the
+    states of a refined member, see :class:`polhode.runs.trajectory.Trajectory`.
     """
 
     rows: Rows
     outcome: Outcome
     steps: int
     reached: Fraction
+    errors: tuple[float | None, ...] | None = None
 
 
 def width(number: NumberType) -> int:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 
 from polhode.numbers import exact
 from polhode.numbers.convert import exactly
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Scalar
 from polhode.taylor import heyoka_numbers
 from polhode.taylor.event_sizes import Size
 from polhode.taylor.kinds import HeyokaNumber
@@ -17,16 +19,25 @@ class Limits:
     """Thresholds of one event as numbers of the run's type; times in the run's unit.
 
     From the sizes S of the expression and S' of its rate and sqrt(eps): a contact is a value below
-    sqrt(eps) min(S, S') at an extremum; a slope below S'/256 is looked at twice.
+    sqrt(eps) min(S, S') at an extremum; a slope below S'/256 is looked at twice.  ``typed``: makes
+    the numbers, heyoka's unless given.
     """
 
-    def __init__(self, found: Size, number: NumberType, eps: Fraction, steering: bool) -> None:
+    def __init__(
+        self,
+        found: Size,
+        number: NumberType,
+        eps: Fraction,
+        steering: bool,
+        typed: Callable[[Fraction], Scalar] | None = None,
+    ) -> None:
         value, rate = exactly(found.value) or Fraction(1), exactly(found.rate) or Fraction(1)
         half = Fraction(2) ** -(((1 / eps).numerator.bit_length() - 1) // 2)
 
-        def typed(x: Fraction) -> HeyokaNumber:
+        def of_heyoka(x: Fraction) -> HeyokaNumber:
             return heyoka_numbers.scalar(x, number)
 
+        typed = typed or of_heyoka
         noise = 256 * number.eps * value
         self.zero = typed(ZERO)
         self.noise = typed(noise)

@@ -19,7 +19,6 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 from fractions import Fraction
-from itertools import pairwise
 from typing import NamedTuple
 
 import heyoka as hy
@@ -32,6 +31,7 @@ from polhode.scenes.scene import Scene
 from polhode.taylor import heyoka_numbers
 from polhode.taylor.event_expressions import TIME, event_expression
 from polhode.taylor.event_limits import Limits
+from polhode.taylor.event_polish import Mark, Place, is_start, polished, sorted_out
 from polhode.taylor.event_sizes import sign_at_start, size_of
 from polhode.taylor.event_steps import AfterStep, is_entire
 from polhode.taylor.kinds import (
@@ -45,16 +45,6 @@ from polhode.taylor.outcomes import EventTimes
 from polhode.taylor.protocols import Found
 
 _PROBES = 8  # steps over which an expression that starts at zero must leave it
-_ROUNDS = 6  # of Newton's method; two are the rule
-
-
-class _Mark(NamedTuple):
-    """A zero or a grazing contact: time since the start and state, in the run's own units."""
-
-    time: Fraction
-    row: Row
-    slope: int  # 1 rising, -1 falling, 0 grazing
-    width: Fraction  # of a grazing contact: from the zero found to the extremum
 
 
 class _Raw(NamedTuple):
@@ -148,44 +138,12 @@ class Watch:
             return
         if ta is not self.heyoka:
             self.heyoka, self.row = ta, ta.d_output
-        limits = self.limits[k]
         high, low = ta.dtime
         ago = (t - high) - low  # since the step's end: it holds digits that t has no room for
-        value, slope = self._at(k, ago)
-        if not abs(slope) > limits.steep and self._no_zero(k, ago, value, slope):
-            return
-        for _ in range(_ROUNDS):
-            step = value / slope
-            if not abs(step) < limits.widest:
-                break
-            ago = ago - step
-            if abs(step) <= limits.converged:
-                ta.update_d_output(ago, rel_time=True)
-                self._mark(k, ago, 1 if slope > 0 else -1, limits.zero)
-                return
-            value, slope = self._at(k, ago)
-        if abs(value) <= limits.contact:
-            self._mark(k, ago, 0, limits.zero)
-
-    def _no_zero(self, k: int, ago: HeyokaNumber, value: HeyokaNumber, slope: HeyokaNumber) -> bool:
-        """Whether a place of small slope is no sure zero; a grazing contact is then recorded."""
-        limits = self.limits[k]
-        if abs(slope) <= limits.flat and abs(value) > limits.contact:
-            return True
-        by = limits.nearby
-        bend = (self._at(k, ago + by)[1] - self._at(k, ago - by)[1]) / (2 * by)
-        if abs(slope) > limits.flat and slope * slope > 2 * limits.contact * abs(bend):
-            return False
-        width = limits.zero
-        if abs(slope) < abs(bend) * limits.widest:  # on to the extremum
-            width = abs(slope / bend)
-            ago = ago - slope / bend
-            value = self._at(k, ago)[0]
-        else:
-            self._at(k, ago)
-        if abs(value) <= limits.contact:  # False for a value that is undefined, too
-            self._mark(k, ago, 0, width)
-        return True
+        place = polished(lambda when: self._at(k, when), ago, self.limits[k])
+        if place is not None:
+            ta.update_d_output(place.time, rel_time=True)
+            self._mark(k, place)
 
     def _at(self, k: int, ago: HeyokaNumber) -> tuple[HeyokaNumber, HeyokaNumber]:
         """Expression k and its time derivative, at a time relative to the step's end."""
@@ -197,15 +155,15 @@ class Watch:
             value, slope = self.evaluate[k](self.row)
         return value, slope
 
-    def _mark(self, k: int, ago: HeyokaNumber, slope: int, width: HeyokaNumber) -> None:
+    def _mark(self, k: int, place: Place) -> None:
         high, low = self.heyoka.dtime
         row = self.row.copy() if self.number.flat else self.row.tolist()
-        mark = _Raw(self.offset, high, low + ago, row, slope, width)
+        mark = _Raw(self.offset, high, low + place.time, row, place.slope, place.width)
         self.raw[k].append(mark)
         event = self.scene.events[k]
-        if event.stop and slope and event.counts(slope):
+        if event.stop and place.slope and event.counts(place.slope):
             time = self._time(mark)
-            if not self._is_start(k, time, slope) and (
+            if not is_start(time, place.slope, self.start[k], self.number) and (
                 self.stop is None or abs(time) < abs(self.stop)
             ):
                 self.stop = time
@@ -262,10 +220,10 @@ class Watch:
             )
         return tuple(answers)
 
-    def _sorted_out(self, k: int) -> tuple[list[_Mark], bool]:
+    def _sorted_out(self, k: int) -> tuple[list[Mark], bool]:
         """Each event once; and whether rising and falling alternate, as they do if none is lost."""
         marks = [
-            _Mark(
+            Mark(
                 self._time(raw),
                 raw.row,
                 raw.slope,
@@ -273,32 +231,8 @@ class Watch:
             )
             for raw in self.raw[k]
         ]
-        marks = [
-            m
-            for m in sorted(marks, key=lambda m: abs(m.time))
-            if not self._is_start(k, m.time, m.slope)
-            and (self.stop is None or abs(m.time) <= abs(self.stop))
-        ]
-        kept: list[_Mark] = []
-        for mark in marks:
-            if kept and kept[-1].slope == mark.slope:
-                near = self._near(mark.slope) + max(mark.width, kept[-1].width)
-                if abs(mark.time - kept[-1].time) <= near:
-                    continue
-            kept.append(mark)
         before = self.start[k] if self.forward else -self.start[k]
-        slopes = [before, *(m.slope for m in kept)]
-        return kept, all(a * b <= 0 for a, b in pairwise(slopes))
-
-    def _is_start(self, k: int, time: Fraction, slope: int) -> bool:
-        """Whether a mark is the zero that the exact scene has at t = 0."""
-        return self.start[k] == 0 and abs(time) <= self._near(slope)
-
-    def _near(self, slope: int) -> Fraction:
-        """Within how much time two marks are the same one."""
-        if slope:
-            return 64 * self.number.eps
-        return Fraction(2) ** -(self.number.bits // 8)  # a fourfold zero is that wide
+        return sorted_out(marks, before, self.stop, self.number, ZERO)
 
     def _time(self, raw: _Raw) -> Fraction:
         time = self._exactly(raw.high) + self._exactly(raw.low)

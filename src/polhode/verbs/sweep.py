@@ -44,6 +44,9 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--tol", metavar="X", help="tolerance of a step, the type's eps unless given"
     )
+    parser.add_argument(
+        "--method", default="auto", help="taylor, refined or auto, as in polhode run"
+    )
     parser.add_argument("--max-steps", type=positive, metavar="N", help="limit on a member's steps")
     parser.add_argument("--workers", type=positive, metavar="N", help="threads (all cores)")
     output = "write FILE.npz or FILE.csv; a killed sweep, given again, goes on from FILE.npz.parts"
@@ -77,6 +80,7 @@ def main(options: Namespace) -> int:
             digits=options.digits,
             tol=options.tol,
             max_steps=options.max_steps,
+            method=options.method,
             workers=options.workers,
             parts=None if path is None else sweeps.parts_of(path),
             progress=lambda fraction, done: progress.say(f"{100 * fraction:.1f} %, {done} members"),

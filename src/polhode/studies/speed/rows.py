@@ -25,6 +25,7 @@ from polhode.studies.speed.contenders import (
     methods,
     scene_of,
 )
+from polhode.studies.speed.refined import contests
 from polhode.studies.speed.work_precision import Against, WorkPoint, against, wall
 
 NAME = "speed"
@@ -58,6 +59,7 @@ def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
         "quick": quick,
         "target": target(found),
         "motions": found,
+        "refined": contests(quick, _named(tick)),
     }
 
 

@@ -1,0 +1,114 @@
+"""Refined runs beside heyoka's own steps in the same number type, in one process."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+from polhode.judging.digits import worst_digits
+from polhode.judging.reference import reference
+from polhode.numbers import number_types
+from polhode.numbers.exact import ZERO
+from polhode.runs.integrate import integrate
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes import library
+from polhode.scenes.body import Body
+from polhode.scenes.scene import Scene
+
+_REPEATS = 3, 1  # of refined runs and of steps, after one of each that warms up
+_SPARE = 12  # digits more that the reference has
+_OUTPUTS = ("angles", "attitude")
+
+
+@dataclass(frozen=True)
+class Contest:
+    """A motion to be run both ways; ``digits`` None: quad."""
+
+    name: str
+    scene: Callable[[], Scene]
+    end: int
+    digits: int | None = None
+    outputs: tuple[str, ...] = ()
+    quick: bool = False
+
+
+def brick(spin: str) -> Scene:
+    """Moments 2, 3/2, 1, centre of mass off all axes; ``spin``: w3."""
+    body = Body.of_moments([2, "1.5", 1], ["0.3", "0.2", "0.5"], 1)
+    omega, gamma = (Fraction("0.3"), Fraction("0.2"), Fraction(spin)), (Fraction(3, 5), ZERO)
+    return Scene(body, omega, (*gamma, Fraction(4, 5)), name="brick")
+
+
+def _kovalevskaya() -> Scene:
+    return library.load("kovalevskaya/generic")
+
+
+CONTESTS = (
+    Contest("brick, w3 = 3", lambda: brick("3"), 10, quick=True),
+    Contest("brick, w3 = 3", lambda: brick("3"), 100, quick=True),
+    Contest("brick, w3 = 3", lambda: brick("3"), 1000),
+    Contest("brick, w3 = 3, angles and attitude", lambda: brick("3"), 100, outputs=_OUTPUTS),
+    Contest("brick, w3 = 3, 50 digits", lambda: brick("3"), 100, digits=50),
+    Contest("chaotic brick, w3 = 1.1", lambda: brick("1.1"), 100, quick=True),
+    Contest("Kovalevskaya top", _kovalevskaya, 1000),
+)
+
+
+def contests(quick: bool, tick: Callable[[str], None] | None = None) -> list[dict[str, Any]]:
+    """A row a contest: CPU seconds and correct digits both ways, digits to which both agree, and
+    what refinement estimated."""
+    found = []
+    for contest in CONTESTS:
+        if quick and not contest.quick:
+            continue
+        if tick is not None:
+            tick(f"refined runs: {contest.name} to t = {contest.end}")
+        found.append(_row(contest))
+    return found
+
+
+def _row(contest: Contest) -> dict[str, Any]:
+    scene = replace(
+        contest.scene(), times=(Fraction(contest.end),), outputs=contest.outputs, events=()
+    )
+    number = number_types.QUAD if contest.digits is None else number_types.mp(contest.digits)
+    row: dict[str, Any] = {"motion": contest.name, "end": contest.end, "bits": number.bits}
+    wide = math.ceil(number.most_digits) + _SPARE
+    known = reference(scene)
+    if known.is_closed_form:
+        true, row["by"] = known.at(scene.times, wide), "closed form"
+    else:  # a method of its own, and more digits
+        plain = replace(scene, outputs=())
+        steps = integrate(plain, number_types.mp(wide), method="taylor")
+        true, row["by"] = steps.states, "steps in more digits"
+    runs = []
+    for method, repeats in zip(("refined", "taylor"), _REPEATS, strict=True):
+        run, seconds = _timed(scene, number, method, repeats)
+        runs.append(run.states)
+        row[method] = {
+            "cpu": float(f"{seconds:.3g}"),
+            "digits": round(worst_digits(run.states, true, scene, cap=wide), 2),
+            "method": run.method,
+        }
+        if run.errors is not None and run.errors[-1] is not None:
+            row["estimate"] = float(f"{run.errors[-1]:.2g}")
+    row["agreement"] = round(worst_digits(runs[1], runs[0], scene, cap=wide), 2)
+    row["gain"] = float(f"{row['taylor']['cpu'] / row['refined']['cpu']:.3g}")
+    return row
+
+
+def _timed(
+    scene: Scene, number: number_types.NumberType, method: str, repeats: int
+) -> tuple[Trajectory, float]:
+    """A run after one to t = 10 that loads what is compiled, and the least CPU seconds."""
+    integrate(scene.at([min(10, scene.end)]), number, method=method)
+    least = math.inf
+    for _ in range(repeats):
+        began = time.process_time()
+        run = integrate(scene, number, method=method)
+        least = min(least, time.process_time() - began)
+    return run, least
