@@ -27,7 +27,7 @@ SOME = (
 
 
 def _times(rng: random.Random, most: float) -> list[Fraction]:
-    return sorted(Fraction(rng.randrange(1, 7000), 7001) * Fraction(most) for _ in range(3))
+    return sorted(Fraction(n, 7001) * Fraction(most) for n in rng.sample(range(1, 7000), 3))
 
 
 def _random_ratios(seed: int, rounds: int, levels: tuple[int, ...]) -> tuple[list[float], int]:

@@ -111,7 +111,7 @@ def _searched(zero: Fraction, noise: int = 90) -> tuple[crossings.Search, list[i
 
     search.window = window  # type: ignore[method-assign]
     end = fixed.times(motion, [Fraction(12)], 300)
-    march.run(problem, end, searches=[search])
+    march.run(problem, end, watchers=[search])
     return search, grid
 
 
@@ -149,7 +149,7 @@ def _at_corners() -> list[float]:
         spread = (units * (1 + 1e-9), *problem.spread[1:])
         boxed = replace(problem, start=start, spread=spread)
         search = crossings.Search(g.balls(400), rate(g, motion.field).balls(400))
-        march.run(boxed, fixed.times(motion, [Fraction(4)]), searches=[search])
+        march.run(boxed, fixed.times(motion, [Fraction(4)]), watchers=[search])
         (crossing,) = search.crossings
         with mpmath.workdps(60):
             true = exactly(2 * mpmath.acos(mpmath.mpf(1) / 3))  # w is 1/2 in the proof's unit

@@ -20,6 +20,7 @@ from polhode.taylor import path
 from polhode.taylor.variations import Variations
 
 MOST_TURN = 3.5  # h |f'(x)| of a step: the majorant alpha is then about twice that
+_FINER = 1.43  # times as much from a noise level of 2**-100 on, where there is room for it
 _LEAST_DEGREE = 40
 _LOOKS = 256
 _MOST_STEPS = 3_000_000
@@ -62,7 +63,8 @@ def _grid(problem: Problem, run: path.Path, begin: int, end: int, steps: int) ->
     theta = 2.0 ** (-(problem.noise + 8) / p)
     speeds = _speeds(problem, run.at(run.ends))
     fastest = np.maximum(speeds[:-1], speeds[1:])
-    longest = np.minimum(theta * run.convergence, MOST_TURN / np.maximum(fastest, 1e-300))
+    turn = MOST_TURN * (_FINER if problem.noise >= 100 else 1.0)
+    longest = np.minimum(theta * run.convergence, turn / np.maximum(fastest, 1e-300))
     ticks = np.maximum(1, np.floor(np.ldexp(np.minimum(longest, 2.0**15), CLOCK))).astype(int)
     ends = run.ends
     reach = begin + math.floor(math.ldexp(float(ends[-1]), CLOCK))

@@ -92,7 +92,7 @@ def defects(problem: Problem, pieces: Pieces) -> Defects:
     lift = fmpz(1) << level
     shift_w, shift_g = fmpz(1) << (fine + CLOCK + level), fmpz(1) << (CLOCK + level)
     constants = [fmpz(c) for c in problem.constants]
-    words = np.zeros((pieces.count, 6, width), dtype=np.int64)
+    table = np.zeros((pieces.count, 6, width), dtype=np.int64)
     powers = np.zeros((pieces.count, 6), dtype=np.int64)
     floored = np.zeros((pieces.count, 6), dtype=bool)
     scale = problem.noise - 2 * level - CLOCK
@@ -105,11 +105,11 @@ def defects(problem: Problem, pieces: Pieces) -> Defects:
                 (i, row[i].derivative() * shift_w - rate),
                 (3 + i, row[3 + i].derivative() * shift_g - turned * length),
             ):
-                found, bits = _words(exact)
-                words[n, k, : len(found)] = found
+                found, bits = words(exact)
+                table[n, k, : len(found)] = found
                 powers[n, k] = bits + scale - (fine if k < 3 else 0)
                 floored[n, k] = bits > 0
-    values = np.ldexp(words.astype(float), powers[:, :, None])
+    values = np.ldexp(table.astype(float), powers[:, :, None])
     floors = np.where(floored, np.ldexp(1.0, powers), 0.0)
     return Defects(pieces, values.transpose(0, 2, 1), floors)
 
@@ -125,7 +125,7 @@ def _rate(row: Any, a: int, b: int, constants: list[Any], lift: Any) -> Any:
     return found
 
 
-def _words(poly: Any) -> tuple[Any, int]:
+def words(poly: Any) -> tuple[Any, int]:
     """The coefficients divided by 2**n and floored to words of 64 bits, and n.
 
     They are offset to be positive and packed by evaluation at 2**64.

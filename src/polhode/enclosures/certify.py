@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -12,10 +13,10 @@ from typing import Any
 from flint import arb
 
 from polhode.common.errors import BadInput
-from polhode.enclosures import conserved, fixed, march, pilot
+from polhode.enclosures import attitude, conserved, fixed, march, pilot, turn_series
 from polhode.enclosures.fixed import MOST_NOISE, Motion, Refused, motion, upper
 from polhode.enclosures.polynomial import ball
-from polhode.enclosures.result import Enclosure
+from polhode.enclosures.result import Enclosure, Part, digits_of
 from polhode.numbers import exact
 from polhode.numbers.balls import ctx
 from polhode.numbers.convert import exact_number
@@ -23,6 +24,7 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.taylor.outcomes import Outcome
 
 MOST_DIGITS = 250
 MAX_STEPS = 300_000
@@ -37,6 +39,8 @@ def certify(
     integrals: bool = True,
     progress: march.Progress | None = None,
     max_steps: int = MAX_STEPS,
+    max_seconds: float | None = None,
+    forecast: Callable[[float], None] | None = None,
 ) -> Enclosure:
     """Proven balls around the exact motion of any body.
 
@@ -44,7 +48,10 @@ def certify(
     ``digits``: correct digits wanted at every time, 1 to MOST_DIGITS; the precision is chosen from
     a cheap run and raised until they are proven.  ``integrals``: whether the first integrals
     shrink the set.  ``max_steps``: a time that will take more is refused before the start; a step
-    costs about 0.6 ms at 16 digits, 1.4 ms at 30.  Raises BadInput where the digits cannot be had.
+    costs about 0.6 ms at 16 digits, 1.4 ms at 30.  ``max_seconds``: a limit on the time by the
+    clock; what is proven until then is kept, as it is at Ctrl-C, and the ``outcome`` says so.
+    ``forecast``: called once, before the proof, with the seconds that it will take, roughly.  The
+    memory does not grow with the time.  Raises BadInput where the digits cannot be had.
 
     >>> import polhode
     >>> found = polhode.certify("general/asymmetric-regular", at=[10], digits=30)
@@ -60,6 +67,7 @@ def certify(
         raise BadInput(scene.name, "at", None, "at least one time")
     if not 1 <= digits <= MOST_DIGITS:
         raise BadInput(scene.name, "digits", digits, f"1 to {MOST_DIGITS}")
+    deadline = time_limit(scene, max_seconds)
     began = time.process_time()
     sides = [_Side(scene, times, backward) for backward in (False, True)]
     sides = [side for side in sides if side.places]
@@ -68,13 +76,15 @@ def certify(
             expected = f"a time that {max_steps} steps reach; this one takes about {steps:.2g}"
             raise BadInput(scene.name, "at", shown(side.last), expected)
     noise = max(pilot.noise(side.motion, side.last, digits) for side in sides)
+    if forecast is not None:
+        forecast(sum(pilot.seconds(side.motion, side.last, noise) for side in sides))
     best: Enclosure | None = None
     refusal = ""
     for tries in range(1, _MOST_TRIES + 1):
         noise = min(noise, MOST_NOISE)
         started = time.process_time()
         try:
-            best = _found(scene, times, sides, digits, noise, integrals, progress)
+            found = _found(scene, times, sides, digits, noise, integrals, progress, deadline)
         except Refused as why:
             refusal = str(why)
             if noise == MOST_NOISE:
@@ -82,15 +92,27 @@ def certify(
             noise = math.ceil(1.25 * noise) + 20
             continue
         seconds = time.process_time() - started
-        best = _with_cost(best, seconds, tries, time.process_time() - began)
-        if best.reached:
+        in_all = time.process_time() - began
+        if not found.outcome.done and best is not None:  # fewer digits, but at every time
+            return replace(best, outcome=found.outcome, tries=tries, seconds_in_all=in_all)
+        best = replace(found, seconds=seconds, tries=tries, seconds_in_all=in_all)
+        if best.reached or not best.outcome.done:
             return best
         if noise == MOST_NOISE:
             break
-        noise += math.ceil(pilot.BITS_A_DIGIT * (digits - best.proven)) + _SPARE
-    had = f"{best.proven:.1f} proven" if best else refusal
+        noise += math.ceil(pilot.BITS_A_DIGIT * (digits - best.fewest)) + _SPARE
+    had = f"{best.fewest:.1f} proven" if best else refusal
     expected = f"digits that can be proven to t = {_farthest(times)} ({had})"
     raise BadInput(scene.name, "digits", digits, expected)
+
+
+def time_limit(scene: Scene, seconds: float | None) -> float:
+    """The reading of time.monotonic() so many seconds from now; raises BadInput."""
+    if seconds is None:
+        return math.inf
+    if not seconds > 0:
+        raise BadInput(scene.name, "max_seconds", seconds, "a number above 0")
+    return time.monotonic() + seconds
 
 
 class _Side:
@@ -121,30 +143,71 @@ def _found(
     noise: int,
     integrals: bool,
     progress: march.Progress | None,
+    deadline: float,
 ) -> Enclosure:
-    """The enclosure at one noise level; raises Refused."""
+    """The enclosure at one noise level, as far as it came; raises Refused."""
     rows: dict[int, list[Any]] = {}
-    steps = 0
+    poses: dict[int, attitude.Pose] = {}
+    steps, outcome = 0, Outcome.REACHED_END
     for side in sides:
+        if not outcome.done:
+            break
         problem = fixed.problem(side.motion, noise)
         asked = fixed.times(side.motion, side.ordered)
         known = conserved.prepared(side.motion, 2 * problem.fine + 100) if integrals else []
-        proof = march.run(problem, asked, known, progress=progress)
-        steps += proof.steps
+        watch = _watch(side, problem, asked)
+        proof = march.run(
+            problem, asked, known, progress=progress, watchers=watch, deadline=deadline
+        )
+        steps, outcome = steps + proof.steps, proof.outcome
         turned = [_in_scene_axes(side.motion, row, noise + 100) for row in proof.rows]
-        rows |= {n: turned[place] for n, place in side.places.items()}
-    ordered = [rows[n] for n in range(len(times))]
-    with ctx.workprec(noise + 100):
-        centres = tuple(tuple(_fraction(x.mid()) for x in row) for row in ordered)
-        radii = tuple(tuple(upper(x - x.mid()) for x in row) for row in ordered)
-    proven = _digits(scene, sides, centres, radii)
-    return Enclosure(scene, tuple(times), centres, radii, proven, digits, noise, steps, 0.0, 1, 0.0)
+        had = min([len(turned), *(len(one.poses) for one in watch)])
+        reached = {n: place for n, place in side.places.items() if place < had}
+        rows |= {n: turned[place] for n, place in reached.items()}
+        for one in watch:
+            poses |= {n: one.poses[place] for n, place in reached.items()}
+    order = sorted(rows)
+    centres, radii = _balls([rows[n] for n in order], noise + 100)
+    quaternions = angles = None
+    if "attitude" in scene.modelled:
+        quaternions = Part(*_balls([poses[n].quaternion for n in order], noise + 100))
+    if "angles" in scene.modelled:
+        found = [attitude.angles(poses[n], rows[n][3:], noise + 100) for n in order]
+        angles = Part(*_balls(found, noise + 100))
+    return Enclosure(
+        scene,
+        tuple(times[n] for n in order),
+        centres,
+        radii,
+        _digits(scene, sides, centres, radii),
+        digits,
+        noise,
+        steps,
+        0.0,
+        1,
+        0.0,
+        angles,
+        quaternions,
+        outcome,
+    )
 
 
-def _with_cost(found: Enclosure, seconds: float, tries: int, in_all: float) -> Enclosure:
-    from dataclasses import replace
+def _watch(side: _Side, problem: fixed.Problem, times: Sequence[Any]) -> list[attitude.Watch]:
+    """What follows the attitude, if the scene's outputs ask for it."""
+    modelled = side.motion.scene.modelled
+    if not {"angles", "attitude"} & {*modelled}:
+        return []
+    approximate = turn_series.approximate
+    return [attitude.Watch(side.motion, problem, times, approximate, "angles" in modelled)]
 
-    return replace(found, seconds=seconds, tries=tries, seconds_in_all=in_all)
+
+def _balls(rows: Sequence[Sequence[Any]], bits: int) -> tuple[Any, Any]:
+    """Balls as midpoints and radii; what is None has the radius 0."""
+    with ctx.workprec(bits):
+        return (
+            tuple(tuple(None if x is None else _fraction(x.mid()) for x in row) for row in rows),
+            tuple(tuple(0.0 if x is None else upper(x - x.mid()) for x in row) for row in rows),
+        )
 
 
 def _in_scene_axes(what: Motion, row: Sequence[Any], bits: int) -> list[Any]:
@@ -168,6 +231,8 @@ def _in_scene_axes(what: Motion, row: Sequence[Any], bits: int) -> list[Any]:
 
 def _digits(scene: Scene, sides: Sequence[_Side], centres: Any, radii: Any) -> tuple[float, ...]:
     """Proven correct digits at each time, rounded down to a hundredth."""
+    if not centres:
+        return ()
     squares = [sum(x * x for x in row[:3]) for row in centres]
     largest = max(range(len(squares)), key=squares.__getitem__)
     sure = float(exact.sqrt(squares[largest])) - 2.0 * max(radii[largest][:3])
@@ -178,7 +243,7 @@ def _digits(scene: Scene, sides: Sequence[_Side], centres: Any, radii: Any) -> t
     for row in radii:
         worst = max(row[:3]) / sure if sure > 0.0 else math.inf
         worst = max([worst, *row[3:]])
-        found.append(max(0.0, math.floor(-100.0 * math.log10(worst)) / 100.0) if worst < 1 else 0.0)
+        found.append(digits_of(worst))
     return tuple(found)
 
 

@@ -40,14 +40,8 @@ def correction(a: Any, defects: Any, v: Any, gaps: Any) -> Any:
 
     ``defects``: (W, K, 6); ``gaps``: the jumps of the polynomials, (W, 6).  Returns (W, p + 1, 6).
     """
-    steps, count = a.shape[:2]
-    flat = _flat(a)
-    turned = np.zeros((steps, 6 * count, 1))
-    for k in range(count - 1):
-        low = 6 * (count - 1 - k)
-        row = np.matmul(flat[:, :, : 6 * (k + 1)], turned[:, low:])[..., 0] - defects[:, k]
-        turned[:, low - 6 : low, 0] = row / (k + 1)
-    found = np.ascontiguousarray(turned.reshape(steps, count, 6)[:, ::-1])
+    steps = a.shape[0]
+    found = forced(a, defects, np.zeros(6))
     ends, flows = np.sum(found, axis=1), np.sum(v, axis=1)
     starts = np.zeros((steps, 6))
     starts[0] = gaps[0]
@@ -55,6 +49,24 @@ def correction(a: Any, defects: Any, v: Any, gaps: Any) -> Any:
         starts[n] = flows[n - 1] @ starts[n - 1] + ends[n - 1] + gaps[n]
     found[:, : v.shape[1]] += np.einsum("wkij,wj->wki", v, starts)
     return found
+
+
+def forced(a: Any, defects: Any, start: Any) -> Any:
+    """e with e' = A e - d and e(0) = ``start`` on every step, each by itself: (W, p + 1, n).
+
+    ``a``: (W, p + 1, n, n); ``defects``: (W, K, n), zero from K on.
+    """
+    steps, count, rows = a.shape[:3]
+    flat = _flat(a)
+    turned = np.zeros((steps, rows * count, 1))  # e_k in reversed order
+    turned[:, rows * (count - 1) :, 0] = start
+    for k in range(count - 1):
+        low = rows * (count - 1 - k)
+        row = np.matmul(flat[:, :, : rows * (k + 1)], turned[:, low:])[..., 0]
+        if k < defects.shape[1]:
+            row = row - defects[:, k]
+        turned[:, low - rows : low, 0] = row / (k + 1)
+    return np.ascontiguousarray(turned.reshape(steps, count, rows)[:, ::-1])
 
 
 def size(values: Any, noise: int) -> int:
@@ -66,6 +78,6 @@ def size(values: Any, noise: int) -> int:
 
 
 def _flat(a: Any) -> Any:
-    """The coefficients of A side by side, (W, 6, 6 (p + 1))."""
-    steps, count = a.shape[:2]
-    return np.ascontiguousarray(a.transpose(0, 2, 1, 3)).reshape(steps, 6, 6 * count)
+    """The coefficients of A side by side, (W, n, n (p + 1))."""
+    steps, count, rows = a.shape[:3]
+    return np.ascontiguousarray(a.transpose(0, 2, 1, 3)).reshape(steps, rows, rows * count)

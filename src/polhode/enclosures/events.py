@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,13 +12,13 @@ from flint import arb
 
 from polhode.common.errors import BadInput
 from polhode.enclosures import conserved, fixed, march, pilot
-from polhode.enclosures.certify import MAX_STEPS
+from polhode.enclosures.certify import MAX_STEPS, time_limit
 from polhode.enclosures.crossings import Crossing, Search
 from polhode.enclosures.fixed import Motion, Refused, motion, upper
 from polhode.enclosures.polynomial import Polynomial, constant, rate, total, variable
 from polhode.numbers import exact, expression
 from polhode.numbers.balls import ctx
-from polhode.numbers.convert import exact_number
+from polhode.numbers.convert import exact_number, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import Algebra, ExpressionError
@@ -27,6 +27,7 @@ from polhode.scenes.scene import Event, Scene
 from polhode.scenes.words import STATE
 
 _MOST_TRIES = 4
+_DEARER = 1.4  # with events than without
 
 
 class EventTime(NamedTuple):
@@ -67,14 +68,21 @@ class CertifiedEvents:
 
 
 def certify_events(
-    scene: Scene | str | Path, end: Any | None = None, digits: int = 15
+    scene: Scene | str | Path,
+    end: Any | None = None,
+    digits: int = 15,
+    progress: march.Progress | None = None,
+    max_steps: int = MAX_STEPS,
+    max_seconds: float | None = None,
+    forecast: Callable[[float], None] | None = None,
 ) -> tuple[CertifiedEvents, ...]:
     """The scene's events from 0 to a time, each proven to exist and to be the only one there.
 
     ``end``: the scene's own unless given.  ``digits``: those of the state that is proven along the
     way; more of them make the radii smaller and separate zeros that are closer.  An event is a
-    polynomial in p q r gamma1 gamma2 gamma3; ``stop`` is not heeded.  Raises BadInput for another,
-    and where the digits cannot be had.
+    polynomial in p q r gamma1 gamma2 gamma3; ``stop`` is not heeded.  ``progress``, ``max_steps``,
+    ``max_seconds``, ``forecast``: as of :func:`polhode.certify`; what comes after the time that was
+    reached is undecided.  Raises BadInput for another, and where the digits cannot be had.
 
     >>> import polhode
     >>> event = polhode.Event("level", "gamma3 - 1/2")
@@ -90,37 +98,60 @@ def certify_events(
     if sign(last) == 0:
         raise BadInput(scene.name, "end", "0", "a time other than 0")
     what = motion(scene, backward=sign(last) < 0)
-    if (steps := pilot.steps(what, last)) > MAX_STEPS:
-        expected = f"a time that {MAX_STEPS} steps reach; this one takes about {steps:.2g}"
+    if (steps := pilot.steps(what, last)) > max_steps:
+        expected = f"a time that {max_steps} steps reach; this one takes about {steps:.2g}"
         raise BadInput(scene.name, "end", shown(last), expected)
     polynomials = [of_event(what, n, event) for n, event in enumerate(scene.events)]
     noise = pilot.noise(what, last, digits)
+    deadline = time_limit(scene, max_seconds)
+    if forecast is not None:
+        forecast(_DEARER * pilot.seconds(what, last, noise))
     for _ in range(_MOST_TRIES):
         try:
-            return _found(what, polynomials, last, noise)
+            return _found(what, polynomials, last, noise, progress, deadline)
         except Refused:
             noise = noise * 5 // 4 + 20
     raise BadInput(scene.name, "digits", digits, "digits that can be proven to the end")
 
 
 def _found(
-    what: Motion, polynomials: Sequence[Polynomial], last: Exact, noise: int
+    what: Motion,
+    polynomials: Sequence[Polynomial],
+    last: Exact,
+    noise: int,
+    progress: march.Progress | None,
+    deadline: float,
 ) -> tuple[CertifiedEvents, ...]:
     problem = fixed.problem(what, noise)
     bits = 2 * problem.fine + 100
     end = fixed.times(what, [last])[0]
     field = what.field
     searches = [Search(g.balls(bits), rate(g, field).balls(bits)) for g in polynomials]
-    march.run(problem, [end], conserved.prepared(what, bits), searches=searches)
-    return tuple(
-        _named(what, event, search, end, noise)
-        for event, search in zip(what.scene.events, searches, strict=True)
+    known = conserved.prepared(what, bits)
+    proof = march.run(
+        problem, [end], known, progress=progress, watchers=searches, deadline=deadline
     )
+    done = proof.outcome.done
+    until = end if done else arb((proof.end.time, -fixed.CLOCK))
+    found = [
+        _named(what, event, search, until, noise)
+        for event, search in zip(what.scene.events, searches, strict=True)
+    ]
+    if not done:
+        rest = float(until.mid()) * float(_unit(what)), to_double(last)
+        missed = min(rest), max(rest)
+        found = [replace(row, undecided=(*row.undecided, missed)) for row in found]
+    return tuple(found)
+
+
+def _unit(what: Motion) -> Fraction:
+    """The proof's unit of time in the scene's, with its sign."""
+    return Fraction(2) ** what.unit * (-1 if what.backward else 1)
 
 
 def _named(what: Motion, event: Event, search: Search, end: Any, noise: int) -> CertifiedEvents:
     """What one search found up to the end, in the scene's unit and direction of time."""
-    by = Fraction(2) ** what.unit * (-1 if what.backward else 1)
+    by = _unit(what)
     times, undecided = [], []
     with ctx.workprec(noise + 200):
         for crossing in search.crossings:

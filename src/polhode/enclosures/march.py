@@ -6,17 +6,18 @@ Nothing here is believed: a state and balls come only out of ``zonotope.advance`
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from flint import arb
 
 from polhode.enclosures import approximate, bound, conserved, correction, pieces, zonotope
-from polhode.enclosures.crossings import Search
 from polhode.enclosures.fixed import CLOCK, TIME_BITS, Problem, Refused
 from polhode.enclosures.zonotope import State
 from polhode.numbers.balls import ctx
+from polhode.taylor.outcomes import Outcome
 
 _LOST = -34  # a correction above 2**_LOST: the approximation has lost the motion
 _FEWEST, _FIRST = 4, 32
@@ -38,13 +39,27 @@ class Untrusted:
 HONEST = Untrusted()
 
 
+class Watcher(Protocol):
+    """Something that looks at the windows of a proof as they are accepted."""
+
+    def window(self, known: bound.Bounds, steps: Sequence[zonotope.Step]) -> None:
+        """A window whose steps have been accepted."""
+
+    def finish(self) -> None:
+        """The proof is at its end."""
+
+
 @dataclass(frozen=True)
 class Proof:
-    """Balls at the times asked for, in the principal axes and the proof's unit, and its cost."""
+    """Balls at the times asked for, in the principal axes and the proof's unit, and its cost.
+
+    ``outcome``: REACHED_END; TIME_LIMIT or INTERRUPTED where the rows are those up to ``end``.
+    """
 
     rows: list[list[Any]]
     steps: int
     end: State
+    outcome: Outcome = Outcome.REACHED_END
 
 
 def run(
@@ -53,39 +68,49 @@ def run(
     integrals: Sequence[conserved.Integral] = (),
     untrusted: Untrusted = HONEST,
     progress: Progress | None = None,
-    searches: Sequence[Search] = (),
+    watchers: Sequence[Watcher] = (),
+    deadline: float = math.inf,
 ) -> Proof:
     """Balls around the states at times >= 0, increasing, given as balls.  Raises Refused.
 
-    ``searches``: what looks for zeros on the way; they are right up to the end of the proof.
+    ``deadline``: the reading of time.monotonic() after which no window is begun.  What is proven
+    until then, or until Ctrl-C, is kept.  ``watchers``: what looks for zeros on the way, or follows
+    the attitude.
     """
     state = zonotope.beginning(problem)
     rows: list[list[Any]] = []
     end = _last_tick(times)
     most = 256 if problem.noise <= 150 else 48
     wide, pace, steps = _FIRST, 0.1, 0
-    while state.time < end:
-        tried = _window(problem, state, end, wide, pace, untrusted)
-        if tried is None:
-            if wide <= _FEWEST:
-                raise Refused("the approximation loses the motion")
-            wide = max(_FEWEST, wide // 2)
-            continue
-        inside = _inside(times[len(rows) :], tried.pieces.times[-1])
-        before = state.time
-        state, found, taken = zonotope.advance(state, tried, inside)
-        rows += found
-        for search in searches:
-            search.window(tried, taken)
-        steps += len(taken)
-        pace = math.ldexp(state.time - before, -CLOCK) / len(taken)
-        state = conserved.shrunk(problem, state, integrals)
-        wide = min(most, 2 * wide)
-        if progress is not None:
-            progress(state.time / end, steps)
-    for search in searches:
-        search.finish()
-    return Proof(rows, steps, state)
+    whole, outcome = state, Outcome.REACHED_END  # the watchers have seen all up to there
+    try:
+        while state.time < end:
+            if time.monotonic() > deadline:
+                outcome = Outcome.TIME_LIMIT
+                break
+            tried = _window(problem, state, end, wide, pace, untrusted)
+            if tried is None:
+                if wide <= _FEWEST:
+                    raise Refused("the approximation loses the motion")
+                wide = max(_FEWEST, wide // 2)
+                continue
+            asked = zonotope.inside(times[len(rows) :], tried.pieces.times[-1])
+            before = state.time
+            state, found, taken = zonotope.advance(state, tried, asked)
+            rows += found
+            for watcher in watchers:
+                watcher.window(tried, taken)
+            steps += len(taken)
+            pace = math.ldexp(state.time - before, -CLOCK) / len(taken)
+            state = conserved.shrunk(problem, state, integrals)
+            whole, wide = state, min(most, 2 * wide)
+            if progress is not None:
+                progress(state.time / end, steps)
+    except KeyboardInterrupt:
+        outcome = Outcome.INTERRUPTED
+    for watcher in watchers:
+        watcher.finish()
+    return Proof(rows, steps, whole, outcome)
 
 
 def _window(
@@ -123,14 +148,3 @@ def _last_tick(times: Sequence[Any]) -> int:
     if last is None or last >= 1 << 60:
         raise Refused("the last time is too far away")
     return max(1, int(last))
-
-
-def _inside(times: Sequence[Any], end: int) -> list[Any]:
-    """Those of the times that come before the end of a window."""
-    found = []
-    with ctx.workprec(TIME_BITS):
-        for t in times:
-            if not t * arb((1, CLOCK)) <= end:
-                break
-            found.append(t)
-    return found

@@ -17,7 +17,9 @@ from polhode.numbers.exact import Exact
 
 BITS_A_DIGIT = math.log2(10)
 _STEPS_A_UNIT = 3.0  # of the proof, in its unit of time
+_SECONDS_A_STEP = 9e-8  # over the square of the noise level, for P of 80 to 230
 _LOST_A_STEP = 2.0  # log2 of what the bounds of one step claim too much
+_OF_OUTPUTS = {"attitude": 6.0, "angles": 9.0}  # the same of a turn, and of angles near a pole
 
 
 def noise(what: Motion, last: Exact, digits: float) -> int:
@@ -25,12 +27,21 @@ def noise(what: Motion, last: Exact, digits: float) -> int:
     grown, fastest = growth(what, last)
     slow = max(0.0, -math.log2(fastest)) if fastest > 0.0 else 0.0  # digits of w are relative
     bits = digits * BITS_A_DIGIT + _LOST_A_STEP + max(0.0, grown) + slow
+    more = max((_OF_OUTPUTS.get(name, 0.0) for name in what.scene.modelled), default=0.0)
+    if more:  # they add up what the state is off on the way
+        bits += more + math.log2(1.0 + steps(what, last))
     return max(LEAST_NOISE, math.ceil(bits))
 
 
 def steps(what: Motion, last: Exact) -> float:
     """About how many steps lead to a time; infinite beyond the range of double."""
     return _STEPS_A_UNIT * abs(to_double(last / Fraction(2) ** what.unit))
+
+
+def seconds(what: Motion, last: Exact, noise: int) -> float:
+    """About how long a proof takes: its steps cost as the square of the noise level."""
+    outputs = 2.0 if {"angles", "attitude"} & {*what.scene.modelled} else 1.0
+    return outputs * _SECONDS_A_STEP * noise * noise * steps(what, last)
 
 
 def growth(what: Motion, last: Exact) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from polhode.common.values import ByValue
 from polhode.numbers.convert import to_mpf
@@ -15,6 +15,35 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.private import ordinary
 from polhode.scenes.scene import Scene
+from polhode.taylor.outcomes import Outcome
+
+
+class Part(NamedTuple):
+    """Angles or quaternions as balls, a row a time; None where an angle is not known.
+
+    ``centres``: exact midpoints, ``radii``: doubles not below the radii, as in :class:`Enclosure`.
+    """
+
+    centres: tuple[tuple[Fraction | None, ...], ...]
+    radii: tuple[tuple[float, ...], ...]
+
+    @property
+    def digits(self) -> tuple[float, ...]:
+        """Proven digits at each time: -log10 of the largest radius, rounded down to a hundredth."""
+        return tuple(digits_of(max(row)) for row in self.radii)
+
+    def strings(self) -> list[list[str | None]]:
+        """Decimals of which every digit is proven."""
+        return [
+            [None if x is None else guaranteed(x, r) for x, r in zip(row, radii, strict=True)]
+            for row, radii in zip(self.centres, self.radii, strict=True)
+        ]
+
+    def midpoints(self, bits: int) -> list[list[Any]]:
+        """The midpoints as mpf."""
+        return [
+            [None if x is None else ordinary(to_mpf(x, bits)) for x in row] for row in self.centres
+        ]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -23,8 +52,10 @@ class Enclosure(ByValue):
 
     ``centres``: exact midpoints, a row a time; ``radii``: doubles not below the balls' radii.
     ``digits``: proven correct digits at each time (-log10 of the larger of the radius of w over the
-    largest |w| at the times and the radius of gamma).  ``noise``: the proof's noise level is
-    2**-noise in its own unit of time.  ``steps`` and ``seconds``: of the run that proved it;
+    largest |w| at the times and the radius of gamma).  ``angles`` (psi theta phi) and ``attitude``
+    (q0 q1 q2 q3): where the scene's outputs ask for them, None else.  ``outcome``: REACHED_END, or
+    TIME_LIMIT or INTERRUPTED: ``times`` are then those reached.  ``noise``: the proof's noise level
+    is 2**-noise in its own unit of time.  ``steps`` and ``seconds``: of the run that proved it;
     ``tries``: the runs that it took; ``seconds_in_all``: CPU, those of all
     of them and of the pilot.
 
@@ -47,6 +78,9 @@ class Enclosure(ByValue):
     seconds: float = field(compare=False)
     tries: int
     seconds_in_all: float = field(compare=False)
+    angles: Part | None = None
+    attitude: Part | None = None
+    outcome: Outcome = Outcome.REACHED_END
 
     @cached_property
     def midpoints(self) -> list[list[Any]]:
@@ -56,13 +90,19 @@ class Enclosure(ByValue):
 
     @property
     def reached(self) -> bool:
-        """Whether the digits asked for are proven at every time."""
-        return all(found >= self.asked for found in self.digits)
+        """Whether the digits asked for are proven at every time, of the angles and attitude too."""
+        return self.outcome.done and self.fewest >= self.asked
 
     @property
     def proven(self) -> float:
         """The fewest proven digits over all times."""
         return min(self.digits, default=math.inf)
+
+    @property
+    def fewest(self) -> float:
+        """The fewest proven digits of the state, the angles and the attitude."""
+        parts = [part.digits for part in (self.angles, self.attitude) if part is not None]
+        return min([self.proven, *(found for digits in parts for found in digits)])
 
     def strings(self) -> list[list[str]]:
         """The states as decimals of which every digit is proven; see :func:`guaranteed`."""
@@ -79,8 +119,10 @@ class Enclosure(ByValue):
         ]
 
     def __repr__(self) -> str:
-        times = f"{len(self.times)} times to t = {shown(self.times[-1])}"
-        return f"<Enclosure of {self.scene.name}: {times}, {self.proven:.1f} digits proven>"
+        last = f" to t = {shown(self.times[-1])}" if self.times else ""
+        times = f"{len(self.times)} times{last}"
+        how = f"{self.proven:.1f} digits proven" if self.outcome.done else self.outcome.value
+        return f"<Enclosure of {self.scene.name}: {times}, {how}>"
 
     def __str__(self) -> str:
         lines = []
@@ -89,6 +131,11 @@ class Enclosure(ByValue):
             names = self.scene.columns
             lines += [f"  {name:>6} {text}" for name, text in zip(names, row, strict=True)]
         return "\n".join(lines)
+
+
+def digits_of(error: float) -> float:
+    """-log10 of an error, rounded down to a hundredth; 0 from 1 on."""
+    return max(0.0, math.floor(-100.0 * math.log10(error)) / 100.0) if error < 1 else 0.0
 
 
 def guaranteed(centre: Fraction, radius: float) -> str:

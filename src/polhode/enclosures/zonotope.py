@@ -88,15 +88,15 @@ def advance(
     rows: list[list[Any]] = []
     steps: list[Step] = []
     with ctx.workprec(TIME_BITS):
-        places = _places(pieces.times, asked)
+        where = places(pieces.times, asked)
     for n in range(pieces.count):
         hull = carried.hull()
         jump = jumps[n]
         eps = UP * (float(np.max(hull)) + float(np.max(jump)))
         step = _accepted(known, n, eps, float(hbs[n]))
         steps.append(step)
-        while places and places[0][0] == n:
-            rows.append(_ball(known, n, places.pop(0)[1], carried, jump, hull, eps, step))
+        while where and where[0][0] == n:
+            rows.append(_ball(known, n, where.pop(0)[1], carried, jump, hull, eps, step))
         carried.step(known.ends[n], jump, hull, step.s)
     centre, rest = _centre(known)
     carried.settle(rest)
@@ -151,7 +151,7 @@ def _accepted(known: Bounds, n: int, eps: float, hb: float) -> Step:
     s = UP * (growth * (delta + hb * (sigma + r) ** 2) + rho * eps) + TINY
     if not s < 1e300:
         raise Refused("the error of a step has no bound")
-    return Step(r, s)
+    return Step(min(r, UP * (float(known.sizes[n]) * eps + s) + TINY), s)
 
 
 def _jumps(state: State, known: Bounds) -> Any:
@@ -187,7 +187,18 @@ def _centre(known: Bounds) -> tuple[tuple[int, ...], Any]:
     return tuple(centre), rest + TINY
 
 
-def _places(times: Sequence[int], asked: Sequence[Any]) -> list[tuple[int, Any]]:
+def inside(times: Sequence[Any], end: int) -> list[Any]:
+    """Those of the times that come before the end of a window."""
+    found = []
+    with ctx.workprec(TIME_BITS):
+        for t in times:
+            if not t * arb((1, CLOCK)) <= end:
+                break
+            found.append(t)
+    return found
+
+
+def places(times: Sequence[int], asked: Sequence[Any]) -> list[tuple[int, Any]]:
     """For each time the step that holds its ball, and tau in it; raises Refused outside."""
     found: list[tuple[int, Any]] = []
     n = 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
@@ -39,7 +40,7 @@ class Certified:
         self.regime = kind_of_body(scene.body)
         self.agreement = math.nan
         self.frequencies: dict[str, Any] = {}
-        self._known: dict[tuple[tuple[Exact, ...], int], Enclosure] = {}
+        self._known: dict[tuple[tuple[Exact, ...], int, tuple[str, ...]], Enclosure] = {}
 
     def __eq__(self, other: object) -> bool:
         return self.scene == other.scene if isinstance(other, Certified) else NotImplemented
@@ -58,21 +59,49 @@ class Certified:
         found = self.enclosure(times, digits)
         return [list(row) for row in found.midpoints]
 
-    def enclosure(self, times: Sequence[Any], digits: int = 50) -> Enclosure:
+    def enclosure(
+        self, times: Sequence[Any], digits: int = 50, outputs: tuple[str, ...] = ()
+    ) -> Enclosure:
         """The balls themselves; the last request is also told in ``agreement``."""
         from polhode.enclosures.certify import MOST_DIGITS, certify  # a closed form needs no heyoka
 
-        key = (tuple(exact_number(t) for t in times), digits)
+        key = (tuple(exact_number(t) for t in times), digits, outputs)
         if key not in self._known:
             if digits > MOST_DIGITS:
                 expected = f"at most {MOST_DIGITS} digits, or reference.kind = two-precisions"
                 raise BadInput(self.scene.name, "reference digits", digits, expected)
-            self._known[key] = certify(self.scene, key[0], digits)
+            found = certify(replace(self.scene, outputs=outputs), key[0], digits)
+            if not found.outcome.done:
+                raise KeyboardInterrupt
+            self._known[key] = found
         self.agreement = self._known[key].proven
         return self._known[key]
 
     def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
-        """Not made: the enclosure is of the state alone."""
-        raise BadInput(self.scene.name, "reference", None, "a closed form for the attitude")
+        """Rows q0 q1 q2 q3 as mpf, the quaternion body to space, proven to so many digits."""
+        found = self._with("attitude", times, digits)
+        assert found.attitude is not None
+        return found.attitude.midpoints(found.noise + 128)
 
-    angles = attitude
+    def angles(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+        """Rows psi theta phi in radians, continuous, proven to so many digits.
+
+        psi and phi are None at a start at a pole.  Raises BadInput where a motion stays at one, or
+        passes so close to one that it is not proven on which side.
+        """
+        found = self._with("angles", times, digits)
+        assert found.angles is not None
+        if any(
+            row[0] is None and t != 0 for row, t in zip(found.angles.centres, times, strict=True)
+        ):
+            expected = "a motion that keeps away from the poles: psi and phi are lost"
+            raise BadInput(self.scene.name, "angles", None, expected)
+        return found.angles.midpoints(found.noise + 128)
+
+    def _with(self, output: str, times: Sequence[Any], digits: int) -> Enclosure:
+        if self.scene.gamma is None:
+            raise BadInput(self.scene.name, "start.gamma", None, "given, for an attitude")
+        agreement = self.agreement
+        found = self.enclosure(times, digits, (output,))
+        self.agreement = agreement  # that of the state
+        return found

@@ -28,6 +28,7 @@ from polhode.taylor.outcomes import EventTimes
 _TABLE = ("times", "states", "angles", "attitude", "hodographs")
 
 if TYPE_CHECKING:  # a run needs none of these
+    from polhode.enclosures.events import CertifiedEvents
     from polhode.enclosures.result import Enclosure
     from polhode.equations.integrals import Drift
     from polhode.judging.judgement import Judgement
@@ -156,7 +157,7 @@ def of_enclosure(found: Enclosure) -> dict[str, Any]:
     scene = found.scene
     number = NumberType("mp", found.noise + 64)
     balls = found.decimals()
-    return {
+    answer: dict[str, Any] = {
         "scene": scene.name,
         "number": "mp",
         "bits": number.bits,
@@ -172,11 +173,32 @@ def of_enclosure(found: Enclosure) -> dict[str, Any]:
         "radii": [[radius for _, radius in row] for row in balls],
         "error": rounded_up([10.0**-digits for digits in found.digits]),
         "digits_proven": [round(digits, 2) for digits in found.digits],
-        "outcome": "reached end",
+    }
+    for name, part in (("angles", found.angles), ("attitude", found.attitude)):
+        if part is not None:
+            answer[name] = part.strings()
+            answer[f"{name}_radii"] = [rounded_up(row) for row in part.radii]
+            answer[f"{name}_digits_proven"] = [round(digits, 2) for digits in part.digits]
+    return answer | {
+        "outcome": found.outcome.value,
         "steps": found.steps,
         "tries": found.tries,
         "seconds": round(found.seconds_in_all, 3),
         "provenance": provenance(scene.text),
+    }
+
+
+def of_certified_events(found: CertifiedEvents) -> dict[str, Any]:
+    """Proven events: decimals to which every number of a time's ball rounds, radii, slopes."""
+    from polhode.enclosures.result import guaranteed, rounded_up
+
+    return {
+        "name": found.name,
+        "times": [guaranteed(t.time, t.radius) for t in found.times],
+        "radii": rounded_up([t.radius for t in found.times]),
+        "slopes": [t.slope for t in found.times],
+        "undecided": [list(interval) for interval in found.undecided],
+        "proven": found.proven,
     }
 
 

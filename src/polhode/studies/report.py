@@ -25,7 +25,10 @@ from polhode.studies.page import html
 from polhode.studies.page.blocks import Block, Heading, Text, markdown
 
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
-STUDIES = ("accuracy", "speed", "stability", "long-run", "forms", "events", "published")
+STUDIES = (
+    *("accuracy", "certified", "speed", "stability", "long-run", "forms", "events"),
+    "published",
+)
 PAGE = "report.html"
 #: What makes pages of results: a change there makes no result out of date.
 _PRESENTATION = {"page.py", "figure.py", "page", "figures", "verbs", "cli.py", "report.py"}

@@ -27,6 +27,7 @@ class Outcome(Enum):
     NON_FINITE = "non-finite"
     STEP_UNDERFLOW = "step underflow"
     STEP_LIMIT = "step limit"
+    TIME_LIMIT = "time limit"
     SINGULAR = "singular set"
     TOO_FEW_DIGITS = "too few digits"
     INTERRUPTED = "interrupted"
@@ -63,6 +64,10 @@ _CAUSES = {
     "step limit": (
         "the end needs more steps than the limit allows",
         "raise the limit (--max-steps), loosen --tol, or ask for a shorter run",
+    ),
+    "time limit": (
+        "the end needs more seconds than the limit allows",
+        "raise the limit (--max-seconds), or ask for fewer digits or a shorter run",
     ),
     "singular set": (
         "the form of the equations met its singular set",

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import time
 from argparse import ArgumentParser, Namespace
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
 from polhode.numbers import number_types
@@ -12,14 +15,22 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.verbs.terminal import (
     DONE,
+    INTERRUPTED,
+    NOT_REACHED,
     Progress,
     note,
+    positive,
     print_json,
     print_rows,
     read_times,
+    seconds,
     whole,
 )
 
+if TYPE_CHECKING:
+    from polhode.enclosures.events import CertifiedEvents
+
+LONG = 10.0  # seconds of a proof that are foretold
 HELP = "the closed form alone, or a proven enclosure of any motion"
 
 
@@ -28,6 +39,19 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
     parser.add_argument("--at", metavar="T,T...", help="times instead of the scene's")
     parser.add_argument("--digits", type=whole, default=50, help="correct digits (50)")
+    parser.add_argument(
+        "--events", action="store_true", help="with --certified: the scene's events, proven"
+    )
+    parser.add_argument(
+        "--max-seconds",
+        type=seconds,
+        metavar="S",
+        help="with --certified: a limit on the time; what is proven until then is printed",
+    )
+    parser.add_argument(
+        "--max-steps", type=positive, metavar="N", help="with --certified: a limit on the steps"
+    )
+    parser.add_argument("--outputs", metavar="O,O", help="angles, attitude, hodographs")
     parser.add_argument(
         "--certified",
         action="store_true",
@@ -41,12 +65,21 @@ def main(options: Namespace) -> int:
     from polhode.judging.reference import reference as reference_of
 
     scene = library.load(options.scene)
+    if options.outputs is not None:
+        scene = replace(scene, outputs=tuple(o for o in options.outputs.split(",") if o))
     times = scene.times if options.at is None else read_times(scene, options.at)
     if not times:
         raise BadInput(scene.name, "run.end", None, "given, or times asked for with --at")
     if not 1 <= options.digits <= number_types.MAX_DIGITS:
         expected = f"1 to {number_types.MAX_DIGITS}"
         raise BadInput(scene.name, "digits", options.digits, expected)
+    if not options.certified:
+        for name in ("events", "max_seconds", "max_steps"):
+            if getattr(options, name):
+                key = "--" + name.replace("_", "-")
+                raise BadInput(scene.name, key, None, "--certified with it")
+    if options.events and not scene.events:
+        raise BadInput(scene.name, "events", None, "given in the scene, for --events")
     if options.certified:
         return _certified(scene, times, options)
     reference = reference_of(scene)
@@ -62,19 +95,63 @@ def main(options: Namespace) -> int:
 
 
 def _certified(scene: Scene, times: tuple[Exact, ...], options: Namespace) -> int:
-    """A proven enclosure; on stdout nothing but proven digits."""
-    from polhode.enclosures.certify import certify
+    """A proven enclosure, and proven events; on stdout nothing but proven digits."""
+    from polhode.enclosures.certify import MAX_STEPS, certify
+    from polhode.enclosures.events import certify_events
+    from polhode.taylor.outcomes import Outcome
 
     held = results.held_times(scene, times, options.digits)
+    limits: dict[str, Any] = {
+        "max_steps": options.max_steps or MAX_STEPS,
+        "max_seconds": options.max_seconds,
+        "forecast": lambda seconds: _foretell(scene, seconds),
+    }
+    began = time.monotonic()
+    events: tuple[CertifiedEvents, ...] = ()
     with Progress("reference") as progress:
-        found = certify(scene, held, options.digits, progress=progress.show)
+        found = certify(scene, held, options.digits, progress=progress.show, **limits)
+        if options.events and found.outcome.done:
+            if options.max_seconds is not None:
+                limits["max_seconds"] = max(1e-3, options.max_seconds - time.monotonic() + began)
+            last = max(held, key=abs)
+            events = certify_events(scene, last, options.digits, progress=progress.show, **limits)
     answer = results.of_enclosure(found)
+    if options.events:
+        answer["events"] = [results.of_certified_events(event) for event in events]
     if options.json:
         print_json(answer)
+    else:
+        print_rows(answer)
+        for event in events:
+            note(_told(event))
+    least = f"at least {found.fewest:.1f} at each time" if found.times else "no time was reached"
+    if not options.json:
+        note(
+            f"{scene.name}: every digit is proven, {least}; {found.steps} steps at a noise level "
+            f"of 2**-{found.noise}, {found.seconds_in_all:.1f} s"
+        )
+    if found.outcome.done:
         return DONE
-    print_rows(answer)
-    note(
-        f"{scene.name}: every digit is proven, at least {found.proven:.1f} at each time; "
-        f"{found.steps} steps at a noise level of 2**-{found.noise}, {found.seconds_in_all:.1f} s"
-    )
-    return DONE
+    cause, advice = found.outcome.cause, found.outcome.advice
+    note(f"polhode: {scene.name}: {len(found.times)} of {len(held)} times: {cause}; {advice}")
+    return INTERRUPTED if found.outcome is Outcome.INTERRUPTED else NOT_REACHED
+
+
+def _foretell(scene: Scene, seconds: float) -> None:
+    """What a long proof will cost, before it starts."""
+    if seconds > LONG:
+        note(
+            f"{scene.name}: this proof will take about {seconds:.2g} s; "
+            "--max-seconds S or Ctrl-C ends it sooner and keeps what is proven"
+        )
+
+
+def _told(event: CertifiedEvents) -> str:
+    """One line about proven events: how many, and the first of them."""
+    from polhode.enclosures.result import guaranteed
+
+    shown = [guaranteed(t.time, t.radius) for t in event.times[:10]]
+    more = ", ..." * (len(event.times) > len(shown))
+    when = f" at t = {', '.join(shown)}{more}" if shown else ""
+    left = f"; undecided in {len(event.undecided)} intervals" if event.undecided else ", no others"
+    return f"event {event.name}: {len(event.times)} proven{when}{left}"

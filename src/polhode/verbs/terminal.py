@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import errno
 import io
+import math
 import os
 import signal
 import sys
@@ -89,6 +90,17 @@ def positive(text: str) -> int:
     return steps
 
 
+def seconds(text: str) -> float:
+    """An option that is a time in seconds, above 0."""
+    try:
+        found = float(text)
+    except ValueError:
+        found = math.nan
+    if not 0 < found < math.inf:
+        raise argparse.ArgumentTypeError(f"seconds above 0, not {text[:40]!r}")
+    return found
+
+
 def read_times(scene: Scene, text: str) -> tuple[Exact, ...]:
     """The times of ``--at``, exact."""
     times = []
@@ -134,6 +146,7 @@ class Progress:
     def __init__(self, verb: str) -> None:
         self.verb, self.shown = verb, False
         self.began = time.monotonic()
+        self.fraction, self.first = 0.0, (self.began, 0.0)
 
     def __enter__(self) -> Progress:
         return self
@@ -142,8 +155,14 @@ class Progress:
         self.clear()
 
     def show(self, fraction: float, steps: int) -> None:
-        """How far an integration is."""
-        self.say(f"{100 * fraction:.1f} %, {steps} steps")
+        """How far an integration is, and how long it will go on at this pace."""
+        now = time.monotonic()
+        if fraction < self.fraction or self.fraction == 0.0:  # a new one
+            self.first = now, fraction
+        self.fraction = fraction
+        passed, done = now - self.first[0], fraction - self.first[1]
+        left = f", {passed / done * (1 - fraction):.0f} s left" if passed > 1 and done > 0 else ""
+        self.say(f"{100 * fraction:.1f} %, {steps} steps{left}")
 
     def say(self, text: str) -> None:
         """The line's new text."""

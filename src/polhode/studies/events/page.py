@@ -24,6 +24,8 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     ):
         yield Heading(title)
         yield _times(found["motions"], part)
+    if found.get("proven"):
+        yield from _proven(found["proven"])
     yield from _contacts(found)
     yield from _cost(found["cost"])
     yield Heading("What limits the digits")
@@ -59,6 +61,41 @@ def _times(motions: list[dict[str, Any]], part: str) -> PageTable:
             for run in motion[part]
         ),
         "lllrlrrrrrr",
+    )
+
+
+def _proven(cases: list[dict[str, Any]]) -> Iterator[Block]:
+    """Proven events of motions without a closed form, beside those of a run in double."""
+    rows = [
+        row | {"case": case["case"], "end": case["end"]} for case in cases for row in case["events"]
+    ]
+    other = [row for row in rows if row["undecided"] or row["proven"] != row["double"]]
+    yield Heading("Without a closed form: proven counts and times")
+    told = (
+        "Every count is proven and is the run's own."
+        if not other
+        else f"In {len(other)} of {len(rows)} the count is not proven or not the run's."
+    )
+    yield Text(
+        "`polhode.certify_events` proves that these events happen and no others, and encloses "
+        f"their times; beside them a run in double. {told}"
+    )
+    yield PageTable(
+        ("case", "to t", "zero", "proven", "undecided", "in double", "its largest error", "radius"),
+        tuple(
+            (
+                row["case"],
+                f"{row['end']:g}",
+                f"`{row['zero']}`",
+                str(row["proven"]),
+                str(row["undecided"]),
+                str(row["double"]),
+                _number(row.get("error"), ".1e"),
+                _number(row.get("radius"), ".1e"),
+            )
+            for row in rows
+        ),
+        "lrlrrrrr",
     )
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
+from polhode.enclosures.events import certify_events
 from polhode.judging.reference import Reference
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers import decimals, exact, number_types
@@ -30,6 +32,9 @@ PERIODS = 10  # over which every event is judged in every number type
 FAR = {"double": 10_000, "extended": 10_000, "quad": 1_000}
 QUICK_FAR = {"double": 10_000}
 KEPT = 24  # errors of a far run that the figure shows
+
+PROVEN = ("general/asymmetric-regular", "general/asymmetric-chaotic")
+PROVEN_END = 100
 
 Tick = Callable[[str], None]
 
@@ -77,10 +82,13 @@ def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
     for name in number_types.NAMES:
         say(f"{NAME}: cost in {name}")
         cost.append(_cost(name, 3 if quick else 9))
+    say(f"{NAME}: proven events")
+    proven = [_proven(name, 20 if quick else PROVEN_END) for name in PROVEN[: 1 if quick else 2]]
     return {
         "study": NAME,
         "question": QUESTION,
         "quick": quick,
+        "proven": proven,
         "motions": motions,
         "grazing": grazing,
         "cusps": cusps,
@@ -242,6 +250,32 @@ def _cusps(name: str) -> dict[str, Any]:
         "found": len(event.times),
         "grazing": sum(event.grazing),
     }
+
+
+# -- proven -----------------------------------------------------------------------------------
+
+
+def _proven(name: str, end: int) -> dict[str, Any]:
+    """Events proven to be these and no others, and how far heyoka's in double are from them."""
+    scene = _watching(library.load(name), *COST_EVENTS)
+    run = integrate(scene, "double", at=[end])
+    began = time.process_time()
+    certified = certify_events(scene, end)
+    seconds = time.process_time() - began
+    rows = []
+    for true, found in zip(certified, run.events, strict=True):
+        row: dict[str, Any] = {
+            "zero": next(e for e in scene.events if e.name == true.name).zero,
+            "proven": len(true.times),
+            "undecided": len(true.undecided),
+            "double": len(found.times),
+        }
+        if len(true.times) == len(found.times) > 0:
+            off = [abs(exactly(x) - t.time) for x, t in zip(found.times, true.times, strict=True)]
+            row["error"] = float(f"{float(max(off)):.2e}")
+            row["radius"] = float(f"{max(t.radius for t in true.times):.1e}")
+        rows.append(row)
+    return {"case": name, "end": end, "events": rows, "seconds": float(f"{seconds:.2g}")}
 
 
 # -- cost -------------------------------------------------------------------------------------

@@ -1,0 +1,184 @@
+"""The attitude and the angles along the exact motion, as balls.
+
+Trusted.  In the scene's body axes, with U the turn since the start (``quaternion``) and A the
+principal axes, rows of the matrix from the scene's axes to them,
+
+    q(t) = q(0) (U_0, A^T U_v),    q(0) = Rz(psi) Rx(theta) Rz(phi) at the start,
+
+both factors unit quaternions, so that the distance of U from its midpoint is that of q.  theta and
+phi come from gamma, psi from the third axis in space; their turns from ``windings``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import arb
+
+from polhode.enclosures import quaternion
+from polhode.enclosures.bound import Bounds
+from polhode.enclosures.fixed import TIME_BITS, UP, Motion, Problem, sharp
+from polhode.enclosures.polynomial import ball
+from polhode.enclosures.quaternion import Approximation, Turned
+from polhode.enclosures.windings import Followed, Leaving
+from polhode.enclosures.zonotope import Step, inside, places
+from polhode.equations.kinematics import starting_attitude
+from polhode.numbers.balls import ctx
+from polhode.numbers.exact import arctan2
+
+
+class Pose(NamedTuple):
+    """At one time: the unit quaternion as four balls, and about psi and phi; None if not known."""
+
+    quaternion: list[Any]
+    turns: tuple[float, float] | None
+
+
+class Watch:
+    """The attitude at times >= 0, increasing, given as balls, as the windows of a proof go by.
+
+    ``angles``: whether psi and phi are followed too.
+    """
+
+    def __init__(
+        self,
+        what: Motion,
+        problem: Problem,
+        times: Sequence[Any],
+        approximate: Approximation,
+        angles: bool,
+    ) -> None:
+        self.problem, self.times, self.approximate = problem, times, approximate
+        self.poses: list[Pose] = []
+        self._turned = Turned(problem)
+        scene = what.scene
+        if scene.gamma is None:
+            raise ValueError("a scene without gamma has no attitude")
+        bits = problem.fine + 64
+        start = starting_attitude(scene.gamma, scene.psi)
+        self._start = [sharp(partial(ball, x), bits) for x in start]
+        axes = scene.body.axes
+        self._axes = None if axes.trivial else [[ball(x, bits) for x in row] for row in axes.rows]
+        self._turn = np.array([[float(x) for x in row] for row in axes.rows])
+        self._first = np.array([float(x.mid()) for x in self._start])
+        self._followed = self._beginning(what) if angles else Followed(0.0, 0.0, False)
+
+    def _beginning(self, what: Motion) -> Followed:
+        """psi and phi at the start; just after it where that is at a pole.
+
+        There psi + phi, at the lower pole psi - phi, is the psi given, and
+        gamma' = gamma x w, n' = R (w x e3) tell where the two numbers go.
+        """
+        scene = what.scene
+        assert scene.gamma is not None
+        psi = float(scene.psi)
+        if not scene.starts_at_pole:
+            return Followed(psi, float(arctan2(scene.gamma[0], scene.gamma[1])), True)
+        by = math.ldexp(-1.0 if what.backward else 1.0, what.unit)
+        p, q = (by * float(x) for x in scene.omega[:2])
+        up = float(scene.gamma[2])
+        slope = math.hypot(p, q)
+        if slope == 0.0:
+            return Followed(0.0, 0.0, False)
+        phi = math.atan2(-up * q, up * p)
+        psi -= up * phi
+        directions = np.exp(1j * np.array([psi, phi]))
+        pulls = 2.0 * max(abs(x) for x in self.problem.factors[3:])
+        leaving = Leaving(directions, slope, 1.7321 * self.problem.beta, 1.7321 * pulls)
+        return Followed(psi, phi, True, leaving)
+
+    def window(self, known: Bounds, steps: Sequence[Step]) -> None:
+        """A window whose steps have been accepted."""
+        pieces = known.pieces
+        found = quaternion.turns(known, steps, self.approximate)
+        asked = inside(self.times[len(self.poses) :], pieces.times[-1])
+        with ctx.workprec(TIME_BITS):
+            where = places(pieces.times, asked)
+        for n, step in enumerate(steps):
+            taus = [tau for place, tau in where if place == n]
+            followed = self._follow(known, found, n, step, taus)
+            for k, tau in enumerate(taus):
+                about = None if followed is None else (float(followed[k, 0]), float(followed[k, 1]))
+                self.poses.append(Pose(self._scene(*self._turned.at(found, n, tau)), about))
+            self._turned.step(found, n)
+
+    def finish(self) -> None:
+        """Nothing is left at the end."""
+
+    def _follow(
+        self, known: Bounds, found: quaternion.Turns, n: int, step: Step, taus: Sequence[Any]
+    ) -> Any:
+        if not self._followed.known:
+            return None
+        pieces, noise = known.pieces, self.problem.noise
+        near = pieces.near[n]
+        v = np.zeros((near.shape[0], 4))
+        for i, row in enumerate(found.rows[n]):
+            numbers = [math.ldexp(int(c), -found.level) for c in row.coeffs()][: len(v)]
+            v[: len(numbers), i] = numbers
+        before = np.array([math.ldexp(int(x), -self.problem.fine) for x in self._turned.centre])
+
+        def at(nodes: Any) -> Any:
+            powers = np.vander(nodes, near.shape[0], increasing=True)
+            gamma = powers @ near[:, 3:] @ self._turn
+            turned = np.array(quaternion.product(before, (powers @ v).T))
+            q = quaternion.product(self._first, [turned[0], *(self._turn.T @ turned[1:])])
+            psi = third_axis(q)
+            return np.array([1j * psi[0] - psi[1], gamma[:, 1] + 1j * gamma[:, 0]])
+
+        size = np.sum(np.abs(near[:, :3]), axis=0) + np.sum(pieces.gap[n])
+        off = math.ldexp(float(known.sigma[n]) + step.r, -noise)
+        turn = math.ldexp(self._turned.radius + float(found.miss[n]), -noise)
+        doubt = UP * 8.0 * (float(np.sum(pieces.gap[n])) + off + turn)
+        speed = UP * (math.sqrt(float(np.sum(size * size))) + 2.0 * off)
+        points = np.array([float(tau.mid()) for tau in taus])
+        return self._followed.step(at, float(pieces.lengths[n]), speed, doubt, points)
+
+    def _scene(self, turned: list[Any], radius: float) -> list[Any]:
+        """The attitude of the scene from the turn since the start and its distance from that."""
+        noise = self.problem.noise
+        with ctx.workprec(noise + 104):
+            vector = turned[1:]
+            if self._axes is not None:
+                vector = [sum(self._axes[i][j] * vector[i] for i in range(3)) for j in range(3)]
+            found = quaternion.product(self._start, [turned[0], *vector])
+            off = arb(0, radius) * arb((1, -noise))
+            return [x + off for x in found]
+
+
+def third_axis(q: Sequence[Any]) -> list[Any]:
+    """The body's third axis in space."""
+    return [
+        2 * (q[1] * q[3] + q[0] * q[2]),
+        2 * (q[2] * q[3] - q[0] * q[1]),
+        q[0] * q[0] - q[1] * q[1] - q[2] * q[2] + q[3] * q[3],
+    ]
+
+
+def angles(pose: Pose, gamma: Sequence[Any], bits: int) -> list[Any]:
+    """psi, theta, phi as balls; psi and phi None where they are not known."""
+    with ctx.workprec(bits):
+        square = gamma[0] * gamma[0] + gamma[1] * gamma[1]
+        across = square.sqrt() if square > 0 else arb(0).union(square.abs_upper().sqrt())
+        if gamma[2] < 0:  # no branch of atan2 at the lower pole
+            theta = arb.pi() - (across / -gamma[2]).atan()
+        else:
+            theta = arb.atan2(across, gamma[2])
+        if pose.turns is None:
+            return [None, theta, None]
+        axis = third_axis(pose.quaternion)
+        psi = _near(axis[0], -axis[1], pose.turns[0])
+        phi = _near(gamma[0], gamma[1], pose.turns[1])
+        return [None, theta, None] if psi is None or phi is None else [psi, theta, phi]
+
+
+def _near(sine: Any, cosine: Any, about: float) -> Any:
+    """The angle within pi/2 of ``about``; None where it is not known to be there."""
+    turn = arb(about)
+    s, c = turn.sin(), turn.cos()
+    across, along = sine * c - cosine * s, cosine * c + sine * s
+    return turn + (across / along).atan() if along > 0 else None

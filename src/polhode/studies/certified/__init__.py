@@ -1,0 +1,1 @@
+"""Study ``certified``: what is proven, how far, and at what price."""

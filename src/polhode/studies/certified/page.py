@@ -1,0 +1,166 @@
+"""Page of the study of certified digits."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Iterator
+from typing import Any
+
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
+
+TITLE = "Certified digits: what is proven, how far, and at what price"
+_NEAR = 0.5  # digits
+
+#: What is read of others, and where; nothing here was measured.
+READ = (
+    "CAPD (C++): rigorous solvers in interval arithmetic on doubles, and with the header "
+    "mpcapdlib.h on floating numbers of any precision (its manual, "
+    "https://capd.sourceforge.net/capdDynSys/docs/html/a05200.html).",
+    "VNODE-LP (C++): a validated solver for initial value problems (N. S. Nedialkov, Technical "
+    "Report CAS-06-06-NN, McMaster University 2006, "
+    "https://www.cas.mcmaster.ca/~nedialk/vnodelp/).",
+)
+
+
+def blocks(found: dict[str, Any]) -> Iterator[Block]:
+    """The study's page from its JSON object."""
+    yield Text(
+        "An enclosure is a ball a number: midpoint and radius, proven to contain the exact motion "
+        "of the exact scene, whatever heyoka did (see `polhode.certify`). Proven digits = -log10 "
+        "of the larger of the radius of w over the largest |w| and the radius of gamma."
+    )
+    yield Figure("certified", "Digits lost over time, and the price of a proof beside runs")
+    yield from _containment(found["contained"])
+    yield from _over_time(found["growth"])
+    yield from _price(found["cost"])
+    yield from _judged(found["judged"])
+    yield Heading("Others: read, not measured")
+    yield Items(READ)
+
+
+def _containment(rows: list[dict[str, Any]]) -> Iterator[Block]:
+    outside = [row["case"] for row in rows if not row["inside"]]
+    ratios = [row["ratio"] for row in rows]
+    yield Heading("Every closed form in its enclosure")
+    told = (
+        f"All {len(rows)} closed forms lie in their enclosures"
+        if not outside
+        else f"{len(outside)} of {len(rows)} closed forms lie OUTSIDE: {', '.join(outside)}"
+    )
+    first = sum(row["tries"] == 1 for row in rows)
+    yield Text(
+        f"{told}. *Worst* is the largest |closed form - midpoint| over the radius at three times, "
+        f"in any component; its median is {statistics.median(ratios):.1g}. 16 digits were asked "
+        f"for; in {first} of {len(rows)} the first choice of precision was enough."
+    )
+    yield PageTable(
+        ("case", "closed form", "to t", "proven digits", "worst", "inside"),
+        tuple(
+            (
+                row["case"],
+                row["reference"],
+                f"{row['end']:g}",
+                f"{row['digits']:.1f}",
+                f"{row['ratio']:.2g}",
+                "yes" if row["inside"] else "NO",
+            )
+            for row in rows
+        ),
+        "llrrrl",
+    )
+
+
+def _over_time(rows: list[dict[str, Any]]) -> Iterator[Block]:
+    yield Heading("Digits lost over time, with and without the integrals")
+    gains = [row["lost_without"][-1] - row["lost"][-1] for row in rows]
+    told = (
+        f"At the last time they spare between {min(gains):.1f} and {max(gains):.1f} digits."
+        if min(gains) > _NEAR
+        else f"At the last time they spare up to {max(gains):.1f} digits, in some nearly none."
+    )
+    yield Text(
+        "Digits that the proof has lost at a time since its noise level 2^-P: with h, f, |gamma|² "
+        "and, where there is one, a fourth integral shrinking the set after every window, and (in "
+        f"brackets) without. {told}"
+    )
+    times = rows[0]["times"]
+    yield PageTable(
+        ("case", "P", *(f"t = {t}" for t in times)),
+        tuple(
+            (
+                row["case"],
+                str(row["noise"]),
+                *(
+                    f"{x:.1f} ({y:.1f})"
+                    for x, y in zip(row["lost"], row["lost_without"], strict=True)
+                ),
+            )
+            for row in rows
+        ),
+        "lr" + "r" * len(times),
+    )
+
+
+def _price(rows: list[dict[str, Any]]) -> Iterator[Block]:
+    yield Heading("The price of a proof")
+    ratios = [row["seconds"]["proof"] / _mp(row) for row in rows]
+    yield Text(
+        "CPU seconds to one time, the least of two, interleaved in one process; a proof's include "
+        "the pilot run and every try, of a run those to a thousandth of the time are taken off, "
+        "which are for building it. Beside it runs that prove "
+        "nothing: heyoka in MPFR at the proof's own precision (mp), in double and in quad, and a "
+        f"refined run in quad. A proof takes {min(ratios):.1f} to {max(ratios):.1f} times the mp "
+        "run."
+    )
+    yield PageTable(
+        (
+            *("case", "to t", "asked", "proven", "P", "tries", "proof, s", "mp, s", "quad, s"),
+            *("refined, s", "double, s", "proof/mp", "proof/quad"),
+        ),
+        tuple(
+            (
+                row["case"],
+                f"{row['end']:g}",
+                str(row["digits"]),
+                f"{row['proven']:.1f}",
+                str(row["noise"]),
+                str(row["tries"]),
+                f"{row['seconds']['proof']:.3g}",
+                f"{_mp(row):.3g}",
+                *(_seconds(row, name) for name in ("quad", "quad, refined", "double")),
+                f"{row['seconds']['proof'] / _mp(row):.2f}",
+                _ratio(row, "quad"),
+            )
+            for row in rows
+        ),
+        "l" + "r" * 12,
+    )
+
+
+def _judged(rows: list[dict[str, Any]]) -> Iterator[Block]:
+    yield Heading("Runs in double, judged with proof")
+    yield Text(
+        "The largest error of a run in double, in any component, and the radius that it is "
+        "uncertain by: proven, not estimated."
+    )
+    yield PageTable(
+        ("case", "t", "component", "error", "uncertain by"),
+        tuple(
+            (row["case"], f"{row['t']:g}", row["column"], row["error"], row["uncertainty"])
+            for row in rows
+        ),
+        "lrlrr",
+    )
+
+
+def _mp(row: dict[str, Any]) -> float:
+    return next(float(s) for name, s in row["seconds"].items() if name.startswith("mp"))
+
+
+def _seconds(row: dict[str, Any], name: str) -> str:
+    return f"{row['seconds'][name]:.3g}" if name in row["seconds"] else "–"
+
+
+def _ratio(row: dict[str, Any], name: str) -> str:
+    seconds = row["seconds"]
+    return f"{seconds['proof'] / seconds[name]:.2f}" if name in seconds else "–"

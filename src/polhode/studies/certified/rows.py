@@ -1,0 +1,189 @@
+"""Study ``certified``: enclosures against closed forms, over time, their price, what they judge."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+from polhode.closed_forms.families import closed_form
+from polhode.enclosures import fixed, pilot
+from polhode.enclosures.certify import certify
+from polhode.judging.reference import reference as reference_of
+from polhode.numbers import number_types
+from polhode.numbers.convert import exactly
+from polhode.numbers.number_types import NumberType
+from polhode.runs.integrate import integrate
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+
+NAME = "certified"
+QUESTION = (
+    "Does every closed form lie in its enclosure, how many digits are proven over time with and "
+    "without the integrals, what does a proof cost beside a run that proves nothing, and what is "
+    "the error of a run in double, proven?"
+)
+CONTAINED_STEPS = 60  # of a proof: how far each closed form is followed
+CONTAINED_DIGITS = 16
+QUICK_CONTAINED = (
+    "euler/separatrix",
+    "lagrange/nutation",
+    "pendulum/rotating",
+    "grioli/precession",
+)
+MOTIONS = (
+    *("general/asymmetric-regular", "general/asymmetric-chaotic"),
+    *("lagrange/nutation", "kovalevskaya/generic"),
+)
+TIMES = (1, 2, 5, 10, 20, 50, 100, 200, 500)
+QUICK_TIMES = (1, 2, 5, 10, 20)
+COSTED = ("general/asymmetric-regular", "lagrange/nutation", "kovalevskaya/generic")
+COST_DIGITS = (16, 30, 60)
+COST_END, QUICK_COST_END = 100, 5
+JUDGED = (1, 10, 100)
+
+_BUILT = "built: "
+
+Tick = Callable[[str], None]
+
+
+def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
+    """The study's results as a JSON object; only the seconds in it depend on the clock."""
+    say = tick or (lambda _: None)
+    contained = []
+    for name in QUICK_CONTAINED if quick else library.names():
+        scene = library.load(name)
+        if scene.times and closed_form(scene) is not None:
+            say(f"{NAME}: {name} in its enclosure")
+            contained.append(contained_in(replace(scene, reference="auto", outputs=())))
+    growth, cost, judged = [], [], []
+    for name in MOTIONS[1:3] if quick else MOTIONS:
+        say(f"{NAME}: {name} over time")
+        growth.append(_growth(name, QUICK_TIMES if quick else TIMES))
+        judged += _judged(name, JUDGED[:2] if quick else JUDGED)
+    for name in COSTED[1:2] if quick else COSTED:
+        for digits in COST_DIGITS[: 2 if quick else 3]:
+            say(f"{NAME}: price of {digits} digits of {name}")
+            cost.append(_cost(name, digits, QUICK_COST_END if quick else COST_END))
+    return {
+        "study": NAME,
+        "question": QUESTION,
+        "quick": quick,
+        "contained": contained,
+        "growth": growth,
+        "cost": cost,
+        "judged": judged,
+    }
+
+
+def contained_in(scene: Scene, digits: int = CONTAINED_DIGITS) -> dict[str, Any]:
+    """A closed form against its enclosure: |closed form - midpoint| over the radius, the worst."""
+    away = pilot.steps(fixed.motion(scene), scene.end)
+    last = scene.end * min(Fraction(1), Fraction(CONTAINED_STEPS) / Fraction(math.ceil(away) + 1))
+    times = [last * Fraction(k, 3) for k in (1, 2, 3)]
+    found = certify(scene, times, digits)
+    exact = reference_of(scene)
+    true = exact.at(times, 2 * digits + 20)
+    ratios = [
+        float(abs(exactly(x) - middle) / Fraction(radius))
+        for row, middles, radii in zip(true, found.centres, found.radii, strict=True)
+        for x, middle, radius in zip(row, middles, radii, strict=True)
+    ]
+    return {
+        "case": scene.name,
+        "reference": exact.kind,
+        "end": float(f"{float(last):.4g}"),
+        "ratio": float(f"{max(ratios):.2g}"),
+        "inside": max(ratios) <= 1.0,
+        "digits": round(found.proven, 2),
+        "tries": found.tries,
+    }
+
+
+def _growth(name: str, times: Sequence[int]) -> dict[str, Any]:
+    """Proven digits over time, with the first integrals and without, at one noise level each."""
+    scene = replace(library.load(name), outputs=())
+    found = certify(scene, times, CONTAINED_DIGITS)
+    without = certify(scene, times, CONTAINED_DIGITS, integrals=False)
+    # the radius is 2**-noise times what the motion makes of it
+    return {
+        "case": name,
+        "times": list(times),
+        "noise": found.noise,
+        "digits": [round(x, 2) for x in found.digits],
+        "lost": [round(found.noise * math.log10(2) - x, 2) for x in found.digits],
+        "lost_without": [round(without.noise * math.log10(2) - x, 2) for x in without.digits],
+    }
+
+
+def _cost(name: str, digits: int, end: int) -> dict[str, Any]:
+    """CPU seconds of a proof and of runs that prove nothing: the least of two, interleaved.
+
+    What a run to a thousandth of the time takes, mostly for building, is taken off.
+    """
+    scene = replace(library.load(name), outputs=())
+    proof = certify(scene, [1], digits)  # compiles
+    wanted = proof.noise
+    makers: dict[str, Callable[[], Any]] = {"proof": lambda: certify(scene, [end], digits)}
+    runs: dict[str, tuple[NumberType | str, str]] = {
+        f"mp, {wanted} bits": (NumberType("mp", wanted), "taylor")
+    }
+    if digits <= 16:
+        runs["double"] = ("double", "taylor")
+    if digits <= 33:
+        runs["quad"] = (number_types.QUAD, "taylor")
+        runs["quad, refined"] = (number_types.QUAD, "refined")
+    for label, (number, method) in runs.items():
+        makers[label] = _run(scene.at((end,)), number, method)
+        makers[_BUILT + label] = _run(scene.at((Fraction(end, 1000),)), number, method)
+        makers[label]()  # compiles
+    seconds = dict.fromkeys(makers, math.inf)
+    for _ in range(2):
+        for label, make in makers.items():
+            began = time.process_time()
+            found = make()
+            seconds[label] = min(seconds[label], time.process_time() - began)
+            if label == "proof":
+                proof = found
+    built = {label: seconds.pop(_BUILT + label) for label in runs}
+    for label in runs:
+        seconds[label] = max(seconds[label] - built[label], 1e-6)
+    return {
+        "case": name,
+        "digits": digits,
+        "end": end,
+        "proven": round(proof.proven, 2),
+        "noise": proof.noise,
+        "tries": proof.tries,
+        "steps": proof.steps,
+        "seconds": {label: float(f"{s:.3g}") for label, s in seconds.items()},
+        "last_try": float(f"{proof.seconds:.3g}"),
+    }
+
+
+def _run(scene: Scene, number: NumberType | str, method: str) -> Callable[[], Any]:
+    return lambda: integrate(scene, number, method=method, max_steps=10**6)
+
+
+def _judged(name: str, times: Sequence[int]) -> list[dict[str, Any]]:
+    """A run in double against the enclosure: its largest error at each time, and how sure it is."""
+    scene = replace(library.load(name), outputs=()).at(times)
+    run = integrate(scene, "double")
+    found = certify(scene, run.times, 20)
+    judged = []
+    for t, state, middles, radii in zip(times, run.states, found.centres, found.radii, strict=True):
+        errors = [abs(exactly(x) - m) for x, m in zip(state, middles, strict=True)]
+        worst = max(range(len(errors)), key=errors.__getitem__)
+        judged.append(
+            {
+                "case": name,
+                "t": t,
+                "column": scene.columns[worst],
+                "error": f"{float(errors[worst]):.6e}",
+                "uncertainty": f"{radii[worst]:.1e}",
+            }
+        )
+    return judged

@@ -1,0 +1,327 @@
+"""Attitude and angles as proven balls: closed forms, independent runs, faults, dropped terms."""
+
+from __future__ import annotations
+
+import random
+import statistics
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import fmpz, fmpz_poly
+
+import polhode
+from polhode.enclosures import attitude, conserved, fixed, march, quaternion, turn_series, windings
+from polhode.enclosures.quaternion import Turned, Turns
+from polhode.numbers.convert import exactly
+from polhode.numbers.number_types import NumberType
+from polhode.runs.integrate import integrate
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+from shared import enclosure_trials as trials
+from shared.mutation import without
+
+OUTPUTS = ("angles", "attitude")
+SOME = (
+    *("euler/turned-axes", "euler/separatrix-backward", "euler/fast-spin", "lagrange/nutation"),
+    *("hard/heavy-huge-units", "pendulum/about-second-axis"),
+)
+
+
+def _ratios(found: Any, attitudes: Any, angles: Any) -> list[float]:
+    """|truth - midpoint|/radius of every number that is known."""
+    ratios = []
+    for part, rows in ((found.attitude, attitudes), (found.angles, angles)):
+        for centres, radii, true in zip(part.centres, part.radii, rows, strict=True):
+            for x, r, y in zip(centres, radii, true, strict=True):
+                if x is not None:
+                    ratios.append(float(abs(x - exactly(y)) / Fraction(r)))
+    return ratios
+
+
+def _against_the_closed_form(name: str, digits: int) -> list[float]:
+    scene = replace(library.load(name), outputs=OUTPUTS)
+    steps = fixed.motion(scene)
+    away = -1 if scene.times[-1] < 0 else 1
+    times = [away * Fraction(t) * Fraction(2) ** steps.unit for t in ("1/3", "7", "19")]
+    found = polhode.certify(scene, at=times, digits=digits)
+    assert found.reached
+    exact = polhode.reference(scene)
+    wanted = 2 * digits + 20
+    return _ratios(found, exact.attitude(times, wanted), exact.angles(times, wanted))
+
+
+@pytest.mark.parametrize("name", SOME)
+def test_closed_forms_have_their_attitude_and_angles_inside(name: str) -> None:
+    assert max(_against_the_closed_form(name, 16)) <= 1.0
+
+
+@pytest.mark.campaign
+def test_every_closed_form_has_its_attitude_and_angles_inside() -> None:
+    ratios: list[float] = []
+    for name in library.names():
+        scene = library.load(name)
+        if scene.gamma is None or not scene.times:
+            continue
+        reference = polhode.reference(scene)
+        if reference.is_closed_form and reference.regime != "rest":
+            ratios += _against_the_closed_form(name, 16)
+    assert max(ratios) <= 1.0
+    assert statistics.median(ratios) > 1e-6
+
+
+def _random(rng: random.Random, kind: str, digits: int, longest: int) -> list[float]:
+    scene = replace(trials.random_scene(rng, kind), outputs=OUTPUTS)
+    times = [Fraction(rng.randrange(1, 1000), 1001) * longest, Fraction(longest)]
+    found = polhode.certify(scene, at=times, digits=digits)
+    assert found.reached
+    run = integrate(scene.at(times), NumberType("mp", 320), max_steps=10**6)
+    return _ratios(found, run.attitude, run.angles)
+
+
+@pytest.mark.slow
+def test_random_tops_have_their_attitude_and_angles_inside() -> None:
+    rng = random.Random(31)
+    ratios = _random(rng, "needle", 16, 5)
+    assert max(ratios) <= 1.0
+    assert statistics.median(ratios) > 1e-6
+
+
+@pytest.mark.campaign
+def test_many_random_tops_have_their_attitude_and_angles_inside() -> None:
+    rng = random.Random(32)
+    ratios: list[float] = []
+    for n in range(110):
+        kind = trials.KINDS[n % len(trials.KINDS)]
+        ratios += _random(rng, kind, rng.choice((8, 16, 30)), rng.choice((2, 10, 30)))
+    assert max(ratios) <= 1.0
+
+
+# -- one term alone, and without it ----------------------------------------------------------
+
+
+def _turn(scene: Scene, problem: Any, last: int, approximate: Any) -> tuple[list[Any], float]:
+    """The midpoint of the turn since the start, in principal axes, and its claimed error."""
+    motion = fixed.motion(replace(scene, outputs=("attitude",)))
+    times = [fixed.ball(Fraction(last), 400)]
+    watch = attitude.Watch(motion, problem, times, approximate, False)
+    march.run(problem, times, conserved.prepared(motion, 400), watchers=[watch])
+    centre = [Fraction(int(x), 1 << problem.fine) for x in watch._turned.centre]
+    return centre, watch._turned.radius * 2.0**-problem.noise
+
+
+def _off(centre: Sequence[Fraction], true: Sequence[Fraction]) -> float:
+    return float(sum((x - y) ** 2 for x, y in zip(centre, true, strict=True))) ** 0.5
+
+
+SPHERE = Scene(
+    polhode.Body.of_moments((1, 1, 1), (0, 0, 1), 0),
+    (0, 0, Fraction(1, 2)),
+    (0, Fraction(3, 5), Fraction(4, 5)),
+)
+
+
+def _of_the_sphere(rate: Fraction, last: int) -> list[Fraction]:
+    """(cos, 0, 0, sin) of half the angle."""
+    import mpmath
+
+    with mpmath.workprec(500):
+        half = mpmath.mpf(rate.numerator) / rate.denominator * last / 2
+        return [exactly(mpmath.cos(half)), Fraction(0), Fraction(0), exactly(mpmath.sin(half))]
+
+
+def _wrong_start(sharp: Any, noise: int) -> Any:
+    rows, level = turn_series.approximate(sharp, noise)
+    bent = [[x + (fmpz(1) << (level - 40)) * (k == 3) for k, x in enumerate(row)] for row in rows]
+    return bent, level
+
+
+def _wrong_slope(sharp: Any, noise: int) -> Any:
+    rows, level = turn_series.approximate(sharp, noise)
+    by = fmpz_poly([0, fmpz(1) << (level - 40)])
+    return [[x + by * (k == 3) for k, x in enumerate(row)] for row in rows], level
+
+
+def _by_a_fault(approximate: Any) -> float:
+    problem = fixed.problem(fixed.motion(SPHERE), 90)
+    centre, claimed = _turn(SPHERE, problem, 4, approximate)
+    return _off(centre, _of_the_sphere(Fraction(1, 2), 4)) / claimed
+
+
+def _by_the_state() -> float:
+    """The start is a box and the truth at its edge: the turn is off by what w is."""
+    problem = fixed.problem(fixed.motion(SPHERE), 90)
+    unit = fixed.motion(SPHERE).unit
+    ticks = 1 << (problem.fine - 50)
+    start = (*problem.start[:2], problem.start[2] + ticks, *problem.start[3:])
+    boxed = replace(problem, start=start, spread=(0.0, 0.0, 2.0**40, 0.0, 0.0, 0.0))
+    centre, claimed = _turn(SPHERE, boxed, 4, turn_series.approximate)
+    assert unit == 0
+    return _off(centre, _of_the_sphere(Fraction(1, 2), 4)) / claimed
+
+
+def _by_rounding() -> float:
+    """Products of exact quaternions, of which only the rounding of each is charged."""
+    rng = random.Random(5)
+    problem = fixed.problem(fixed.motion(SPHERE), 90)
+    turned, true = Turned(problem), [Fraction(1), Fraction(0), Fraction(0), Fraction(0)]
+    for _ in range(30):
+        a, b, c = (rng.randrange(-9, 9) for _ in range(3))
+        size = a * a + b * b + c * c  # the square of 1 + (a, b, c) has rational length
+        level = 60
+        unit = [Fraction(1 - size, 1 + size), *(Fraction(2 * x, 1 + size) for x in (a, b, c))]
+        v = [round(x * 2**level) for x in unit]
+        turned.step(Turns([[fmpz_poly([x]) for x in v]], level, np.zeros(1)), 0)
+        true = quaternion.product(true, [Fraction(x, 2**level) for x in v])
+    centre = [Fraction(int(x), 1 << problem.fine) for x in turned.centre]
+    return _off(centre, true) / (turned.radius * 2.0**-problem.noise)
+
+
+TERMS: list[tuple[str, Any, tuple[Any, str, str, str]]] = [
+    ("defect", lambda: _by_a_fault(_wrong_slope), (quaternion, "turns", "+ defect", "")),
+    ("v(0)", lambda: _by_a_fault(_wrong_start), (quaternion, "turns", "begin +", "")),
+    ("w", _by_the_state, (quaternion, "turns", "* off)", "* 1e-20)")),
+    ("rounding", _by_rounding, (quaternion, "Turned.step", "+ lost)", ")")),
+    (
+        "radius carried",
+        lambda: _by_a_fault(_wrong_slope),
+        (quaternion, "Turned._after", "(self.radius + grown", "(0.0 * self.radius + grown"),
+    ),
+]
+
+
+@pytest.mark.parametrize("term", [row[0] for row in TERMS])
+def test_one_term_alone_is_enough_not_slack_and_noticed_when_dropped(term: str) -> None:
+    _, motion, change = next(row for row in TERMS if row[0] == term)
+    assert 1e-3 <= motion() <= 1.0
+    with without(*change):
+        assert motion() > 1.0
+
+
+def test_no_fault_in_the_approximated_turn_makes_a_wrong_attitude() -> None:
+    rng = random.Random(33)
+    scene = replace(trials.random_scene(rng, "generic"), outputs=OUTPUTS)
+    run = integrate(scene.at((2,)), NumberType("mp", 320), max_steps=10**6)
+    true = [exactly(x) for x in run.attitude[0]]
+    motion = fixed.motion(scene)
+    times = fixed.times(motion, [Fraction(2)])
+    spoiled = 0
+    for _ in range(24):
+
+        def faulty(sharp: Any, noise: int) -> Any:
+            rows, level = turn_series.approximate(sharp, noise)
+            rows = [list(row) for row in rows]
+            n, k = rng.randrange(len(rows)), rng.randrange(4)
+            power, size = rng.randrange(sharp.near.shape[1]), rng.randrange(level + 2)
+            rows[n][k] += fmpz_poly([0] * power + [fmpz(rng.choice((-1, 1))) << size])
+            return rows, level
+
+        problem = fixed.problem(motion, rng.choice((60, 90, 126)))
+        watch = attitude.Watch(motion, problem, times, faulty, True)
+        march.run(problem, times, watchers=[watch])
+        pose = watch.poses[0]
+        ratios = trials.ratios([pose.quaternion], [true])
+        assert max(ratios) <= 1.0
+        spoiled += float(pose.quaternion[0].rad()) > 2.0 ** (20 - problem.noise)
+    assert spoiled >= 5
+
+
+# -- turns ------------------------------------------------------------------------------------
+
+
+def _around(turns: float, size: float) -> Any:
+    """A complex number that goes round 0, as psi and as phi."""
+
+    def at(nodes: Any) -> Any:
+        path = size * np.exp(2j * np.pi * turns * nodes)
+        return np.array([path, path.conj()])
+
+    return at
+
+
+def test_turns_are_counted_however_many_there_are_in_a_step() -> None:
+    followed = windings.Followed(1.0, 2.0, True)
+    speed = 2 * np.pi * 20 * 0.01
+    found = followed.step(_around(20, 0.01), 1.0, speed, 0.0, np.array([0.5, 1.0]))
+    true = [[1 + 20 * np.pi, 2 - 20 * np.pi], [1 + 40 * np.pi, 2 - 40 * np.pi]]
+    assert np.max(np.abs(found - true)) < 1e-12
+    with without(windings, "Followed.step", "1.01 * length * speed", "0.0"):
+        followed = windings.Followed(1.0, 2.0, True)
+        missed = followed.step(_around(20, 0.01), 1.0, speed, 0.0, np.array([1.0]))
+        assert abs(missed[0][0] - 1 - 40 * np.pi) > 1
+
+
+def test_a_passage_through_a_pole_loses_psi_and_phi_for_good() -> None:
+    followed = windings.Followed(0.0, 0.0, True)
+
+    def through(nodes: Any) -> Any:
+        return np.array([nodes - 1 / 3 + 0j, nodes + 1 + 0j])
+
+    assert followed.step(through, 1.0, 1.0, 0.0, np.array([1.0])) is None
+    assert followed.step(_around(1, 0.5), 1.0, 4.0, 0.0, np.array([1.0])) is None
+
+
+def test_doubt_adds_up_until_the_turns_are_lost() -> None:
+    followed = windings.Followed(0.0, 0.0, True)
+    for _ in range(20):
+        if followed.step(_around(0.1, 0.5), 1.0, 0.4, 1e-3, np.array([1.0])) is None:
+            break
+    assert not followed.known
+
+
+@pytest.mark.parametrize(
+    ("side", "third"), [(1, "1"), pytest.param(-1, "-1", marks=pytest.mark.slow)]
+)
+def test_a_start_at_a_pole_is_left_as_a_run_leaves_it(side: int, third: str) -> None:
+    body = polhode.Body.of_moments((2, Fraction(3, 2), 1), (0, 1, Fraction(1, 2)), 1)
+    omega = (Fraction(-1, 2), Fraction(1, 3), Fraction(2))
+    scene = Scene(body, omega, (0, 0, Fraction(third)), psi=Fraction(4, 5), outputs=OUTPUTS)
+    times = [side * t for t in (Fraction(1, 100), 1, 4)]
+    found = polhode.certify(scene, at=[0, *times], digits=15)
+    assert found.angles is not None
+    assert found.angles.centres[0][0] is None is found.angles.centres[0][2]
+    run = integrate(scene.at(times), NumberType("mp", 320))
+    apart = replace(
+        found,
+        angles=found.angles._replace(
+            centres=found.angles.centres[1:], radii=found.angles.radii[1:]
+        ),
+        attitude=found.attitude._replace(  # type: ignore[union-attr]
+            centres=found.attitude.centres[1:],  # type: ignore[union-attr]
+            radii=found.attitude.radii[1:],  # type: ignore[union-attr]
+        ),
+    )
+    assert None not in [x for row in apart.angles.centres for x in row]  # type: ignore[union-attr]
+    assert max(_ratios(apart, run.attitude, run.angles)) <= 1.0
+
+
+def test_a_body_that_stays_at_a_pole_has_theta_alone() -> None:
+    body = polhode.Body.of_moments((2, 2, 1), (0, 0, 1), 1)
+    scene = Scene(body, (0, 0, 5), (0, 0, 1), outputs=OUTPUTS)
+    found = polhode.certify(scene, at=[2], digits=15)
+    assert found.angles is not None
+    assert found.angles.centres[0][0] is None is found.angles.centres[0][2]
+    with pytest.raises(polhode.BadInput, match="psi and phi are lost"):
+        polhode.Certified(scene).angles([2], 15)
+
+
+def test_digits_asked_for_are_those_of_angles_and_attitude_too() -> None:
+    scene = replace(polhode.load("general/asymmetric-regular"), outputs=OUTPUTS)
+    found = polhode.certify(scene, at=[30], digits=20)
+    assert found.tries == 1
+    assert found.angles is not None
+    assert found.attitude is not None
+    assert 20 <= min(*found.angles.digits, *found.attitude.digits) == found.fewest < found.proven
+
+
+def test_a_run_is_judged_by_a_certified_attitude() -> None:
+    scene = replace(
+        polhode.load("general/asymmetric-regular"), outputs=OUTPUTS, reference="certified"
+    )
+    judged = polhode.compare(polhode.integrate(scene, at=[5, 10]), scene)
+    assert set(judged.parts) == {"angles", "attitude"}
+    assert all(13 < digits < 16.5 for digits in judged.parts.values())
+    assert judged.notes == ()

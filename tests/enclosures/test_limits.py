@@ -1,0 +1,139 @@
+"""Proofs that are stopped: what was proven until then is kept, and said to be that."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+import polhode
+from polhode import cli
+from polhode.enclosures import march
+from polhode.taylor.outcomes import Outcome
+
+SCENE = "general/asymmetric-regular"
+EVENTS = """
+[[events]]
+name = "level"
+zero = "gamma3 - 9/10"
+"""
+
+
+class _Clock:
+    """A clock that passes a second at each look."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def monotonic(self) -> float:
+        self.now += 1.0
+        return self.now
+
+    def process_time(self) -> float:
+        return 0.0
+
+
+def _stop(fraction: float, _: int) -> None:
+    if fraction > 0.3:
+        raise KeyboardInterrupt
+
+
+def test_what_was_proven_until_an_interruption_is_kept() -> None:
+    whole = polhode.certify(SCENE, at=[1, 5, 60], digits=15)
+    found = polhode.certify(SCENE, at=[60, 1, 5], digits=15, progress=_stop)
+    assert found.outcome is Outcome.INTERRUPTED
+    assert not found.reached
+    assert found.times == (1, 5)
+    assert found.centres == whole.centres[:2]
+    assert "interrupted" in repr(found)
+
+
+def test_a_limit_on_the_time_stops_between_windows(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = polhode.certify(SCENE, at=[1, 300], digits=15)
+    monkeypatch.setattr(march, "time", _Clock())
+    monkeypatch.setattr("polhode.enclosures.certify.time", _Clock())
+    found = polhode.certify(SCENE, at=[1, 300], digits=15, max_seconds=3)
+    assert found.outcome is Outcome.TIME_LIMIT
+    assert found.times == (1,)
+    assert found.centres[0] == whole.centres[0]
+    with pytest.raises(polhode.BadInput, match="max_seconds = -1: expected a number above 0"):
+        polhode.certify(SCENE, at=[1], max_seconds=-1)
+
+
+def test_a_proof_stopped_before_the_first_time_has_no_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(march, "time", _Clock())
+    monkeypatch.setattr("polhode.enclosures.certify.time", _Clock())
+    found = polhode.certify(SCENE, at=[300], digits=15, max_seconds=2)
+    assert found.times == found.centres == found.digits == ()
+    assert repr(found) == f"<Enclosure of {SCENE}: 0 times, time limit>"
+
+
+def test_the_cost_is_foretold_once_and_grows_with_time_and_digits() -> None:
+    told: list[float] = []
+    polhode.certify(SCENE, at=[1], digits=15, forecast=told.append)
+    polhode.certify(SCENE, at=[2], digits=15, forecast=told.append)
+    polhode.certify(SCENE, at=[2], digits=30, forecast=told.append)
+    assert len(told) == 3
+    assert 0 < told[0] < 0.7 * told[1] < 0.4 * told[2]
+
+
+def test_events_after_an_interruption_are_undecided() -> None:
+    from dataclasses import replace
+
+    scene = replace(polhode.load(SCENE), events=(polhode.Event("level", "gamma3 - 9/10"),))
+    (whole,) = polhode.certify_events(scene, end=60)
+    (found,) = polhode.certify_events(scene, end=60, progress=_stop)
+    assert whole.proven
+    assert not found.proven
+    begin, end = found.undecided[-1]
+    assert 0 < begin < 60 == end
+    assert 0 < len(found.times) < len(whole.times)
+    assert all(t.time + Fraction(t.radius) <= begin + 1e-9 for t in found.times)
+    before = [t for t in whole.times if float(t.time) < begin - 1e-6]
+    assert [round(float(t.time), 12) for t in found.times] == [
+        round(float(t.time), 12) for t in before
+    ]
+
+
+def test_the_command_line_prints_what_is_proven(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = ("reference", SCENE, "--certified", "--digits", "15", "--at", "1,300", "--json")
+    monkeypatch.setattr(march, "time", _Clock())
+    monkeypatch.setattr("polhode.enclosures.certify.time", _Clock())
+    assert cli.main((*asked, "--max-seconds", "3")) == 3
+    out, err = capsys.readouterr()
+    answer = json.loads(out)
+    assert answer["outcome"] == "time limit"
+    assert answer["times"] == ["1"]
+    assert "1 of 2 times: the end needs more seconds" in err
+
+
+def test_angles_attitude_and_events_on_the_command_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "watched.toml"
+    path.write_text(polhode.load(SCENE).source + EVENTS, encoding="utf-8")
+    options = ("--certified", "--digits", "15", "--at", "2,8", "--outputs", "angles,attitude")
+    assert cli.main(("reference", str(path), *options, "--events", "--json")) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert min(answer["angles_digits_proven"] + answer["attitude_digits_proven"]) >= 15
+    (event,) = answer["events"]
+    assert event["proven"] is True
+    assert len(event["times"]) == len(event["radii"]) > 0
+    run = polhode.integrate(str(path), "quad", at=[8], method="taylor")
+    for text, radius, t in zip(event["times"], event["radii"], run.events[0].times, strict=True):
+        unit = Fraction(1, 10 ** len(text.partition(".")[2]))
+        assert abs(Fraction(text) - t) <= Fraction(float(radius)) + unit
+
+
+@pytest.mark.parametrize("option", [("--events",), ("--max-seconds", "3"), ("--max-steps", "9")])
+def test_options_of_a_proof_are_refused_without_one(
+    option: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(("reference", "kovalevskaya/generic", "--at", "1", *option)) == 2
+    assert "--certified with it" in capsys.readouterr().err
+    assert cli.main(("reference", SCENE, "--certified", "--events", "--at", "1")) == 2
+    assert "given in the scene" in capsys.readouterr().err
