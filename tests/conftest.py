@@ -16,3 +16,18 @@ def callers_precision() -> Iterator[None]:
     """
     with mpmath.workprec(6000):
         yield
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """``sample(n)``: n cases of the test, evenly spread, are fast; the others are slow."""
+    cases: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        if item.get_closest_marker("sample") and not item.get_closest_marker("slow"):
+            cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for those in cases.values():
+        count = those[0].get_closest_marker("sample").args[0]
+        kept = {len(those) * k // count for k in range(count)}
+        for k, item in enumerate(those):
+            if k not in kept and len(those) > count:
+                item.add_marker(pytest.mark.slow)

@@ -136,6 +136,7 @@ def exact_numbers() -> dict[str, object]:
     return top.EulerTop(scene.body.moments, scene.omega, scene.gamma)._numbers
 
 
+@pytest.mark.sample(8)
 @pytest.mark.parametrize("which", sorted(exact_numbers()))
 def test_each_corrupted_number_of_the_closed_form_fails(which, monkeypatch):
     """Every exact number that the Euler top's closed form uses, changed by 1e-20 of itself."""

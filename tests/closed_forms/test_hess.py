@@ -90,6 +90,7 @@ def off(start, times=TIMES, digits=40, attitudes=False):
     return checks.off(top, start, times, digits, attitudes)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_every_regime_agrees_with_a_taylor_run_state_and_attitude(name):
     regime, found = MOTIONS[name][2], top(*named(name)).regime

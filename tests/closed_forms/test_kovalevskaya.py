@@ -139,6 +139,7 @@ def test_fifty_digit_data(case):
         assert mpf(10) ** -60 < distance(rows, right) < mpf(10) ** -49
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", GENERIC)
 def test_each_type_against_an_independent_integration(name):
     top = top_of(*GENERIC[name])
@@ -149,6 +150,7 @@ def test_each_type_against_an_independent_integration(name):
     assert in_band(distance(top.at(back, 45), true_rows(*GENERIC[name], back, 47)), 45)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", BRANCH_POINTS)
 def test_starts_on_and_near_branch_points(name):
     omega, gamma, regime = BRANCH_POINTS[name]
@@ -181,6 +183,7 @@ def test_one_frequency_motions(name):
             assert in_band(abs(turn - 1), 40, 10)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", DEGENERATE)
 def test_motions_on_a_degenerate_curve(name):
     omega, gamma, regime = DEGENERATE[name]
@@ -199,6 +202,7 @@ def test_asymptotic_motion_says_how_far_it_goes():
     assert in_band(distance(one, other), 20)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("gap", [3, 10, 20])
 @pytest.mark.parametrize("name", ["isolated node", "node reached", "Delaunay", "hanging"])
 def test_next_to_a_degenerate_motion(name, gap):
@@ -262,6 +266,7 @@ RATIONAL = ((F(1), F(2), F(2)), (F(2), F(-2), F(1)), (F(2), F(1), F(-2)))
 IRRATIONAL = ((F(1), F(1), F(0)), (F(-1), F(1), F(0)), (F(0), F(0), F(1)))
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("third", range(3))
 @pytest.mark.parametrize("torque", [("3/5", "4/5"), (1, 1), (0, "-3/2"), (-2, "1/3")])
 def test_labellings_and_centres(third, torque):
@@ -445,6 +450,7 @@ def test_a_corrupted_start_is_outside_the_band():
     assert not in_band(distance(wrong, right), 45)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["-e+ (complex pair)", "Delaunay"])
 def test_attitude_and_angles(name):
     omega, gamma = (GENERIC | SPECIAL)[name][:2]
@@ -600,6 +606,7 @@ def test_images_of_complex_points_are_integrals(name, ends):
             assert abs(other[k] - one[k] - grown) < mpf("1e-40")
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", GENERIC)
 def test_attitude_of_every_type_as_theta_quotients(name):
     omega, gamma = map(fractions, GENERIC[name])

@@ -80,6 +80,7 @@ def test_which_bodies_fit(moments, torque, fit):
             LagrangeTop(fractions(moments), fractions(torque), fractions((0, 0, 1)), GAMMA)
 
 
+@pytest.mark.sample(20)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_two_precisions_agree(name):
     top, times = top_of(name), [F(0), F(7, 3), F(-11), F(10**4), F(-(10**12))]
@@ -93,6 +94,7 @@ def test_two_precisions_agree(name):
                 assert mpf(10) ** (-low - 25) < error < mpf(10) ** -low
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
@@ -107,6 +109,7 @@ def test_1000_digits(name):
     assert mpf(10) ** -1015 < error < mpf(10) ** -1000
 
 
+@pytest.mark.sample(20)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_equations_are_satisfied(name):
     step = F(1, 10 ** (46 if name in FAST else 40))
@@ -119,6 +122,7 @@ def test_equations_are_satisfied(name):
     assert max(errors) == 0 if name in CONSTANT else max(errors) > mpf(10) ** -185
 
 
+@pytest.mark.sample(14)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_independent_integration_agrees(name):
     moments, torque, omega, gamma = motion(name)
@@ -156,6 +160,7 @@ def test_stored_values(case):
             assert abs(mpf(psi) - row[0]) < mpf(10) ** -49
 
 
+@pytest.mark.sample(8)
 @pytest.mark.parametrize("name", ["nutation", "upper pole", "homoclinic", "cusped"])
 @pytest.mark.parametrize("field", ["rate", "v0", "al", "bt", "xi"])
 def test_a_coefficient_off_by_1e_20_is_seen(name, field, monkeypatch):
@@ -192,6 +197,7 @@ def test_a_coefficient_off_by_1e_20_is_seen(name, field, monkeypatch):
     assert mpf(10) ** -24 < error < mpf(10) ** -18
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("axis", [0, 1, 2])
 @pytest.mark.parametrize("side", [1, -1])
 def test_every_labelling_and_every_sign(axis, side):
@@ -208,6 +214,7 @@ def test_every_labelling_and_every_sign(axis, side):
         assert mpf(10) ** -32 < distance(taylor, closed) < mpf(10) ** -20
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "name", ["nutation", "upper pole", "cusped", "first axis", "homoclinic", "sphere"]
 )
@@ -266,6 +273,7 @@ def verticals(draw):
     return tuple(row[i] for i in draw(st.permutations(range(3))))
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(
     st.integers(0, 2),

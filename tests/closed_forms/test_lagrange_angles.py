@@ -55,6 +55,7 @@ def test_angles_are_those_of_the_attitude(name):
             assert abs(angles[0][2] - phi) < mpf(10) ** -50
 
 
+@pytest.mark.sample(14)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_quaternion_never_changes_sign(name):
     """Samples so close that the quaternion moves by less than 0.2."""
@@ -65,6 +66,7 @@ def test_quaternion_never_changes_sign(name):
     assert rows[count // 2][0] >= 0
 
 
+@pytest.mark.sample(14)
 @pytest.mark.parametrize("name", SMOOTH)
 @pytest.mark.parametrize("end", [F(11), F(-11)])
 def test_psi_and_phi_count_their_turns(name, end):
@@ -75,6 +77,7 @@ def test_psi_and_phi_count_their_turns(name, end):
     assert abs(phi - phi0 - more_phi) < 1e-11
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["nutation", "looping", "cusped", "first axis", "sphere"])
 def test_psi_is_the_integral_of_its_rate(name):
     moments, torque, omega, gamma = motion(name)
@@ -185,6 +188,7 @@ def exact_period(top):
     return exact.binary(int(period.man), int(period.exp)), period
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "name", ["nutation", "looping", "cusped", "spherical pendulum", "near cusp 1e-15", "needle"]
 )

@@ -192,6 +192,7 @@ def test_equations_are_satisfied(name):
     assert error > mpf(10) ** -185 if name in MOVING else error < mpf(10) ** -195
 
 
+@pytest.mark.sample(8)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_independent_integration_agrees(name):
     moments, torque, omega, gamma = data(name)
@@ -475,6 +476,7 @@ def irrational_axes():
     return ((c, s * u, s * v), (-s, c * u, c * v), (F(0), -v, u))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "name", ["libration", "rotation", "separatrix", "released", "around axis 3"]
 )

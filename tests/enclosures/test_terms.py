@@ -74,6 +74,7 @@ DROPPED: list[tuple[str, Callable[[], list[float]], tuple[Any, str, str, str]]] 
 _SEEN: dict[str, list[float]] = {}
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("motion", sorted({row[1].__name__ for row in DROPPED}))
 def test_one_term_alone_is_enough_and_not_slack(motion: str) -> None:
     found = getattr(terms, motion)()

@@ -54,6 +54,7 @@ def same(one: polhode.Trajectory, other: polhode.Trajectory) -> float:
     return worst_digits(one.states, other.states, other.scene, other.number.most_digits)
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("motion", fast(MOTIONS, "irrational"))
 @pytest.mark.parametrize("name", OTHERS)
 def test_every_form_gives_38_of_40_digits_at_t_10(name, motion, trusted):
@@ -88,12 +89,14 @@ def test_every_form_gives_38_of_40_digits_in_the_library(case):
     assert all("has no moment" in text for _, text in told)
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("name", OTHERS)
 def test_backward_runs_agree(name):
     one = polhode.integrate(replace(TURNED, form=name), "quad", at=[-3])
     assert 31 <= same(one, polhode.integrate(TURNED, "quad", at=[-3])) <= 34.1
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("number", ["double", "extended"])
 @pytest.mark.parametrize("name", ["momentum", "lagrangian", "omega-only"])
 def test_states_are_read_out_in_more_precision_than_the_run_has(name, number):
@@ -135,6 +138,7 @@ def test_the_general_form_of_a_body_turned_rationally_gives_the_turned_states():
     assert 0 < worst < 1e-39
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("name", FORMS)
 @pytest.mark.parametrize("exponent", fast([-40, 7], 7))
 def test_scaling_by_powers_of_two_changes_no_bit(name, exponent):
@@ -173,6 +177,7 @@ def swinging_over(form: str) -> Scene:
     return Scene(body, (3, 0, 0), (0, F(3, 5), F(4, 5)), form=form)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("number", ["double", "quad"])
 @pytest.mark.parametrize("name", IN_ANGLES)
 def test_a_pole_passed_is_an_outcome_that_names_the_form_to_use_instead(name, number):

@@ -141,6 +141,7 @@ def test_hamiltons_equations_hold_for_the_hamiltonian(scene):
         assert close(rates[3:], [-slope(energy, values, i) for i in range(3)])
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("kind", KINDS)
 @given(data=st.data())
 @settings(max_examples=6, deadline=None)
@@ -308,6 +309,7 @@ REGULAR = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "motion",
     [motion if motion == "asymmetric" else pytest.param(motion, marks=slow) for motion in REGULAR],
@@ -343,6 +345,7 @@ def in_double(form, scene):
         return max(abs(a - b) for a, b in zip(rows[0], exact, strict=True)), run.steps
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["lagrangian", "hamiltonian"])
 def test_double_loses_the_digits_of_the_miss_in_passing_a_pole(name):
     """The error grows as eps over the miss; measured 0.1 to 20 times that."""
@@ -416,6 +419,7 @@ def test_nothing_that_vanishes_is_compiled():
 # As a scene asks for it.
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", FORMS)
 def test_a_turned_body_gives_the_states_of_the_principal_form(name):
     found = trials.both_runs(name)
@@ -432,6 +436,7 @@ def test_a_run_that_meets_the_pole_says_so(name):
     assert len(run.states) == 1
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", FORMS)
 def test_angles_and_attitude_come_out_as_in_the_principal_form(name):
     scene = replace(REGULAR_START, times=(F(1), F(5)), outputs=("angles", "attitude"))

@@ -259,6 +259,7 @@ def test_a_run_that_meets_the_singular_set_says_so(name):
     assert len(run.states) == 0
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", FORMS)
 def test_a_turned_body_gives_the_states_of_the_principal_form(name):
     found = trials.both_runs(name)

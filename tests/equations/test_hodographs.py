@@ -102,6 +102,7 @@ def test_the_body_hodograph_is_the_states_own_numbers():
 # -- rolling ------------------------------------------------------------------------------------
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("name", TOPS)
 def test_the_hodographs_roll_on_each_other(name, number):
@@ -149,6 +150,7 @@ def test_omega_rate_is_the_form_that_is_integrated():
 # -- classic facts ------------------------------------------------------------------------------
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("name", ["euler/largest-axis", "euler/separatrix", "euler/turned-axes"])
 def test_the_herpolhode_lies_in_the_invariable_plane(name, number):

@@ -219,6 +219,7 @@ def trajectory(tmp_path):
     return path
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("what", ["angles", "hodographs", "sphere", "integrals", "error"])
 def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path, trajectory, what):
     own = [] if what in ("angles", "hodographs", "sphere") else ["--scene", TOP]

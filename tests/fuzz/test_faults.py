@@ -52,6 +52,7 @@ WRITTEN = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("work", [*WRITTEN])
 def test_a_full_disk_is_one_line_and_leaves_nothing(work, tmp_path):
     """As a limit on the size of files, which the system meets with the same kind of fault."""

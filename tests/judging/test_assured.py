@@ -37,6 +37,7 @@ def test_the_first_choice_suffices_on_a_separatrix(monkeypatch):
     assert 15 <= run.correct_digits < 15 + 8
 
 
+@pytest.mark.slow
 def test_a_run_that_is_short_is_made_again(monkeypatch):
     monkeypatch.setattr(assured, "needed", lambda *_: assured.Need(0.0, 1000.0))
     run = polhode.integrate("euler/separatrix", digits=15, at=[400])

@@ -92,6 +92,7 @@ SCENES = {
 }
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_kappa_is_that_of_perturbed_motions(name):
     scene = SCENES[name]()

@@ -24,6 +24,7 @@ def ulps(a, b, number) -> float:
     return max(float(abs(exactly(x) - exactly(y)) / number.eps) for x, y in pairs)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("end", ["20", "-20"])
 def test_output_times_come_back_to_the_bit(number, end):

@@ -37,6 +37,7 @@ def ulps(a, b, number) -> float:
 # -- each member is its own run -------------------------------------------------------------------
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("end", ["9", "-9"])
 def test_members_are_the_runs_of_their_scenes(number, end):

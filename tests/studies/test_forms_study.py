@@ -26,6 +26,7 @@ def test_every_form_stands_in_every_motion_with_its_digits(found):
             assert run["steps"] > 100
 
 
+@pytest.mark.slow
 def test_page_and_figure_are_made_from_the_json_alone(found):
     text = markdown(page.TITLE, page.blocks(found))
     assert all(f"| {form} | {found['sources'][form]} |" in text for form in FORMS)

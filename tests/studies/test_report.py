@@ -60,9 +60,8 @@ def test_every_case_stands_in_a_table_of_the_page(name):
         assert case["case"] in cells or f"`{case['case']}`" in page, case["case"]
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in COMPARED]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", COMPARED)
 def test_a_quick_study_agrees_with_the_committed_one(name, tmp_path):
     """Digits within one across machines and versions; outcomes, counts and verdicts the same."""
     report.write_study(name, tmp_path, quick=True)
@@ -204,6 +203,7 @@ def test_pages_are_made_from_the_results_alone(tmp_path, monkeypatch):
     assert {path: path.read_text() for path in paths} == texts
 
 
+@pytest.mark.slow
 def test_one_study_leaves_the_others_as_they_are(tmp_path, monkeypatch):
     studies = Studies(monkeypatch)
     report.write_report(tmp_path, tick=print)

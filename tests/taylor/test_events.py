@@ -56,6 +56,7 @@ def ulp(t: Fraction, bits: int) -> Fraction:
 # -- where and how often ----------------------------------------------------------------------
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize(
     ("name", "end", "texts"),
@@ -289,6 +290,7 @@ def test_a_touch_at_the_start_is_no_event():
 # -- refusals ---------------------------------------------------------------------------------
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("name", "zero", "words"),
     [

@@ -143,6 +143,7 @@ def test_no_case_loses_digits(name):
         assert often > bare - LOSES.get(name, 0.5)
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize(
     "name",
     [

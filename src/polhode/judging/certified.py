@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from polhode.common.arguments import whole
 from polhode.common.errors import BadInput
 from polhode.numbers.convert import exact_number
 from polhode.numbers.exact import Exact
@@ -65,11 +66,9 @@ class Certified:
         """The balls themselves; the last request is also told in ``agreement``."""
         from polhode.enclosures.certify import MOST_DIGITS, certify  # a closed form needs no heyoka
 
+        digits = whole(self.scene.name, "digits", digits, 1, MOST_DIGITS)
         key = (tuple(exact_number(t) for t in times), digits, outputs)
         if key not in self._known:
-            if digits > MOST_DIGITS:
-                expected = f"at most {MOST_DIGITS} digits, or reference.kind = two-precisions"
-                raise BadInput(self.scene.name, "reference digits", digits, expected)
             found = certify(replace(self.scene, outputs=outputs), key[0], digits)
             if not found.outcome.done:
                 raise KeyboardInterrupt
