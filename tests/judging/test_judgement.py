@@ -195,7 +195,7 @@ def test_a_closed_form_is_enclosed_where_a_scene_asks_for_that():
 
 def test_more_digits_than_an_enclosure_gives_are_refused():
     scene = polhode.load("general/asymmetric-regular")
-    with pytest.raises(polhode.BadInput, match="at most 250 digits"):
+    with pytest.raises(polhode.BadInput, match="a whole number, 1 to 250"):
         polhode.Certified(scene).at([1], 300)
 
 
