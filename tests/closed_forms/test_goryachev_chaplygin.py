@@ -293,6 +293,20 @@ def test_elliptic_angles_change_nothing_but_the_length():
     assert off(near, (F(3),), 25) < mpf("1e-22")
 
 
+@pytest.mark.parametrize("unit", [F(2) ** 60, F(2) ** -60])
+@pytest.mark.parametrize("name", ["whole", "rotation"])
+def test_the_same_motion_in_other_units_of_time(name, unit):
+    """So far on that phases cost more bits than the guard has."""
+    omega, gamma, torque, _ = named(name)
+    times = [F(10**28), F(-(10**28))]
+    plain = top(omega, gamma, torque).at(times, 20)
+    quick = tuple(unit * x for x in omega), gamma, tuple(unit * unit * x for x in torque)
+    for row, scaled in zip(plain, top(*quick).at([t / unit for t in times], 20), strict=True):
+        with mpmath.workdps(40):
+            back = [*(x / number(unit) for x in scaled[:3]), *scaled[3:]]
+        assert largest(row, back) < mpf("1e-20") * 4
+
+
 @pytest.mark.parametrize("name", ["low", "libration", "standing pi"])
 def test_angles_are_continuous(name):
     found = top(*named(name))
