@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 
 from polhode.closed_forms import families
+from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.hess import axes, conditions, explicit, general, series
+from polhode.closed_forms.hess.doubles import DoubleGeneral
 from polhode.closed_forms.hess.top import HessTop
 from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.common.errors import BadInput
@@ -231,6 +233,19 @@ def test_angles_are_continuous(name):
     grown = unwound(found, F(1, 10), F(25), 300)
     assert abs(psi_1 - psi - grown[0]) < mpf("1e-11")
     assert abs(phi_1 - phi - grown[1]) < mpf("1e-11")
+
+
+def test_the_general_motion_in_doubles_is_that_of_any_precision():
+    omega, gamma, _ = MOTIONS["general"]
+    found = top(omega, gamma)
+    path, times = found._path(128), [0.0, 0.75, 5.5, 17.25, -3.0]
+    doubles = DoubleGeneral(path).at(np.array(times), None)
+    for k, t in enumerate(times):
+        with mpmath.workprec(128):
+            point = path.at(mpf(t), MP)
+        for mine, right in zip(doubles, point, strict=True):
+            rows = [float(x) for x in np.ravel(right)]
+            assert np.allclose([row[k] for row in np.atleast_2d(mine)], rows, rtol=0, atol=1e-13)
 
 
 def test_growth_and_decay_are_balanced_alike_in_doubles_and_in_any_precision():
