@@ -5,11 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from polhode.closed_forms.attitude import azimuth
 from polhode.closed_forms.attitude.azimuth import Azimuth
 from polhode.closed_forms.attitude.one_orbit import OneOrbit
 from polhode.closed_forms.attitude.quaternion import product
 from polhode.closed_forms.kovalevskaya.theta_attitude import ThetaAttitude
 from polhode.numbers.private import mpc, mpf, mpmath
+from shared.closed_form_checks import rotation
 
 BITS = 128
 #: The axis, in the body, and the attitude at t = 0; both arguments pass 0 at a small distance.
@@ -70,6 +72,17 @@ def test_a_quaternion_from_an_azimuth_is_continuous_through_zeros_of_its_compone
             assert max(abs(a - b) for a, b in zip(mine, right, strict=True)) < mpf(2) ** -110, t
             signs.add(tuple(x > 0 for x in right))
         assert len(signs) > 4
+
+
+@pytest.mark.parametrize("e", [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, -1, 0), (1, 1, 1)])
+def test_the_upright_turn_takes_the_vertical_up_and_its_direction_to_the_front(e):
+    with mpmath.workprec(BITS):
+        gamma = tuple(mpf(x) / 9 for x in (4, -7, 4))
+        turned = rotation(azimuth._upright(gamma, e))
+        up, front = (turned * mpmath.matrix(v) for v in (gamma, e))
+        assert mpmath.norm(up - mpmath.matrix([0, 0, 1])) < mpf(2) ** -120
+        assert front[0] > 0.4
+        assert abs(front[1]) < mpf(2) ** -120
 
 
 class Stub:

@@ -236,8 +236,7 @@ def test_angles_are_continuous(name):
 
 
 def test_the_general_motion_in_doubles_is_that_of_any_precision():
-    omega, gamma, _ = MOTIONS["general"]
-    found = top(omega, gamma)
+    found = top(*named("general"))
     path, times = found._path(128), [0.0, 0.75, 5.5, 17.25, -3.0]
     doubles = DoubleGeneral(path).at(np.array(times), None)
     for k, t in enumerate(times):

@@ -14,7 +14,6 @@ import pytest
 from mpmath import libmp
 
 from polhode.closed_forms.functions import riemann_theta
-from polhode.closed_forms.kovalevskaya import attitude as panels
 from polhode.closed_forms.kovalevskaya import axes as top_axes
 from polhode.closed_forms.kovalevskaya import cayley_klein, generic
 from polhode.closed_forms.kovalevskaya.abel import image
@@ -30,7 +29,6 @@ from shared.closed_form_checks import (
     in_band,
     in_scene,
     number,
-    rotation,
     unwound,
 )
 
@@ -452,17 +450,6 @@ def test_a_corrupted_start_is_outside_the_band():
     right = true_rows((p, q, r), gamma, [F(2)], 47)
     wrong = top_of((p, q + F(1, 10**40), r), gamma).at([F(2)], 45)
     assert not in_band(distance(wrong, right), 45)
-
-
-@pytest.mark.parametrize("axis", range(3))
-def test_the_upright_turn_takes_the_vertical_up_and_its_axis_to_the_front(axis):
-    with mpmath.workprec(128):
-        gamma = tuple(mpf(x) / 9 for x in (4, -7, 4))
-        turned = rotation(panels._upright(gamma, axis))
-        up = turned * mpmath.matrix(gamma)
-        assert mpmath.norm(up - mpmath.matrix([0, 0, 1])) < mpf(2) ** -120
-        assert turned[0, axis] > 0.5
-        assert abs(turned[1, axis]) < mpf(2) ** -120
 
 
 @pytest.mark.parametrize("name", ["-e+ (complex pair)", "Delaunay"])
