@@ -393,6 +393,29 @@ def test_counting_agrees_with_the_closed_form(name, monkeypatch):
     assert distance(closed, along_momentum(name).angles(times, 20)) < mpf(10) ** -20
 
 
+@pytest.mark.parametrize(
+    ("gamma", "end"), [(("3/13", "12/13", "-4/13"), F(12)), (("-6/7", "2/7", "3/7"), F(-12))]
+)
+def test_turns_on_a_separatrix_where_the_vertical_is_far_from_the_momentum(gamma, end):
+    """Towards the middle axis another term takes the lead: the start alone does not tell which."""
+    top = top_of("separatrix", fractions(gamma))
+    (psi, _, phi), (psi_1, _, phi_1) = top.angles([F(0), end], 15)
+    grown = unwound(top, F(0), end, 120)
+    assert abs(psi_1 - psi - grown[0]) < 1e-12
+    assert abs(phi_1 - phi - grown[1]) < 1e-12
+
+
+@pytest.mark.parametrize("name", ["around A", "around C", "separatrix", "prolate"])
+def test_the_bound_of_the_speed_is_above_it_but_not_far(name):
+    """|w| at two quarters of a period: their squares sum to the bound's or more."""
+    moments, omega, _ = MOTIONS[name]
+    top = EulerTop(fractions(moments), tuple(10 * x for x in fractions(omega)), GAMMA)
+    times = [F(k, 20) for k in range(-40, 41)]
+    with mpmath.workprec(128):
+        fastest = max(mpmath.norm(mpmath.matrix(row[:3])) for row in top.at(times, 20))
+        assert fastest < top._attitude(128).speed() * (1 + mpf(10) ** -20) < 1.5 * fastest
+
+
 def test_counting_next_to_a_permanent_rotation(monkeypatch):
     """Amplitudes of 1e-200, whose squares no double holds."""
     omega = (F(1, 10**200), F(-2, 10**200), F(3, 2))

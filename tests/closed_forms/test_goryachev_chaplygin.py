@@ -23,6 +23,7 @@ from polhode.closed_forms.goryachev_chaplygin import (
     regimes,
     variables,
 )
+from polhode.closed_forms.goryachev_chaplygin.axes import failure
 from polhode.closed_forms.goryachev_chaplygin.top import GoryachevChaplyginTop
 from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.common.errors import BadInput
@@ -31,7 +32,7 @@ from polhode.numbers import exact
 from polhode.numbers.private import mpf, mpmath
 from polhode.scenes import scene_file
 from shared import surface_checks as checks
-from shared.closed_form_checks import unwound
+from shared.closed_form_checks import number, unwound
 from shared.surface_checks import LEAST
 
 F = Fraction
@@ -291,6 +292,33 @@ def test_elliptic_angles_change_nothing_but_the_length():
         assert abs(elliptic.S.mean * mpmath.pi - wanted) < mpf("1e-40") * wanted
         assert len(elliptic.S.terms) < 400
     assert off(near, (F(3),), 25) < mpf("1e-22")
+
+
+def test_a_body_that_does_not_belong_is_told_its_worst_moment():
+    """Every axis may be the third; the one nearest to belonging is named C."""
+    rest = (F(0),) * 3, (F(1), F(0), F(0))
+    for k, (third, one, other) in enumerate(((1, 4, 5), (2, 9, 8), (1, 4, 3))):
+        for axis in range(3):
+            moments, torque = [F(0)] * 3, [F(0)] * 3
+            for n, x in enumerate((third, one, other)):
+                moments[(axis + n) % 3] = F(x)
+            torque[(axis + 1) % 3] = F(1)
+            name, amount = failure(PrincipalScene(tuple(moments), tuple(torque), *rest))
+            assert name == f"{'BAB'[k]} = 4C (in units of C)"
+            assert amount == (1, F(1, 2), -1)[k]
+
+
+@pytest.mark.parametrize("unit", [F(2) ** 60, F(2) ** -60])
+def test_the_same_motion_in_other_units_of_time(unit):
+    """So far on that phases cost more bits than the guard has."""
+    moments, torque, omega, gamma = named("rotation")
+    times = [F(10**45), F(-(10**45))]
+    plain = top(moments, torque, omega, gamma).at(times, 20)
+    quick = moments, [unit * unit * x for x in torque], [unit * x for x in omega], gamma
+    for row, scaled in zip(plain, top(*quick).at([t / unit for t in times], 20), strict=True):
+        with mpmath.workdps(40):
+            back = [*(x / number(unit) for x in scaled[:3]), *scaled[3:]]
+        assert checks.largest(row, back) < mpf("1e-20") * 4
 
 
 @pytest.mark.parametrize("name", ["low", "libration", "standing pi"])

@@ -8,10 +8,13 @@ below what is asked, and above 1e-90, so that nothing is compared with itself.
 import random
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
 from polhode.closed_forms import families
+from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.hess import axes, conditions, explicit, general, series
+from polhode.closed_forms.hess.doubles import DoubleGeneral
 from polhode.closed_forms.hess.top import HessTop
 from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.common.errors import BadInput
@@ -231,6 +234,27 @@ def test_angles_are_continuous(name):
     grown = unwound(found, F(1, 10), F(25), 300)
     assert abs(psi_1 - psi - grown[0]) < mpf("1e-11")
     assert abs(phi_1 - phi - grown[1]) < mpf("1e-11")
+
+
+def test_the_general_motion_in_doubles_is_that_of_any_precision():
+    found = top(*named("general"))
+    path, times = found._path(128), [0.0, 0.75, 5.5, 17.25, -3.0]
+    doubles = DoubleGeneral(path).at(np.array(times), None)
+    for k, t in enumerate(times):
+        with mpmath.workprec(128):
+            point = path.at(mpf(t), MP)
+        for mine, right in zip(doubles, point, strict=True):
+            rows = [float(x) for x in np.ravel(right)]
+            assert np.allclose([row[k] for row in np.atleast_2d(mine)], rows, rtol=0, atol=1e-13)
+
+
+def test_growth_and_decay_are_balanced_alike_in_doubles_and_in_any_precision():
+    exponents = [-700.0, -1.5, 0.0, 0.25, 700.0]
+    for x, *found in zip(exponents, *explicit._balanced(np.array(exponents)), strict=True):
+        wanted = [float(y) for y in explicit._balanced(mpf(x))]
+        assert np.allclose(found, wanted, rtol=4e-16, atol=0)
+        assert max(wanted) == 1
+        assert (wanted[0] < wanted[1]) == (x < 0)
 
 
 def test_a_motion_that_tends_to_a_periodic_one_does_so_at_the_rate_told():

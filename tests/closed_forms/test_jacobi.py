@@ -1,8 +1,13 @@
 """Jacobi's functions and theta quotients against mpmath's own, which use other algorithms."""
 
+from dataclasses import replace
+from fractions import Fraction
+
 import pytest
 
 from polhode.closed_forms.functions.jacobi import MP, jacobi, numpy_functions, quotient
+from polhode.closed_forms.functions.weierstrass import Quartic, weierstrass
+from polhode.numbers.exact import ONE, ZERO
 from polhode.numbers.private import mpf, mpmath
 
 PARAMETERS = ["0", "1e-20", "0.3", "0.5", "0.7", "0.999", "1"]
@@ -80,3 +85,20 @@ def test_quotient_from_either_end_of_its_range(k2, part, shifted):
             ratio = direct(v) / direct(0) / (found(v) / found(mpf(0)))
             # Arguments only: the two differ by a positive factor.
             assert abs(ratio / abs(ratio) - 1) < 2000 * mpmath.eps
+
+
+def test_weierstrass_function_at_its_half_period_and_at_its_pole():
+    """P'^2 = 4 P^3 - 4: one real root, so P is paired; P' = 0 half way, where sn is exactly 0."""
+    found = weierstrass(Quartic((ZERO, ONE, ZERO, ZERO, Fraction(-4))), 200)
+    assert found.paired
+    scaled, half = replace(found, rate=mpf(1)), 2 * found.functions.K  # no rounding of rate t
+    for turns in (1, 3, -1):
+        at, slope = scaled.at(turns * half)
+        assert slope == 0
+        near, _ = scaled.at(turns * half * (1 + mpf(10) ** -25))
+        assert abs(at - near) < mpf(10) ** -48
+    for turns in (0, 2, -2, 4):
+        assert scaled.at(turns * half) is None
+    for t in ("0.3", "1.1", "2.9"):
+        P, slope = found.at(mpf(t))
+        assert abs(slope**2 / (4 * P**3 - 4) - 1) < mpf(10) ** -55

@@ -23,7 +23,14 @@ from polhode.numbers import exact
 from polhode.numbers.private import mpc, mpf, mpmath
 from polhode.scenes.body import OWN_AXES, PrincipalAxes, cross, dot
 from shared import orbit_checks, series
-from shared.closed_form_checks import belongs, fractions, in_band, in_scene, number, unwound
+from shared.closed_form_checks import (
+    belongs,
+    fractions,
+    in_band,
+    in_scene,
+    number,
+    unwound,
+)
 
 F = Fraction
 fits = belongs(top_axes.fits)

@@ -102,6 +102,14 @@ def test_kappa_is_that_of_perturbed_motions(name):
     assert np.allclose(found, expected, rtol=1e-6), (found, expected)
 
 
+def test_the_state_changes_as_much_faster_as_the_clock_runs():
+    """The same motion 2**40 times as fast: kappa is the same, and every rate is so much larger."""
+    plain = conditioning(asymmetric(3, [Fraction(7)]))
+    quick = conditioning(SCENES["in units of 2**-40"]())
+    assert quick.log10_kappa == pytest.approx(plain.log10_kappa, abs=1e-9)
+    assert quick._rates[0] - plain._rates[0] == pytest.approx(40 * math.log10(2), abs=1e-9)
+
+
 def test_kappa_in_turned_axes_is_judged_on_the_components_of_the_scene():
     """The same motion in other body axes: another largest component, by sqrt(3) at most."""
     own = polhode.load("euler/largest-axis").at((Fraction(10),))

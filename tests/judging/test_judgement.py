@@ -14,6 +14,8 @@ from polhode import cli
 from polhode.equations import integrals
 from polhode.judging import digits as correct_digits
 from polhode.judging.reference import Reference, TwoPrecisions
+from polhode.judging.subject import of_table
+from polhode.judging.table import Table
 from polhode.numbers import exact, number_types
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.private import mpmath
@@ -155,6 +157,12 @@ def test_a_closed_form_and_two_integrations_agree_where_both_exist():
     with mpmath.workprec(200):
         difference = max(abs(x - y) for x, y in zip(*rows, strict=True))
     assert difference < mpmath.mpf(10) ** -40
+
+
+def test_a_time_that_is_none_is_refused_in_the_name_of_the_scene():
+    twice = polhode.TwoPrecisions(polhode.load("general/asymmetric-chaotic"))
+    with pytest.raises(polhode.BadInput, match=r"^general/asymmetric-chaotic: t\[1\] = soon"):
+        twice.at(["soon"])
 
 
 def test_two_precisions_says_how_far_it_agrees_on_a_chaotic_motion():
@@ -347,3 +355,17 @@ def test_whether_the_digits_asked_for_were_reached_is_told():
     lost = polhode.compare(steps)
     assert not lost.reached
     assert polhode.compare(polhode.integrate("euler/largest-axis")).reached is None
+
+
+def test_columns_about_the_vertical_are_named_where_the_scene_has_none():
+    table = Table(
+        "rows", (Fraction(0),), {n: (Fraction(1),) for n in ("p", "gamma1", "psi")}, (), 1
+    )
+    missing = [f"column {name} is not in the file" for name in "qr"]
+    found = of_table(table, polhode.load("euler/no-gamma"))
+    unjudged = [f"column {n} was not judged: the scene has no gamma" for n in ("gamma1", "psi")]
+    assert found.notes == (*unjudged, *missing)
+    assert (found.columns, found.angles, found.attitude) == (("p",), None, None)
+    there = of_table(table, polhode.load("euler/largest-axis"))
+    assert there.notes == (*missing, *(f"column gamma{i} is not in the file" for i in (2, 3)))
+    assert there.angles == [[1, None, None]]

@@ -20,8 +20,6 @@ from typing import Any
 from polhode.closed_forms.functions.fourier import fixed, floating
 from polhode.numbers.private import mpf, mpmath
 
-#: z1, z2, g1, g2, u, U1, U2, V1, V2, q0, q1, q2, q3.
-WIDTH = 13
 _GUARD = 48
 
 
@@ -42,7 +40,7 @@ class Period:
     bits: int
 
     def at(self, t: Any) -> list[Any]:
-        """All components at t."""
+        """z1, z2, g1, g2, u, U1, U2, V1, V2, q0, q1, q2, q3 at t."""
         low, high = 0, len(self.steps) - 1
         while low < high:
             middle = (low + high + 1) // 2

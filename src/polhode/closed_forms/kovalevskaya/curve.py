@@ -68,11 +68,7 @@ class KovalevskayaCurve:
         """Columns of Om_A and Om_B, reduced, and tau."""
         i1, i2, i3, i4 = ((2 * x, 2 * y) for x, y in self.segments)
         b = [(i2[0] + i4[0], i2[1] + i4[1]), i4]
-        a = [i1, i3]
-        t11 = solved(a, b[0])[0]
-        if t11.imag < 0:
-            b = [(-x, -y) for x, y in b]
-        return reduced(a, b)
+        return reduced([i1, i3], b)
 
     @cached_property
     def images(self) -> list[Pair]:
