@@ -200,7 +200,7 @@ class Times:
         """The tests of a mutant's room in two rounds: those of its own name, then the others."""
         path = Path(mutant.file).relative_to(SOURCE)
         places = tuple(f"tests/{name}/" for name in ROOMS[path.parts[0]])
-        words = (path.stem, *path.parts[1:-1])  # the file's name, then its folders'
+        words = (*path.parts[1:-1], path.stem)  # its folders' names, then the file's own
 
         def likeness(name: str) -> int:
             file = Path(name.partition("::")[0]).stem
