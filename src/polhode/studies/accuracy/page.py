@@ -52,6 +52,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "has fewer; *reference*, it is good for no more."
     )
     yield Text(finding(found))
+    yield from _two_methods(found["cases"])
     yield Figure("accuracy", "Correct digits of every case in every number type")
     for kind, title in _TITLES.items():
         cases = [case for case in found["cases"] if case["reference"] == kind]
@@ -106,6 +107,27 @@ def _table(cases: list[dict[str, Any]]) -> PageTable:
             )
         )
     return PageTable(header, tuple(rows), "llrrrrrrrlrrrrl")
+
+
+def _two_methods(cases: list[dict[str, Any]]) -> Iterator[Block]:
+    """Runs in quad by heyoka's steps and by refinement, which share the first guess alone."""
+    both = [
+        (run["correct_digits"], run["refined"]["correct_digits"], run["refined"]["agreement"])
+        for case in cases
+        for run in case["runs"]
+        if run.get("refined") and not run["lost"]
+    ]
+    if not both:
+        return
+    gains = sorted(refined - steps for steps, refined, _ in both)
+    apart = max(min(steps, refined) - agreement for steps, refined, agreement in both)
+    yield Text(
+        f"{len(both)} of the runs in quad were made a second time by refinement, which shares no "
+        "more than a first guess in double with heyoka's steps. It is right to more digits in "
+        f"{sum(gain > 0 for gain in gains)} of them ({gains[len(gains) // 2]:+.1f} in the middle, "
+        f"{gains[0]:+.1f} at worst), and the two agree to as many digits as the worse of them is "
+        f"right, within {max(0.0, apart):.1f}."
+    )
 
 
 def finding(found: dict[str, Any]) -> str:
