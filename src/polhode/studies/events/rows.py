@@ -83,7 +83,7 @@ def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
         say(f"{NAME}: cost in {name}")
         cost.append(_cost(name, 3 if quick else 9))
     say(f"{NAME}: proven events")
-    proven = [_proven(name, 20 if quick else PROVEN_END) for name in PROVEN[: 1 if quick else 2]]
+    proven = [_proven(name, PROVEN_END) for name in PROVEN[: 1 if quick else 2]]
     return {
         "study": NAME,
         "question": QUESTION,
