@@ -83,8 +83,9 @@ class Globe:
             c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
             arc = np.array([c * np.cos(half), s * np.cos(half), np.sin(half)]).T
             self.curve(axes, arc * self.semi_axes, FRONT, BACK, lw=0.4, above=-1)
-        named = "outline" if axes is axes.figure.axes[0] else None  # no name stands twice
-        axes.plot(*self.onto_page(self._outline()).T, color=RIM, lw=0.6, zorder=2, gid=named)
+        drawn = {line.get_gid() for other in axes.figure.axes for line in other.lines}
+        name = None if "outline" in drawn else "outline"  # no name stands twice
+        axes.plot(*self.onto_page(self._outline()).T, color=RIM, lw=0.6, zorder=2, gid=name)
         edge = [self._outline(), *(self._arm(i)[2:] for i in range(3))]
         reach = 1.04 * float(np.max(np.abs(self.onto_page(np.concatenate(edge)))))
         axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
