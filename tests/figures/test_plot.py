@@ -158,7 +158,7 @@ def test_cusps_and_loops_of_the_apex_stand_on_the_sphere(tmp_path, name):
         assert np.nanmax(np.hypot(*(points - centre).T)) <= radius * 1.001
     assert len(figure.curve("apex")) > 50 < len(figure.curve("apex-hidden"))
     # seen face on, in the middle of its disc, only a cusp turns back between two samples
-    apex = figure.curve("apex") - figure.middle_of("outline", 2)
+    apex = figure.curve("apex") - figure.middle_of("outline-2", 2)
     steps = np.diff(apex, axis=0)
     turns = np.abs(np.angle(np.exp(1j * np.diff(np.arctan2(steps[:, 1], steps[:, 0])))))
     sharpest = np.nanmax(turns[np.hypot(*apex[1:-1].T) < 0.7 * radius])

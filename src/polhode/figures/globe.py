@@ -84,7 +84,8 @@ class Globe:
             arc = np.array([c * np.cos(half), s * np.cos(half), np.sin(half)]).T
             self.curve(axes, arc * self.semi_axes, FRONT, BACK, lw=0.4, above=-1)
         drawn = {line.get_gid() for other in axes.figure.axes for line in other.lines}
-        name = None if "outline" in drawn else "outline"  # no name stands twice
+        names = ("outline", *(f"outline-{k}" for k in range(2, 100)))  # no name stands twice
+        name = next(name for name in names if name not in drawn)
         axes.plot(*self.onto_page(self._outline()).T, color=RIM, lw=0.6, zorder=2, gid=name)
         edge = [self._outline(), *(self._arm(i)[2:] for i in range(3))]
         reach = 1.04 * float(np.max(np.abs(self.onto_page(np.concatenate(edge)))))
