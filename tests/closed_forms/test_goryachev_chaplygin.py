@@ -335,6 +335,15 @@ def test_periods_bring_the_state_back(name):
     checks.check_period(top, named(name))
 
 
+@pytest.mark.parametrize("name", ["low", "high"])
+def test_a_generic_motion_has_the_two_frequencies_told(name):
+    checks.check_frequencies(top, named(name), ("u", "v"))
+
+
+def test_an_asymptotic_motion_has_no_frequencies():
+    assert top(*named("from below")).frequencies(20) == {}
+
+
 def test_bad_kind_is_one_line():
     text = (
         "schema = 1\n[body]\nmoments = [4, 4, 1]\ncentre = [1, 0, 0]\nweight = 1\n"
