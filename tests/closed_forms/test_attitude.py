@@ -8,7 +8,7 @@ import pytest
 from polhode.closed_forms.attitude import azimuth
 from polhode.closed_forms.attitude.azimuth import Azimuth
 from polhode.closed_forms.attitude.one_orbit import OneOrbit
-from polhode.closed_forms.attitude.quaternion import product
+from polhode.closed_forms.attitude.quaternion import of_matrix, product
 from polhode.closed_forms.kovalevskaya.theta_attitude import ThetaAttitude
 from polhode.numbers.private import mpc, mpf, mpmath
 from shared.closed_form_checks import rotation
@@ -122,3 +122,11 @@ def test_a_way_in_theta_functions_is_cut_where_a_parameter_passes_near_0():
 
         with pytest.raises(ArithmeticError, match="too near 0"):
             tracked(through, mpf(1))
+
+
+@pytest.mark.parametrize("largest", range(4))
+def test_the_quaternion_of_a_matrix_whichever_part_is_the_largest(largest):
+    with mpmath.workprec(BITS):
+        q = np.roll([mpf(x) / 10 for x in (7, 5, -5, -1)], largest)
+        found = of_matrix(rotation(q).tolist())
+        assert max(abs(a - b) for a, b in zip(found, q, strict=True)) < mpf(2) ** -120

@@ -24,7 +24,7 @@ from polhode.numbers.private import mpf, mpmath
 from polhode.output.description import described
 from polhode.scenes import library
 from shared import surface_checks as checks
-from shared.closed_form_checks import unwound
+from shared.closed_form_checks import number, unwound
 from shared.surface_checks import LEAST
 
 F = Fraction
@@ -280,6 +280,26 @@ def test_a_motion_that_tends_to_a_periodic_one_does_so_at_the_rate_told():
 
 def test_period_brings_the_state_back():
     checks.check_period(top, named("libration"))
+
+
+def test_a_general_motion_that_tends_to_none_has_the_two_frequencies_told():
+    start = BODY, TORQUE, on_surface("1/3", "1/7"), (F(-6, 7), F(3, 7), F(-2, 7))
+    checks.check_frequencies(top, start, ("nutation", "turning"))
+
+
+def test_a_general_motion_that_tends_to_a_periodic_one_has_the_frequency_of_gamma1_along_r0():
+    found = top(*named("general"))
+    assert list(found.frequencies(30)) == ["nutation"]
+    with mpmath.workdps(60):
+        period = 2 * mpmath.pi / found.frequencies(50)["nutation"]
+        times = [F(int(mpmath.nint(mpmath.ldexp(period / n, 160))), 2**160) for n in (1, 2, 3, 5)]
+    with mpmath.workdps(40):
+        begin, after, *parts = (
+            sum(number(k) * x for k, x in zip(TORQUE, row[3:], strict=True))
+            for row in found.at([F(0), *times], 35)
+        )
+        assert mpf("1e-60") < abs(after - begin) < mpf("1e-34")
+        assert min(abs(x - begin) for x in parts) > 1e-6
 
 
 def test_show_tells_what_a_scene_is_near_to_and_where_it_tends():

@@ -190,6 +190,12 @@ def test_one_frequency_motions(name):
             assert in_band(abs(turn - 1), 40, 10)
 
 
+def test_degenerate_curves_are_told_apart():
+    """Isolated nodes from those that are reached, and both from what is neither."""
+    for omega, gamma, regime in DEGENERATE.values():
+        assert top_of(omega, gamma).regime == regime
+
+
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("name", DEGENERATE)
 def test_motions_on_a_degenerate_curve(name):

@@ -23,6 +23,7 @@ from shared.closed_form_checks import (
 from shared.lagrange_motions import (
     MOTIONS,
     PSI,
+    UP,
     motion,
     small,
     tilted,
@@ -85,11 +86,12 @@ def test_psi_is_the_integral_of_its_rate(name):
     assert mpf(10) ** -45 < abs(row[-1] - top_of(name).angles([F(5)], 30)[0][0]) < mpf(10) ** -30
 
 
+def never(*_):
+    raise AssertionError
+
+
 @pytest.mark.parametrize("name", CLOSED)
 def test_about_the_axis_of_symmetry_psi_and_phi_are_closed(name, monkeypatch):
-    def never(*_):
-        raise AssertionError
-
     monkeypatch.setattr(euler_angles, "growth", never)
     times = [F(10**12), F(-(10**12))]
     low, high = top_of(name).angles(times, 30), top_of(name).angles(times, 50)
@@ -110,6 +112,51 @@ def test_counting_agrees_with_the_closed_form(name, turned, monkeypatch):
     monkeypatch.setattr(LagrangeAttitude, "arguments", lambda *_: None)
     counted = LagrangeTop(moments, torque, omega, gamma, PSI, axes).angles(times, 20)
     assert distance(closed, counted) < mpf(10) ** -20
+
+
+def turned_by(name, quaternion):
+    """The same motion where the top's axes are turned in the scene's."""
+    moments, torque, omega, gamma = motion(name)
+    axes = rational_axes(quaternion)
+    omega, gamma = in_scene(omega, axes), in_scene(gamma, axes)
+    return LagrangeTop(moments, torque, omega, gamma, PSI, axes), gamma
+
+
+@pytest.mark.parametrize("name", ["nutation", "looping", "cusped", "steady slow"])
+@pytest.mark.parametrize("quaternion", [(12, 1, 0, 0), (1, 0, -12, 0)])
+def test_about_an_axis_near_that_of_symmetry_too(name, quaternion, monkeypatch):
+    """One term outweighs the other at all times; nothing is counted."""
+    top, _ = turned_by(name, quaternion)
+    more_psi, more_phi = unwound(top, F(-5), F(7), 450)
+    monkeypatch.setattr(euler_angles, "growth", never)
+    (psi, _, phi), (psi0, _, phi0) = top.angles([F(7), F(-5)], 15)
+    assert abs(psi - psi0 - more_psi) < 1e-12
+    assert abs(phi - phi0 - more_phi) < 1e-12
+    far = [F(10**12), F(-(10**12))]
+    assert distance(top.angles(far, 30), top.angles(far, 50)) < mpf(10) ** -30
+
+
+def test_an_axis_that_is_upright_only_where_theta_turns_is_not_counted_either(monkeypatch):
+    """The two terms are of one size there; rounding does not decide."""
+    top, gamma = turned_by("cusped", (3, 0, 1, 0))
+    assert gamma == UP
+    assert top.period(15) > 2
+    more_psi, more_phi = unwound(top, small(3), F(2), 450)
+    monkeypatch.setattr(euler_angles, "growth", never)
+    for digits in range(15, 40, 3):
+        (psi, _, phi), (psi0, _, phi0) = top.angles([F(2), small(3)], digits)
+        assert abs(psi - psi0 - more_psi) < 1e-12
+        assert abs(phi - phi0 - more_phi) < 1e-12
+
+
+def test_from_a_pole_towards_the_cut_one_branch_at_any_time_and_precision():
+    """(psi - phi)/2 starts pi beyond (psi + phi)/2, counted as +pi whatever the digits asked."""
+    top, _ = turned_by("cusped", (3, 0, 1, 0))
+    for digits in (5, 15, 40, 120):
+        for time in (small(30), small(12), small(9), small(3)):
+            ((psi, _, phi),) = top.angles([time], digits)
+            assert abs(phi + mpmath.pi) < 0.01
+            assert abs(psi - mpmath.pi - number(PSI)) < 0.01
 
 
 def test_another_axis_is_counted_up_to_a_limit():

@@ -124,6 +124,19 @@ def test_zero_by_the_rule(zero: exact.Exact) -> None:
         1 / zero
 
 
+def test_powers_of_zero_and_of_what_has_none() -> None:
+    zero, third = root(TWO) - root(TWO), Fraction(1, 3)
+    for x in (Fraction(0), zero):
+        assert power(x, third) == 0
+        with pytest.raises(ZeroDivisionError, match="division by zero"):
+            power(x, -third)
+    assert power(TWO, -third) * power(TWO, third) == 1
+    with pytest.raises(ValueError, match="a root of a negative number"):
+        power(-TWO, third)
+    with pytest.raises(ValueError, match="must be a rational number"):
+        power(TWO, root(TWO))
+
+
 @pytest.mark.parametrize("places", [20, 100, 1000, 1200])
 def test_a_small_difference_is_not_zero(places: int) -> None:
     small = root(TWO) + Fraction(1, 10**places) - root(TWO)

@@ -40,14 +40,16 @@ def in_band(error, digits, width=20):
     return mpf(10) ** (-digits - width) < error < mpf(10) ** -digits
 
 
-def rational_axes():
-    """The rotation of the quaternion (1, 2, 4, 2)/5, by rows."""
-    a, b, c, d = (Fraction(x, 5) for x in (1, 2, 4, 2))
-    return (
+def rational_axes(quaternion=(1, 2, 4, 2)):
+    """The rotation of a quaternion of any length, by rows."""
+    a, b, c, d = quaternion
+    rows = (
         (a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)),
         (2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)),
         (2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d),
     )
+    square = a * a + b * b + c * c + d * d
+    return tuple(tuple(Fraction(x, square) for x in row) for row in rows)
 
 
 def in_scene(vector, axes):

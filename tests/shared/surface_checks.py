@@ -5,7 +5,10 @@ axes.  Errors lie in bands: below what is asked, and above 1e-90, so that nothin
 itself.
 """
 
+import itertools
 from fractions import Fraction
+
+import numpy as np
 
 from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Body
@@ -95,11 +98,38 @@ def check_turned(make, form, start):
 
 
 def check_period(make, start):
-    """After a period the state is the start's."""
+    """After a period the state is the start's, and not after a part of it."""
     found = make(*start)
     period = found.period(40)
     with mpmath.workdps(80):
-        time = F(int(mpmath.nint(mpmath.ldexp(period, 160))), 2**160)
-    (row,) = found.at([time], 40)
+        body = found.frequencies(40)["body"]
+        assert abs(body * period - 2 * mpmath.pi) < mpf("1e-38")
+        times = [F(int(mpmath.nint(mpmath.ldexp(period / n, 160))), 2**160) for n in (1, 2, 3, 5)]
+    row, *parts = found.at(times, 40)
     with mpmath.workdps(60):
-        assert largest(row, [number(x) for x in (*start[2], *start[3])]) < mpf("1e-37")
+        begin = [number(x) for x in (*start[2], *start[3])]
+        assert largest(row, begin) < mpf("1e-37")
+        assert min(largest(part, begin) for part in parts) > 1e-6
+
+
+def check_frequencies(make, start, names):
+    """gamma1 over 100 units of time is a sum of waves of two frequencies, up to the order 8.
+
+    Of no other two: what is left over grows a hundredfold where one of them is off by 1e-3.
+    """
+    found, times = make(*start), [F(2 * k, 7) for k in range(350)]
+    values = np.array([float(row[3]) for row in found.at(times, 15)])
+    told = found.frequencies(20)
+    assert list(told) == list(names)
+    pairs = itertools.product(range(9), range(-8, 9))
+    orders = np.array([(j, k) for j, k in pairs if (j, k) > (0, 0) and j + abs(k) <= 8])
+
+    def left_over(rates):
+        waves = np.exp(1j * np.outer(np.array(times, dtype=float), orders @ rates))
+        columns = np.hstack([np.ones((len(times), 1)), waves.real, waves.imag])
+        return np.abs(columns @ np.linalg.lstsq(columns, values, rcond=None)[0] - values).max()
+
+    rates = np.array([float(x) for x in told.values()])
+    right = left_over(rates)
+    assert right < 1e-4
+    assert min(left_over(rates * (1.001, 1)), left_over(rates * (1, 1.001))) > 100 * right

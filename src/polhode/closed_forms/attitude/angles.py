@@ -50,6 +50,9 @@ Source = Callable[[int], Attitude]
 
 _COUNTING_BITS = 384  # where the march passes near 0
 _COARSE_BITS = 64
+#: For the direction in which a pole is left: an error of 2^-64 is none to :func:`direction`, so
+#: that the branch of psi and phi depends neither on the digits asked for nor on the time.
+_POLE_BITS = 256
 
 
 def angles(
@@ -73,7 +76,7 @@ def angles(
             if not al or not bt or growths is None:
                 rows.append([None, theta, None])
                 continue
-            begin = _start(source(used), time(used), start)
+            begin = _start(source, time(used), start)
             args = []
             for z, first, more in zip((al, bt), begin, growths, strict=True):
                 arg = mpmath.arg(sign * z)
@@ -104,20 +107,23 @@ def _parameters(source: Source, time: Callable[[int], mpf], bits: int) -> tuple[
             return mpmath.mpc(q0, q3), mpmath.mpc(q1, q2), bits + needed
 
 
-def _start(attitude: Attitude, t: mpf, start: tuple[Any, Any]) -> tuple[Any, Any]:
+def _start(source: Source, t: mpf, start: tuple[Any, Any]) -> tuple[Any, Any]:
     """arg al and arg bt at t = 0; from a pole, their limit on the side of t."""
     psi, phi = start
-    q0, q1, q2, q3 = attitude.start
+    q0, q1, q2, q3 = source(mpmath.prec).start
     al, bt = mpmath.mpc(q0, q3), mpmath.mpc(q1, q2)
     one, other = (psi + phi) / 2, (psi - phi) / 2
     if al and bt:
         return one, other
-    speed = attitude.speed()
-    soon = mpmath.sign(t) * mpmath.ldexp(1, -mpmath.prec // 4) / speed if speed else mpf(0)
-    q0, q1, q2, q3 = attitude.at(soon, MP)
-    if not bt:
-        return one, one + direction(mpmath.mpc(q1, q2) * al.conjugate())
-    return other + direction(mpmath.mpc(q0, q3) * bt.conjugate()), other
+    bits = max(mpmath.prec, _POLE_BITS)
+    with mpmath.workprec(bits):
+        attitude = source(bits)
+        speed = attitude.speed()
+        soon = mpmath.sign(t) * mpmath.ldexp(1, -bits // 4) / speed if speed else mpf(0)
+        q0, q1, q2, q3 = attitude.at(soon, MP)
+        if not bt:
+            return one, one + direction(mpmath.mpc(q1, q2) * al.conjugate())
+        return other + direction(mpmath.mpc(q0, q3) * bt.conjugate()), other
 
 
 def _growths(

@@ -17,7 +17,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.attitude.quaternion import Quaternion, of_matrix, product
 from polhode.closed_forms.functions import chebyshev
 from polhode.numbers.private import mpf, mpmath
 
@@ -137,21 +137,4 @@ def _upright(gamma: Sequence[Any], e: tuple[int, ...]) -> Quaternion:
     side = mpmath.sqrt(sum(x * x for x in u))
     u = [x / side for x in u]
     (a, b, c), (g, h, i) = u, gamma
-    return quaternion_of([u, [h * c - i * b, i * a - g * c, g * b - h * a], [g, h, i]])
-
-
-def quaternion_of(rows: Sequence[Sequence[Any]]) -> Quaternion:
-    """The quaternion of a rotation matrix, of either sign (Shepperd 1978)."""
-    (a, b, c), (d, e, f), (g, h, i) = rows
-    squares = [1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i]
-    best = max(range(4), key=lambda n: squares[n])
-    root = mpmath.sqrt(squares[best])
-    over = 1 / (2 * root)
-    numerators = (
-        (None, h - f, c - g, d - b),
-        (h - f, None, b + d, c + g),
-        (c - g, b + d, None, f + h),
-        (d - b, c + g, f + h, None),
-    )[best]
-    w, x, y, z = (root / 2 if n is None else n * over for n in numerators)
-    return w, x, y, z
+    return of_matrix([u, [h * c - i * b, i * a - g * c, g * b - h * a], [g, h, i]])

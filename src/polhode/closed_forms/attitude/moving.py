@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol
 
-from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, of_matrix, product
 from polhode.closed_forms.attitude.winding import growth, longest
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 from polhode.numbers.private import mpf, mpmath
@@ -138,27 +138,6 @@ def moving(
     begin = product(frame.at(mpf(0), MP), right)
     left = product(start, conjugate(begin))
     return Moving(frame, chi, start, left, right, *bounds, period)
-
-
-def conjugate(a: Quaternion) -> Quaternion:
-    """The inverse turn."""
-    return a[0], -a[1], -a[2], -a[3]
-
-
-def of_matrix(rows: Sequence[Sequence[Any]]) -> Quaternion:
-    """The quaternion of a rotation matrix (Shepperd 1978), of either sign."""
-    (a, b, c), (d, e, f), (g, h, i) = rows
-    squares = [1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i]
-    best = max(range(4), key=lambda n: squares[n])
-    square = squares[best]
-    parts = (
-        (square, h - f, c - g, d - b),
-        (h - f, square, b + d, c + g),
-        (c - g, b + d, square, f + h),
-        (d - b, c + g, f + h, square),
-    )[best]
-    w, x, y, z = (n / (2 * mpmath.sqrt(square)) for n in parts)
-    return w, x, y, z
 
 
 def _doubles(q: Quaternion) -> Quaternion:

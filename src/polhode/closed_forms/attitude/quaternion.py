@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 from polhode.numbers.private import mpmath
@@ -22,6 +23,27 @@ def product(a: Quaternion, b: Quaternion) -> Quaternion:
         a0 * b2 - a1 * b3 + a2 * b0 + a3 * b1,
         a0 * b3 + a1 * b2 - a2 * b1 + a3 * b0,
     )
+
+
+def conjugate(a: Quaternion) -> Quaternion:
+    """The inverse turn."""
+    return a[0], -a[1], -a[2], -a[3]
+
+
+def of_matrix(rows: Sequence[Sequence[Any]]) -> Quaternion:
+    """The quaternion of a rotation matrix, of either sign (Shepperd 1978)."""
+    (a, b, c), (d, e, f), (g, h, i) = rows
+    squares = [1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i]
+    best = max(range(4), key=lambda n: squares[n])
+    square = squares[best]
+    parts = (
+        (square, h - f, c - g, d - b),
+        (h - f, square, b + d, c + g),
+        (c - g, b + d, square, f + h),
+        (d - b, c + g, f + h, square),
+    )[best]
+    w, x, y, z = (n / (2 * mpmath.sqrt(square)) for n in parts)
+    return w, x, y, z
 
 
 def turned_back(turn: Quaternion, g: AnyVector) -> AnyVector:

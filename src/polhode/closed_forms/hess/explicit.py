@@ -15,8 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from polhode.closed_forms.attitude.moving import of_matrix
-from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.attitude.quaternion import Quaternion, of_matrix, product
 from polhode.closed_forms.functions.jacobi import Jacobi, SeriesFunctions, jacobi
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.hess.axes import (

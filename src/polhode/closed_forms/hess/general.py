@@ -15,8 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.attitude.moving import conjugate, of_matrix
-from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, of_matrix, product
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.hess.axes import HessStart

@@ -13,8 +13,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Protocol
 
-from polhode.closed_forms.attitude.moving import conjugate
-from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, product
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.riemann_periods import Pair, solved
 from polhode.closed_forms.kovalevskaya.attitude import KovalevskayaAttitude

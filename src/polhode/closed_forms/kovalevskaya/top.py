@@ -18,8 +18,7 @@ from typing import Any
 from polhode.closed_forms.attitude.angles import Attitude
 from polhode.closed_forms.attitude.axes import RowMatrix, placed
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
-from polhode.closed_forms.attitude.moving import conjugate, of_matrix
-from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, of_matrix, product
 from polhode.closed_forms.functions.rounding import number, rounded_up, shortened
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.attitude import MOST_PANELS, KovalevskayaAttitude

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from polhode.closed_forms.attitude.axes import RowMatrix
-from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.attitude.quaternion import Quaternion, of_matrix, product
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.lagrange.motion import (
@@ -149,7 +149,7 @@ def attitude(
     motion: LagrangeMotion, torque: Any, matrix: RowMatrix, start: Quaternion
 ) -> LagrangeAttitude:
     """The attitude that starts at ``start``; ``torque`` = Mg z0/A, ``matrix`` E by rows."""
-    t0, t1, t2, t3 = _quaternion(matrix)
+    t0, t1, t2, t3 = of_matrix(matrix)
     (a, b), (x, y) = motion.parameters(mpf(0), MP)
     turn = product(start, (t0, -t1, -t2, -t3))
     turn = product(turn, (a, -x, -y, -b))
@@ -174,22 +174,6 @@ def _range(motion: LagrangeMotion, al: Parts, bt: Parts) -> tuple[Any, Any, Any,
     else:
         ends = [mpf(1), mpf(0)]
     return low[0], ends[0], ends[1], low[1]
-
-
-def _quaternion(matrix: RowMatrix) -> Quaternion:
-    """The quaternion of a rotation matrix, by its largest component."""
-    (a, b, c), (d, e, f), (g, h, i) = ([mpf(x) for x in row] for row in matrix)
-    squares = (1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i)
-    k = max(range(4), key=lambda n: squares[n])
-    rows = (
-        (squares[0], h - f, c - g, d - b),
-        (h - f, squares[1], b + d, c + g),
-        (c - g, b + d, squares[2], f + h),
-        (d - b, c + g, f + h, squares[3]),
-    )
-    size = 2 * mpmath.sqrt(squares[k])
-    q0, q1, q2, q3 = (x / size for x in rows[k])
-    return q0, q1, q2, q3
 
 
 def _part(q: Quaternion, which: int) -> Parts:
