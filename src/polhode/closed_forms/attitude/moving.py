@@ -11,6 +11,7 @@ psi and phi are those of F, counted, and of chi, known.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -20,6 +21,12 @@ from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, of_m
 from polhode.closed_forms.attitude.winding import growth, longest
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 from polhode.numbers.private import mpf, mpmath
+
+
+#: Growth of arg al and arg bt from one time to another; ArithmeticError where it cannot be told.
+Between = Callable[[Any, Any], tuple[Any, Any]]
+
+_NEAR = 40  # radians of F up to which its turns are counted anyway
 
 
 class MomentumFrame(Protocol):
@@ -46,6 +53,7 @@ class Moving:
     largest: Any  # a bound of |w|
     quickest: Any  # a bound of the rate of F
     period: Any | None = None  # after which F repeats up to its sign
+    between: Between | None = None  # how the arguments of F grow, where it is not to be counted
 
     def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
@@ -80,9 +88,20 @@ class Moving:
     def arguments(self, t: Any) -> tuple[Any, Any]:
         """The growth of arg al and arg bt from 0 to t.
 
-        Counted over less than a period where there is one, else over all the time; ValueError is
-        raised where that is too long.
+        Counted over less than a period where there is one, known where :attr:`between` tells it,
+        else counted over all the time; ValueError is raised where that is too long.
         """
+        turned = self.chi(t) / 2 if self.chi is not None else mpf(0)
+        one, other = self._framed_growth(t)
+        return one + turned, other + turned
+
+    def _framed_growth(self, t: Any) -> tuple[Any, Any]:
+        """The growth of the two arguments of F."""
+        if self.between is not None and abs(t) * self.quickest > _NEAR:
+            first = mpmath.sign(t) * mpf(_NEAR) / self.quickest
+            with contextlib.suppress(ArithmeticError):
+                counted, known = self._grown(first), self.between(first, t)
+                return counted[0] + known[0], counted[1] + known[1]
         side, rest, n = (1 if t >= 0 else -1), t, 0
         al, bt = mpmath.mpc(self.start[0], self.start[3]), mpmath.mpc(*self.start[1:3])
         if self.period is not None and al and bt:
@@ -92,8 +111,7 @@ class Moving:
         if n:
             once = self._once[side]
             counted = counted[0] + n * once[0], counted[1] + n * once[1]
-        turned = self.chi(t) / 2 if self.chi is not None else mpf(0)
-        return counted[0] + turned, counted[1] + turned
+        return counted[0], counted[1]
 
     @cached_property
     def _once(self) -> dict[int, tuple[float, float]]:
@@ -132,12 +150,13 @@ def moving(
     matrix: Sequence[Sequence[Any]],
     bounds: tuple[Any, Any],
     period: Any | None = None,
+    between: Between | None = None,
 ) -> Moving:
     """The attitude; ``matrix``: row i is axis i of F in the scene's; ``bounds``: of |w|, of F."""
     right = of_matrix(matrix)
     begin = product(frame.at(mpf(0), MP), right)
     left = product(start, conjugate(begin))
-    return Moving(frame, chi, start, left, right, *bounds, period)
+    return Moving(frame, chi, start, left, right, *bounds, period, between)
 
 
 def _doubles(q: Quaternion) -> Quaternion:

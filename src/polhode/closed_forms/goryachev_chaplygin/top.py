@@ -14,14 +14,20 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
-from polhode.closed_forms.attitude.moving import Moving, moving
+from polhode.closed_forms.attitude.moving import Between, Moving, moving, of_matrix
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.attitude import HalvesFrame, bounds
 from polhode.closed_forms.goryachev_chaplygin.axes import start
-from polhode.closed_forms.goryachev_chaplygin.motion import GoryachevMotion, frequencies, motion
+from polhode.closed_forms.goryachev_chaplygin.motion import (
+    GoryachevMotion,
+    Separated,
+    frequencies,
+    motion,
+)
 from polhode.closed_forms.goryachev_chaplygin.turning import turning
+from polhode.closed_forms.goryachev_chaplygin.turns import TorusTurns
 from polhode.closed_forms.goryachev_chaplygin.variables import lost_bits
 from polhode.numbers.exact import Exact
 from polhode.numbers.private import mpf, mpmath
@@ -139,8 +145,21 @@ class GoryachevChaplyginTop(FromAttitude):
                     rows,
                     (wide, quick),
                     period,
+                    self._between(found, rows, unit, H),
                 )
         return self._attitudes[bits]
+
+    def _between(
+        self, found: GoryachevMotion, rows: list[list[Any]], unit: Any, H: Any
+    ) -> Between | None:
+        """The growth of the frame's arguments between two times, of two frequencies."""
+        if self.regime not in regimes.TWO_FREQUENCIES:
+            return None
+        assert isinstance(found.path, Separated)
+        G = number(self._start.G, mpmath.prec)
+        axis = [row[2] for row in rows]
+        turns = TorusTurns(found.path, found.sg, of_matrix(rows), axis, (H, G))
+        return lambda first, last: turns.growth(first * unit, last * unit)
 
     def _moment(self, t: Exact, bits: int) -> mpf:
         """A time in the motion's units and direction."""
