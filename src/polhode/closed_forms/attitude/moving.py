@@ -15,7 +15,7 @@ import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, of_matrix, product
 from polhode.closed_forms.attitude.winding import growth, longest
@@ -25,6 +25,14 @@ from polhode.numbers.private import mpf, mpmath
 
 #: Growth of arg al and arg bt from one time to another; ArithmeticError where it cannot be told.
 Between = Callable[[Any, Any], tuple[Any, Any]]
+
+class Settled(NamedTuple):
+    """Beyond |t| = edge, F repeats after each period, but for a turn about the vertical."""
+
+    edge: Any
+    period: Any
+    advance: Any  # half of that turn, modulo pi
+
 
 _NEAR = 40  # radians of F up to which its turns are counted anyway
 
@@ -54,6 +62,7 @@ class Moving:
     quickest: Any  # a bound of the rate of F
     period: Any | None = None  # after which F repeats up to its sign
     between: Between | None = None  # how the arguments of F grow, where it is not to be counted
+    settled: Settled | None = None
 
     def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
@@ -88,8 +97,8 @@ class Moving:
     def arguments(self, t: Any) -> tuple[Any, Any]:
         """The growth of arg al and arg bt from 0 to t.
 
-        Counted over less than a period where there is one, known where :attr:`between` tells it,
-        else counted over all the time; ValueError is raised where that is too long.
+        Counted over less than a period where there is one or will be, known where
+        :attr:`between` tells it, else counted over all the time; ValueError is raised where that is too long.
         """
         turned = self.chi(t) / 2 if self.chi is not None else mpf(0)
         one, other = self._framed_growth(t)
@@ -102,6 +111,12 @@ class Moving:
             with contextlib.suppress(ArithmeticError):
                 counted, known = self._grown(first), self.between(first, t)
                 return counted[0] + known[0], counted[1] + known[1]
+        if self.settled is not None and abs(t) > self.settled.edge + self.settled.period:
+            side = int(mpmath.sign(t))
+            n = int(mpmath.floor((abs(t) - self.settled.edge) / self.settled.period))
+            counted = self._grown(t - side * n * self.settled.period)
+            one, other = self._later[side]
+            return counted[0] + n * one, counted[1] + n * other
         side, rest, n = (1 if t >= 0 else -1), t, 0
         al, bt = mpmath.mpc(self.start[0], self.start[3]), mpmath.mpc(*self.start[1:3])
         if self.period is not None and al and bt:
@@ -117,6 +132,21 @@ class Moving:
     def _once(self) -> dict[int, tuple[float, float]]:
         assert self.period is not None
         return {side: self._grown(side * self.period) for side in (1, -1)}
+
+    @cached_property
+    def _later(self) -> dict[int, tuple[Any, Any]]:
+        """Growth over a period beyond the edge; of what is counted only the whole turns count."""
+        assert self.settled is not None
+        edge, period, advance = self.settled
+        found = {}
+        for side in (1, -1):
+            ends = self._grown(side * edge), self._grown(side * (edge + period))
+            one, other = (
+                side * advance + mpmath.pi * mpmath.nint((b - a - side * advance) / mpmath.pi)
+                for a, b in zip(*ends, strict=True)
+            )
+            found[side] = one, other
+        return found
 
     def _grown(self, t: Any) -> tuple[float, float]:
         """Growth of the two arguments of F in the scene's axes, from 0 to t, counted."""
@@ -151,12 +181,13 @@ def moving(
     bounds: tuple[Any, Any],
     period: Any | None = None,
     between: Between | None = None,
+    settled: Settled | None = None,
 ) -> Moving:
     """The attitude; ``matrix``: row i is axis i of F in the scene's; ``bounds``: of |w|, of F."""
     right = of_matrix(matrix)
     begin = product(frame.at(mpf(0), MP), right)
     left = product(start, conjugate(begin))
-    return Moving(frame, chi, start, left, right, *bounds, period, between)
+    return Moving(frame, chi, start, left, right, *bounds, period, between, settled)
 
 
 def _doubles(q: Quaternion) -> Quaternion:

@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
-from polhode.closed_forms.attitude.moving import Between, Moving, moving, of_matrix
+from polhode.closed_forms.attitude.moving import Between, Moving, Settled, moving, of_matrix
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.goryachev_chaplygin import regimes
@@ -26,7 +26,8 @@ from polhode.closed_forms.goryachev_chaplygin.motion import (
     frequencies,
     motion,
 )
-from polhode.closed_forms.goryachev_chaplygin.turning import turning
+from polhode.closed_forms.goryachev_chaplygin.tending import Tending
+from polhode.closed_forms.goryachev_chaplygin.turning import settling, turning
 from polhode.closed_forms.goryachev_chaplygin.turns import TorusTurns
 from polhode.closed_forms.goryachev_chaplygin.variables import lost_bits
 from polhode.numbers.exact import Exact
@@ -146,6 +147,7 @@ class GoryachevChaplyginTop(FromAttitude):
                     (wide, quick),
                     period,
                     self._between(found, rows, unit, H),
+                    self._settled(found, scale),
                 )
         return self._attitudes[bits]
 
@@ -160,6 +162,17 @@ class GoryachevChaplyginTop(FromAttitude):
         axis = [row[2] for row in rows]
         turns = TorusTurns(found.path, found.sg, of_matrix(rows), axis, (H, G))
         return lambda first, last: turns.growth(first * unit, last * unit)
+
+    def _settled(self, found: GoryachevMotion, scale: Any) -> Settled | None:
+        """When an asymptotic motion is the one that it tends to, and the period of that."""
+        if self.regime not in regimes.ASYMPTOTIC:
+            return None
+        assert isinstance(found.path, Separated)
+        torus = found.path.torus
+        assert isinstance(torus.v, Tending)
+        S, U = torus.u.means
+        period = 4 * mpmath.pi * (U + torus.v.w * S)
+        return Settled(settling(torus) / scale, period / scale, mpf(0))
 
     def _moment(self, t: Exact, bits: int) -> mpf:
         """A time in the motion's units and direction."""

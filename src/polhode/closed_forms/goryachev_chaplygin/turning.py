@@ -29,6 +29,7 @@ from polhode.closed_forms.goryachev_chaplygin.clocks import Oscillating, Standin
 from polhode.closed_forms.goryachev_chaplygin.explicit import Libration, Rotation, Separatrix
 from polhode.closed_forms.goryachev_chaplygin.motion import GoryachevMotion, Separated
 from polhode.closed_forms.goryachev_chaplygin.tending import Tending
+from polhode.closed_forms.goryachev_chaplygin.torus import Torus
 from polhode.numbers.private import mpf, mpmath
 
 #: chi(t) - chi(0), t in the motion's units.
@@ -113,17 +114,26 @@ def _of_panels(path: Separated, sg: int) -> Panels:
     return Panels(lambda t: sg * path.at(t, MP).turning, length)
 
 
+def _reach() -> Any:
+    """|y| from which on v is its limit: it differs by sech^2 y."""
+    return mpmath.prec * mpmath.ln2 / 2 + 4
+
+
+def settling(torus: Torus) -> Any:
+    """A time from which on, and before minus which, v is its limit at the precision in force."""
+    reach, edge = _reach(), mpf(1)
+    while min(abs(torus.phases(edge)[1]), abs(torus.phases(-edge)[1])) < reach:
+        edge *= mpf(5) / 4
+    return edge
+
+
 def _of_tending(path: Separated, sg: int) -> Turning:
     """Panels while v is on its way, then the series of the motion that it tends to."""
     torus, v = path.torus, path.torus.v
     assert isinstance(v, Tending)
     panels = _of_panels(path, sg)
-    reach = mpmath.prec * mpmath.ln2 / 2 + 4
-    # |y| >= reach where the mean phase, which differs by what is bounded, is farther than that.
-    edge = mpf(1)
-    while min(abs(torus.phases(edge)[1]), abs(torus.phases(-edge)[1])) < reach:
-        edge *= mpf(5) / 4
-    limits = {side: _series_beside(path, v.at(side * 2 * reach, MP)) for side in (1, -1)}
+    edge, far = settling(torus), 2 * _reach()
+    limits = {side: _series_beside(path, v.at(side * far, MP)) for side in (1, -1)}
 
     def angle(t: Any) -> Any:
         if abs(t) <= edge:

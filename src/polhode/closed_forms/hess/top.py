@@ -15,7 +15,7 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
-from polhode.closed_forms.attitude.moving import Moving, moving
+from polhode.closed_forms.attitude.moving import Moving, Settled, moving
 from polhode.closed_forms.attitude.quaternion import Quaternion
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
@@ -162,9 +162,35 @@ class HessTop(FromAttitude):
                 frame = SurfaceFrame(path, unit)
                 rows = self._matrix(bits)
                 self._attitudes[bits] = moving(
-                    frame, chi, begin, rows, (wide, quick), path.period and path.period / unit
+                    frame,
+                    chi,
+                    begin,
+                    rows,
+                    (wide, quick),
+                    path.period and path.period / unit,
+                    settled=self._settled(path, unit),
                 )
         return self._attitudes[bits]
+
+    def _settled(self, path: Path, unit: Any) -> Settled | None:
+        """When a motion that tends to a periodic one is that, and its period.
+
+        What is left of the way to it may have been a share 2^-bits at the start.
+        """
+        if isinstance(path, GeneralMotion):
+            rate, period, advance = path.rate, path.period_of_u, path.space
+        elif isinstance(path, Cone) and self.regime == surface.CONE_TENDING:
+            rate, period, advance = 2 * path.rate, 1 / path.rate, mpf(0)
+        elif isinstance(path, PlaneMotion) and self.regime == surface.ROTATION:
+            assert path.elliptic is not None
+            period, advance = 2 * path.elliptic.K / path.rate, mpf(0)
+            rate = abs(path.a12) * mpmath.pi / period
+        else:
+            return None
+        if not rate:
+            return None
+        edge = 2 * mpmath.prec * mpmath.ln2 / rate
+        return Settled(edge / unit, period / unit, advance)
 
     def _speeds(self, path: Path, bits: int) -> tuple[Any, Any]:
         """Bounds of |w| and of the frame's rate: |Z|^2 <= 2(h + P), w = (a12 M2, M2, M3)."""
