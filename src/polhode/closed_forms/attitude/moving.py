@@ -108,7 +108,7 @@ class Moving:
         """The growth of the two arguments of F."""
         if self.between is not None and abs(t) * self.quickest > _NEAR:
             first = mpmath.sign(t) * mpf(_NEAR) / self.quickest
-            with contextlib.suppress(ArithmeticError):
+            with contextlib.suppress(ZeroDivisionError):
                 counted, known = self._grown(first), self.between(first, t)
                 return counted[0] + known[0], counted[1] + known[1]
         if self.settled is not None and abs(t) > self.settled.edge + self.settled.period:

@@ -34,25 +34,27 @@ class DoubleGeneral:
         """The points."""
         t1 = float(self._motion.period_of_u)
         n = np.floor(t / t1)
-        rest = t - n * t1
-        which = np.clip(np.searchsorted(self._begins, rest, side="right") - 1, 0, None)
-        s = (rest - self._begins[which]) / self._lengths[which]
-        rows = np.zeros((self._rows.shape[1], len(t)))
-        for k in reversed(range(self._rows.shape[2])):
-            rows = rows * s + self._rows[which, :, k].T
-        z1, z2, g1, g2, u, U1, U2, V1, V2, *q = rows
         numbers, index = np.unique(n, return_inverse=True)
         found = [self._turned(int(number)) for number in numbers]
         al = np.array([x for x, _ in found])[index]
         turn = np.array([x for _, x in found])[index]
+        point = self.within(t - n * t1, al)
+        zero = np.zeros_like(turn.real)
+        return point._replace(frame=product((turn.real, zero, zero, turn.imag), point.frame))
+
+    def within(self, rest: Any, al: Any) -> SurfacePoint:
+        """The points at times in the first period, where al begins with that direction."""
+        which = np.clip(np.searchsorted(self._begins, rest, side="right") - 1, 0, None)
+        s = (rest - self._begins[which]) / self._lengths[which]
+        rows = np.zeros((self._rows.shape[1], len(rest)))
+        for k in reversed(range(self._rows.shape[2])):
+            rows = rows * s + self._rows[which, :, k].T
+        z1, z2, g1, g2, u, U1, U2, V1, V2, *q = rows
         inner = (U1 + 1j * U2) * al + np.conj((V1 + 1j * V2) * al)
         half = np.conj(inner) / np.abs(inner)
         Z, g = (z1 + 1j * z2) * half**2, (g1 + 1j * g2) * half**2
         zero = np.zeros_like(rest)
-        frame = product(
-            (turn.real, zero, zero, turn.imag),
-            product((q[0], q[1], q[2], q[3]), (half.real, -half.imag, zero, zero)),
-        )
+        frame = product((q[0], q[1], q[2], q[3]), (half.real, -half.imag, zero, zero))
         return SurfacePoint((Z.real, Z.imag), (g.real, g.imag), u, frame)
 
     def _turned(self, n: int) -> tuple[complex, complex]:

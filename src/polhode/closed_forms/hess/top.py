@@ -15,7 +15,7 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
-from polhode.closed_forms.attitude.moving import Moving, Settled, moving
+from polhode.closed_forms.attitude.moving import Between, Moving, Settled, moving, of_matrix
 from polhode.closed_forms.attitude.quaternion import Quaternion
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
@@ -23,6 +23,7 @@ from polhode.closed_forms.hess import axes as surface
 from polhode.closed_forms.hess.doubles import DoubleGeneral
 from polhode.closed_forms.hess.explicit import Cone, PlaneMotion, cone, plane
 from polhode.closed_forms.hess.general import GeneralMotion, general
+from polhode.closed_forms.hess.turns import PeriodicTurns
 from polhode.numbers.exact import Exact
 from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector
@@ -168,9 +169,23 @@ class HessTop(FromAttitude):
                     rows,
                     (wide, quick),
                     path.period and path.period / unit,
+                    between=self._between(path, rows, unit, wide),
                     settled=self._settled(path, unit),
                 )
         return self._attitudes[bits]
+
+    def _between(self, path: Path, rows: Any, unit: Any, wide: Any) -> Between | None:
+        """The growth of the frame's arguments between two times, of two frequencies."""
+        if not isinstance(path, GeneralMotion) or abs(path.trace) >= 2:
+            return None
+        axis = [row[2] for row in rows]
+        turns = PeriodicTurns(path, of_matrix(rows), axis, wide / unit)
+
+        def between(first: Any, last: Any) -> tuple[Any, Any]:
+            one, other = turns.growth(first * unit), turns.growth(last * unit)
+            return other[0] - one[0], other[1] - one[1]
+
+        return between
 
     def _settled(self, path: Path, unit: Any) -> Settled | None:
         """When a motion that tends to a periodic one is that, and its period.
