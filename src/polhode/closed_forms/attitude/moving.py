@@ -22,9 +22,9 @@ from polhode.closed_forms.attitude.winding import growth, longest
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 from polhode.numbers.private import mpf, mpmath
 
-
 #: Growth of arg al and arg bt from one time to another; ArithmeticError where it cannot be told.
 Between = Callable[[Any, Any], tuple[Any, Any]]
+
 
 class Settled(NamedTuple):
     """Beyond |t| = edge, F repeats after each period, but for a turn about the vertical."""
@@ -98,7 +98,8 @@ class Moving:
         """The growth of arg al and arg bt from 0 to t.
 
         Counted over less than a period where there is one or will be, known where
-        :attr:`between` tells it, else counted over all the time; ValueError is raised where that is too long.
+        :attr:`between` tells it, else counted over all the time; ValueError is raised where that is
+        too long.
         """
         turned = self.chi(t) / 2 if self.chi is not None else mpf(0)
         one, other = self._framed_growth(t)
@@ -108,7 +109,7 @@ class Moving:
         """The growth of the two arguments of F."""
         if self.between is not None and abs(t) * self.quickest > _NEAR:
             first = mpmath.sign(t) * mpf(_NEAR) / self.quickest
-            with contextlib.suppress(ZeroDivisionError):
+            with contextlib.suppress(ArithmeticError):
                 counted, known = self._grown(first), self.between(first, t)
                 return counted[0] + known[0], counted[1] + known[1]
         if self.settled is not None and abs(t) > self.settled.edge + self.settled.period:

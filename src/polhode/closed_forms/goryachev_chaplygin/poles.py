@@ -79,9 +79,7 @@ def _upright(
         one = 2 * mpmath.sqrt(left)
         other = mpmath.sqrt(left / (e3 * e3 / 4 + ro * ro))
 
-        def omega(
-            nu: Any, one: Any = one, other: Any = other
-        ) -> tuple[Any, Any, Any]:
+        def omega(nu: Any, one: Any = one, other: Any = other) -> tuple[Any, Any, Any]:
             c, d = mpmath.cos_sin(nu)
             p, q, r = (one * c * x + other * d * y for x, y in zip(m1, m2, strict=True))
             return p / 4, q / 4, r
@@ -107,7 +105,9 @@ def _zeros(function: Callable[[Any], Any]) -> list[Any]:
     if degree == 0:
         return []
     # c_k z^k + ... + c_0 + ... + conj(c_k) z^-k, times z^k
-    terms = [rows[abs(k)] if k >= 0 else mpmath.conj(rows[-k]) for k in range(degree, -degree - 1, -1)]
+    terms = [
+        rows[abs(k)] if k >= 0 else mpmath.conj(rows[-k]) for k in range(degree, -degree - 1, -1)
+    ]
     try:
         roots = mpmath.polyroots(terms, maxsteps=200, extraprec=mpmath.prec)
     except mpmath.NoConvergence as error:
@@ -133,7 +133,10 @@ def _phases(path: Separated, w: Sequence[Any], gamma: Sequence[Any]) -> tuple[An
     larger = (abs(r) + mpmath.sqrt(r * r + 4 * flat)) / 2
     u, v = (larger, flat / larger) if r >= 0 else (flat / larger, larger)
     found = []
-    for clock, z, sine in ((path.torus.u, u, 2 * q * g3 / u - g2), (path.torus.v, v, 2 * q * g3 / v + g2)):
+    for clock, z, sine in (
+        (path.torus.u, u, 2 * q * g3 / u - g2),
+        (path.torus.v, v, 2 * q * g3 / v + g2),
+    ):
         assert isinstance(clock, Oscillating)
         variable = clock.variable
         gap = (variable.high - variable.low) * mpmath.ldexp(1, -mpmath.prec // 3)

@@ -59,7 +59,9 @@ class TorusTurns:
             self._begun[first] = self._path.torus.phases(first)
         begin, end = self._begun[first], self._path.torus.phases(last)
         turn = 4 * mpmath.pi
-        (x0, rest_x), (y0, rest_y) = (_circuits(a, b, turn) for a, b in zip(begin, end, strict=True))
+        (x0, rest_x), (y0, rest_y) = (
+            _circuits(a, b, turn) for a, b in zip(begin, end, strict=True)
+        )
         x, y = (z - turn * mpmath.floor(z / turn) for z in begin)
         x1 = x + rest_x
         ways = [self._along(0, (x, y), rest_x), self._along(1, (x1, y), rest_y)]
@@ -67,7 +69,9 @@ class TorusTurns:
         found = []
         for which in (0, 1):
             whole = sum(n * loop[which] for n, loop in rounds)
-            whole -= sum(self._between(pole, first, last, begin, end) for pole in self._poles[which])
+            whole -= sum(
+                self._between(pole, first, last, begin, end) for pole in self._poles[which]
+            )
             found.append(sum(mpf(way[which]) for way in ways) + 2 * mpmath.pi * whole)
         return found[0], found[1]
 
@@ -135,11 +139,17 @@ class TorusTurns:
 
         def fine(s: Any) -> Pair:
             x, y = begin
-            return self._parameters(x, y + s / speed) if which else self._parameters(x + s / speed, y)
+            return (
+                self._parameters(x, y + s / speed) if which else self._parameters(x + s / speed, y)
+            )
 
         def coarse(s: Any) -> Pair:
             x, y = (float(z) + 0 * s for z in begin)
-            return self._doubles(x, y + s / speed, fn) if which else self._doubles(x + s / speed, y, fn)
+            return (
+                self._doubles(x, y + s / speed, fn)
+                if which
+                else self._doubles(x + s / speed, y, fn)
+            )
 
         (found,) = growth(fine, coarse, [way * speed])
         return found

@@ -64,6 +64,15 @@ class GeneralMotion:
         return 2 * mpmath.acosh(half) / self.period_of_u if half > 1 else None
 
     @property
+    def apart(self) -> Any:
+        """|ln| of the share of one eigenvector over that of the other at the start."""
+        root = mpmath.sqrt(self.trace**2 / 4 - 1)
+        large = self.trace / 2 + (root if self.trace > 0 else -root)
+        after = self.N[0] + self.N[1].conjugate()
+        one = (after - 1 / large) / (large - 1 / large)
+        return abs(mpmath.log(abs(one) / abs(1 - one)))
+
+    @property
     def frequencies(self) -> tuple[Any, Any | None]:
         """2 pi/t1, and of two frequencies that of e, modulo the first."""
         first = 2 * mpmath.pi / self.period_of_u

@@ -30,6 +30,7 @@ from polhode.scenes.body import Vector
 
 _ZERO = Fraction(0)
 _GUARD = 64  # bits beyond the digits asked for and the growth of phases
+_SURE = 32  # bits of the way to a periodic motion after which turns repeat
 
 Path = PlaneMotion | Cone | GeneralMotion
 
@@ -129,8 +130,8 @@ class HessTop(FromAttitude):
                 rate = 2 * path.rate
             elif isinstance(path, PlaneMotion) and self.regime == surface.ROTATION:
                 assert path.elliptic is not None
-                # X grows by a12 pi a turn of r0, which takes 2K/rate.
-                rate = abs(path.a12) * mpmath.pi * path.rate / (2 * path.elliptic.K)
+                # X grows by a12 pi a turn of r0, which takes 2K/rate; al/be as e^{2X}.
+                rate = abs(path.a12) * mpmath.pi * path.rate / path.elliptic.K
             if rate is None:
                 return None
             rate = mpmath.ldexp(rate, self._start.exponent)
@@ -190,22 +191,27 @@ class HessTop(FromAttitude):
     def _settled(self, path: Path, unit: Any) -> Settled | None:
         """When a motion that tends to a periodic one is that, and its period.
 
-        What is left of the way to it may have been a share 2^-bits at the start.
+        What is left of the way falls by 2^-_SURE before: where the vertical is passed ever nearer,
+        it is on one and the same side, so that turns repeat long before the digits do.
         """
+        ways = _SURE * mpmath.ln2
         if isinstance(path, GeneralMotion):
             rate, period, advance = path.rate, path.period_of_u, path.space
+            if rate:
+                ways = _SURE * mpmath.ln2 + path.apart
         elif isinstance(path, Cone) and self.regime == surface.CONE_TENDING:
             rate, period, advance = 2 * path.rate, 1 / path.rate, mpf(0)
         elif isinstance(path, PlaneMotion) and self.regime == surface.ROTATION:
             assert path.elliptic is not None
             period, advance = 2 * path.elliptic.K / path.rate, mpf(0)
-            rate = abs(path.a12) * mpmath.pi / period
+            rate = 2 * abs(path.a12) * mpmath.pi / period
+            c0, s0 = path.half
+            ways = _SURE * mpmath.ln2 + abs(mpmath.log(abs((c0 - s0) / (c0 + s0))))
         else:
             return None
         if not rate:
             return None
-        edge = 2 * mpmath.prec * mpmath.ln2 / rate
-        return Settled(edge / unit, period / unit, advance)
+        return Settled(ways / rate / unit, period / unit, advance)
 
     def _speeds(self, path: Path, bits: int) -> tuple[Any, Any]:
         """Bounds of |w| and of the frame's rate: |Z|^2 <= 2(h + P), w = (a12 M2, M2, M3)."""

@@ -180,7 +180,9 @@ class PeriodicTurns:
                 th = mpmath.arg(c.conjugate() * al - d * al.conjugate())
                 found[which].append((th, self._sign(which, tau, th)))
         if any(sum(sign for _, sign in row) for row in found):
-            raise ArithmeticError("the turns around the places where the axis is vertical do not add")
+            raise ArithmeticError(
+                "the turns around the places where the axis is vertical do not add"
+            )
         return found
 
     def _times(self, value: Any) -> list[Any]:
