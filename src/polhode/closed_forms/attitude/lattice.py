@@ -1,4 +1,4 @@
-"""How many points of a lattice lie below a straight line, at a cost like the logarithm of its length.
+"""How many points of a lattice lie below a straight line, at a cost like the log of its length.
 
 The sum over 0 <= k < n of floor(al k + be) is found as Euclid finds a common divisor (Graham, Knuth
 and Patashnik, Concrete Mathematics, 3.5).

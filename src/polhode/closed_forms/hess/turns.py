@@ -119,7 +119,7 @@ class PeriodicTurns:
         turn = 2 * mpmath.pi
         n = int(th / turn)
         rest = self._along_phase(th - n * turn)
-        return tuple(  # type: ignore[return-value]
+        return tuple(
             turn * n * round(whole / (2 * np.pi)) + mpf(more)
             for whole, more in zip(self._circuit, rest, strict=True)
         )
@@ -159,7 +159,7 @@ class PeriodicTurns:
         """A(0) - g(ph): of what is counted only the whole turns count."""
         over, begun = self._along_time(mpf(0), self._motion.period_of_u), self._begun(self._ph)
         part = self._motion.space
-        return tuple(  # type: ignore[return-value]
+        return tuple(
             part + mpmath.pi * mpmath.nint((a - b - part) / mpmath.pi)
             for a, b in zip(over, begun, strict=True)
         )
