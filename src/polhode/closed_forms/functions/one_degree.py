@@ -208,7 +208,7 @@ def real_zeros(polynomial: Sequence[Any]) -> list[Any]:
     """The real zeros of a polynomial with simple ones, at the precision in force, ascending."""
     prec = mpmath.prec
     with mpmath.extraprec(prec // 2 + 32):
-        roots = mpmath.polyroots(list(reversed(polynomial)), maxsteps=200, extraprec=prec)
+        roots = mpmath.polyroots([*polynomial], maxsteps=200, extraprec=prec, asc=True)
     scale = max((abs(z) for z in roots), default=mpf(0))
     small = mpmath.ldexp(scale, -prec // 2)
     return sorted(+z.real for z in map(mpmath.mpc, roots) if abs(z.imag) < small)

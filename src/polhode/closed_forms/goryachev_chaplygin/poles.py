@@ -105,11 +105,9 @@ def _zeros(function: Callable[[Any], Any]) -> list[Any]:
     if degree == 0:
         return []
     # c_k z^k + ... + c_0 + ... + conj(c_k) z^-k, times z^k
-    terms = [
-        rows[abs(k)] if k >= 0 else mpmath.conj(rows[-k]) for k in range(degree, -degree - 1, -1)
-    ]
+    terms = [rows[abs(k)] if k >= 0 else mpmath.conj(rows[-k]) for k in range(-degree, degree + 1)]
     try:
-        roots = mpmath.polyroots(terms, maxsteps=200, extraprec=mpmath.prec)
+        roots = mpmath.polyroots(terms, maxsteps=200, extraprec=mpmath.prec, asc=True)
     except mpmath.NoConvergence as error:
         raise ArithmeticError("two places where the axis is vertical are near") from error
     near = mpmath.ldexp(1, -2 * mpmath.prec // 5)
