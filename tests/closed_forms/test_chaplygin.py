@@ -96,6 +96,7 @@ def test_membership(name):
     checks.check_membership(Chaplygin, MOTIONS[name])
 
 
+@pytest.mark.slow
 def test_the_series_is_no_longer_than_its_convergence_asks():
     """195 terms at 60 digits: rounding of its values must not be taken for a tail, at any bits."""
     top = Chaplygin(*SHEET)
@@ -124,6 +125,7 @@ def member(rng):
             continue
 
 
+@pytest.mark.slow
 def test_random_members():
     checks.check_random(Chaplygin, member, range(30))
 
@@ -133,5 +135,6 @@ def test_300_random_members():
     checks.check_random(Chaplygin, member, range(100, 400))
 
 
+@pytest.mark.slow
 def test_a_corrupted_formula_fails(monkeypatch):
     checks.check_corrupted(Chaplygin, SHEET, monkeypatch)

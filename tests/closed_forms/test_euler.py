@@ -243,6 +243,7 @@ component = st.one_of(plain, plain, signed)
 difference = st.one_of(st.integers(-9, 9).map(lambda n: F(n, 20)), signed)
 
 
+@pytest.mark.slow
 @settings(max_examples=120, deadline=None, derandomize=True)
 @given(
     st.tuples(difference, difference, difference),

@@ -192,6 +192,7 @@ def test_results_that_are_not_todays_are_made_again(change, tmp_path, monkeypatc
     assert studies.runs == ["published", "accuracy", "published"] + ["accuracy"] * every
 
 
+@pytest.mark.slow
 def test_pages_are_made_from_the_results_alone(tmp_path, monkeypatch):
     Studies(monkeypatch)
     paths = report.write_report(tmp_path, tick=print)
