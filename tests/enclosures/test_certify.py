@@ -18,8 +18,7 @@ from polhode.numbers.exact import Irrational
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from shared import enclosure_trials as trials
-
-ASYMMETRIC = Body.of_moments((2, Fraction(3, 2), 1), ("0.3", "0.2", "0.5"), 1)
+from shared.motions import ASYMMETRIC, asymmetric
 
 
 def top(body: Body = ASYMMETRIC, omega: Any = ("0.3", "0.2", 3), gamma: Any = None) -> Scene:
@@ -111,9 +110,7 @@ def test_a_body_at_rest_stays_and_its_digits_are_of_the_pendulums_rate(gamma: An
 @pytest.mark.parametrize("power", [-100, 100])
 def test_units_of_any_size_cost_no_digit(power: int) -> None:
     scale = Fraction(10) ** power
-    omega = tuple(x * scale for x in (Fraction(3, 10), Fraction(1, 5), Fraction(3)))
-    body = Body.of_moments((2, "1.5", 1), ("0.3", "0.2", "0.5"), scale * scale)
-    scene = Scene(body, omega, ("0.6", 0, "0.8"))
+    scene = asymmetric(rate=scale)
     found = polhode.certify(scene, at=[10 / scale], digits=15)
     plain = polhode.certify(top(), at=[10], digits=15)
     assert found.proven == pytest.approx(plain.proven, abs=0.5)

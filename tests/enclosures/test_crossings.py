@@ -20,15 +20,12 @@ from polhode.numbers.private import mpmath
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Event, Scene
 from shared import enclosure_trials as trials
+from shared.motions import asymmetric
 from shared.mutation import without
-
-ASYMMETRIC = Body.of_moments((2, Fraction(3, 2), 1), ("0.3", "0.2", "0.5"), 1)
 
 
 def top(third: str, *events: Event) -> Scene:
-    return Scene(
-        ASYMMETRIC, ("0.3", "0.2", third), ("0.6", 0, "0.8"), times=(100,), events=tuple(events)
-    )
+    return asymmetric(third, (100,), events=tuple(events))
 
 
 def wheel(zero: str, end: Any = 20) -> Scene:

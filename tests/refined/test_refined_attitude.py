@@ -14,6 +14,7 @@ from polhode.refined.motion import QUAD, refine
 from polhode.runs.integrate import integrate
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
+from shared.motions import asymmetric
 
 OUTPUTS = ("angles", "attitude", "hodographs")
 
@@ -69,11 +70,6 @@ def test_heyokas_own_run_in_quad():
     assert 0 < apart(ours.attitude, steps.attitude) < 1e-30
 
 
-def brick(w=("0.3", "0.2", 3)):
-    body = Body.of_moments([2, "1.5", 1], ["0.3", "0.2", "0.5"], 1)
-    return Scene(body, w, ("0.6", 0, "0.8"))
-
-
 def attitudes(scene, end, m=6):
     following = Following(scene, QUAD.limbs.finest, angles=True)
     return refine(scene, [Fraction(end)], QUAD, m, following=following).attitudes[0]
@@ -81,7 +77,7 @@ def attitudes(scene, end, m=6):
 
 def test_another_grouping_of_steps_agrees_and_the_length_is_one():
     for end in (200, -30):
-        six, five = attitudes(brick(), end), attitudes(brick(), end, 5)
+        six, five = attitudes(asymmetric(), end), attitudes(asymmetric(), end, 5)
         pairs = zip(six.quaternion, five.quaternion, strict=True)
         assert 0 < max(abs(a - b) for a, b in pairs) < 1e-33
         assert np.allclose(six.windings, five.windings, atol=1e-9)

@@ -19,12 +19,7 @@ from polhode.refined.trouble import CannotRefine
 from polhode.scenes import library
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-
-
-def brick(w3="3", weight=1):
-    """The body of the design's tables: moments 2, 3/2, 1, centre of mass off all axes."""
-    body = Body.of_moments([2, "1.5", 1], ["0.3", "0.2", "0.5"], weight)
-    return Scene(body, ("0.3", "0.2", w3), ("0.6", 0, "0.8"))
+from shared.motions import ASYMMETRIC, asymmetric
 
 
 def run(scene, *times, wanted=QUAD, **options):
@@ -112,7 +107,7 @@ class FewNodes(Accuracy):
 def test_the_ends_are_good_to_the_square_of_the_stages():
     """Two more nodes take away what two more Legendre coefficients are, squared: 5² to the 4th
     power at best; measured 60 to 80 a node."""
-    scene, end = brick(), 100
+    scene, end = asymmetric(), 100
     true = run(scene, end, wanted=accuracy(40))
     errors = [
         max(distance(run(scene, end, wanted=FewNodes(1e-34, QUAD.limbs, 8, n), m=4), true))
@@ -124,7 +119,7 @@ def test_the_ends_are_good_to_the_square_of_the_stages():
 
 
 def test_guesses_that_are_off_change_less_than_the_estimate(monkeypatch):
-    scene = brick()
+    scene = asymmetric()
     found = run(scene, 30)
     before, draw = base.Base.states, np.random.default_rng(3)
     monkeypatch.setattr(
@@ -146,11 +141,11 @@ def test_guesses_too_far_off_are_refused(monkeypatch):
         lambda self, t: before(self, t) + draw.uniform(-1e-5, 1e-5, (6, *t.shape)),
     )
     with pytest.raises(CannotRefine, match="drifts within one interval"):
-        run(brick(), 30)
+        run(asymmetric(), 30)
 
 
 def test_there_and_back():
-    scene = brick()
+    scene = asymmetric()
     there = run(scene, 50)
     unit = Fraction(2) ** scene.time_unit
     end = there.exactly(0)
@@ -171,7 +166,7 @@ def test_there_and_back():
 
 
 def test_outputs_do_not_change_the_motion_and_agree_with_a_run_that_ends_there():
-    scene = brick()
+    scene = asymmetric()
     ends = [Fraction(k, 7) for k in range(1, 71)]
     many, one = run(scene, 0, *ends), run(scene, 10)
     assert max(distance(many, one)) < 2e-36  # the sums in double, not the levels, know of others
@@ -188,7 +183,7 @@ def distance_at(found, i, other):
 
 
 def test_outputs_that_crowd():
-    scene = brick()
+    scene = asymmetric()
     crowd = [1 + Fraction(k, 10**6) for k in range(700)]
     found, last = run(scene, *crowd, 3), run(scene, 3)
     assert len(found.states) == 701
@@ -198,7 +193,7 @@ def test_outputs_that_crowd():
 
 
 def test_backward_is_forward_with_the_rates_turned_about():
-    scene = brick()
+    scene = asymmetric()
     turned = replace(scene, omega=tuple(-w for w in scene.omega))
     back, forward = run(scene, -5, -20), run(turned, 5, 20)
     for a, b in zip(back.states, forward.states, strict=True):
@@ -206,13 +201,9 @@ def test_backward_is_forward_with_the_rates_turned_about():
 
 
 def test_the_unit_of_time_changes_no_bit():
-    scene = brick()
+    scene = asymmetric()
     factor = Fraction(2) ** 40
-    fast = Scene(
-        Body.of_moments([2, "1.5", 1], ["0.3", "0.2", "0.5"], factor**2),
-        tuple(w * factor for w in scene.omega),
-        scene.gamma,
-    )
+    fast = asymmetric(rate=factor)
     assert fast.time_unit != scene.time_unit
     assert run(scene, 20).states == run(fast, 20 / factor).states
 
@@ -228,14 +219,14 @@ def test_a_body_that_hangs_at_rest_or_has_nothing_to_move_it():
 
 
 def test_released_from_rest():
-    scene = Scene(Body.of_moments([2, "1.5", 1], ["0.3", "0.2", "0.5"], 1), (0, 0, 0), (1, 0, 0))
+    scene = Scene(ASYMMETRIC, (0, 0, 0), (1, 0, 0))
     found, five = run(scene, 10), run(scene, 10, m=5)
     assert within(distance(found, five), found)
     assert max(found.estimate.errors[0]) < 1e-31
 
 
 def test_a_violent_pendulum_cuts_its_intervals():
-    scene = brick(weight=50)
+    scene = replace(asymmetric(), body=replace(ASYMMETRIC, weight=50))
     found, five = run(scene, 10), run(scene, 10, m=5)
     assert found.intervals > found.steps / 6
     assert within(distance(found, five), found)
@@ -268,11 +259,11 @@ def test_a_hundred_digits_by_the_closed_form():
 
 def test_only_the_principal_form_is_refined():
     with pytest.raises(BadInput, match="principal"):
-        run(replace(brick(), form="general"), 1)
+        run(replace(asymmetric(), form="general"), 1)
 
 
 def test_progress_is_told_and_an_interrupt_stops_the_run():
-    scene, told = brick(), []
+    scene, told = asymmetric(), []
     whole = run(scene, 50, 300, progress=lambda done, steps: told.append((done, steps)))
     assert told == sorted(told)
     assert len(told) >= 2
@@ -294,14 +285,14 @@ def test_progress_is_told_and_an_interrupt_stops_the_run():
 
 
 def test_a_limit_on_the_steps_of_the_double_run():
-    found = run(brick(), 10, 300, max_steps=300)
+    found = run(asymmetric(), 10, 300, max_steps=300)
     assert found.stopped == "step limit"
     assert found.steps == 300
     assert len(found.states) == 1
 
 
 def test_the_state_at_any_time_from_the_last_block_before_it():
-    scene = brick()
+    scene = asymmetric()
     unit = Fraction(2) ** scene.time_unit
     found = run(scene, 300)
     times = [Fraction(t) / unit for t in ("299", "17", "1/3", "0", "250.125", "17")]
@@ -350,14 +341,14 @@ def test_a_failed_self_test_refuses_refinement(monkeypatch):
     monkeypatch.setattr(self_test, "field_error", lambda *_: 1e-30)
     self_test.trusted_kernels.cache_clear()
     with pytest.raises(CannotRefine, match="self-test"):
-        run(brick(), 1)
+        run(asymmetric(), 1)
     self_test.trusted_kernels.cache_clear()
 
 
 def test_threads_do_not_disturb_each_other():
     import heyoka
 
-    scenes = [brick(), brick("1.1"), brick("5")]
+    scenes = [asymmetric(), asymmetric("1.1"), asymmetric("5")]
     alone = [run(scene, 20).states for scene in scenes]
     before = heyoka.get_nthreads()
     with ThreadPoolExecutor(3) as pool:

@@ -21,6 +21,7 @@ from polhode.enclosures.march import Untrusted, run
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from shared.enclosure_trials import ratios, trial
+from shared.motions import asymmetric
 
 NOISE = 79
 
@@ -32,8 +33,7 @@ def sphere(rate: str = "1", gamma: Any = None) -> Scene:
 
 def generic() -> Scene:
     """An asymmetric heavy top."""
-    body = Body.of_moments((2, Fraction(3, 2), 1), ("0.3", "0.2", "0.5"), 1)
-    return Scene(body, ("0.3", "0.2", "0.9"), ("0.6", 0, "0.8"))
+    return asymmetric("0.9")
 
 
 def short_steps(*given: Any) -> Any:

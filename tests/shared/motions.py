@@ -44,7 +44,9 @@ def free_file(run: str) -> str:
     )
 
 
-def asymmetric(spin: Any = 3, times: Sequence[Any] = (), rate: int = 1, **changes: Any) -> Scene:
+def asymmetric(
+    spin: Any = 3, times: Sequence[Any] = (), rate: Fraction | int = 1, **changes: Any
+) -> Scene:
     """A heavy asymmetric body: regular with spin 3, chaotic with 1.1; all ``rate`` times faster."""
     heavier = Body.of_moments(ASYMMETRIC.moments, ASYMMETRIC.centre, rate**2)
     omega = tuple(rate * Fraction(w) for w in ("0.3", "0.2", spin))

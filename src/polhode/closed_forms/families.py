@@ -86,6 +86,14 @@ class Maker(Protocol):
         ...
 
 
+def misfit_of(failure: tuple[str, Exact | None] | None) -> Misfit | None:
+    """A condition that fails, and by how much with a sign, as a misfit; None for none."""
+    if failure is None:
+        return None
+    condition, off = failure
+    return Misfit(condition, None if off is None else abs(off))
+
+
 class Misfit(NamedTuple):
     """Why a scene does not belong to a family: the condition that fails, and by how much.
 

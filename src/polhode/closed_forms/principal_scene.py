@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
-from polhode.scenes.body import Vector
+from polhode.numbers.exact import Exact
+from polhode.scenes.body import IDENTITY, Vector
 from polhode.scenes.scene import Scene
 
 
@@ -20,6 +21,26 @@ class PrincipalScene(NamedTuple):
     torque: Vector
     omega: Vector
     gamma: Vector | None
+
+
+#: Row i is an axis of a body or of a motion in the scene's axes.
+Rows: TypeAlias = tuple[tuple[Exact, ...], ...]
+
+
+def of_start(
+    moments: Vector, torque: Vector, omega: Vector, gamma: Vector, rows: Rows | None
+) -> tuple[Rows, PrincipalScene]:
+    """A body given in principal axes, and its start in the scene's, all in principal axes.
+
+    ``rows``: the principal axes in the scene's; None where they are the same.
+    """
+    rows = IDENTITY if rows is None else rows
+
+    def along(v: Vector) -> Vector:
+        a, b, c = (x * v[0] + y * v[1] + z * v[2] for x, y, z in rows)
+        return a, b, c
+
+    return rows, PrincipalScene(moments, torque, along(omega), along(gamma))
 
 
 def in_principal_axes(scene: Scene) -> PrincipalScene:

@@ -83,9 +83,9 @@ class Globe:
             c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
             arc = np.array([c * np.cos(half), s * np.cos(half), np.sin(half)]).T
             self.curve(axes, arc * self.semi_axes, FRONT, BACK, lw=0.4, above=-1)
-        drawn = {line.get_gid() for other in axes.figure.axes for line in other.lines}
-        names = ("outline", *(f"outline-{k}" for k in range(2, 100)))  # no name stands twice
-        name = next(name for name in names if name not in drawn)
+        gids = [line.get_gid() or "" for other in axes.figure.axes for line in other.lines]
+        before = sum(gid.startswith("outline") for gid in gids)
+        name = f"outline-{before + 1}" if before else "outline"  # no name stands twice
         axes.plot(*self.onto_page(self._outline()).T, color=RIM, lw=0.6, zorder=2, gid=name)
         edge = [self._outline(), *(self._arm(i)[2:] for i in range(3))]
         reach = 1.04 * float(np.max(np.abs(self.onto_page(np.concatenate(edge)))))

@@ -32,7 +32,7 @@ from polhode.common.arguments import steps
 from polhode.common.values import ByValue
 from polhode.equations.forms import principal
 from polhode.judging import rounding
-from polhode.judging.rounding import Band
+from polhode.judging.rounding import Band, Scaled
 from polhode.numbers import exact, number_types
 from polhode.numbers.convert import to_double
 from polhode.numbers.exact import Exact, sign
@@ -92,9 +92,13 @@ class Conditioning(ByValue):
         ``number``: the type asked about, that of the computation unless given.
         """
         kind = self._kind(number)
-        found = [rounding.size(self.along, v) for v in rounding.inputs(self.along, kind)]
+        found = self._inputs(kind)
         return tuple(
-            _digits(found[k], kind) if k is not None else 0.0 if self._lost(t, kind) else None
+            _digits(rounding.size(self.along, found[k]), kind)
+            if k is not None
+            else 0.0
+            if self._lost(t, kind)
+            else None
             for t, k in zip(self.along.outputs, self._places, strict=True)
         )
 
@@ -110,9 +114,7 @@ class Conditioning(ByValue):
         row = policy.of(kind)
         if every is None:
             every = row.project_every if row.projected else 0
-        both = zip(
-            rounding.inputs(self.along, kind), rounding.scatter(self.along, every), strict=True
-        )
+        both = zip(self._inputs(kind), rounding.scatter(self.along, every), strict=True)
         wanted = {k for k in self._places if k is not None}
         bands: dict[int, Band] = {}
         for k, (error, spread) in enumerate(both):
@@ -190,6 +192,16 @@ class Conditioning(ByValue):
                 )
         return "\n".join([*lines, *filter(None, (self.lost, self.note))])
 
+    def _inputs(self, number: NumberType) -> list[Scaled]:
+        """What rounding the inputs causes at the end of each stretch, computed once a type."""
+        if number not in self._known_inputs:
+            self._known_inputs[number] = [*rounding.inputs(self.along, number)]
+        return self._known_inputs[number]
+
+    @cached_property
+    def _known_inputs(self) -> dict[NumberType, list[Scaled]]:
+        return {}
+
     def _kind(self, number: NumberType | str | None) -> NumberType:
         if number is None:
             return self.number
@@ -240,8 +252,8 @@ def conditioning(
     """What a scene's motion does to errors at its times (or others), by variational equations.
 
     It is followed until kappa·eps of ``number`` reaches 1, and is right to two digits and more:
-    where the motion in double is no longer the scene's, it is led along one in a wider type than
-    ``number``.  ``max_steps``: beyond so many, "kappa not followed".
+    where the motion in double is no longer the scene's, it is led along one in a wider type.
+    ``max_steps``: beyond so many, "kappa not followed".
 
     >>> import polhode
     >>> found = polhode.conditioning("euler/separatrix", [10, 20])
@@ -253,7 +265,7 @@ def conditioning(
         scene = scene.at(times)
     kind = choose_number(scene, number, None)
     most = steps(scene.name, max_steps)
-    along = passage(scene, kind, most, _limit(kind) + 2)
+    along = passage(scene, most, _limit(kind) + 2)
     return Conditioning(scene, scene.times, kind, along)
 
 

@@ -26,7 +26,7 @@ from polhode.numbers.convert import exact_number, to_double
 from polhode.numbers.exact import sign
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.taylor.passage import six
+from polhode.taylor.leader import six
 
 if TYPE_CHECKING:
     from polhode.taylor.variations import Doubles

@@ -26,6 +26,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from fractions import Fraction
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +39,7 @@ from polhode.numbers.convert import to_double
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import LOG10_2, NumberType
 from polhode.numbers.scalars import FLOATS
+from polhode.taylor.leader import six
 from polhode.taylor.passage import Passage
 from polhode.taylor.projection import kept_at_zero
 from polhode.taylor.variations import Doubles
@@ -79,7 +81,7 @@ def kappa(along: Passage) -> Iterator[tuple[float, float]]:
 
     The start and each number of the body, changed by one unit of itself.
     """
-    start = six_of_start(along)
+    start = six(along.plain.start)
     by = principal.sensitivities(along.scene.body, along.scene.time_unit)
     chain = np.array(
         [
@@ -168,17 +170,16 @@ def quantiles(along: Passage, error: Scaled, spread: Scaled) -> tuple[float, ...
     exponent, odd = divmod(spread.exponent, 2)
     root = axes * np.sqrt(np.maximum(squares, 0) * 2.0**odd)
     common = max(exponent, error.exponent)
-    normal = np.random.default_rng(1850).standard_normal((_SAMPLES, 6))  # Kovalevskaya's birth
     values = np.ldexp(error.values, error.exponent - common)
-    values = values + np.ldexp(normal @ root.T, exponent - common)
+    values = values + np.ldexp(_deviates() @ root.T, exponent - common)
     found = np.quantile(_sizes(along, values), _QUANTILES)
     return tuple(_log10(float(x)) + common * LOG10_2 for x in found)
 
 
-def six_of_start(along: Passage) -> Doubles:
-    """The start in principal axes, gamma zero where there is none."""
-    start = [to_double(x) for x in along.plain.start]
-    return np.array([*start, *[0.0] * (6 - len(start))])
+@cache
+def _deviates() -> Doubles:
+    """Normal deviates in six dimensions, the same ones for every motion."""
+    return np.random.default_rng(1850).standard_normal((_SAMPLES, 6))
 
 
 class _Across:

@@ -84,7 +84,8 @@ def _leading(scene: Scene, times: Sequence[Fraction], states: Any) -> dict[float
     """The states of a run as what leads a tangent; empty where they are too far apart."""
     import numpy as np
 
-    from polhode.taylor.growth import STRIDE, six
+    from polhode.taylor.growth import STRIDE
+    from polhode.taylor.leader import six
 
     unit = Fraction(2) ** scene.time_unit
     turn = np.array([[to_double(x) for x in row] for row in scene.body.axes.rows])

@@ -14,19 +14,15 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from polhode.equations.equilibrium import at_rest
-from polhode.equations.system import System, system
-from polhode.numbers import exact, number_types
-from polhode.numbers.convert import exactly, to_double
-from polhode.numbers.exact import Exact, sign
-from polhode.numbers.number_types import EXTENDED, QUAD, NumberType
+from polhode.equations.system import system
+from polhode.numbers.convert import to_double
 from polhode.scenes.scene import Scene
-from polhode.taylor import policy
-from polhode.taylor.build import build
+from polhode.taylor.leader import Leader, pendulum, six
 from polhode.taylor.projection import kept_at_zero
 from polhode.taylor.variations import Doubles, Variations
 
@@ -137,7 +133,7 @@ def _look(flow: Variations) -> _Look:
 
 def _grown(looks: list[_Look], scene: Scene) -> list[float]:
     """ln of G at each look."""
-    scale = _ln(max(look.speed for look in looks) or _pendulum(scene))
+    scale = _ln(max(look.speed for look in looks) or pendulum(scene))
     least, found = math.inf, []
     for look in looks:
         size = max(look.sizes[0] - scale, look.sizes[1])
@@ -167,32 +163,6 @@ def _continued(looks: list[_Look], grown: list[float], end: float, unit: float) 
     return Growth(tuple(t * unit for t in times), tuple(lost), last * unit, steps)
 
 
-class Leader:
-    """The motion in a type wide enough for what it has multiplied errors by, at growing times."""
-
-    def __init__(self, plain: System) -> None:
-        self._plain = plain
-        self._number: NumberType | None = None
-
-    def at(self, time: float, log10_growth: float) -> Doubles:
-        """The six components of the state at a time, as doubles."""
-        needed = log10_growth + 6 + STRIDE / 2  # and what may be lost until the next look
-        if self._number is None or needed > self._number.most_digits:
-            ready = [EXTENDED] if number_types.extended_here() else []
-            holding = (kind for kind in (*ready, QUAD) if kind.most_digits >= needed)
-            self._number = next(holding, None) or number_types.mp(2 * needed)
-            self._run = build(self._plain, self._number)
-        rows: Any = []
-        while len(rows) == 0:
-            rows, _ = self._run.chunk([Fraction(time)], policy.of(self._number).chunk)
-        return six([exactly(x) for x in rows[0]])
-
-
-def six(state: Any) -> Doubles:
-    """A state as six doubles, gamma zero where there is none."""
-    return np.array([*(to_double(x) for x in state), *[0.0] * (6 - len(state))])
-
-
 def _moments(end: float, led: bool) -> Iterator[float]:
     """Moments from 0 to the end, without 0."""
     stride = STRIDE if led else min(LONGEST, max(STRIDE, abs(end) / MOST_LOOKS))
@@ -200,12 +170,6 @@ def _moments(end: float, led: bool) -> Iterator[float]:
     for k in range(1, count):
         yield math.copysign(k * stride, end)
     yield end
-
-
-def _pendulum(scene: Scene) -> float:
-    """The scale of w for a body at rest, in the scene's own unit of time."""
-    square: Exact = scene.pendulum_rate_squared
-    return to_double(exact.sqrt(square * Fraction(4) ** scene.time_unit)) if sign(square) else 1.0
 
 
 def _ln(x: float) -> float:

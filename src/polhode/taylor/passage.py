@@ -23,14 +23,12 @@ import numpy as np
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
 from polhode.equations.system import System, system
-from polhode.numbers import exact, number_types
 from polhode.numbers.convert import exactly, to_double
-from polhode.numbers.exact import Exact, sign
-from polhode.numbers.number_types import DOUBLE, NumberType
-from polhode.numbers.scalars import Row
+from polhode.numbers.number_types import DOUBLE
 from polhode.scenes.scene import Scene
 from polhode.taylor import policy
 from polhode.taylor.build import build
+from polhode.taylor.leader import Leader, pendulum, six
 from polhode.taylor.outcomes import Outcome
 from polhode.taylor.variations import Doubles, Variations
 
@@ -90,13 +88,11 @@ class Passage:
         return max(speeds, default=0.0) or pendulum(self.scene)
 
 
-def passage(
-    scene: Scene, number: NumberType = DOUBLE, max_steps: int = 400_000, until: float = math.inf
-) -> Passage:
+def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> Passage:
     """The stretches of a scene's motion to its output times.
 
-    Once the motion in double is no longer the scene's, it is led along one in a wider type than
-    ``number``.  ``max_steps``: of about 35 µs.  ``until``: log10 of |Phi| of the whole way beyond
+    Once the motion in double is no longer the scene's, it is led along one in a wider type.
+    ``max_steps``: of about 35 µs.  ``until``: log10 of |Phi| of the whole way beyond
     which nothing is wanted; the passage ends there without a note.
     """
     unit = 2.0**scene.time_unit
@@ -123,7 +119,7 @@ def passage(
         if still:
             flow.state = start
         elif leader is not None:
-            flow.state = leader.at(t)
+            flow.state = leader.at(t, height)
         carried = flow.tangents[:, :6] / sizes
         driven = flow.tangents[:, 6:].copy()
         found.append(Stretch(t, flow.state.copy(), flow.steps - before, carried, driven))
@@ -135,8 +131,8 @@ def passage(
         if height > until:
             break
         if leader is None and not still and height > _DOUBLES_TRUE:
-            leader = Leader(plain, number_types.wider(number))
-            flow.state = leader.at(t)
+            leader = Leader(plain)
+            flow.state = leader.at(t, height)
     return Passage(scene, outputs, tuple(_with_plain_steps(found, plain)), note)
 
 
@@ -153,20 +149,6 @@ def _with_plain_steps(found: list[Stretch], plain: System) -> list[Stretch]:
     return [s._replace(steps=s.steps * share) for s in found]
 
 
-class Leader:
-    """The motion in a wider type, asked for at times that grow."""
-
-    def __init__(self, plain: System, number: NumberType) -> None:
-        self._run, self._steps = build(plain, number), policy.of(number).chunk
-
-    def at(self, time: float) -> Doubles:
-        """The six components of the state at a time, as doubles."""
-        rows: Sequence[Row] = []
-        while len(rows) == 0:
-            rows, _ = self._run.chunk([Fraction(time)], self._steps)
-        return six([exactly(x) for x in rows[0]])
-
-
 def coefficient_units(scene: Scene) -> tuple[float, ...]:
     """The unit of each coefficient: what it changes by where an input changes by itself."""
     found = dict.fromkeys(principal.NAMES, 0.0)
@@ -174,17 +156,6 @@ def coefficient_units(scene: Scene) -> tuple[float, ...]:
         for name, x in by.items():
             found[name] = max(found[name], abs(to_double(x)))
     return tuple(found.values())
-
-
-def six(state: Sequence[Exact]) -> Doubles:
-    """A state as six doubles, gamma zero where there is none."""
-    return np.array([*(to_double(x) for x in state), *[0.0] * (6 - len(state))])
-
-
-def pendulum(scene: Scene) -> float:
-    """The scale of w for a body at rest, in the scene's own unit of time."""
-    square = scene.pendulum_rate_squared
-    return to_double(exact.sqrt(square * Fraction(4) ** scene.time_unit)) if sign(square) else 1.0
 
 
 def _moments(outputs: Sequence[float]) -> Iterator[float]:

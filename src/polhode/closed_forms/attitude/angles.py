@@ -6,7 +6,13 @@ from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, direction
-from polhode.closed_forms.attitude.winding import growth, longest
+from polhode.closed_forms.attitude.winding import (
+    coarse_parameters,
+    fine_parameters,
+    growth,
+    longest,
+    too_far,
+)
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 from polhode.numbers.exact import EQUAL_BITS
 from polhode.numbers.private import mpf, mpmath
@@ -149,22 +155,16 @@ def _growths(
         coarse = source(_COARSE_BITS).floats(speed)
 
         def fine(t: mpf) -> tuple[Any, Any]:
-            q0, q1, q2, q3 = attitude.at(t / speed, MP)
-            return mpmath.mpc(q0, q3), mpmath.mpc(q1, q2)
+            return fine_parameters(attitude.at(t / speed, MP))
 
         def many(t: Any) -> tuple[Any, Any]:
-            q0, q1, q2, q3 = coarse.at(t, fn)
-            return q0 + 1j * q3, q1 + 1j * q2
+            return coarse_parameters(coarse.at(t, fn))
 
         scaled = {i: times[i](used) * speed for i in open_}
         # No phase may outgrow the digits of a double; of a physical body none outruns |w|.
         limit = longest() * speed / attitude.fastest()
         if max(abs(t) for t in scaled.values()) > limit:
-            raise ValueError(
-                "psi and phi of this motion in these axes are not closed: "
-                "their turns must be counted, which is possible here for |t| up to "
-                f"{mpmath.nstr(limit / speed, 3)}"
-            )
+            raise too_far(limit / speed)
         for side in (1, -1):
             chosen = sorted(
                 (i for i in open_ if side * scaled[i] >= 0), key=lambda i: side * scaled[i]

@@ -18,7 +18,13 @@ from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, of_matrix, product
-from polhode.closed_forms.attitude.winding import growth, longest
+from polhode.closed_forms.attitude.winding import (
+    coarse_parameters,
+    fine_parameters,
+    growth,
+    longest,
+    too_far,
+)
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 from polhode.numbers.private import mpf, mpmath
 
@@ -155,20 +161,14 @@ class Moving:
             return 0.0, 0.0
         speed = self.quickest
         if abs(t) * speed > longest():
-            raise ValueError(
-                "psi and phi of this motion in these axes are not closed: "
-                "their turns must be counted, which is possible here for |t| up to "
-                f"{mpmath.nstr(longest() / speed, 3)}"
-            )
+            raise too_far(longest() / speed)
         coarse, fn = self.floats(speed), numpy_functions()
 
         def fine(time: Any) -> tuple[Any, Any]:
-            q0, q1, q2, q3 = self._framed(time / speed, MP)
-            return mpmath.mpc(q0, q3), mpmath.mpc(q1, q2)
+            return fine_parameters(self._framed(time / speed, MP))
 
         def many(time: Any) -> tuple[Any, Any]:
-            q0, q1, q2, q3 = coarse.at(time, fn)
-            return q0 + 1j * q3, q1 + 1j * q2
+            return coarse_parameters(coarse.at(time, fn))
 
         (found,) = growth(fine, many, [t * speed])
         return found

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from polhode.closed_forms.attitude.quaternion import Quaternion
 from polhode.numbers.private import mpf, mpmath
 
 MOST_SAMPLES = 20_000_000
@@ -27,6 +28,24 @@ Coarse = Callable[[Any], tuple[Any, Any]]
 def longest() -> int:
     """The longest time that a march can reach, in the units of :func:`growth`."""
     return int(2 * _REACH * MOST_SAMPLES)
+
+
+def too_far(reach: Any) -> ValueError:
+    """The refusal of turns that must be counted beyond a time."""
+    return ValueError(
+        "psi and phi of this motion in these axes are not closed: their turns must be counted, "
+        f"which is possible here for |t| up to {mpmath.nstr(reach, 3)}"
+    )
+
+
+def fine_parameters(q: Quaternion) -> tuple[Any, Any]:
+    """al = q0 + i q3 and bt = q1 + i q2 of a quaternion of mpf."""
+    return mpmath.mpc(q[0], q[3]), mpmath.mpc(q[1], q[2])
+
+
+def coarse_parameters(q: Quaternion) -> tuple[Any, Any]:
+    """The same of arrays of doubles."""
+    return q[0] + 1j * q[3], q[1] + 1j * q[2]
 
 
 def growth(

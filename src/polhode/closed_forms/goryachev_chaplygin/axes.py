@@ -20,11 +20,9 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.closed_forms.functions.rounding import log2, number
-from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.closed_forms.principal_scene import PrincipalScene, Rows, of_start
 from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.scenes.body import Vector, is_zero
-
-Rows = tuple[tuple[Exact, ...], ...]
 
 
 def third_axis(moments: Vector, torque: Vector) -> int | None:
@@ -110,13 +108,11 @@ def start(
     ``omega`` and ``gamma`` are in the scene's axes, the torque in principal ones.  Raises
     ValueError with the condition that fails.
     """
-    if rows is None:
-        one, zero = Fraction(1), Fraction(0)
-        rows = ((one, zero, zero), (zero, one, zero), (zero, zero, one))
-    principal = [tuple(_dot(row, v) for row in rows) for v in (omega, gamma)]
-    w, up = ((a, b, c) for a, b, c in principal)
-    if (fault := failure(PrincipalScene(moments, torque, w, up))) is not None:
+    rows, placed = of_start(moments, torque, omega, gamma, rows)
+    if (fault := failure(placed)) is not None:
         raise ValueError(f"a start that does not meet this condition: {fault[0]}")
+    w, up = placed.omega, placed.gamma
+    assert up is not None
     k = third_axis(moments, torque)
     assert k is not None
     i, j = (k + 1) % 3, (k + 2) % 3

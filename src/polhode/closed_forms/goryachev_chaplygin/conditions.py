@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms.families import Misfit
+from polhode.closed_forms.families import Misfit, misfit_of
 from polhode.closed_forms.goryachev_chaplygin.axes import failure
 from polhode.closed_forms.principal_scene import PrincipalScene
 
@@ -14,8 +14,4 @@ def fits(scene: PrincipalScene) -> bool:
 
 def misfit(scene: PrincipalScene) -> Misfit | None:
     """The condition that body and start do not meet, and by how much."""
-    found = failure(scene)
-    if found is None:
-        return None
-    condition, off = found
-    return Misfit(condition, None if off is None else abs(off))
+    return misfit_of(failure(scene))

@@ -15,16 +15,13 @@ a12 = (1/C - 1/A) e1x e1z; with Z = M2 + i M3, Gm = g2 + i g3, u = g1 and P = |T
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 from polhode.closed_forms.functions.rounding import log2
-from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.closed_forms.principal_scene import PrincipalScene, Rows, of_start
 from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.scenes.body import Vector, cross, dot, is_zero, scaled
-
-Rows = tuple[tuple[Exact, ...], ...]
 
 LIBRATION = "f = 0, libration"
 ROTATION = "f = 0, rotation: tends to a plane rotation"
@@ -98,12 +95,11 @@ def start(
     ``omega`` and ``gamma`` are in the scene's axes, the torque in principal ones.  Raises
     ValueError with the condition that fails.
     """
-    if rows is None:
-        one, zero = Fraction(1), Fraction(0)
-        rows = ((one, zero, zero), (zero, one, zero), (zero, zero, one))
-    w, up = (_turned(rows, v) for v in (omega, gamma))
-    if (fault := failure(PrincipalScene(moments, torque, w, up))) is not None:
+    rows, placed = of_start(moments, torque, omega, gamma, rows)
+    if (fault := failure(placed)) is not None:
         raise ValueError(f"a start that does not meet this condition: {fault[0]}")
+    w, up = placed.omega, placed.gamma
+    assert up is not None
     order = _ranked(moments)
     assert order is not None
     i, j, k = order
@@ -135,11 +131,6 @@ def start(
         exponent=exponent,
         rows=axes,
     )
-
-
-def _turned(rows: Rows, vector: Sequence[Exact]) -> Vector:
-    a, b, c = (dot((x, y, z), (vector[0], vector[1], vector[2])) for x, y, z in rows)
-    return a, b, c
 
 
 def _turned_back(rows: Rows, v: Vector) -> Vector:

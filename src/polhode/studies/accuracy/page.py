@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text, or_dash
 
 TITLE = "Accuracy: correct digits by case and number type"
 
@@ -96,13 +96,13 @@ def _table(cases: list[dict[str, Any]]) -> PageTable:
                 case["regime"],
                 format(float(case["end"]), "g"),
                 *(_digits(runs.get(name)) for name in ("double", "extended", "quad", "mp")),
-                _number(double.get("inputs"), ".1f"),
+                or_dash(double.get("inputs"), ".1f"),
                 expected(double.get("expected")),
                 double.get("limit") or "–",
-                _number(drift.get("h"), ".0e"),
-                _number(drift.get("f"), ".0e"),
-                _number((double.get("projection") or {}).get("sum"), ".0e"),
-                _number(double.get("steps"), "d"),
+                or_dash(drift.get("h"), ".0e"),
+                or_dash(drift.get("f"), ".0e"),
+                or_dash((double.get("projection") or {}).get("sum"), ".0e"),
+                or_dash(double.get("steps"), "d"),
                 ", ".join(outcomes),
             )
         )
@@ -172,7 +172,7 @@ def _weakest(cases: list[dict[str, Any]]) -> Iterator[Block]:
     yield Items(
         tuple(
             f"`{name}`: {lost or f'{digits:.1f} digits'} in double, limited by {limit} "
-            f"(rounded inputs alone leave {_number(inputs, '.1f')})"
+            f"(rounded inputs alone leave {or_dash(inputs, '.1f')})"
             for digits, name, limit, inputs, lost in ranked[:3]
         )
     )
@@ -183,8 +183,4 @@ def _digits(run: dict[str, Any] | None) -> str:
         return "–"
     if "correct_digits" not in run:
         return str(run["outcome"])
-    return run.get("lost") or _number(run["correct_digits"], ".1f")
-
-
-def _number(value: Any, form: str) -> str:
-    return "–" if value is None else format(value, form)
+    return run.get("lost") or or_dash(run["correct_digits"], ".1f")

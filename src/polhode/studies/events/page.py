@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text, or_dash
 
 TITLE = "Events: times, counts, contacts and cost"
 
@@ -53,9 +53,9 @@ def _times(motions: list[dict[str, Any]], part: str) -> PageTable:
                 f"{run['end']:g}",
                 str(run["true"]),
                 str(run["found"]) + ("" if run["complete"] else " (incomplete)"),
-                _number(run.get("ulps"), ".3g"),
-                _number(run.get("error"), ".1e"),
-                _number(run.get("digits"), ".1f"),
+                or_dash(run.get("ulps"), ".3g"),
+                or_dash(run.get("error"), ".1e"),
+                or_dash(run.get("digits"), ".1f"),
             )
             for motion in motions
             for run in motion[part]
@@ -90,8 +90,8 @@ def _proven(cases: list[dict[str, Any]]) -> Iterator[Block]:
                 str(row["proven"]),
                 str(row["undecided"]),
                 str(row["double"]),
-                _number(row.get("error"), ".1e"),
-                _number(row.get("radius"), ".1e"),
+                or_dash(row.get("error"), ".1e"),
+                or_dash(row.get("radius"), ".1e"),
             )
             for row in rows
         ),
@@ -150,13 +150,9 @@ def _cost(rows: list[dict[str, Any]]) -> Iterator[Block]:
                 str(row["steps"][0]),
                 *(f"{m:.3g}" for m in row["microseconds_a_step"]),
                 *(str(n) for n in row["found"][1:]),
-                _number(row["microseconds_an_event"][2], ".3g"),
+                or_dash(row["microseconds_an_event"][2], ".3g"),
             )
             for row in rows
         ),
         "lrrrrrrr",
     )
-
-
-def _number(value: Any, form: str) -> str:
-    return "–" if value is None else format(value, form)

@@ -12,10 +12,8 @@ import math
 import random
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,6 +23,7 @@ from polhode.judging.reference import Reference
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers.number_types import DOUBLE, bits_for
 from polhode.runs.integrate import integrate
+from polhode.runs.workers import in_order
 from polhode.scenes.body import Body, Vector
 from polhode.scenes.scene import Scene, even_times
 from polhode.studies.long_run import growth
@@ -136,14 +135,16 @@ def ensembles(
     methods = (PLAIN, PROJECTED)
     asked = [RunStart(top, k, times, methods) for top in TOPS for k in range(starts)]
     members: list[Member] = []
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        for start, member in zip(asked, pool.map(follow, asked), strict=True):
-            if tick is not None:
-                tick(f"{NAME}: {start.scene.name} of {starts}")
-            members.append(member)
-            if len(members) == starts:
-                yield _top_row(start.top, times, members)
-                members = []
+
+    def begun(start: RunStart) -> None:
+        if tick is not None:
+            tick(f"{NAME}: {start.scene.name} of {starts}")
+
+    for start, member in zip(asked, in_order(follow, asked, workers, begun), strict=True):
+        members.append(member)
+        if len(members) == starts:
+            yield _top_row(start.top, times, members)
+            members = []
 
 
 def half_decades(first: int, last: int) -> tuple[Fraction, ...]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from polhode.studies.accuracy.page import expected
-from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text, or_dash
 
 TITLE = "Stability: hard motions, symmetries, and where runs refuse"
 
@@ -77,7 +77,7 @@ def _behind(found: dict[str, Any]) -> Iterator[Block]:
                     f"{run['correct_digits']:.1f}",
                     expected(run["expected"]),
                     f"{run['behind']:.1f}",
-                    _number(run["inputs"], ".1f"),
+                    or_dash(run["inputs"], ".1f"),
                     str(run["steps"]),
                     run["limit"],
                 )
@@ -124,11 +124,11 @@ def _cases(cases: list[dict[str, Any]]) -> PageTable:
                 case["case"],
                 case["regime"],
                 f"{case['end']:g}",
-                _number(case["log10_kappa"], ".1f"),
+                or_dash(case["log10_kappa"], ".1f"),
                 *(_pair(runs.get(name)) for name in _NUMBERS),
-                *(_number(drift.get(key), ".0e") for key in ("h", "f", "gamma")),
-                *(_number(corrected.get(key), ".0e") for key in ("largest", "sum")),
-                _number(double.get("steps"), "d"),
+                *(or_dash(drift.get(key), ".0e") for key in ("h", "f", "gamma")),
+                *(or_dash(corrected.get(key), ".0e") for key in ("largest", "sum")),
+                or_dash(double.get("steps"), "d"),
                 ", ".join(sorted({run["outcome"] for run in case["runs"]})),
             )
         )
@@ -162,7 +162,7 @@ def _rest(rows: list[dict[str, Any]]) -> Iterator[Block]:
             (
                 row["case"],
                 row["rests"],
-                *(_number(row["strays_eps"].get(name), ".3g") for name in _NUMBERS),
+                *(or_dash(row["strays_eps"].get(name), ".3g") for name in _NUMBERS),
             )
             for row in rows
         ),
@@ -197,10 +197,10 @@ def _back(rows: list[dict[str, Any]]) -> Iterator[Block]:
             (
                 case,
                 *(
-                    _number(next(iter(mine.values()))[key], ".1f")
+                    or_dash(next(iter(mine.values()))[key], ".1f")
                     for key in ("log10_kappa", "log10_kappa_back")
                 ),
-                *(_number(mine.get(name, {}).get("error_eps"), ".2g") for name in numbers),
+                *(or_dash(mine.get(name, {}).get("error_eps"), ".2g") for name in numbers),
                 ", ".join(f"{name}: {_verdict(row)}" for name, row in mine.items()),
             )
             for case, mine in by_case.items()
@@ -243,7 +243,3 @@ def _pair(run: dict[str, Any] | None) -> str:
 
 def _verdict(row: dict[str, Any]) -> str:
     return {True: "yes", False: "no", None: "not known"}[row["within"]]
-
-
-def _number(value: Any, form: str) -> str:
-    return "–" if value is None else format(value, form)
