@@ -29,8 +29,10 @@ def case(kind: str, seed: int, scene: polhode.Scene) -> tuple[str, list[str], ob
     if kind == "command":
         words = generate.command(random)
         told = promise.of_command(words)
-        for made in Path().glob("x*.*"):
-            made.unlink()
+        for made in Path().iterdir():
+            if made.name != "folder":
+                made.unlink()
+        generate.prepared(Path())
         return repr(words), *told
     text_of, call = generate.call(random, scene)
     return text_of, *promise.of_call(call)

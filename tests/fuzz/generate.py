@@ -287,4 +287,4 @@ def prepared(folder: Path) -> None:
     (folder / "top.toml").write_text(toml(SCENES[0]))
     (folder / "table.csv").write_text("t,p,q,r\n0,0.3,-0.4,1.1\n")
     (folder / "latin.csv").write_bytes(b"t,p\n0,\xe9\n")
-    (folder / "folder").mkdir()
+    (folder / "folder").mkdir(exist_ok=True)

@@ -17,6 +17,7 @@ import signal
 import threading
 import traceback
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -56,8 +57,13 @@ def held() -> tuple[Any, ...]:
     return files, threads, len(multiprocessing.active_children()), handles
 
 
-def broken(work: Callable[[], Any]) -> tuple[list[str], Any]:
-    """Which parts of the promise some work breaks, and what it gave."""
+def broken(
+    work: Callable[[], Any], outputs: Callable[[Any], set[Path]] = lambda given: set()
+) -> tuple[list[str], Any]:
+    """Which parts of the promise some work breaks, and what it gave.
+
+    ``outputs``: the files that may be written by work that gave this.
+    """
     before, peak = held(), _peak()
     faults: list[str] = []
     given: Any = None
@@ -69,6 +75,9 @@ def broken(work: Callable[[], Any]) -> tuple[list[str], Any]:
     except Exception:
         faults.append(traceback.format_exc())
     after = held()
+    for files in (before[0], after[0]):
+        for path in outputs(given):
+            files.pop(path, None)
     names = ("files", "threads", "processes", "open handles")
     for name, old, new in zip(names, before, after, strict=True):
         if name != "open handles" and old != new:
@@ -81,14 +90,20 @@ def broken(work: Callable[[], Any]) -> tuple[list[str], Any]:
 
 
 def of_command(arguments: list[str]) -> tuple[list[str], int | None]:
-    """The faults of a command that is to write no file, and its exit code."""
+    """The faults of a command, and its exit code; unless refused, it may write its -o."""
     out, err = io.StringIO(), io.StringIO()
+
+    def outputs(code: int | None) -> set[Path]:
+        if code not in CODES - {2}:
+            return set()
+        named = {Path(given) for flag, given in pairwise(arguments) if flag == "-o"}
+        return named | {path.with_suffix(".json") for path in named}
 
     def work() -> int:
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
             return cli.main(arguments)
 
-    faults, code = broken(work)
+    faults, code = broken(work, outputs)
     if faults:
         return faults, code
     if code not in CODES:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence, Set
 from operator import index
 from typing import Any, TypeVar
 
@@ -35,8 +35,11 @@ def steps(source: str, value: Any) -> int:
 def each(
     source: str, key: str, values: Any, read: Callable[[Any], T], expected: str
 ) -> tuple[T, ...]:
-    """Each of some values read, such as the times ``at``; what ``read`` refuses is named."""
-    if isinstance(values, (str, bytes)) or not isinstance(values, (Iterable, Sequence)):
+    """Each of some values read, such as the times ``at``; what ``read`` refuses is named.
+
+    A set is refused, for it has no order.
+    """
+    if isinstance(values, (str, bytes, Set)) or not isinstance(values, (Iterable, Sequence)):
         raise BadInput(source, key, values, expected)
     found = []
     try:

@@ -346,7 +346,8 @@ def compare(
         if isinstance(what, (str, Path)):
             what = read_table(Path(what), kind)
         elif not isinstance(what, Table):
-            what = table_of_rows(what, at, columns or scene.columns, kind)
+            named = scene.columns if columns is None else columns
+            what = table_of_rows(what, at, named, kind)
         found = Judgement(of_table(what, scene), against, known)
     about = found.subject
     if not (about.columns or about.angles or about.attitude):

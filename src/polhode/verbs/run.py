@@ -123,9 +123,12 @@ def main(options: Namespace) -> int:
 def _accuracy(found: Trajectory) -> str:
     """What a run itself tells about its accuracy."""
     if found.errors is not None:
-        known = [x for x in found.errors if x is not None]
-        lost = "" if len(known) == len(found.errors) else ", beyond it no estimate"
-        return f"refined, estimated error {max(known, default=0.0):.1e}{lost}"
+        known = [(x, t) for x, t in zip(found.errors, found.times, strict=True) if x is not None]
+        if not any(t for _, t in known):
+            return "refined, no estimate of the error"
+        last = brief(max((t for _, t in known), key=abs))
+        lost = "" if len(known) == len(found.errors) else f" to t = {last}, beyond it no estimate"
+        return f"refined, estimated error {max(x for x, _ in known):.1e}{lost}"
     return f"projected {found.projection}" if found.projected else f"drift {found.drift}"
 
 
