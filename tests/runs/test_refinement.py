@@ -8,6 +8,7 @@ from fractions import Fraction
 import pytest
 
 import polhode
+import polhode.verbs.run as run_verb
 from polhode.cli import main
 from polhode.common.errors import BadInput
 from polhode.numbers import number_types
@@ -190,6 +191,20 @@ def test_the_command_line_tells_method_and_errors(capsys):
     assert main(["run", SCENE, "--number", "quad", "--at", "20", *refined]) == 0
     assert "refined, estimated error " in capsys.readouterr().err
     assert main(["run", SCENE, "--number", "double", "--at", "20", "--method", "refined"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("errors", "told"),
+    [
+        ((0.0, 1e-34, 3e-34), "refined, estimated error 3.0e-34"),
+        ((0.0, 1e-34, None), "refined, estimated error 1.0e-34 to t = 5, beyond it no estimate"),
+        ((0.0, None, None), "refined, no estimate of the error"),
+    ],
+)
+def test_an_estimate_is_told_only_where_there_is_one(errors, told):
+    """Without any but the start's, "estimated error 0.0e+00" was told."""
+    found = polhode.integrate(SCENE, "quad", at=[0, 5, 20])
+    assert run_verb._accuracy(replace(found, errors=errors)) == told
 
 
 def test_about_tells_whether_the_self_test_passed(capsys, monkeypatch):
