@@ -72,7 +72,8 @@ def _joined(arguments: Sequence[str]) -> list[str]:
     pending = ""
     for argument in arguments:
         if pending:
-            joined.append(f"{pending}={argument}")
+            # argparse drops a "--", wherever it stands, and would give no value at all
+            joined += [pending, argument] if argument == "--" else [f"{pending}={argument}"]
             pending = ""
         elif argument in ("--at", "--tol"):
             pending = argument

@@ -197,6 +197,13 @@ def test_digits_are_a_whole_number_within_bounds(digits):
             polhode.reference(scene).at([1], digits=digits)
 
 
+@pytest.mark.parametrize("option", ["--at", "--tol", "--number", "-o"])
+def test_an_option_without_its_value_is_refused(option):
+    """``--at --`` gave an AttributeError."""
+    assert promise.of_command(["run", "top.toml", option, "--"]) == ([], 2)
+    assert promise.of_command(["run", "top.toml", option]) == ([], 2)
+
+
 def test_digits_without_a_number_are_refused():
     """They were ignored without a word."""
     assert promise.of_command(["compare", "table.csv", "top.toml", "--digits", "30"]) == ([], 2)
