@@ -21,6 +21,7 @@ class Look(NamedTuple):
     width: float = 1.1
 
 
+_LEADER = {"arrowstyle": "-", "lw": 0.4, "alpha": 0.6, "relpos": (0, 0.5)}
 _LIGHT = "#56b4e9"
 _OURS = COLOURS["double"]
 #: A hue a program; what differs within one differs by mark and line.
@@ -64,10 +65,11 @@ class End(NamedTuple):
 def label_ends(ax: Any, ends: Sequence[End], size: float = 8, room: float = 0.02) -> None:
     """Write each curve's name to the right of the panel, on a thin line that leads to its end.
 
-    The axes must have their final limits and scales; the panel keeps room at its right.
+    The axes must hold all that they will, on their final scales; the panel keeps room at its right.
     """
     if not ends:
         return
+    ax.get_xlim(), ax.get_ylim()  # settles them
     place = ax.transAxes.inverted()
     heights = [place.transform(ax.transData.transform((e.x, e.y)))[1] for e in ends]
     inches = ax.get_position().height * ax.figure.get_size_inches()[1]
@@ -85,7 +87,7 @@ def label_ends(ax: Any, ends: Sequence[End], size: float = 8, room: float = 0.02
             color=end.colour,
             va="center",
             annotation_clip=False,
-            arrowprops={"arrowstyle": "-", "color": end.colour, "lw": 0.4, "alpha": 0.6},
+            arrowprops={"color": end.colour, **_LEADER},
         )
 
 

@@ -27,10 +27,12 @@ from polhode.studies.page.blocks import Block, Heading, PageTable, Text, markdow
 
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
 STUDIES = (
-    *("accuracy", "certified", "speed", "stability", "long-run", "forms", "events"),
+    *("needs", "accuracy", "certified", "speed", "stability", "long-run", "forms", "events"),
     "published",
 )
 PAGE = "report.html"
+#: The study that the page of all begins with.
+LEAD = "needs"
 #: What makes pages of results: a change there makes no result out of date.
 _PRESENTATION = {"page.py", "figure.py", "page", "figures", "verbs", "cli.py", "report.py"}
 
@@ -89,7 +91,7 @@ def part(
 def write_pages(folder: Path, tick: Tick | None = None) -> list[Path]:
     """Figures and pages of all results in the folder, made from them alone; paths of all files."""
     kept, texts, sections = _made(folder, STUDIES, tick)
-    texts[folder / PAGE] = html.page("polhode: digits, and what limits them", sections)
+    texts[folder / PAGE] = html.page("polhode: digits, and what limits them", sections, LEAD)
     write_whole(texts)
     return [*kept, *texts]
 
@@ -159,8 +161,8 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield Text(found["question"])
     took = f" in {origin['seconds']:.0f} seconds" if "seconds" in origin else ""
     yield Text(
-        f"Made by `{origin['command']}`{took}; to run it again: `{again} -o DIR`. "
-        "No number here was edited by hand."
+        f"Made by `{origin['command']}`{took}; to run it again: `{again} -o DIR`; a row alone, "
+        f"nothing written: `{again} --only 'PART OF ITS NAME'`. No number here was edited by hand."
     )
     yield from _module(found["study"], "page").blocks(found)
     yield Heading("Provenance")

@@ -51,14 +51,16 @@ def claim(cells: Sequence[dict[str, Any]], level: float) -> str:
     for cell in cells:
         if _raced(cell, level):
             by_end.setdefault(cell["end"], []).append(closest(cell, level))
-    told, behind = [], []
+    told: list[str] = []
+    behind: list[Closest] = []
     for end, found in sorted(by_end.items()):
         ahead = sum(x is None or x.factor > 1 for x in found)
-        told.append(f"{ahead} of {len(found)} at t = {end}")
+        cells_here = f"{ahead} of {len(found)}" + " cells of body and outputs" * (not told)
+        told.append(f"{cells_here} at t = {end}")
         behind += [x for x in found if x is not None and x.factor <= 1]
     if not told:
         return f"At {level:g} digits no other program was here to compare with."
-    text = f"At {level:g} digits polhode's median is ahead of every other program in the cells "
+    text = f"At {level:g} digits polhode's median is ahead of every other program in "
     text += ", ".join(told)
     if behind:
         names = ", ".join(sorted({x.method for x in behind}))
