@@ -25,7 +25,7 @@ from polhode.peers import field
 from polhode.studies import processes
 from polhode.studies.page.blocks import markdown
 from polhode.studies.processes import Method, Task
-from polhode.studies.speed import contenders, figure, page, refined
+from polhode.studies.speed import cells, contenders, figure, page, refined
 from polhode.studies.speed import rows as speed
 from polhode.studies.speed.work_precision import WorkPoint, against, frontier, seconds_at, wall
 
@@ -368,9 +368,10 @@ def test_page_and_figure_are_made_from_the_json_alone():
     assert "Euler top, CyRK DOP853: it takes 0.50 of our time at 6.0 digits" in text
     assert "numbalsoda lsoda: missing (No module)" in text
     assert "| diffrax Dopri8 | 50 (6.0) |" in text
-    drawn = figure.svg(found)
-    assert drawn == figure.svg(found)
-    assert figure.absent(found["motions"]) == ["missing: numbalsoda lsoda"]
+    drawn = figure.svgs(found)
+    assert drawn == figure.svgs(found)
+    assert list(drawn) == ["speed"]
+    assert "Not drawn: missing: numbalsoda lsoda" in text
 
 
 @pytest.mark.slow
@@ -378,6 +379,7 @@ def test_a_small_study_from_end_to_end(monkeypatch):
     """The quick study on its shortest motion alone; the same digits twice."""
     monkeypatch.setattr(speed, "MOTIONS", tuple(m for m in speed.MOTIONS if m.kind == "short"))
     told = []
+    monkeypatch.setattr(cells, "QUICK_LENGTHS", ((10, 11),))
     found = speed.rows(quick=True, tick=told.append)
     assert told
     assert all(line.startswith("speed: ") for line in told)
@@ -392,7 +394,8 @@ def test_a_small_study_from_end_to_end(monkeypatch):
         for point in row["points"]:
             assert 0 <= point.get("digits", 0) <= 19.27
     assert markdown(page.TITLE, page.blocks(found))
-    assert figure.svg(found).startswith("<?xml")
+    assert figure.svgs(found)["speed"].startswith("<?xml")
+    assert {cell["kind"] for cell in found["cells"]} == {*cells.KINDS}
 
 
 def test_the_full_study_asks_for_every_peer_and_type():

@@ -1,12 +1,13 @@
 """The right-hand side compiled by numba, as each peer wants to call it; numba's disk cache is used.
 
 ``rates`` is a name of the module and the coefficients are plain numbers: a closure over anything
-compiled would never be found again in the cache.
+compiled would never be found again in the cache.  A body is compiled once in a process.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numba
@@ -19,6 +20,7 @@ Coefficients = tuple[float, ...]
 rates = numba.njit(filling)
 
 
+@cache
 def function(c: Coefficients) -> Any:
     """A compiled f(t, y) that returns an array."""
 
@@ -30,6 +32,7 @@ def function(c: Coefficients) -> Any:
     return numba.njit("float64[:](float64, float64[:])", cache=True)(field)
 
 
+@cache
 def time_state_rates(c: Coefficients, signature: Any) -> Any:
     """A C callback (t, y, dy, args)."""
 
@@ -39,6 +42,7 @@ def time_state_rates(c: Coefficients, signature: Any) -> Any:
     return _callback(field, signature)
 
 
+@cache
 def rates_time_state(c: Coefficients, signature: Any) -> Any:
     """A C callback (dy, t, y, args)."""
 

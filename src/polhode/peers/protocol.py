@@ -2,7 +2,8 @@
 
 A job: {"problems": [...], "repeats": timed runs a tolerance, "patience": seconds above which a run
 is not repeated}.  A problem: {"coefficients": nine doubles, "start": six, "times": output times
-from 0 on, all as hex floats; "method": which of the driver's methods; "tolerances"}.
+from 0 on, "body": principal moments and Mg r0, all as hex floats; "method": which of the driver's
+methods; "tolerances"; "every": the states of one output time in so many are written}.
 
 The answer is lines of JSON, written as they are made, so that a process that dies or is stopped
 leaves what it had: first {"version", "import", "prepare"} or {"missing"}; for each problem
@@ -27,18 +28,22 @@ _SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of Linux
 
 @dataclass(frozen=True)
 class Problem:
-    """The equations' nine coefficients, the start, the output times and the method's name."""
+    """The equations' nine coefficients, the start, the output times and the method's name.
+
+    ``body``: principal moments and the components of Mg r0, for a peer that needs the Hamiltonian.
+    """
 
     coefficients: tuple[float, ...]
     start: tuple[float, ...]
     times: tuple[float, ...]
     method: str
+    body: tuple[float, ...] = ()
 
     @classmethod
     def read(cls, job: dict[str, Any]) -> Problem:
         """From the job's JSON."""
         c, start, times = (_doubles(job[key]) for key in ("coefficients", "start", "times"))
-        return cls(c, start, times, job["method"])
+        return cls(c, start, times, job["method"], _doubles(job["body"]))
 
 
 class Solution(NamedTuple):
@@ -92,7 +97,7 @@ def serve(
             except Exception as fault:
                 write({**label, "failed": _told(fault)})
                 continue
-            rows = [[written(x) for x in row] for row in solution.rows]
+            rows = [[written(x) for x in row] for row in solution.rows[:: wanted["every"]]]
             write({**label, "rows": rows, "steps": solution.steps, **clocks})
 
 

@@ -24,6 +24,7 @@ from polhode.numbers.exact import Exact
 from polhode.peers.field import TERMS
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.studies import ensembles
 
 Tick = Callable[[str], None]
 
@@ -43,10 +44,11 @@ class Method(NamedTuple):
 
 
 class Task(NamedTuple):
-    """One method on one scene at its times."""
+    """One method on one scene at its times; the states come back of one time in ``every``."""
 
     method: Method
     scene: Scene
+    every: int = 1
 
 
 @dataclass
@@ -126,7 +128,8 @@ def run_all(
             }
             limit = sum(task.method.limit for _, task, _ in chosen)
             answers, fault = ask(module, job, limit, cache)
-            _enter([(curve, len(task.scene.times)) for curve, task, _ in chosen], answers)
+            kept = [(curve, len(task.scene.times[:: task.every])) for curve, task, _ in chosen]
+            _enter(kept, answers)
             for curve, _, tolerances in chosen:
                 for tol in tolerances:
                     if tol not in curve.points and not curve.missing:
@@ -170,8 +173,9 @@ def environment(cache: Path) -> dict[str, str]:
 
 
 def plain_scene(case: str, times: Sequence[Exact]) -> Scene:
-    """A case of the library at these times, asked for its states alone."""
-    return replace(library.load(case), times=tuple(times), outputs=(), events=(), published=())
+    """A case of the library, or of an ensemble, at these times, asked for its states alone."""
+    scene = ensembles.named(case) or library.load(case)
+    return replace(scene, times=tuple(times), outputs=(), events=(), published=())
 
 
 def stale(rows: Sequence[Sequence[Any]]) -> bool:
@@ -196,9 +200,11 @@ def _problem(task: Task, tolerances: tuple[float, ...]) -> dict[str, Any]:
         "case": scene.name,
         "method": task.method.method,
         "tolerances": list(tolerances),
+        "every": task.every,
         "coefficients": [to_double(k.get(name, 0)).hex() for name in TERMS],
         "start": [to_double(x).hex() for x in scene.start],
         "times": [to_double(t).hex() for t in scene.times],
+        "body": [to_double(x).hex() for x in (*scene.body.moments, *scene.body.torque)],
     }
 
 

@@ -1,16 +1,16 @@
 """Reports: each study's results as JSON, from which alone its figures and its page are made.
 
-A study is a folder beside this file: ``rows.py`` has NAME, QUESTION and ``rows(quick, tick)``, the
-JSON object; ``page.py`` TITLE and ``blocks(found)``; ``figure.py`` ``svg(found)``, one figure with
-the study's name, or ``svgs(found)``, several by name.  Where ``rows.py`` tells its own
-``versions()``, they belong to its provenance.
+A study is a folder beside this file: ``rows.py`` has NAME, QUESTION and ``rows(quick, tick,
+only)``, the JSON object, or some of its rows; ``page.py`` TITLE and ``blocks(found)``;
+``figure.py`` ``svg(found)``, one figure with the study's name, or ``svgs(found)``, several by name.
+Where ``rows.py`` tells its own ``versions()``, they belong to its provenance.
 """
 
 from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -21,15 +21,18 @@ from polhode.common.provenance import cpu, digest, versions
 from polhode.figures import canvas
 from polhode.output.results import as_json
 from polhode.scenes import library
+from polhode.studies.only import Only
 from polhode.studies.page import html
-from polhode.studies.page.blocks import Block, Heading, Text, markdown
+from polhode.studies.page.blocks import Block, Heading, PageTable, Text, markdown
 
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
 STUDIES = (
-    *("accuracy", "certified", "speed", "stability", "long-run", "forms", "events"),
+    *("needs", "accuracy", "certified", "speed", "stability", "long-run", "forms", "events"),
     "published",
 )
 PAGE = "report.html"
+#: The study that the page of all begins with.
+LEAD = "needs"
 #: What makes pages of results: a change there makes no result out of date.
 _PRESENTATION = {"page.py", "figure.py", "page", "figures", "verbs", "cli.py", "report.py"}
 
@@ -66,10 +69,29 @@ def write_study(
     return [*kept, *texts]
 
 
+def part(
+    name: str, texts: Sequence[str], quick: bool = False, tick: Tick | None = None
+) -> tuple[dict[str, Any], str]:
+    """The rows of a study whose names hold all texts, made again, and their tables as Markdown.
+
+    Nothing is written: a part of a study is no study.  Raises BadInput where no row is named so.
+    """
+    if name not in STUDIES:
+        raise BadInput("study", "NAME", name, nearest(name, [*STUDIES]))
+    only = Only(tuple(texts))
+    found: dict[str, Any] = _module(name, "rows").rows(quick, tick, only)
+    if not only.taken:
+        likely = nearest(" ".join(texts), [*dict.fromkeys(only.passed)])
+        raise BadInput("study", "--only", " ".join(texts), f"part of the name of a row; {likely}")
+    parts = _module(name, "page").blocks(found)
+    tables = [block for block in parts if isinstance(block, PageTable) and block.rows]
+    return found, markdown(title(name), tables)
+
+
 def write_pages(folder: Path, tick: Tick | None = None) -> list[Path]:
     """Figures and pages of all results in the folder, made from them alone; paths of all files."""
     kept, texts, sections = _made(folder, STUDIES, tick)
-    texts[folder / PAGE] = html.page("polhode: digits, and what limits them", sections)
+    texts[folder / PAGE] = html.page("polhode: digits, and what limits them", sections, LEAD)
     write_whole(texts)
     return [*kept, *texts]
 
@@ -139,8 +161,8 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield Text(found["question"])
     took = f" in {origin['seconds']:.0f} seconds" if "seconds" in origin else ""
     yield Text(
-        f"Made by `{origin['command']}`{took}; to run it again: `{again} -o DIR`. "
-        "No number here was edited by hand."
+        f"Made by `{origin['command']}`{took}; to run it again: `{again} -o DIR`; a row alone, "
+        f"nothing written: `{again} --only 'PART OF ITS NAME'`. No number here was edited by hand."
     )
     yield from _module(found["study"], "page").blocks(found)
     yield Heading("Provenance")

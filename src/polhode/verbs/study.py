@@ -15,14 +15,29 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("name", metavar="NAME", help="accuracy, stability, events, ...")
     parser.add_argument("--quick", action="store_true", help="fewer and shorter cases")
     parser.add_argument(
+        "--only",
+        metavar="TEXT",
+        action="append",
+        default=[],
+        help="only rows whose names hold TEXT (all of several); prints them and writes nothing",
+    )
+    parser.add_argument(
         "-o", dest="folder", type=folder, metavar="DIR", default="reports", help="where to"
     )
 
 
 def main(options: Namespace) -> int:
-    """Run one study and write it."""
+    """Run one study and write it, or print some of its rows."""
     from polhode.studies import report
 
+    if options.only:
+        with Progress("study") as progress:
+            found, tables = report.part(options.name, options.only, options.quick, progress.say)
+        if options.json:
+            print_json(found)
+        else:
+            say(tables.rstrip())
+        return DONE
     place = Path(options.folder)
     with Progress("study") as progress:
         written = report.write_study(options.name, place, options.quick, progress.say)

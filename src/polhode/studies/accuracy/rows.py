@@ -20,6 +20,7 @@ from polhode.runs.workers import cores, in_order
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.studies.accuracy.motions import paths
+from polhode.studies.only import Only
 
 NAME = "accuracy"
 QUESTION = (
@@ -34,9 +35,15 @@ QUICK_CASES = (
 LONGEST = {"double": 1e7, "extended": 1e6, "quad": 1e4, "mp": 3e3}
 
 
-def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict[str, Any]:
+def rows(
+    quick: bool = False,
+    tick: Callable[[str], None] | None = None,
+    only: Only | None = None,
+) -> dict[str, Any]:
     """The study's results as a JSON object; no figure in it depends on the clock."""
-    scenes = [library.load(name) for name in (QUICK_CASES if quick else library.names())]
+    wanted = only or Only()
+    names = QUICK_CASES if quick else library.names()
+    scenes = [library.load(name) for name in names if wanted(name)]
 
     def begun(scene: Scene) -> None:
         if tick is not None:
@@ -44,7 +51,7 @@ def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict
 
     cases = [*in_order(_case, scenes, 1 if quick else cores(), begun)]
     found = {"study": NAME, "question": QUESTION, "quick": quick, "cases": cases}
-    return found | {"motions": paths()}
+    return found if wanted else found | {"motions": paths()}
 
 
 def _case(scene: Scene) -> dict[str, Any]:

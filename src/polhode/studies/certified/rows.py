@@ -19,6 +19,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.studies.only import Only
 
 NAME = "certified"
 QUESTION = (
@@ -50,22 +51,27 @@ _BUILT = "built: "
 Tick = Callable[[str], None]
 
 
-def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
+def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None) -> dict[str, Any]:
     """The study's results as a JSON object; only the seconds in it depend on the clock."""
     say = tick or (lambda _: None)
+    wanted = only or Only()
     contained = []
     for name in QUICK_CONTAINED if quick else library.names():
         scene = library.load(name)
-        if scene.times and closed_form(scene) is not None:
+        if wanted(name) and scene.times and closed_form(scene) is not None:
             say(f"{NAME}: {name} in its enclosure")
             contained.append(contained_in(replace(scene, reference="auto", outputs=())))
     growth, cost, judged = [], [], []
     for name in MOTIONS[1:3] if quick else MOTIONS:
+        if not wanted(name):
+            continue
         say(f"{NAME}: {name} over time")
         growth.append(_growth(name, QUICK_TIMES if quick else TIMES))
         judged += _judged(name, JUDGED[:2] if quick else JUDGED)
     for name in COSTED[1:2] if quick else COSTED:
         for digits in COST_DIGITS[: 2 if quick else 3]:
+            if not wanted(name, f"{digits} digits"):
+                continue
             say(f"{NAME}: price of {digits} digits of {name}")
             cost.append(_cost(name, digits, QUICK_COST_END if quick else COST_END))
     return {

@@ -19,6 +19,7 @@ from polhode.runs.integrate import integrate
 from polhode.scenes import columns as columns_
 from polhode.scenes import library
 from polhode.scenes.scene import Event, Scene
+from polhode.studies.only import Only
 
 NAME = "events"
 QUESTION = (
@@ -66,24 +67,28 @@ COST_ENDS = {"double": 2000, "extended": 200, "quad": 5, "mp": 2}
 COST_EVENTS = ("p*gamma2 - q*gamma1", "q", "gamma3 - 1/2")
 
 
-def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
+def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None) -> dict[str, Any]:
     """The study's results as a JSON object; only the seconds in it depend on the clock."""
     say = tick or (lambda _: None)
+    wanted = only or Only()
     motions = []
     for motion in MOTIONS[:3] if quick else MOTIONS:
+        if not wanted(motion.case, motion.what):
+            continue
         say(f"{NAME}: {motion.case}, {motion.what}")
         motions.append(_motion(motion, QUICK_FAR if quick else FAR))
     say(f"{NAME}: grazing contacts")
-    grazing = [
-        _grazing(n, shift) for n in number_types.NAMES[: 2 if quick else 4] for shift in SHIFTS
-    ]
-    cusps = [_cusps(n) for n in number_types.NAMES[: 2 if quick else 4]]
+    names = number_types.NAMES[: 2 if quick else 4]
+    grazing = [_grazing(n, s) for n in names for s in SHIFTS if wanted("grazing", n, s)]
+    cusps = [_cusps(n) for n in names if wanted("cusps", n)]
     cost = []
     for name in number_types.NAMES:
+        if not wanted("cost", name):
+            continue
         say(f"{NAME}: cost in {name}")
         cost.append(_cost(name, 3 if quick else 9))
     say(f"{NAME}: proven events")
-    proven = [_proven(name, PROVEN_END) for name in PROVEN[: 1 if quick else 2]]
+    proven = [_proven(name, PROVEN_END) for name in PROVEN[: 1 if quick else 2] if wanted(name)]
     return {
         "study": NAME,
         "question": QUESTION,

@@ -17,6 +17,7 @@ from polhode.scenes import library
 from polhode.scenes.body import Body, Vector
 from polhode.scenes.scene import Scene, even_times
 from polhode.scenes.words import FORMS
+from polhode.studies.only import Only
 
 NAME = "forms"
 QUESTION = (
@@ -46,10 +47,17 @@ MOTIONS = (
 )
 
 
-def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict[str, Any]:
+def rows(
+    quick: bool = False,
+    tick: Callable[[str], None] | None = None,
+    only: Only | None = None,
+) -> dict[str, Any]:
     """The study's results as a JSON object."""
     motions = []
+    wanted = only or Only()
     for motion in MOTIONS[2:4] if quick else MOTIONS:
+        if not wanted(motion.case, motion.what):
+            continue
         if tick is not None:
             tick(f"{NAME}: {motion.case}")
         motions.append(_motion(motion, quick))

@@ -20,10 +20,12 @@ class Section(NamedTuple):
     figures: Mapping[str, str]
 
 
-def page(title: str, sections: Iterable[Section]) -> str:
-    """The sections as one page with a table of contents."""
+def page(title: str, sections: Iterable[Section], lead: str = "") -> str:
+    """The sections as one page; ``lead``: the one that stands before the table of contents."""
     sections = tuple(sections)
     names = {section.name for section in sections}
+    first = [section for section in sections if section.name == lead]
+    others = tuple(section for section in sections if section.name != lead)
     return "\n".join(
         [
             "<!DOCTYPE html>",
@@ -36,8 +38,9 @@ def page(title: str, sections: Iterable[Section]) -> str:
             "</head>",
             "<body>",
             f"<h1>{escape(title)}</h1>",
-            *_contents(sections),
-            *(line for section in sections for line in _section(section, names)),
+            *(line for section in first for line in _section(section, names)),
+            *_contents(others),
+            *(line for section in others for line in _section(section, names)),
             "</body>",
             "</html>",
             "",

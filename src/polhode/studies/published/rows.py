@@ -10,6 +10,7 @@ from polhode.checks.time_labels import TimeLabel, time_labels
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers.decimals import decimal_string
 from polhode.scenes import library
+from polhode.studies.only import Only
 
 NAME = "published"
 QUESTION = (
@@ -19,12 +20,17 @@ QUESTION = (
 QUICK_CASES = ("published/nasa-brick", "published/curtis", "published/detest-b5")
 
 
-def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict[str, Any]:
+def rows(
+    quick: bool = False,
+    tick: Callable[[str], None] | None = None,
+    only: Only | None = None,
+) -> dict[str, Any]:
     """The study's results as a JSON object."""
     cases = []
+    wanted = only or Only()
     for name in QUICK_CASES if quick else library.names():
         scene = library.load(name)
-        if not scene.published:
+        if not scene.published or not wanted(name):
             continue
         if tick is not None:
             tick(f"{NAME}: {name}")

@@ -53,6 +53,14 @@ OURS = tuple(
     for word in (number, f"{number} projected")
 )
 HEYOKA = Method(ENGINE, "polhode.peers.bare_heyoka", "", _FINE["double"])
+SPLITTINGS = tuple(
+    Method(f"splitting {word}", "polhode.peers.splitting", word, tolerances)
+    for word, tolerances in (
+        ("4", (1e-4, 1e-6, 1e-8, 1e-10)),
+        ("8", (1e-4, 1e-6, 1e-8, 1e-10)),
+        ("8 compensated", (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)),
+    )
+)
 PEERS = (
     _peer("SciPy DOP853, Python", "scipy_python", "DOP853"),
     _peer("SciPy LSODA, Python", "scipy_python", "LSODA"),
@@ -64,6 +72,7 @@ PEERS = (
     _peer("CyRK VERN8", "cyrk", "VERN8"),
     _peer("CyRK LSODA", "cyrk", "LSODA"),
     _peer("diffrax Dopri8", "diffrax_dopri8", "Dopri8"),
+    *SPLITTINGS,
 )
 SLOW_PEERS = (_peer("mpmath odefun", "mpmath_odefun"),)
 

@@ -1,128 +1,144 @@
-"""Figure of the study speed: error against seconds, a panel a motion, and all number types."""
+"""Figures of the study speed: error against seconds, and seconds over run length."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from textwrap import wrap
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any
 
-from polhode.figures.canvas import COLOURS, MARKS, as_svg, pyplot
+from polhode.figures.canvas import as_svg, pyplot
+from polhode.figures.direct import GRID, GUIDE, LOOKS, WIDTH, End, label_ends
 
+PROJECTED, PLAIN = "polhode double projected", "polhode double"
 TYPES_SHOWN = "Kovalevskaya top"  # the motion of the panel with all number types
+SHOWN_OUTPUTS, SHOWN_DIGITS = 11, 9.0  # of the figure over run length
+#: Drawn beside polhode: one of each that differ by their right-hand side's language alone.
+_DRAWN = (
+    *("heyoka alone", "CyRK DOP853", "CyRK VERN8", "CyRK LSODA", "diffrax Dopri8"),
+    *("numbalsoda dop853", "numbalsoda lsoda", "SciPy DOP853, Python", "SciPy LSODA, Python"),
+    *("splitting 4", "splitting 8", "splitting 8 compensated", "mpmath odefun"),
+)
 
 
-class Style(NamedTuple):
-    """How a method is drawn."""
-
-    colour: str
-    mark: str
-    line: str = "-"
-    width: float = 1.0
-
-
-_STYLES = {
-    "polhode double projected": Style("#0072b2", "o", "-", 2.2),
-    "polhode double": Style("#56b4e9", "o", "-", 1.6),
-    "heyoka alone": Style("#000000", "x", ":", 1.0),
-    "CyRK DOP853": Style("#d55e00", "s"),
-    "CyRK VERN8": Style("#d55e00", "^", "--"),
-    "CyRK LSODA": Style("#d55e00", "v", ":"),
-    "numbalsoda dop853": Style("#e69f00", "s"),
-    "numbalsoda lsoda": Style("#e69f00", "v", ":"),
-    "diffrax Dopri8": Style("#009e73", "D"),
-    "SciPy DOP853, numba": Style("#cc79a7", "s"),
-    "SciPy DOP853, Python": Style("#cc79a7", "s", "--"),
-    "SciPy LSODA, numba": Style("#999999", "v"),
-    "SciPy LSODA, Python": Style("#999999", "v", "--"),
-    "mpmath odefun": Style("#e69f00", "P", "--"),
-}
+def svgs(found: Mapping[str, Any]) -> dict[str, str]:
+    """The study's figures by name, from its JSON object."""
+    drawn = {"speed": work_precision(found["motions"])}
+    if any(len(_names(cell)) > 2 for cell in found.get("cells", ())):
+        drawn["lengths"] = lengths(found["cells"])
+    return drawn
 
 
-def svg(found: Mapping[str, Any]) -> str:
-    """Error against seconds for every motion, from the study's JSON object."""
+def work_precision(motions: Sequence[Mapping[str, Any]]) -> str:
+    """Error against seconds, a panel a motion, and polhode's wider types on one of them."""
     plt = pyplot()
-    motions = found["motions"]
-    cells = 2 + len(motions)  # the legend, the motions, the number types
-    rows = -(-cells // 2)
-    size = (5.6, 2.4 * rows + 0.5)
-    figure, axes = plt.subplots(rows, 2, figsize=size, layout="constrained")
-    legend, *panels = axes.flat
-    for ax, motion in zip(panels, motions, strict=False):
+    rows = len(motions) + 1
+    size = (WIDTH, 2.5 * rows)
+    figure, axes = plt.subplots(rows, 1, figsize=size)
+    figure.subplots_adjust(left=0.12, right=0.7, top=1 - 0.3 / size[1], bottom=0.5 / size[1])
+    figure.subplots_adjust(hspace=0.42)
+    for ax, motion in zip(axes, motions, strict=False):
         _panel(ax, motion)
     shown = next((m for m in motions if m["motion"] == TYPES_SHOWN), motions[0])
-    _types(panels[len(motions)], shown)
-    for ax in (legend, *panels[len(motions) + 1 :]):
-        ax.set_axis_off()
-    handles: dict[str, Any] = {}
-    for ax in panels:
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-            handles.setdefault(label, handle)
-    legend.legend(handles.values(), handles.keys(), loc="center", fontsize=7.5, frameon=False)
-    figure.supylabel("error", fontsize=9)
-    lines = [piece for line in absent(motions) for piece in wrap(line, 70)]
-    figure.supxlabel("\n".join(["seconds of a run", *lines]), fontsize=9)
+    _types(axes[-1], shown)
+    axes[-1].set_xlabel("seconds of a run", fontsize=9)
     return as_svg(figure)
 
 
-def absent(motions: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Lines naming the methods that are missing, failed or stale somewhere."""
-    found: dict[str, list[str]] = {}
-    for motion in motions:
-        for method in motion["methods"]:
-            if method["status"] != "ok" and method["method"] not in found.get(method["status"], ()):
-                found.setdefault(method["status"], []).append(method["method"])
-    return [f"{status}: {', '.join(names)}" for status, names in found.items()]
+def lengths(cells: Sequence[Mapping[str, Any]]) -> str:
+    """Seconds to nine digits over the length of a run: median, and a bar over the starts."""
+    plt = pyplot()
+    kinds = list(dict.fromkeys(cell["kind"] for cell in cells))
+    size = (WIDTH, 2.3 * len(kinds))
+    figure, axes = plt.subplots(len(kinds), 1, figsize=size, sharex=True, squeeze=False)
+    figure.subplots_adjust(left=0.12, right=0.7, top=1 - 0.3 / size[1], bottom=0.5 / size[1])
+    for ax, kind in zip(axes[:, 0], kinds, strict=True):
+        here = [c for c in cells if c["kind"] == kind and c["outputs"] == SHOWN_OUTPUTS]
+        _over_length(ax, sorted(here, key=lambda cell: cell["end"]))
+        ax.set_title(kind, fontsize=9)
+    axes[-1, 0].set_xlabel("t at the end", fontsize=9)
+    axes[len(kinds) // 2, 0].set_ylabel(f"seconds to {SHOWN_DIGITS:g} digits", fontsize=9)
+    return as_svg(figure)
+
+
+def _over_length(ax: Any, cells: Sequence[Mapping[str, Any]]) -> None:
+    ends = []
+    _scales(ax)
+    for name in dict.fromkeys(name for cell in cells for name in _names(cell)):
+        rows = [(cell["end"], *seconds) for cell in cells if (seconds := _seconds(cell, name))]
+        if not rows:
+            continue
+        t, middle, least, most = zip(*rows, strict=True)
+        look = LOOKS[name]
+        ax.plot(t, middle, look.line, marker=look.mark, color=look.colour, lw=look.width, ms=4)
+        ax.vlines(t, least, most, color=look.colour, lw=2.5, alpha=0.35)
+        ends.append(End(t[-1], middle[-1], name, look.colour))
+    label_ends(ax, ends)
+
+
+def _names(cell: Mapping[str, Any]) -> list[str]:
+    return [method["method"] for method in cell["levels"][0]["methods"]]
+
+
+def _seconds(cell: Mapping[str, Any], name: str) -> Sequence[float] | None:
+    """Median, least and most at the level shown; None where not every start reaches it."""
+    (level,) = (level for level in cell["levels"] if level["digits"] == SHOWN_DIGITS)
+    for method in level["methods"]:
+        if method["method"] == name and method["reached"] == cell["starts"]:
+            found: Sequence[float] | None = method["seconds"]
+            return found
+    return None
 
 
 def _panel(ax: Any, motion: Mapping[str, Any]) -> None:
-    """The double methods on one motion."""
-    for method in motion["methods"]:
-        style = _STYLES.get(method["method"])
-        if style is not None:
-            _curve(ax, method, style, method["method"])
+    """The double methods on one motion; polhode's curve is the one that is compared."""
+    methods = {method["method"]: method for method in motion["methods"]}
+    curves = {"polhode": _composite(methods)}
+    curves |= {name: methods[name]["points"] for name in _DRAWN if name in methods}
+    _draw(ax, curves, f"{motion['motion']}, t = {motion['end']}")
     floor = motion.get("verdict", {}).get("to_digits")
     if floor is not None:
-        ax.axhline(10.0**-floor, color="#666666", lw=0.8, ls=(0, (1, 2)))
-    _dress(ax, f"{motion['motion']}, t = {motion['end']}", 3e-17)
+        ax.axhline(10.0**-floor, color=GUIDE, lw=0.8, ls=(0, (1, 2)))
+
+
+def _composite(methods: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """polhode's double curve as it comes: projected at its tightest tolerance and only there."""
+    plain = methods.get(PLAIN, {"points": []})["points"]
+    projected = methods.get(PROJECTED, {"points": []})["points"]
+    if not plain or not projected:
+        return [*plain, *projected]
+    eps = min(p["tol"] for p in projected)
+    return [*(p for p in plain if p["tol"] > eps), *(p for p in projected if p["tol"] <= eps)]
 
 
 def _types(ax: Any, motion: Mapping[str, Any]) -> None:
     """polhode in all number types on one motion."""
-    least = 16.0
-    for method in motion["methods"]:
-        name, number = method["method"], method["number"]
-        if not name.startswith("polhode") or number == "double":
+    curves = {
+        method["method"]: method["points"]
+        for method in motion["methods"]
+        if method["method"].startswith("polhode") and method["number"] != "double"
+    }
+    _draw(ax, curves, f"{motion['motion']}, t = {motion['end']}, wider types")
+
+
+def _draw(ax: Any, curves: Mapping[str, Any], title: str) -> None:
+    """Curves with their names; the axes end where the data end."""
+    ends = []
+    for name, points in curves.items():
+        marks = [(p["seconds_min"], 10.0 ** -p["digits"]) for p in points if p.get("digits")]
+        if not marks:
             continue
-        projected = name.endswith("projected")
-        style = Style(COLOURS[number], MARKS[number], "-" if projected else "--", 1.2)
-        _curve(ax, method, style, name)
-        least = max([least, *(p["digits"] for p in method["points"] if "digits" in p)])
-    _dress(ax, f"{motion['motion']}, wider types", 10.0 ** -(least + 2))
+        seconds, errors = zip(*marks, strict=True)
+        look = LOOKS[name]
+        style = {"color": look.colour, "lw": look.width, "ms": 3.5}
+        ax.plot(seconds, errors, look.line, marker=look.mark, **style)
+        ends.append(End(seconds[-1], errors[-1], name, look.colour))
+    _scales(ax)
+    ax.set_title(title, fontsize=9)
+    ax.set_ylabel("error", fontsize=9)
+    label_ends(ax, ends)
 
 
-def _curve(ax: Any, method: Mapping[str, Any], style: Style, label: str) -> None:
-    points = [(p["seconds_min"], 10.0 ** -p["digits"]) for p in method["points"] if "digits" in p]
-    if not points:
-        return
-    seconds, errors = zip(*points, strict=True)
-    front = 3 if label.startswith("polhode double") else 2
-    ax.plot(
-        seconds,
-        errors,
-        style.line,
-        marker=style.mark,
-        color=style.colour,
-        lw=style.width,
-        ms=3.5,
-        label=label,
-        zorder=front,
-    )
-
-
-def _dress(ax: Any, title: str, least: float) -> None:
+def _scales(ax: Any) -> None:
     ax.set_xscale("log")
     ax.set_yscale("log")
-    ax.set_ylim(least, 10.0)
-    ax.set_title(title, fontsize=9)
     ax.tick_params(labelsize=8)
-    ax.grid(lw=0.3, color="#dddddd")
+    ax.grid(lw=0.3, color=GRID)

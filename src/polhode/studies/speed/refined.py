@@ -16,6 +16,7 @@ from polhode.runs.integrate import integrate
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.studies.only import Only
 
 _REPEATS = 3, 1  # of refined runs and of steps, after one of each that warms up
 _SPARE = 12  # digits more that the reference has
@@ -47,12 +48,16 @@ CONTESTS = (
 )
 
 
-def contests(quick: bool, tick: Callable[[str], None] | None = None) -> list[dict[str, Any]]:
+def contests(
+    quick: bool, tick: Callable[[str], None] | None = None, only: Only | None = None
+) -> list[dict[str, Any]]:
     """A row a contest: CPU seconds and correct digits both ways, digits to which both agree, and
     what refinement estimated."""
     found = []
     for contest in CONTESTS:
         if quick and not contest.quick:
+            continue
+        if only is not None and not only(f"refined: {contest.name} t={contest.end}"):
             continue
         if tick is not None:
             tick(f"refined runs: {contest.name} to t = {contest.end}")

@@ -14,7 +14,9 @@ from polhode.judging.digits import digits_of, errors, rate_scale
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers.number_types import DOUBLE, bits_for, named
 from polhode.scenes.scene import Scene
+from polhode.studies.only import Only
 from polhode.studies.processes import Curve, Method, Task, Tick, run_all
+from polhode.studies.speed import cells
 from polhode.studies.speed.contenders import (
     ENGINE,
     MOTIONS,
@@ -37,15 +39,21 @@ SPARE_DIGITS = 6
 LOOSEST = 6.0  # digits from which curves are compared
 
 
-def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
+def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None) -> dict[str, Any]:
     """The study's results as a JSON object; seconds vary from run to run, digits do not."""
-    motions = [m for m in MOTIONS if not quick or m.name in QUICK_MOTIONS]
-    asked = {motion: methods(motion, quick) for motion in motions}
+    wanted = only or Only()
+    asked = {}
+    for motion in (m for m in MOTIONS if not quick or m.name in QUICK_MOTIONS):
+        chosen = [m for m in methods(motion, quick) if wanted(motion.name, motion.case, m.name)]
+        if chosen:
+            asked[motion] = chosen
+    motions = [*asked]
     scenes = {motion: scene_of(motion) for motion in motions}
     tasks = [Task(method, scenes[motion]) for motion in motions for method in asked[motion]]
     with tempfile.TemporaryDirectory() as cache:
         repeats, patience = (2, 0.1) if quick else (3, 0.25)
         curves = run_all(tasks, Path(cache), repeats, patience, _named(tick))
+        over = cells.rows(quick, Path(cache), wanted, _named(tick))
     found = []
     for motion in motions:
         if tick is not None:
@@ -59,7 +67,8 @@ def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
         "quick": quick,
         "target": target(found),
         "motions": found,
-        "refined": contests(quick, _named(tick)),
+        "cells": over,
+        "refined": contests(quick, _named(tick), wanted),
     }
 
 

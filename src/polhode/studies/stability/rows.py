@@ -17,6 +17,7 @@ from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.studies.accuracy.rows import LONGEST, band, projection, rounded
+from polhode.studies.only import Only
 from polhode.studies.stability import hard_cases, limits, symmetries
 
 NAME = "stability"
@@ -33,11 +34,12 @@ QUARTERS = 4  # of the way, each of whose ends is one of those states
 Tick = Callable[[str], None]
 
 
-def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
+def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None) -> dict[str, Any]:
     """The study's results as a JSON object; no figure in it depends on the clock."""
     say = tick or (lambda _: None)
     cases, back, units = [], [], []
-    chosen = hard_cases.names(quick)
+    wanted = only or Only()
+    chosen = [name for name in hard_cases.names(quick) if wanted(name)]
     for k, name in enumerate(chosen):
         say(f"{NAME}: {name}, {k + 1} of {len(chosen)}")
         scene = library.load(name)
@@ -47,7 +49,7 @@ def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
         back += _back(scene, kept, known)
         units += _units(scene)
     say(f"{NAME}: rest")
-    rest = _rest(chosen if quick else library.names())
+    rest = _rest(chosen if quick or wanted else library.names())
     say(f"{NAME}: limits")
     return {
         "study": NAME,
@@ -61,7 +63,7 @@ def rows(quick: bool = False, tick: Tick | None = None) -> dict[str, Any]:
         "units": units,
         "rest": rest,
         "back": back,
-        "limits": limits.rows(quick),
+        "limits": [] if wanted else limits.rows(quick),
     }
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
+from polhode.studies.speed.page import lengths
 
 TITLE = "Speed: work against precision"
 
@@ -24,7 +25,8 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "left."
     )
     yield Text("Left of and below is better. The dotted line is three times kappa·eps of a double.")
-    yield Figure("speed", "Error against seconds of every method on every motion")
+    yield Figure("speed", _shown(found["motions"]))
+    yield from lengths.blocks(found.get("cells", ()))
     yield from _target(found)
     yield from _verdicts(found["motions"])
     yield from _engine(found["motions"])
@@ -37,8 +39,33 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield from _absent(found["motions"])
 
 
+def _shown(motions: list[dict[str, Any]]) -> str:
+    """What the figure shows, and what it cannot."""
+    told = "Error against seconds on every motion"
+    left_out = [f"{status}: {', '.join(names)}" for status, names in _by_status(motions).items()]
+    return f"{told}. Not drawn: {'; '.join(left_out)}" if left_out else told
+
+
+def _by_status(motions: list[dict[str, Any]]) -> dict[str, list[str]]:
+    """The methods that are missing, failed or stale somewhere."""
+    found: dict[str, list[str]] = {}
+    for motion in motions:
+        for method in motion["methods"]:
+            names = found.setdefault(method["status"], [])
+            if method["method"] not in names:
+                names.append(method["method"])
+    return {status: names for status, names in found.items() if status != "ok"}
+
+
 def finding(found: dict[str, Any]) -> str:
     """The study in a sentence."""
+    if found.get("cells"):
+        return lengths.claim(found["cells"], lengths.SHOWN)
+    return _on_regular(found)
+
+
+def _on_regular(found: dict[str, Any]) -> str:
+    """Who is ahead on the regular motions to their ends."""
     regular = [m for m in found["motions"] if m["kind"] == "regular"]
     ends = ", ".join(sorted({f"{m['end']:g}" for m in regular}, key=float))
     where = f"regular motions to t = {ends} with eleven output times"
@@ -62,7 +89,7 @@ def _target(found: dict[str, Any]) -> Iterator[Block]:
         return
     yield Heading("From 1e-6 down to three times kappa·eps")
     if target["ahead"]:
-        yield Text(finding(found))
+        yield Text(_on_regular(found))
     else:
         yield Text("polhode's double curve is ahead of every peer but these:")
         yield Items(tuple(_behind(row) for row in target["behind"]))

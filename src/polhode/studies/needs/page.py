@@ -1,0 +1,44 @@
+"""Page of the study needs: the table that the report begins with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from polhode.studies.page.blocks import Block, PageTable, Text
+
+TITLE = "What you get: need, command, digits, seconds"
+
+
+def blocks(found: dict[str, Any]) -> Iterator[Block]:
+    """The study's page from its JSON object."""
+    rows = tuple(
+        (
+            row["need"],
+            f"`{row['command']}`",
+            f"{row['digits']:.1f}",
+            f"{row['t']:g}",
+            f"{row['seconds']:.2g}",
+        )
+        for row in found["needs"]
+    )
+    yield PageTable(("need", "command", "digits right", "t", "seconds"), rows, "llrrr")
+    yield Text(
+        "Digits: the fewest over the output times, against the closed form or, where there is "
+        "none, a proven enclosure; for a file, those that `compare` prints. Seconds: the whole "
+        "command with Python's start and its imports, the least of several, what is compiled being "
+        "loaded from the cache; the first run of a new body compiles for a second or so. t: the "
+        "last output time. One row alone: `polhode study needs --only '30 digits'`."
+    )
+
+
+def finding(found: dict[str, Any]) -> str:
+    """The study in a sentence."""
+    if not found["needs"]:
+        return "Nothing was run."
+    least, most = (f([row["seconds"] for row in found["needs"]]) for f in (min, max))
+    fewest, many = (f([row["digits"] for row in found["needs"]]) for f in (min, max))
+    return (
+        f"From {fewest:.1f} to {many:.1f} correct digits in {least:.2g} to {most:.2g} seconds, "
+        "by one command each."
+    )

@@ -1,0 +1,151 @@
+"""Part of the page of speed: work against precision over run length and number of outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text
+
+OURS, ENGINE = "polhode", "heyoka alone"
+SHOWN = 9.0  # digits of the figure and of the finding
+
+
+class Closest(NamedTuple):
+    """The peer that comes closest to polhode in a cell, or is furthest ahead of it."""
+
+    factor: float
+    least: float
+    most: float
+    method: str
+
+
+def blocks(cells: Sequence[dict[str, Any]]) -> Iterator[Block]:
+    """Heading, claims, figure and tables; nothing where no cell was run."""
+    if not cells:
+        return
+    starts = max(cell["starts"] for cell in cells)
+    yield Heading("Over run length and number of outputs")
+    yield Text(
+        f"One random body of each kind from {starts} random starts, all numbers decimals of two "
+        "places. Every method runs at several tolerances; the seconds for so many digits are read "
+        "from each start's own curve (below its first point, the first point's), and divided by "
+        "polhode's on the same start. Runs are judged at eleven even times, those with two outputs "
+        "at the end; integrators are made before, and a scene's first run does not count. Each "
+        "row alone: `polhode study speed --only 'NAME OF THE ROW'`."
+    )
+    if _peers(cells):
+        for level in _levels(cells):
+            yield Text(claim(cells, level))
+        yield _overview(cells)
+        yield Figure("lengths", f"Seconds of a run to {SHOWN:g} digits over its length, by method")
+    yield _every(cells)
+    told = {f"{name}: {fault}": None for cell in cells for name, fault in cell["faults"].items()}
+    if told:
+        yield Text("Not all runs came back: " + "; ".join(told) + ".")
+
+
+def claim(cells: Sequence[dict[str, Any]], level: float) -> str:
+    """At one level, in how many cells of each length polhode's median is ahead of every peer."""
+    by_end: dict[int, list[Closest | None]] = {}
+    for cell in cells:
+        if _raced(cell, level):
+            by_end.setdefault(cell["end"], []).append(closest(cell, level))
+    told: list[str] = []
+    behind: list[Closest] = []
+    for end, found in sorted(by_end.items()):
+        ahead = sum(x is None or x.factor > 1 for x in found)
+        cells_here = f"{ahead} of {len(found)}" + " cells of body and outputs" * (not told)
+        told.append(f"{cells_here} at t = {end}")
+        behind += [x for x in found if x is not None and x.factor <= 1]
+    if not told:
+        return f"At {level:g} digits no other program was here to compare with."
+    text = f"At {level:g} digits polhode's median is ahead of every other program in "
+    text += ", ".join(told)
+    if behind:
+        names = ", ".join(sorted({x.method for x in behind}))
+        least, most = min(x.factor for x in behind), max(x.factor for x in behind)
+        between = f"{least:.2f}" if least == most else f"{least:.2f} to {most:.2f}"
+        text += f"; in the others the fastest ({names}) takes {between} of its time"
+    return text + "."
+
+
+def closest(cell: dict[str, Any], level: float) -> Closest | None:
+    """The fastest peer at a level, by the median over the starts; None where none reaches it."""
+    rows = [m for m in _methods(cell, level) if _is_peer(m["method"]) and m["factor"] is not None]
+    found = ((*m["factor"], m["method"]) for m in rows)
+    return min((Closest(*parts) for parts in found), default=None)
+
+
+def _raced(cell: dict[str, Any], level: float) -> bool:
+    """Whether polhode reaches the level and a peer was here, whether or not that one did."""
+    methods = _methods(cell, level)
+    ours = any(m["method"] == OURS and m["seconds"] is not None for m in methods)
+    return ours and any(_is_peer(m["method"]) for m in methods)
+
+
+def _overview(cells: Sequence[dict[str, Any]]) -> PageTable:
+    """For each length and number of outputs how many bodies polhode is ahead on, at each level."""
+    lengths = sorted({(cell["end"], cell["outputs"]) for cell in cells})
+    levels = _levels(cells)
+    rows = []
+    for end, outputs in lengths:
+        here = [c for c in cells if (c["end"], c["outputs"]) == (end, outputs)]
+        rows.append((str(end), str(outputs), *(_race(here, level) for level in levels)))
+    header = ("t", "outputs", *(f"{level:g} digits" for level in levels))
+    return PageTable(header, tuple(rows), "rr" + "l" * len(levels))
+
+
+def _race(cells: Sequence[dict[str, Any]], level: float) -> str:
+    raced = [cell for cell in cells if _raced(cell, level)]
+    if not raced:
+        return "–"
+    found = [closest(cell, level) for cell in raced]
+    ahead = sum(x is None or x.factor > 1 for x in found)
+    told = f"ahead on {ahead} of {len(raced)} bodies"
+    best = min((x for x in found if x is not None), default=None)
+    return told if best is None else f"{told}; {best.method} ×{best.factor:.2f}"
+
+
+def _every(cells: Sequence[dict[str, Any]]) -> PageTable:
+    """Milliseconds of every method in every cell: median, and least to most over the starts."""
+    names = list(dict.fromkeys(m["method"] for c in cells for m in c["levels"][0]["methods"]))
+    rows = []
+    for cell in cells:
+        for level in cell["levels"]:
+            found = {m["method"]: m for m in level["methods"]}
+            label = f"{cell['kind']} t={cell['end']} outputs={cell['outputs']}"
+            shown = (_cell(found.get(name), cell["starts"]) for name in names)
+            rows.append((label, f"{level['digits']:g}", *shown))
+    header = ("row", "digits", *(f"{name}, ms" for name in names))
+    return PageTable(header, tuple(rows), "lr" + "r" * len(names))
+
+
+def _cell(method: dict[str, Any] | None, starts: int) -> str:
+    if method is None:
+        return "–"
+    if method["seconds"] is None:
+        return "not reached"
+    middle, least, most = (1000 * x for x in method["seconds"])
+    told = f"{middle:.3g} ({least:.3g}–{most:.3g})"
+    if method["factor"] is not None:
+        told += f" ×{method['factor'][0]:.2f}"
+    return told if method["reached"] == starts else f"{told}, {method['reached']} starts"
+
+
+def _levels(cells: Sequence[dict[str, Any]]) -> list[float]:
+    return [level["digits"] for level in cells[0]["levels"]]
+
+
+def _methods(cell: dict[str, Any], level: float) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]]
+    (found,) = (x["methods"] for x in cell["levels"] if x["digits"] == level)
+    return found
+
+
+def _peers(cells: Sequence[dict[str, Any]]) -> bool:
+    return any(_is_peer(m["method"]) for c in cells for m in c["levels"][0]["methods"])
+
+
+def _is_peer(name: str) -> bool:
+    return name not in (OURS, ENGINE)
