@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING as _TYPE_CHECKING
 if _TYPE_CHECKING:
     from polhode.common.errors import BadInput
     from polhode.common.provenance import __version__
+    from polhode.dynamics.levels import Levels, levels
     from polhode.enclosures.certify import certify
     from polhode.enclosures.events import CertifiedEvents, certify_events
     from polhode.enclosures.result import Enclosure
@@ -44,6 +45,7 @@ _HOMES = {
     "Event": "scenes.scene",
     "EventTimes": "taylor.outcomes",
     "Judgement": "judging.judgement",
+    "Levels": "dynamics.levels",
     "Lyapunov": "judging.lyapunov",
     "Outcome": "taylor.outcomes",
     "Projection": "taylor.outcomes",
@@ -59,6 +61,7 @@ _HOMES = {
     "conditioning": "judging.conditioning",
     "integrate": "judging.assured",
     "integrate_many": "runs.sweep",
+    "levels": "dynamics.levels",
     "load": "scenes.library",
     "lyapunov": "judging.lyapunov",
     "reference": "judging.reference",

@@ -18,7 +18,7 @@ from polhode.verbs.terminal import BAD_INPUT, DONE, INTERRUPTED
 
 VERBS = (
     *("list", "show", "run", "reference", "check", "compare", "sweep", "plot", "study", "report"),
-    "about",
+    *("levels", "about"),
 )
 
 
@@ -75,7 +75,7 @@ def _joined(arguments: Sequence[str]) -> list[str]:
             # argparse drops a "--", wherever it stands, and would give no value at all
             joined += [pending, argument] if argument == "--" else [f"{pending}={argument}"]
             pending = ""
-        elif argument in ("--at", "--tol"):
+        elif argument in ("--at", "--tol", "--f", "--h"):
             pending = argument
         else:
             joined.append(argument)

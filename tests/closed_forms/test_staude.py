@@ -194,8 +194,8 @@ def test_a_wrong_matrix_would_be_seen(monkeypatch):
 
     right = stability._jacobian
 
-    def wrong(scene):
-        rows = right(scene)
+    def wrong(*state):
+        rows = right(*state)
         rows[0][4] = -rows[0][4]
         return rows
 

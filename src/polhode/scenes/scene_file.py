@@ -15,6 +15,7 @@ from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import NAMES
 from polhode.scenes.body import Body, Matrix, UnphysicalBody, Vector, diagonal, dot, scaled
+from polhode.scenes.level import SIGNS, omega_on_level
 from polhode.scenes.scene import Event, Published, Scene, even_times
 from polhode.scenes.words import (
     ANGLES,
@@ -36,7 +37,10 @@ _SECTIONS: dict[str, tuple[str, ...]] = {
         *("events", "published", "reference", "expect"),
     ),
     "body": ("moments", "inertia", "centre", "weight"),
-    "start": ("omega", "momentum", "gamma", "normalise", "psi", "angles", "rates"),
+    "start": (
+        *("omega", "momentum", "gamma", "normalise", "psi", "angles", "rates"),
+        *("h", "f", "sign"),
+    ),
     "run": ("end", "samples", "at", "form", "outputs"),
     "events": ("name", "zero", "direction", "stop"),
     "published": ("t", "quantity", "value", "cite", "right"),
@@ -166,36 +170,60 @@ class _Reading:
     def start(self, table: Mapping[str, Any], body: Body) -> tuple[Vector, Vector | None, Exact]:
         if "angles" in table or "rates" in table:
             return self.start_in_angles(table)
+        if any(key in table for key in ("h", "f", "sign")):
+            return self.start_on_level(table, body)
         if ("omega" in table) == ("momentum" in table):
-            raise self.bad("start.omega", None, "one of omega, momentum, or angles with rates")
+            expected = "one of omega, momentum, h with f, or angles with rates"
+            raise self.bad("start.omega", None, expected)
         if "omega" in table:
             omega = self.vector("start.omega", table["omega"])
         else:
             omega = body.omega(self.vector("start.momentum", table["momentum"]))
+        if "gamma" in table or not body.torque_free:
+            return omega, *self.vertical(table)
+        for idle in ("psi", "normalise"):
+            if idle in table:
+                raise self.bad(f"start.{idle}", table[idle], "nothing without start.gamma")
+        return omega, None, ZERO
+
+    def start_on_level(self, table: Mapping[str, Any], body: Body) -> tuple[Vector, Vector, Exact]:
+        for other in ("omega", "momentum"):
+            if other in table:
+                raise self.bad(f"start.{other}", table[other], "nothing beside h and f")
+        for needed in ("h", "f"):
+            if needed not in table:
+                raise self.bad(f"start.{needed}", None, "a number, for a start on the level h, f")
+        h, f = (self.number(f"start.{key}", table[key]) for key in ("h", "f"))
+        side = self.word("start.sign", table.get("sign", SIGNS[0]))
+        if side not in SIGNS:
+            raise self.bad("start.sign", side, " or ".join(SIGNS))
+        gamma, psi = self.vertical(table)
+        return omega_on_level(body, gamma, h, f, side == SIGNS[0], self.name), gamma, psi
+
+    def vertical(self, table: Mapping[str, Any]) -> tuple[Vector, Exact]:
+        """Gamma, of length one, and psi."""
         psi = self.number("start.psi", table.get("psi", 0))
         normalise = table.get("normalise", False)
         if not isinstance(normalise, bool):
             raise self.bad("start.normalise", normalise, "true or false")
         if "gamma" not in table:
-            if not body.torque_free:
-                raise self.bad("start.gamma", None, "given, since the weight has a moment")
-            for idle in ("psi", "normalise"):
-                if idle in table:
-                    raise self.bad(f"start.{idle}", table[idle], "nothing without start.gamma")
-            return omega, None, psi
+            expected = "given, since the weight has a moment"
+            if "h" in table:
+                expected = "given: a unit vector, for a start on the level h, f"
+            raise self.bad("start.gamma", None, expected)
         gamma = self.vector("start.gamma", table["gamma"])
         square = dot(gamma, gamma)
         if square == 1:
-            return omega, gamma, psi
+            return gamma, psi
         shown = _as_written(table["gamma"])
         if not normalise:
             raise self.bad("start.gamma", shown, "length exactly 1, or normalise = true")
         if sign(square) == 0:
             raise self.bad("start.gamma", shown, "a vector that is not zero")
-        return omega, scaled(1 / exact.sqrt(square), gamma), psi
+        return scaled(1 / exact.sqrt(square), gamma), psi
 
     def start_in_angles(self, table: Mapping[str, Any]) -> tuple[Vector, Vector, Exact]:
-        for other in ("omega", "momentum", "gamma", "psi", "normalise"):
+        for other in ("omega", "momentum", "gamma", "psi", "normalise", "h", "f", "sign"):
             if other in table:
                 raise self.bad(f"start.{other}", table[other], "nothing beside angles and rates")
         for needed in ("angles", "rates"):

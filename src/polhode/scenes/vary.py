@@ -22,6 +22,8 @@ from polhode.scenes.scene import Scene
 
 MAX_MEMBERS = 100_000
 
+WORDS = ("start.sign",)  # values that are no numbers
+
 _SECTIONS = ("body", "start")
 _KEY = re.compile(r"(body|start)\.([a-z]+)((?:\[[1-9]\])*)")
 
@@ -192,6 +194,6 @@ def _leaves(data: dict[str, Any], name: str) -> Iterable[tuple[str, tuple[Any, A
         if isinstance(value, list):
             table[at] = value = list(value)  # the caller's tables stay as they are
             pending += [(f"{key}[{i + 1}]", value, i) for i in range(len(value))]
-        elif not isinstance(value, (bool, dict)):
+        elif not isinstance(value, (bool, dict)) and key not in WORDS:
             table[at] = scene_file.exact_value(value, key, name)
             yield key, (table, at)

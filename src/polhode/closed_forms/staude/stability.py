@@ -12,10 +12,12 @@ d = 0 <= b, or b^2 = 4d.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from polhode.closed_forms.attitude.normal_form import Placed
-from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.exact import Exact, sign
+from polhode.numbers.scalars import Scalar
 
 STABLE, UNSTABLE, UNDECIDED = "spectrally stable", "unstable", "stability undecided"
 
@@ -41,16 +43,36 @@ class Stability:
 
 def stability(scene: Placed) -> Stability:
     """Of a start that is a permanent rotation."""
-    square = _product(*[_jacobian(scene)] * 2)
-    trace = sum((square[i][i] for i in range(6)), ZERO)
-    fourth = sum((square[i][j] * square[j][i] for i in range(6) for j in range(6)), ZERO)
-    return Stability(-trace / 2, trace * trace / 8 - fourth / 4)
+    return Stability(*spectrum(scene.moments, scene.torque, scene.omega, scene.gamma))
 
 
-def _jacobian(scene: Placed) -> list[list[Exact]]:
+def spectrum(
+    moments: Sequence[Scalar],
+    torque: Sequence[Scalar],
+    omega: Sequence[Scalar],
+    gamma: Sequence[Scalar],
+) -> tuple[Scalar, Scalar]:
+    """b and d of a state, for any scalar that has arithmetic, polynomials too.
+
+    Only products of two components of omega, and of one of the torque with one of gamma, enter b,
+    and products of two such d: omega and gamma may be scaled by one factor together.
+    """
+    jacobian = _jacobian(moments, torque, omega, gamma)
+    square = _product(jacobian, jacobian)
+    trace = sum(square[i][i] for i in range(6))
+    fourth = sum(square[i][j] * square[j][i] for i in range(6) for j in range(6))
+    return -trace / 2, trace * trace / 8 - fourth / 4
+
+
+def _jacobian(
+    moments: Sequence[Scalar],
+    torque: Sequence[Scalar],
+    w: Sequence[Scalar],
+    g: Sequence[Scalar],
+) -> list[list[Scalar]]:
     """Of I w' = gamma x T - w x I w, gamma' = gamma x w in (w, gamma)."""
-    moments, torque, w, g = scene.moments, scene.torque, scene.omega, scene.gamma
-    rows: list[list[Exact]] = [[ZERO] * 6 for _ in range(6)]
+    zero = 0 * w[0]
+    rows: list[list[Scalar]] = [[zero] * 6 for _ in range(6)]
     for i, (j, k) in enumerate(_CYCLE):
         spin = (moments[j] - moments[k]) / moments[i]
         rows[i][j], rows[i][k] = spin * w[k], spin * w[j]
@@ -60,5 +82,5 @@ def _jacobian(scene: Placed) -> list[list[Exact]]:
     return rows
 
 
-def _product(one: list[list[Exact]], other: list[list[Exact]]) -> list[list[Exact]]:
-    return [[sum((row[k] * other[k][j] for k in range(6)), ZERO) for j in range(6)] for row in one]
+def _product(one: list[list[Scalar]], other: list[list[Scalar]]) -> list[list[Scalar]]:
+    return [[sum(row[k] * other[k][j] for k in range(6)) for j in range(6)] for row in one]

@@ -1,0 +1,288 @@
+"""The levels (h, f) of a body in closed form: permanent rotations, regions, where a scene lies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from flint import arb
+
+from polhode.common.arguments import each
+from polhode.common.errors import BadInput
+from polhode.common.provenance import provenance
+from polhode.dynamics import permanent, reduced
+from polhode.dynamics.fourth_integral import FourthIntegral, fourth_integral
+from polhode.dynamics.permanent import FIRST, Arc, RationalBody, Segment
+from polhode.dynamics.reduced import Doubles, Region, Undecided
+from polhode.numbers.convert import exact_number
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact
+from polhode.numbers.polynomials import fraction_near, nearest
+from polhode.numbers.private import mpf
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+
+DIGIT_BITS = 128  # of what is isolated exactly: 38 digits
+SAMPLES = 257  # points of a curve's piece
+COLUMNS = 48  # of the regions of a diagram
+_CLUSTER = 14.0  # pieces are followed to e^-14 of their length from an open end
+
+
+class Mark(NamedTuple):
+    """A special point: ``kind`` cusp, Hamiltonian-Hopf or branch; numbers to 38 digits.
+
+    ``parameter``: s on the first family, om on a second one.  A branch is where a second family
+    leaves the first.
+    """
+
+    kind: str
+    family: str
+    parameter: mpf
+    f: mpf
+    h: mpf
+
+
+class Curve(NamedTuple):
+    """A piece of an arc of one type: f and h along it, by rising parameter; f > 0.
+
+    ``type``: centre-centre, centre-saddle, saddle-saddle, focus-focus or degenerate.  ``morse``:
+    how many directions on the sphere lower W_f (0: stable by Liapunov); None where degenerate.
+    ``axis``: of a second family, else None.  ``first``, ``last``: ends of the parameter, None for
+    an infinite one.  ``points``: doubles (n, 2).
+    """
+
+    family: str
+    axis: int | None
+    type: str
+    morse: int | None
+    first: mpf | None
+    last: mpf | None
+    points: Doubles
+
+
+class Column(NamedTuple):
+    """At one f: the energies of permanent rotations, ascending, and the region above each."""
+
+    f: float
+    energies: tuple[float, ...]
+    regions: tuple[Region, ...]
+
+
+class Here(NamedTuple):
+    """Where the scene lies.  ``region``: the edges of each part of U; None on a bifurcation.
+
+    ``least``: the least energy at this f.  ``remark``: why there is no region, or empty.
+    """
+
+    f: Exact
+    h: Exact
+    least: float
+    region: Region | None
+    remark: str
+    fourth: FourthIntegral | None
+
+
+@dataclass(frozen=True, repr=False)
+class Levels:
+    """The diagram of a body, and where a scene lies in it; f and -f mirror each other.
+
+    ``exact``: whether the body's numbers and the scene's level are rational, so that types, cusps
+    and regions are decided for them and not for numbers rounded to 1024 bits.
+
+    >>> import polhode
+    >>> found = polhode.levels("general/asymmetric-chaotic")
+    >>> [round(float(mark.f), 9) for mark in found.cusps]
+    [1.624935039, 1.995702802]
+    >>> found.here.region
+    (1,)
+    """
+
+    scene: Scene
+    curves: tuple[Curve, ...]
+    marks: tuple[Mark, ...]
+    here: Here
+    exact: bool
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"<Levels of {self.scene.name}: {len(self.curves)} curves, {len(self.cusps)} cusps>"
+
+    @property
+    def cusps(self) -> tuple[Mark, ...]:
+        """The cusps, where two permanent rotations meet."""
+        return tuple(mark for mark in self.marks if mark.kind == permanent.CUSP)
+
+    def regions(self, f: Any) -> list[tuple[float, Region]]:
+        """At one f: the energies of permanent rotations, ascending, and the region above each.
+
+        Raises BadInput for an f at which two of them meet.
+        """
+        (given,) = each(self.scene.name, "f", (f,), exact_number, "a number")
+        (found,) = self._regions([given])
+        if found is None:
+            expected = "an f where no two permanent rotations meet"
+            raise BadInput(self.scene.name, "f", shown(given), expected)
+        return found
+
+    def columns(self, first: float, last: float, count: int = COLUMNS) -> list[Column]:
+        """The regions at so many f, evenly spaced; those at which two rotations meet left out."""
+        step = (Fraction(last) - Fraction(first)) / max(1, count - 1)
+        at = [Fraction(first) + k * step for k in range(count)]
+        pairs = zip(at, self._regions(at), strict=True)
+        return [Column(float(f), *zip(*found, strict=True)) for f, found in pairs if found]
+
+    def _regions(self, at: Sequence[Exact]) -> list[list[tuple[float, Region]] | None]:
+        body, known = RationalBody.of(self.scene.body), reduced.Known()
+        arcs = permanent.arcs(body)
+        found: list[list[tuple[float, Region]] | None] = []
+        for f in at:
+            near = fraction_near(f, permanent.BODY_BITS)[0]
+            try:
+                found.append(reduced.regions_between(body, arcs, near, known))
+            except Undecided:
+                found.append(None)
+        return found
+
+
+def topology(region: Region | None) -> str:
+    """The level's manifold in words, a part at a time."""
+    if region is None:
+        return "not decided"
+    names = {0: "RP3", 1: "S3", 2: "S2 x S1"}
+    parts = [names.get(k, f"sum of {k - 1} S2 x S1") for k in region]
+    return " and ".join(parts) if parts else "none"
+
+
+def levels(scene: Scene | str | Path) -> Levels:
+    """The diagram (f, h) of a scene's body in closed form, and where the scene lies in it.
+
+    Raises BadInput for a scene without gamma, which has no f.
+
+    >>> import polhode
+    >>> here = polhode.levels("kovalevskaya/delaunay").here
+    >>> here.region, here.fourth.name, here.fourth.critical[0]
+    ((1,), 'K^2', CriticalValue(value=0.0, what='I'))
+    """
+    scene = library.load(scene)
+    if scene.gamma is None:
+        raise BadInput(scene.name, "start.gamma", None, "given: a level is one of h and f")
+    body = RationalBody.of(scene.body)
+    found = permanent.arcs(body)
+    curves = tuple(_curve(arc, segment) for arc in found for segment in arc.segments)
+    marks = tuple(
+        Mark(special.kind, arc.family, *(nearest(x, DIGIT_BITS) for x in parts))
+        for arc in found
+        for special in arc.special
+        for parts in [(special.at.parameter, special.at.f, special.at.h)]
+    )
+    here, exact = _here(scene, body, found)
+    return Levels(scene, curves, marks, here, body.exact and exact, provenance(scene.text))
+
+
+def _here(scene: Scene, body: RationalBody, found: tuple[Arc, ...]) -> tuple[Here, bool]:
+    energy, area = scene.integrals.energy, scene.integrals.area
+    assert area is not None
+    (h, h_exact), (f, f_exact) = (fraction_near(x, permanent.BODY_BITS) for x in (energy, area))
+    region, remark = None, ""
+    try:
+        region = reduced.region(body, found, h, f)
+    except Undecided as fault:
+        remark = str(fault)
+    least = least_energy(body, found, f)
+    fourth = fourth_integral(scene, body, h, f)
+    return Here(area, energy, least, region, remark, fourth), h_exact and f_exact
+
+
+def least_energy(body: RationalBody, found: tuple[Arc, ...], f: Fraction) -> float:
+    """The least h at one f: that of the lowest permanent rotation."""
+    if f == 0 and not any(body.torque):
+        return 0.0
+    if body.axis is not None:
+        return reduced.least_of_symmetric(body, body.axis, found, f)
+    try:
+        return float(reduced.critical_points(body, found, f)[0].value)
+    except Undecided:  # where two others meet the lowest is one of them at a neighbouring f
+        return float(reduced.critical_points(body, found, f + abs(f) / 2**60)[0].value)
+
+
+def _curve(arc: Arc, segment: Segment) -> Curve:
+    ends = [None if x is None else nearest(x, DIGIT_BITS) for x in (segment.first, segment.last)]
+    return Curve(
+        arc.family,
+        arc.axis,
+        segment.type,
+        segment.morse,
+        ends[0],
+        ends[1],
+        _points(arc, segment),
+    )
+
+
+def _points(arc: Arc, segment: Segment) -> Doubles:
+    """f and h on a piece, denser towards its ends."""
+    import numpy as np
+
+    rising = np.linspace(-_CLUSTER, _CLUSTER, SAMPLES)
+    first, last = (None if x is None else float(x) for x in (segment.first, segment.last))
+    body = arc.body
+    if first is not None and last is not None:
+        nearer = 1 / (1 + np.exp(np.abs(rising)))  # the part of the length to the nearer end
+        at = np.where(rising < 0, first + (last - first) * nearer, last - (last - first) * nearer)
+    elif last is not None:  # first family, s -> -inf
+        at = last - (abs(last) or 1.0) * np.exp(-rising)
+    else:
+        assert first is not None
+        length = first or _om_scale(body)
+        at = first + length * np.exp(rising if arc.family == FIRST else rising / 2)
+    f, h = _f_and_h(arc, at)
+    closed = _closed_ends(arc, segment)
+    rows = [*closed[0], *zip(f, h, strict=True), *closed[1]]
+    return np.array([row for row in rows if all(map(np.isfinite, row))], dtype=float).reshape(-1, 2)
+
+
+def _om_scale(body: RationalBody) -> float:
+    """A rate of turning, where nothing but the unit of time says one."""
+    torque = float(sum((t * t for t in body.torque), Fraction(0))) ** 0.5
+    return float((torque / float(max(body.moments))) ** 0.5) or 1.0
+
+
+def _f_and_h(arc: Arc, at: Doubles) -> tuple[Doubles, Doubles]:
+    """f and h at many parameters, in doubles."""
+    import numpy as np
+
+    moments = np.array([float(x) for x in arc.body.moments])
+    torque = np.array([float(x) for x in arc.body.torque])
+    with np.errstate(all="ignore"):
+        if arc.family == FIRST:
+            heavy = torque != 0
+            v = torque[heavy] / (moments[heavy] - at[:, None])
+            square = (v * v).sum(axis=1)
+            inertia = (moments[heavy] * v * v).sum(axis=1)
+            f = inertia / square**0.75
+            return f, (inertia / 2 + (torque[heavy] * v).sum(axis=1)) / np.sqrt(square)
+        a = moments[arc.axis]
+        others = (torque != 0) & (moments != a)
+        excess = float((torque[others] ** 2 / (moments[others] - a)).sum())
+        return at * a + excess / at**3, at**2 * a / 2 + 1.5 * excess / at**2
+
+
+def _closed_ends(arc: Arc, segment: Segment) -> tuple[list[Any], list[Any]]:
+    """The ends that belong to the piece, as rows (f, h): special points, and a family's start."""
+    ends: list[list[Any]] = [[], []]
+    for k, end in enumerate((segment.first, segment.last)):
+        for special in arc.special:
+            if end is special.at.parameter or (
+                end is not None and _same(end, special.at.parameter)
+            ):
+                ends[k] = [(float(special.at.f), float(special.at.h))]
+        if k == 0 and arc.family != FIRST and end is not None and end > 0:
+            point = arc.at(end)
+            ends[k] = [(float(point.f), float(point.h))]
+    return ends[0], ends[1]
+
+
+def _same(a: arb, b: arb) -> bool:
+    return bool(a.overlaps(b))

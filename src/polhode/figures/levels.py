@@ -1,0 +1,189 @@
+"""Figure of the levels: permanent rotations in the plane of f and h, regions by their topology."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polhode.dynamics.levels import Column, Levels
+from polhode.dynamics.reduced import Region
+from polhode.figures.canvas import SPACE
+from polhode.numbers.convert import to_double
+
+COLUMNS = 160
+LINES: dict[str, Any] = {
+    "centre-centre": ("-", "#000000"),
+    "centre-saddle": ((0, (4, 1.6)), "#000000"),
+    "focus-focus": ((0, (1, 1.2)), "#000000"),
+    "saddle-saddle": ((0, (5, 1.4, 1, 1.4)), "#000000"),
+    "degenerate": ("-", "#888888"),
+}
+STABLE = 1.8  # width of a line of Liapunov-stable rotations
+MARKS = {"cusp": "v", "Hamiltonian-Hopf": "D", "branch": "o"}
+#: Of Brewer's pastel set, by the edges of the parts.
+SHADES: dict[Region, str] = {
+    (0,): "#dbe9f6",
+    (1,): "#fdf0d5",
+    (2,): "#d9f0d3",
+    (1, 1): "#fbdcd5",
+    (3,): "#e8def0",
+    (1, 2): "#f7e1ef",
+    (1, 1, 1): "#f3d9b1",
+}
+OTHER = "#e4e4e4"
+
+
+class Window(NamedTuple):
+    """What is drawn."""
+
+    f: tuple[float, float]
+    h: tuple[float, float]
+
+
+class Diagram(NamedTuple):
+    """Levels and the window in which they are drawn."""
+
+    levels: Levels
+    window: Window
+
+
+def window(found: Levels, f: Any = None, h: Any = None) -> Window:
+    """The window asked for; unless given, one that holds every special point and the scene."""
+    here = to_double(found.here.f), to_double(found.here.h)
+    if f is None:
+        marks = [float(mark.f) for mark in found.marks]
+        span = max([1.5 * x for x in marks] + [1.4 * abs(here[0])], default=0.0)
+        span = span or max(float(c.points[:, 0].max(initial=0)) for c in found.curves) / 1e3 or 1.0
+        f = (-span, 0.0) if here[0] < 0 else (0.0, span)
+    if h is None:
+        low, high = [here[1]], [here[1]]
+        for at in np.linspace(f[0], f[1], 9):
+            for column in found.columns(abs(at), abs(at), 1):
+                low.append(column.energies[0])
+                high.append(column.energies[-1])
+        margin = 0.08 * (max(high) - min(low)) or 1.0
+        h = (min(low) - margin, max(high) + margin)
+    return Window((float(f[0]), float(f[1])), (float(h[0]), float(h[1])))
+
+
+def draw(plt: Any, what: Diagram) -> Any:
+    """Regions as shades, arcs as lines by type, special points, and the scene's level."""
+    found, shown = what.levels, what.window
+    figure, axes = plt.subplots(figsize=(6.6, 4.4), layout="constrained")
+    _shades(axes, found, shown)
+    sides = [side for side in (1, -1) if (shown.f[0] < 0 if side < 0 else shown.f[1] > 0)]
+    drawn = set()
+    for curve in found.curves:
+        style, colour = LINES[curve.type]
+        for side in sides:
+            axes.plot(
+                side * curve.points[:, 0],
+                curve.points[:, 1],
+                linestyle=style,
+                color=colour,
+                linewidth=STABLE if curve.morse == 0 else 0.9,
+                gid=f"{curve.family} family, {curve.type}",
+            )
+        drawn.add((curve.type, curve.morse == 0))
+    kinds = set()
+    for mark in found.marks:
+        for side in sides:
+            axes.plot(
+                side * float(mark.f),
+                float(mark.h),
+                MARKS[mark.kind],
+                color="#000000",
+                ms=3.6,
+                mfc="#ffffff",
+                mew=0.8,
+            )
+        if min(shown.f) <= sides[0] * float(mark.f) <= max(shown.f):
+            kinds.add(mark.kind)
+    axes.plot(to_double(found.here.f), to_double(found.here.h), "o", color=SPACE, ms=5)
+    _legends(plt, figure, axes, drawn, kinds)
+    axes.set(xlim=shown.f, ylim=shown.h, xlabel="f", ylabel="h")
+    return figure
+
+
+def _shades(axes: Any, found: Levels, shown: Window) -> None:
+    top = max(shown.h)
+    span = (shown.f[1] - shown.f[0]) / 1e6  # f = 0 itself may be critical everywhere
+    ends = [x or (span if x == shown.f[0] else -span) for x in shown.f]
+    columns = found.columns(ends[0], ends[1], COLUMNS)
+    seen = set()
+    for left, right in pairwise(columns):
+        middle = (left.f + right.f) / 2
+        if left.regions == right.regions:
+            pairs = [(left, right, left.f, right.f)]
+        else:
+            pairs = [(left, left, left.f, middle), (right, right, middle, right.f)]
+        for one, other, f0, f1 in pairs:
+            seen |= _strip(axes, one, other, (f0, f1), top)
+    for k, region in enumerate(sorted(seen, key=lambda region: (len(region), region))):
+        axes.fill([], [], color=SHADES.get(region, OTHER), label=name(region), gid=f"region {k}")
+
+
+def _strip(
+    axes: Any, one: Column, other: Column, f: tuple[float, float], top: float
+) -> set[Region]:
+    """The regions between two columns that have the same ones."""
+    seen = set()
+    for k, region in enumerate(one.regions):
+        low = one.energies[k], other.energies[k]
+        last = k + 1 == len(one.regions)
+        high = (top, top) if last else (one.energies[k + 1], other.energies[k + 1])
+        if min(low) < top:
+            shade = SHADES.get(region, OTHER)
+            axes.fill_between(f, low, high, color=shade, linewidth=0.3, edgecolor=shade)
+            seen.add(region)
+    return seen
+
+
+def _legends(plt: Any, figure: Any, axes: Any, drawn: set[Any], kinds: set[str]) -> None:
+    from matplotlib.lines import Line2D
+
+    lines = [
+        Line2D(
+            [],
+            [],
+            linestyle=LINES[kind][0],
+            color=LINES[kind][1],
+            linewidth=STABLE if stable else 0.9,
+            label=kind + (", Liapunov stable" if stable else ""),
+        )
+        for kind, stable in sorted(drawn)
+    ]
+    lines += [
+        Line2D(
+            [],
+            [],
+            linestyle="",
+            marker=MARKS[kind],
+            color="#000000",
+            ms=3.6,
+            mfc="#ffffff",
+            mew=0.8,
+            label=kind,
+        )
+        for kind in sorted(kinds)
+    ]
+    lines.append(Line2D([], [], linestyle="", marker="o", color=SPACE, ms=5, label="the scene"))
+    patches, names = axes.get_legend_handles_labels()
+    figure.legend(
+        handles=[*lines, *patches],
+        labels=[*(line.get_label() for line in lines), *names],
+        loc="outside right upper",
+        frameon=False,
+        fontsize=7.5,
+    )
+
+
+def name(region: Region) -> str:
+    """A region's topology, short."""
+    names = {0: "RP³", 1: "S³", 2: "S²×S¹"}
+    counted = {k: region.count(k) for k in region}
+    return " + ".join(
+        (f"{n} " if n > 1 else "") + names.get(k, f"#{k - 1} S²×S¹") for k, n in counted.items()
+    )

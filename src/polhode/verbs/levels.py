@@ -1,0 +1,124 @@
+"""``polhode levels``: the diagram of energy and area, and where a scene lies in it."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from polhode.common.errors import BadInput
+from polhode.numbers import expression
+from polhode.numbers.convert import to_double
+from polhode.numbers.expression import ExpressionError
+from polhode.scenes import library
+from polhode.verbs.terminal import DONE, print_json, print_table, refuse_two_on_stdout, say
+
+if TYPE_CHECKING:
+    from polhode.dynamics.levels import Levels
+
+HELP = "the (f, h) diagram in closed form: permanent rotations, cusps, regions, where a scene lies"
+
+
+def options(parser: ArgumentParser) -> None:
+    """The verb's own options."""
+    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+    for key in ("f", "h"):
+        parser.add_argument(f"--{key}", metavar="A:B", help=f"of a figure: the range of {key}")
+    parser.add_argument(
+        "-o", dest="file", metavar="FILE", help="a figure, .svg, .png or .pdf; or arrays, .npz"
+    )
+
+
+def main(options: Namespace) -> int:
+    """Print the special points and the scene's level; draw the diagram."""
+    from polhode.common.files import check_writable, is_stdout
+    from polhode.dynamics.levels import levels
+    from polhode.output import levels as output
+
+    scene = library.load(options.scene)
+    ranges = [
+        None if text is None else _range(scene.name, f"--{key}", text)
+        for key, text in (("f", options.f), ("h", options.h))
+    ]
+    path = None if options.file is None else Path(options.file)
+    if path is not None:
+        from polhode.figures import canvas
+
+        check_writable(path, [*canvas.SUFFIXES, ".npz"], [library.path_of(options.scene)])
+        refuse_two_on_stdout(path, options.json)
+        if path.suffix.lower() != ".npz":
+            canvas.require()
+    found = levels(scene)
+    if path is not None:
+        _write(path, found, ranges)
+    if options.json:
+        print_json(output.of_levels(found))
+    elif path is None or not is_stdout(path):
+        _say(found)
+    return DONE
+
+
+def _write(path: Path, found: Levels, ranges: list[tuple[float, float] | None]) -> None:
+    from polhode.common.files import write_whole
+
+    if path.suffix.lower() == ".npz":
+        import io
+
+        import numpy as np
+
+        from polhode.output import levels as output
+
+        held = io.BytesIO()
+        np.savez(held, **output.arrays(found))
+        write_whole({path: held.getvalue()})
+        return
+    from polhode.figures import canvas
+    from polhode.figures import levels as figure
+
+    suffix = path.suffix.lower() if path.suffix.lower() in canvas.SUFFIXES else ".svg"
+    what = figure.Diagram(found, figure.window(found, *ranges))
+    title = f"polhode: levels of {found.scene.name}"
+    write_whole({path: canvas.drawn(figure.draw, what, suffix, title)})
+
+
+def _say(found: Levels) -> None:
+    from polhode.dynamics.levels import topology
+    from polhode.numbers.decimals import shown
+
+    rows = [
+        [mark.kind, mark.family, *(f"{float(x):.12g}" for x in (mark.parameter, mark.f, mark.h))]
+        for mark in found.marks
+    ]
+    if rows:
+        print_table(["special point", "family", "s or om", "f", "h"], rows)
+    rows = [
+        [
+            curve.family + ("" if curve.axis is None else f" (axis {curve.axis + 1})"),
+            curve.type + (", Liapunov stable" if curve.morse == 0 else ""),
+            *("inf" if x is None else f"{float(x):.6g}" for x in (curve.first, curve.last)),
+        ]
+        for curve in found.curves
+    ]
+    for row in rows:
+        row[2] = "-inf" if row[2] == "inf" else row[2]
+    print_table(["permanent rotations", "type", "from s or om", "to"], rows)
+    here = found.here
+    edges = "" if here.region is None else f": edges {', '.join(map(str, here.region))}"
+    say(f"scene  f = {shown(here.f)}, h = {shown(here.h)}, least h at this f {here.least:.12g}")
+    say(f"level  {topology(here.region)}{edges}{here.remark and f' ({here.remark})'}")
+    if here.fourth is not None:
+        say(f"fourth integral  {here.fourth.name} = {here.fourth.value:.12g}; critical:")
+        for value in here.fourth.critical:
+            say(f"  {value.value:<20.12g}{value.what}")
+    if not found.exact:
+        say("decided for the body's or the level's irrational numbers rounded to 1024 bits")
+
+
+def _range(name: str, key: str, text: str) -> tuple[float, float]:
+    try:
+        first, last = (to_double(expression.number(part)) for part in text.split(":"))
+    except (ExpressionError, ValueError):
+        raise BadInput(name, key, text, "A:B, two numbers") from None
+    if not first < last:
+        raise BadInput(name, key, text, "A:B with A below B")
+    return first, last

@@ -1,0 +1,285 @@
+"""Levels (h, f): arcs of permanent rotations, their types, and regions, each found another way."""
+
+from __future__ import annotations
+
+import json
+from collections import deque
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from flint import arb
+
+import polhode
+from polhode.cli import main
+from polhode.dynamics import permanent, reduced
+from polhode.dynamics.permanent import RationalBody
+from polhode.numbers.balls import ctx
+from polhode.numbers.polynomials import middle
+from polhode.scenes.body import Body
+
+BODIES = {
+    "generic": ((2, "3/2", 1), ("3/10", "1/5", "1/2")),
+    "one plane": ((2, "3/2", 1), ("3/10", 0, "1/2")),
+    "one axis": ((2, "3/2", "6/5"), (0, 1, 0)),
+    "kovalevskaya": ((2, 2, 1), (1, 0, 0)),
+    "symmetric, off its axis": ((2, 2, 3), (1, 0, "1/2")),
+    "lagrange": ((1, 1, "1/2"), (0, 0, 1)),
+    "euler": ((3, 2, "3/2"), (0, 0, 0)),
+}
+
+
+def body(name):
+    moments, centre = BODIES[name]
+    return RationalBody.of(Body.of_moments(moments, centre, 1))
+
+
+def inside(arc, segment, part=Fraction(1, 3)):
+    """A parameter on a piece."""
+    first, last = (None if x is None else middle(x) for x in (segment.first, segment.last))
+    if first is None:
+        return last - 3
+    return first + (part * (last - first) if last is not None else 2)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_energy_grows_by_omega_times_area(name):
+    """dh = om df, by differences of 1e-25 in balls of 320 bits: an error of their square."""
+    for arc in permanent.arcs(body(name)):
+        for segment in arc.segments:
+            with ctx.workprec(320):
+                at = inside(arc, segment)
+                step = Fraction(1, 10**25)
+                low, here, high = (
+                    arc.at(arb(permanent.rational(x))) for x in (at - step, at, at + step)
+                )
+                slope = (high.h - low.h) / (high.f - low.f)
+                assert abs(float(slope / here.om - 1)) < 1e-44
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_the_points_are_permanent_rotations_of_their_type(name):
+    """At gamma and om the field vanishes; the eigenvalues of its derivative say the type."""
+    known = body(name)
+    for arc in permanent.arcs(known):
+        for segment in arc.segments:
+            with ctx.workprec(320):
+                point = arc.at(arb(permanent.rational(inside(arc, segment))))
+            gamma = np.array(arc.gamma(point))
+            om = float(point.om)
+            assert np.abs(field(known, om * gamma, gamma)).max() < 1e-14 * max(1, om * om)
+            inertia = gamma * gamma @ [float(a) for a in known.moments]
+            assert float(point.f) == pytest.approx(om * inertia, rel=1e-14)
+            assert type_by_eigenvalues(known, om * gamma, gamma) == segment.type
+
+
+def field(known, w, g):
+    moments, torque = (np.array([float(x) for x in numbers]) for numbers in known[:2])
+    turning = (np.cross(g, torque) - np.cross(w, moments * w)) / moments
+    return np.concatenate([turning, np.cross(g, w)])
+
+
+def type_by_eigenvalues(known, w, g):
+    x, columns = np.concatenate([w, g]), []
+    for unit in np.eye(6):  # the field is quadratic: central differences are exact
+        ahead, behind = x + unit, x - unit
+        columns.append(
+            (field(known, ahead[:3], ahead[3:]) - field(known, behind[:3], behind[3:])) / 2
+        )
+    squares = sorted(np.linalg.eigvals(np.array(columns).T) ** 2, key=abs)[2:]
+    scale = abs(squares[-1])
+    if abs(squares[0]) < 1e-6 * scale:
+        return "degenerate"
+    if max(abs(s.imag) for s in squares) > 1e-6 * scale:
+        return "focus-focus"
+    positive = sum(s.real > 0 for s in squares)
+    return {0: "centre-centre", 2: "centre-saddle", 4: "saddle-saddle"}[positive]
+
+
+def test_special_points_of_the_generic_body():
+    """Cusps and Hamiltonian-Hopf point of moments 2, 3/2, 1, Mg r0 = (.3, .2, .5), found before by
+    other means in double precision; the Hopf point near upright rest by this package alone."""
+    found = polhode.levels("general/asymmetric-chaotic")
+    cusps = [tuple(float(x) for x in mark[2:]) for mark in found.cusps]
+    assert np.allclose(
+        cusps,
+        [(1.26276262708, 1.624935039, 0.8715768927), (1.67745890471, 1.995702802, 1.084074255)],
+        rtol=1e-9,
+        atol=0,
+    )
+    upright, hopf = [mark for mark in found.marks if mark.kind == "Hamiltonian-Hopf"]
+    hopf = [float(x) for x in hopf[2:]]
+    assert np.allclose(hopf, [0.853221873842741, 1.87045561991, 2.26959975272], rtol=3e-12, atol=0)
+    assert float(upright.parameter) == pytest.approx(-126.072520401141, rel=1e-14)
+    types = [curve.type for curve in found.curves]
+    assert types == [
+        *("saddle-saddle", "focus-focus", "centre-centre", "centre-centre", "centre-saddle"),
+        *("centre-saddle", "centre-centre", "centre-centre"),
+    ]
+    assert [curve.morse for curve in found.curves] == [2, 2, 2, 2, 1, 1, 0, 0]
+
+
+def test_the_lagrange_top_sleeps_from_its_critical_spin_on():
+    """L² = 4A Mg z0: A = 1, C = 1/2, f = L = 2, h = L²/2C + 1."""
+    found = polhode.levels("lagrange/nutation")
+    (hopf,) = [mark for mark in found.marks if mark.kind == "Hamiltonian-Hopf"]
+    assert (float(hopf.f), float(hopf.h)) == (2.0, 5.0)
+
+
+# -- regions, counted on a grid of the sphere ------------------------------------------------------
+
+
+ROWS, TURNS = 90, 180
+POLAR = (np.arange(ROWS) + 0.5) * np.pi / ROWS
+ROUND = (np.arange(TURNS) + 0.5) * 2 * np.pi / TURNS
+GAMMA = np.array(
+    [
+        np.outer(np.sin(POLAR), np.cos(ROUND)),
+        np.outer(np.sin(POLAR), np.sin(ROUND)),
+        np.outer(np.cos(POLAR), np.ones(TURNS)),
+    ]
+)
+
+
+def parts(mask):
+    """Connected parts of a set of cells; all cells round a pole touch each other."""
+    label = np.zeros(mask.shape, dtype=int)
+    count = 0
+    for seed in zip(*np.nonzero(mask), strict=True):
+        if label[seed]:
+            continue
+        count += 1
+        label[seed] = count
+        queue = deque([seed])
+        while queue:
+            i, j = queue.popleft()
+            near = [(i, (j + 1) % TURNS), (i, (j - 1) % TURNS)]
+            near += [(k, j) for k in (i - 1, i + 1) if 0 <= k < ROWS]
+            if i in (0, ROWS - 1):
+                near += [(i, k) for k in range(TURNS)]
+            for cell in near:
+                if mask[cell] and not label[cell]:
+                    label[cell] = count
+                    queue.append(cell)
+    return label, count
+
+
+def region_on_a_grid(known, h, f):
+    moments, torque = (np.array([float(x) for x in numbers]) for numbers in known[:2])
+    inertia = np.tensordot(moments, GAMMA**2, 1)
+    potential = f * f / (2 * inertia) + np.tensordot(torque, GAMMA, 1)
+    label, count = parts(potential <= h)
+    return tuple(sorted(parts(label != k)[1] for k in range(1, count + 1)))
+
+
+@pytest.mark.parametrize(
+    ("name", "f"),
+    [
+        *(("generic", f) for f in ("1", "19/10", "5/2")),
+        *(("one plane", f) for f in ("3/2", "9/4")),
+        *(("one axis", f) for f in ("1", "3")),
+        *(("kovalevskaya", f) for f in ("1", "5/2")),
+        *(("lagrange", f) for f in ("1/2", "3")),
+        *(("euler", f) for f in ("2",)),
+    ],
+)
+def test_regions_by_counting_on_a_grid(name, f):
+    known, f = body(name), Fraction(f)
+    found = permanent.arcs(known)
+    column = reduced.regions_between(known, found, f)
+    energies = [h for h, _ in column]
+    gap = (energies[-1] - energies[0]) / 30
+    looked = 0
+    for k, (low, region) in enumerate(column):
+        high = energies[k + 1] if k + 1 < len(energies) else low + 1
+        if high - low > gap:  # the grid does not see less
+            h = (low + high) / 2
+            assert region_on_a_grid(known, h, float(f)) == region, h
+            assert reduced.region(known, found, Fraction(h), f) == region
+            looked += 1
+    assert looked >= 2
+    assert reduced.region(known, found, Fraction(energies[0] - gap), f) == ()
+
+
+def test_a_level_has_two_discs_or_three_edges():
+    """The levels at which the number of critical points alone would mislead."""
+    generic = body("generic")
+    arcs = permanent.arcs(generic)
+    assert reduced.region(generic, arcs, Fraction("1.495"), Fraction("2.3")) == (1, 1)
+    kovalevskaya = body("kovalevskaya")
+    arcs = permanent.arcs(kovalevskaya)
+    assert reduced.region(kovalevskaya, arcs, Fraction("1.9"), Fraction("1.9")) == (3,)
+
+
+def test_on_a_bifurcation_there_is_no_region():
+    found = polhode.levels("staude/stable")
+    assert found.here.region is None
+    assert found.here.remark == "the energy is that of a permanent rotation"
+    assert polhode.levels("lagrange/steady-fast").here.region is not None
+    assert polhode.levels("lagrange/sleeping-stable").here.region is None
+
+
+def test_no_state_lies_below_the_least_energy():
+    rng = np.random.default_rng(18)
+    for name in BODIES:
+        known = body(name)
+        for f in (Fraction(1, 2), Fraction(2)):
+            lowest = reduced.regions_between(known, permanent.arcs(known), f)[0][0]
+            gamma = rng.normal(size=(3, 40000))
+            gamma /= np.linalg.norm(gamma, axis=0)
+            moments, torque = (np.array([float(x) for x in numbers]) for numbers in known[:2])
+            potential = float(f) ** 2 / (2 * moments @ gamma**2) + torque @ gamma
+            assert 0 <= potential.min() - lowest < 1e-3
+
+
+def test_other_units_give_the_same_diagram():
+    plain = polhode.levels("kovalevskaya/generic")
+    huge = Body.of_moments((2, 2, 1), (1, 0, 0), Fraction(10) ** 60)
+    scene = polhode.Scene(huge, omega=("3e29", "2e29", "11e29"), gamma=("3/5", 0, "4/5"))
+    found = polhode.levels(scene)
+    assert found.here.region == plain.here.region
+    for mark, other in zip(found.marks, plain.marks, strict=True):
+        assert float(mark.f) == pytest.approx(1e30 * float(other.f), rel=1e-15)
+
+
+# -- the verb --------------------------------------------------------------------------------------
+
+
+def test_levels_as_json(capsys):
+    assert main(["levels", "general/asymmetric-chaotic", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["scene"]["region"] == [1]
+    assert found["scene"]["topology"] == "S3"
+    assert found["cusps"][0]["s"].startswith("1.2627626270")
+    assert len(found["cusps"][0]["s"]) > 35
+    assert {arc["type"] for arc in found["arcs"]} == {
+        *("centre-centre", "centre-saddle", "focus-focus", "saddle-saddle")
+    }
+    assert all(len(arc["f"]) == len(arc["h"]) > 200 for arc in found["arcs"])
+
+
+def test_levels_as_figure_and_arrays(tmp_path, capsys):
+    pytest.importorskip("matplotlib")
+    figure, held = tmp_path / "levels.svg", tmp_path / "levels.npz"
+    arguments = ["levels", "lagrange/nutation", "--f", "-1:3"]
+    assert main([*arguments, "-o", str(figure)]) == 0
+    assert "focus-focus" in figure.read_text()
+    assert "S²×S¹" in figure.read_text()
+    assert main([*arguments, "-o", str(held)]) == 0
+    with np.load(held) as arrays:
+        assert arrays["points"].shape == (len(arrays["curve"]), 2)
+    assert "fourth integral  L = 2.05" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["euler/no-gamma"], "start.gamma: expected given"),
+        (["euler/attitude", "--f", "3:1", "-o", "x.svg"], "--f = 3:1: expected A:B with A below B"),
+        (["euler/attitude", "--h", "3", "-o", "x.svg"], "--h = 3: expected A:B, two numbers"),
+        (["euler/attitude", "-o", "x.txt"], "x.txt"),
+    ],
+)
+def test_levels_refuses(arguments, message, capsys):
+    assert main(["levels", *arguments]) == 2
+    assert message in capsys.readouterr().err

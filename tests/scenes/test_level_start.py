@@ -1,0 +1,88 @@
+"""A start on a level: gamma, h, f and a sign instead of omega."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+import polhode
+from polhode.numbers.exact import sign
+from polhode.scenes import scene_file, vary
+from polhode.scenes.body import cross, dot
+
+HEAD = "schema = 1\n[body]\nmoments = [2, 1.5, 1]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
+TURNED = (
+    'schema = 1\n[body]\ninertia = [[2, "1/2", 0], ["1/2", 2, 0], [0, 0, 3]]\n'
+    "centre = [0.3, 0.2, 0.5]\nweight = -2\n[start]\n"
+)
+FREE = "schema = 1\n[body]\nmoments = [2, 1.5, 1]\n[start]\n"
+LEVEL = 'gamma = ["3/5", 0, "4/5"]\nh = 3\nf = 0.5\n'
+
+
+@pytest.mark.parametrize("head", [HEAD, TURNED, FREE], ids=["plain", "turned", "free"])
+@pytest.mark.parametrize("side", ["", 'sign = "+"\n', 'sign = "-"\n'])
+def test_the_start_is_on_its_level_exactly(head, side):
+    scene = scene_file.parse(head + LEVEL + side)
+    assert scene.integrals.energy == 3
+    assert scene.integrals.area == Fraction(1, 2)
+    along = (0, 0, 1) if scene.body.torque_free else scene.body.centre
+    assert sign(dot(scene.gamma, cross(along, scene.omega))) == 0  # its height is extremal
+    inertial = scene.body.momentum(scene.gamma)
+    direction = cross(inertial, cross(scene.gamma, along))
+    assert sign(dot(scene.omega, scene.body.momentum(direction))) == (-1 if "-" in side else 1)
+
+
+def test_the_least_energy_turns_about_the_vertical():
+    gamma = (Fraction(3, 5), Fraction(0), Fraction(4, 5))
+    inertia = 2 * gamma[0] ** 2 + gamma[2] ** 2
+    least = Fraction(1, 4) / (2 * inertia) + Fraction(3, 10) * gamma[0] + gamma[2] / 2
+    text = LEVEL.replace("h = 3", f'h = "{least}"')
+    scene = scene_file.parse(HEAD + text)
+    assert scene.omega == tuple(g / 2 / inertia for g in gamma)
+
+
+def test_a_run_starts_there_and_stays_on_the_level():
+    scene = scene_file.parse(HEAD + LEVEL + "[run]\nend = 20\n")
+    run = polhode.integrate(scene)
+    assert 0 < run.drift.h < 4e-15
+    assert polhode.compare(run).worst > 12
+
+
+def test_numbers_of_a_level_can_be_varied():
+    scene = scene_file.parse(HEAD + LEVEL + 'sign = "-"\n')
+    grid = vary.grid({"start.h": ["3", "4"], "start.f": "0:1:3"}, "scene")
+    found = vary.members(scene, grid)
+    assert [m.integrals.energy for m in found] == [3, 3, 3, 4, 4, 4]
+    assert [m.integrals.area for m in found] == [0, Fraction(1, 2), 1] * 2
+    with pytest.raises(polhode.BadInput, match=r"start.h.*at least 4569/6800"):
+        vary.members(scene, vary.grid({"start.h": ["0"]}, "scene"))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (LEVEL.replace("h = 3", "h = 0.1"), "start.h = 1/10: expected at least 4569/6800"),
+        (LEVEL.replace("h = 3\n", ""), "start.h: expected a number"),
+        (LEVEL.replace("f = 0.5\n", ""), "start.f: expected a number"),
+        (LEVEL + 'sign = "plus"\n', r"start.sign = plus: expected [+] or -"),
+        (LEVEL + "sign = 1\n", "start.sign = 1: expected a string"),
+        (LEVEL + "omega = [1, 0, 0]\n", r"start.omega = \[1, 0, 0\]: expected nothing beside h"),
+        ("h = 3\nf = 0.5\n", "start.gamma: expected given: a unit vector"),
+        (LEVEL + "angles = [0, 1, 0]\nrates = [1, 0, 0]\n", "start.gamma.*nothing beside angles"),
+        ("h = 3\nf = 0\nangles = [0, 1, 0]\nrates = [1, 0, 0]\n", "start.h.*nothing beside angles"),
+        (LEVEL.replace('"3/5", 0, "4/5"', '"3/5", 0, 1'), "start.gamma.*length exactly 1"),
+        (
+            "gamma = [0.3, 0.2, 0.5]\nnormalise = true\nh = 9\nf = 0.5\n",
+            "start.gamma.*not along the centre of mass",
+        ),
+    ],
+)
+def test_what_is_no_level_is_refused(text, message):
+    with pytest.raises(polhode.BadInput, match=message):
+        scene_file.parse(HEAD + text)
+
+
+def test_a_free_body_has_no_start_along_its_third_axis():
+    with pytest.raises(polhode.BadInput, match="not along the third principal axis"):
+        scene_file.parse(FREE + "gamma = [0, 0, 1]\nh = 3\nf = 0.5\n")
