@@ -20,6 +20,8 @@ if _TYPE_CHECKING:
     from polhode.enclosures.certify import certify
     from polhode.enclosures.events import CertifiedEvents, certify_events
     from polhode.enclosures.result import Enclosure
+    from polhode.equations.plain import field
+    from polhode.figures.drawing import Page, plot, view
     from polhode.judging.assured import integrate
     from polhode.judging.certified import Certified
     from polhode.judging.conditioning import Conditioning, conditioning
@@ -30,8 +32,11 @@ if _TYPE_CHECKING:
     from polhode.runs.sweep import Ensemble, integrate_many
     from polhode.runs.trajectory import Trajectory
     from polhode.scenes.body import Body
+    from polhode.scenes.from_numbers import top
     from polhode.scenes.library import load
-    from polhode.scenes.scene import Event, Scene
+    from polhode.scenes.scene import Event, Published, Scene
+    from polhode.scenes.scene_text import toml as as_toml
+    from polhode.scenes.shapes import Part
     from polhode.taylor.outcomes import EventTimes, Outcome, Projection
 
 _HOMES = {
@@ -48,24 +53,32 @@ _HOMES = {
     "Levels": "dynamics.levels",
     "Lyapunov": "judging.lyapunov",
     "Outcome": "taylor.outcomes",
+    "Page": "figures.drawing",
+    "Part": "scenes.shapes",
     "Projection": "taylor.outcomes",
+    "Published": "scenes.scene",
     "Reference": "judging.reference",
     "Rolling": "judging.rolling",
     "Scene": "scenes.scene",
     "Trajectory": "runs.trajectory",
     "TwoPrecisions": "judging.reference",
     "__version__": "common.provenance",
+    "as_toml": "scenes.scene_text:toml",
     "certify": "enclosures.certify",
     "certify_events": "enclosures.events",
     "compare": "judging.judgement",
     "conditioning": "judging.conditioning",
+    "field": "equations.plain",
     "integrate": "judging.assured",
     "integrate_many": "runs.sweep",
     "levels": "dynamics.levels",
     "load": "scenes.library",
     "lyapunov": "judging.lyapunov",
+    "plot": "figures.drawing",
     "reference": "judging.reference",
     "rolling": "judging.rolling",
+    "top": "scenes.from_numbers",
+    "view": "figures.drawing",
 }
 
 __all__ = [*_HOMES]
@@ -77,7 +90,8 @@ def __getattr__(name: str) -> object:
 
     if name not in _HOMES:
         raise AttributeError(f"module 'polhode' has no attribute {name!r}")
-    return getattr(import_module(f"polhode.{_HOMES[name]}"), name)
+    home, _, own = _HOMES[name].partition(":")
+    return getattr(import_module(f"polhode.{home}"), own or name)
 
 
 def __dir__() -> list[str]:

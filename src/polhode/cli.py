@@ -7,19 +7,33 @@ input, 3 the run could not reach its end, 130 interrupted.
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
-from polhode.common.errors import BadInput, StdoutFault
+from polhode.common.errors import BadInput, StdoutFault, nearest
+from polhode.common.provenance import __version__
 from polhode.verbs import terminal
 from polhode.verbs.terminal import BAD_INPUT, DONE, INTERRUPTED
 
 VERBS = (
-    *("list", "show", "run", "reference", "check", "compare", "sweep", "plot", "study", "report"),
-    *("levels", "about"),
+    *("list", "show", "run", "reference", "check", "compare", "sweep", "plot", "view"),
+    *("levels", "study", "report", "about"),
 )
+
+
+WELCOME = f"""\
+polhode {__version__}: how a heavy rigid body moves about a fixed point, to how many correct digits.
+
+Three commands to try:
+  polhode list                                  the motions that ship
+  polhode run kovalevskaya/generic --digits 30  one of them, to thirty digits that are checked
+  polhode view lagrange/looping -o top.html     a page on which it moves
+
+polhode guide explains everything, polhode --help lists the verbs.
+"""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -28,7 +42,22 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         verb = self.prog.removeprefix("polhode").strip()
         command = f"polhode {verb}" if verb else "polhode"
+        if found := re.match(r"argument VERB: invalid choice: '(.*?)'", message):
+            raise BadInput(command, "VERB", found[1], nearest(found[1], [*VERBS]))
+        if found := re.match(
+            r"argument (--\w+): invalid choice: '(.*?)' \(choose from (.*)\)", message
+        ):
+            words = [word.strip(" '") for word in found[3].split(",")]
+            raise BadInput(command, found[1], found[2], nearest(found[2], words))
         raise BadInput(command, "command", None, f"what {command} --help shows ({message})")
+
+    def refuse(self, rest: Sequence[str]) -> NoReturn:
+        """Say what could have been meant by arguments that the verb does not know."""
+        first = rest[0].partition("=")[0]
+        known = [name for name in self._option_string_actions if name.startswith("--")]
+        if first.startswith("-"):
+            raise BadInput(self.prog, "option", first, nearest(first, known))
+        raise BadInput(self.prog, "argument", first, f"nothing more; {self.prog} --help tells")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -37,7 +66,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         try:
             given = sys.argv[1:] if arguments is None else arguments
-            options = _parser().parse_args(_joined(given))
+            if not given:
+                terminal.say(WELCOME.rstrip())
+                return DONE
+            options, rest = _parser().parse_known_args(_joined(given))
+            if rest:
+                options.parser.refuse(rest)
             code: int = options.main(options)
             return code
         except BadInput as fault:
@@ -87,13 +121,14 @@ def _parser() -> argparse.ArgumentParser:
         prog="polhode",
         description="Heavy rigid body about a fixed point: trajectories with proven digits.",
     )
+    top.add_argument("--version", action="version", version=f"polhode {__version__}")
     kinds = top.add_subparsers(dest="verb", required=True, metavar="VERB", parser_class=_Parser)
     for name in VERBS:
         verb = import_module(f"polhode.verbs.{name}")
         added = kinds.add_parser(name, help=verb.HELP, description=verb.HELP, allow_abbrev=False)
         added.add_argument("--json", action="store_true", help="results as JSON on stdout")
         verb.options(added)
-        added.set_defaults(main=verb.main)
+        added.set_defaults(main=verb.main, parser=added)
     return top
 
 

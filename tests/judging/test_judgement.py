@@ -369,3 +369,54 @@ def test_columns_about_the_vertical_are_named_where_the_scene_has_none():
     there = of_table(table, polhode.load("euler/largest-axis"))
     assert there.notes == (*missing, *(f"column gamma{i} is not in the file" for i in (2, 3)))
     assert there.angles == [[1, None, None]]
+
+
+# -- columns by name ------------------------------------------------------------------------------
+
+
+def columns_of_a_run():
+    run = polhode.integrate("lagrange/nutation", at=[0.5, 1, 2])
+    names = ("wx", "wy", "wz", "gamma1", "gamma2", "gamma3")
+    return {"time": [0.5, 1, 2], **dict(zip(names, np.array(run.states).T, strict=True))}
+
+
+def test_columns_by_name_are_judged_as_a_file_with_that_header_is():
+    given = columns_of_a_run()
+    given["time"] = np.array(given["time"])
+    judged = polhode.compare(given, "lagrange/nutation")
+    assert (
+        judged.digits
+        == polhode.compare(
+            np.array([given[k] for k in list(given)[1:]]).T, "lagrange/nutation", at=given["time"]
+        ).digits
+    )
+    assert judged.subject.number.name == "double"
+    given["wy"] = given["wy"] + 1e-6
+    assert 6 < polhode.compare(given, "lagrange/nutation").worst < 7.5
+    given["wy"] = np.array([math.nan, *given["wy"][1:]])
+    assert "empty cells were not judged" in polhode.compare(given, "lagrange/nutation").notes
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"time": None}, "a column t among them"),
+        ({"t": [1, 2, 3]}, "columns = t: expected each column once"),
+        ({"wx": [1.0]}, "columns as long as t"),
+        ({"wx": ["a", 1, 2]}, r"wx\[1\] = a: expected a number"),
+    ],
+)
+def test_columns_that_cannot_be_judged_are_refused(change, said):
+    given = columns_of_a_run() | change
+    given = {key: value for key, value in given.items() if value is not None}
+    with pytest.raises(polhode.BadInput, match=said):
+        polhode.compare(given, "lagrange/nutation")
+
+
+def test_a_data_frame_is_judged_with_its_index_as_time():
+    pandas = pytest.importorskip("pandas")
+    given = columns_of_a_run()
+    frame = pandas.DataFrame(given)
+    digits = polhode.compare(frame, "lagrange/nutation").digits
+    assert polhode.compare(frame.set_index("time"), "lagrange/nutation").digits == digits
+    assert min(digits) > 13

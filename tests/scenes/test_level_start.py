@@ -68,9 +68,9 @@ def test_numbers_of_a_level_can_be_varied():
         (LEVEL + 'sign = "plus"\n', r"start.sign = plus: expected [+] or -"),
         (LEVEL + "sign = 1\n", "start.sign = 1: expected a string"),
         (LEVEL + "omega = [1, 0, 0]\n", r"start.omega = \[1, 0, 0\]: expected nothing beside h"),
-        ("h = 3\nf = 0.5\n", "start.gamma: expected given: a unit vector"),
-        (LEVEL + "angles = [0, 1, 0]\nrates = [1, 0, 0]\n", "start.gamma.*nothing beside angles"),
-        ("h = 3\nf = 0\nangles = [0, 1, 0]\nrates = [1, 0, 0]\n", "start.h.*nothing beside angles"),
+        ("h = 3\nf = 0.5\n", "start.gamma: expected given, since"),
+        (LEVEL + "angles = [0, 1, 0]\n", "start.angles.*nothing beside gamma"),
+        ("h = 3\nf = 0\nangles = [0, 1, 0]\nrates = [1, 0, 0]\n", "start.h.*nothing beside rates"),
         (LEVEL.replace('"3/5", 0, "4/5"', '"3/5", 0, 1'), "start.gamma.*length exactly 1"),
         (
             "gamma = [0.3, 0.2, 0.5]\nnormalise = true\nh = 9\nf = 0.5\n",
@@ -86,3 +86,11 @@ def test_what_is_no_level_is_refused(text, message):
 def test_a_free_body_has_no_start_along_its_third_axis():
     with pytest.raises(polhode.BadInput, match="not along the third principal axis"):
         scene_file.parse(FREE + "gamma = [0, 0, 1]\nh = 3\nf = 0.5\n")
+
+
+def test_any_orientation_may_be_on_a_level():
+    """Angles say where gamma points; h and f how the body turns."""
+    by_gamma = scene_file.parse(HEAD + "gamma = [0, 1, 0]\nh = 3\nf = 0.5\n")
+    by_angles = scene_file.parse(HEAD + 'angles = [0, "pi/2", 0]\nh = 3\nf = 0.5\n')
+    assert by_angles.gamma == by_gamma.gamma
+    assert by_angles.omega == by_gamma.omega

@@ -35,11 +35,22 @@ class StdoutFault(Exception):
 
 def nearest(word: object, known: list[str]) -> str:
     """The words allowed, the nearest one first in mind: for the end of an error message."""
+    told = ", ".join(known) if len(known) <= 20 else f"one of {len(known)} names"
+    return told + _meant(word, known)
+
+
+def listed(word: object, known: list[str]) -> str:
+    """All of the words allowed, however many, and the nearest one."""
+    return ", ".join(known) + _meant(word, known)
+
+
+def _meant(word: object, known: list[str]) -> str:
     from difflib import get_close_matches
 
     close = get_close_matches(word, known, n=1) if isinstance(word, str) else []
-    listed = ", ".join(known) if len(known) <= 20 else f"one of {len(known)} names"
-    return f"{listed} (did you mean {close[0]!r}?)" if close else listed
+    if not close and isinstance(word, str) and len(word) > 2:  # the end of a long name
+        close = [name for name in known if word.lower() in name.lower()][:1]
+    return f" (did you mean {close[0]!r}?)" if close else ""
 
 
 def _short(value: object, limit: int = 60) -> str:

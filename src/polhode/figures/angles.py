@@ -7,26 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas import BODY, TIME, remark
+from polhode.figures.canvas import BODY, TIME, panels, remark
 from polhode.figures.samples import Samples
 from polhode.scenes.words import ANGLES
 
 LABELS = {"psi": "ψ (rad)", "theta": "θ (rad)", "phi": "φ (rad)"}
 
 
-def draw(plt: Any, found: Samples) -> Any:
+def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
     """Three curves above one another, of the angles that are there."""
     names = [name for name in ANGLES if name in found.columns]
     t = found.columns["t"]
-    figure, panels = plt.subplots(
-        len(names),
-        1,
-        sharex=True,
-        figsize=(5.2, 0.6 + 1.4 * len(names)),
-        squeeze=False,
-        layout="constrained",
-    )
-    for axes, name in zip(panels[:, 0], names, strict=True):
+    size = (5.2, 0.6 + 1.4 * len(names))
+    figure, made = panels(plt, axes, len(names), sharex=True, figsize=size)
+    for axes, name in zip(made[:, 0], names, strict=True):
         angle = found.columns[name]
         axes.plot(*broken(t, angle), color=BODY, gid=name)
         axes.set_ylabel(LABELS[name])
@@ -37,7 +31,7 @@ def draw(plt: Any, found: Samples) -> Any:
             middle = float(np.nanmean(angle))  # a constant, not its rounding
             axes.set_ylim(middle - 0.5, middle + 0.5)
     figure.align_ylabels()
-    panels[-1, 0].set_xlabel(TIME)
+    made[-1, 0].set_xlabel(TIME)
     return figure
 
 

@@ -17,18 +17,35 @@ def require() -> None:
     pyplot()
 
 
-def pyplot() -> Any:
-    """matplotlib.pyplot, writing SVG that depends on the figure alone."""
+def pyplot(own: bool = True) -> Any:
+    """matplotlib.pyplot, writing SVG that depends on the figure alone; else as the user has it."""
     try:
         import matplotlib
     except ImportError:
-        expected = "matplotlib, which figures need: pip install polhode[figures]"
+        expected = "matplotlib, which figures need: pip install 'polhode[figures]'"
         raise BadInput("polhode", "figures", None, expected) from None
-    matplotlib.use("svg")
-    matplotlib.rcParams["svg.hashsalt"] = "polhode"
+    if own:
+        matplotlib.use("svg")
+        matplotlib.rcParams["svg.hashsalt"] = "polhode"
     from matplotlib import pyplot as plt
 
     return plt
+
+
+def panels(plt: Any, axes: Any, rows: int, columns: int = 1, **how: Any) -> tuple[Any, Any]:
+    """A figure and its panels, shape (rows, columns): new ones, or the axes given to draw into."""
+    import numpy as np
+
+    if axes is None:
+        made: tuple[Any, Any] = plt.subplots(
+            rows, columns, squeeze=False, layout="constrained", **how
+        )
+        return made
+    given = np.ravel(np.asarray(axes, dtype=object))
+    if len(given) != rows * columns or not all(hasattr(x, "plot") for x in given):
+        expected = f"{rows * columns} matplotlib axes, one for each panel"
+        raise BadInput("plot", "axes", f"{len(given)} things", expected)
+    return given[0].figure, given.reshape(rows, columns)
 
 
 def as_svg(figure: Any, title: str | None = None) -> str:

@@ -11,6 +11,6 @@ from polhode.figures.samples import Samples
 LABELS = {"omega": "error of ω / max |ω|", "gamma": "error of γ"}
 
 
-def draw(plt: Any, found: Samples) -> Any:
+def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
     """The errors of omega, relative to its largest modulus, and of gamma."""
-    return logarithmic.draw(plt, found, LABELS, {"omega": BODY, "gamma": SPACE})
+    return logarithmic.draw(plt, found, LABELS, {"omega": BODY, "gamma": SPACE}, axes)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from polhode.equations.hodographs import turned
-from polhode.figures.canvas import BODY, HIDDEN, SPACE
+from polhode.figures.canvas import BODY, HIDDEN, SPACE, panels
 from polhode.figures.globe import facing_most
 from polhode.figures.samples import Samples
 from polhode.numbers.convert import to_double
@@ -23,7 +23,7 @@ FLATTEST = 12  # semi-axes more unequal than this make no ellipsoid to look at
 UNIT = " (rad / unit of time)"
 
 
-def draw(plt: Any, found: Samples) -> Any:
+def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
     """Polhode and herpolhode of a free body, else plan and elevation of both hodographs."""
     omega = found.vectors(STATE[:3])
     if found.has(SPACE_COLUMNS):
@@ -34,28 +34,28 @@ def draw(plt: Any, found: Samples) -> Any:
     omega, space = omega[kept], space[kept]
     scene = found.scene
     if scene is None or not scene.body.torque_free or not omega.any():
-        return _views(plt, omega, space)
-    return _poinsot(plt, found, omega, space)
+        return _views(plt, omega, space, axes)
+    return _poinsot(plt, found, omega, space, axes)
 
 
-def _views(plt: Any, omega: Any, space: Any) -> Any:
-    figure, panels = plt.subplots(2, 2, figsize=(6.4, 6.2), layout="constrained")
+def _views(plt: Any, omega: Any, space: Any, axes: Any) -> Any:
+    figure, made = panels(plt, axes, 2, 2, figsize=(6.4, 6.2))
     size = _largest(omega)
     for column, title, points, names, colour in (
         (0, "in the body", omega, ("p", "q", "r"), BODY),
         (1, "in space", space, ("ω·X", "ω·Y", "ω·Z"), SPACE),
     ):
         for axes, view, (i, j) in zip(
-            panels[:, column], ("elevation", "plan"), ((0, 2), (0, 1)), strict=True
+            made[:, column], ("elevation", "plan"), ((0, 2), (0, 1)), strict=True
         ):
             name = f"{title.split()[-1]}-{view}"
             _flat(axes, points[:, i], points[:, j], size, colour, name)
             axes.set(xlabel=names[i] + UNIT, ylabel=names[j] + UNIT)
-        panels[0, column].set_title(title, size=9)
+        made[0, column].set_title(title, size=9)
     return figure
 
 
-def _poinsot(plt: Any, found: Samples, omega: Any, space: Any) -> Any:
+def _poinsot(plt: Any, found: Samples, omega: Any, space: Any, axes: Any) -> Any:
     scene = found.scene
     assert scene is not None
     body = scene.body
@@ -64,9 +64,7 @@ def _poinsot(plt: Any, found: Samples, omega: Any, space: Any) -> Any:
     energy = to_double(scene.integrals.energy)
     a, b, c = ((2 * energy / to_double(m)) ** 0.5 for m in body.moments)
     inertia = np.array([[to_double(x) for x in row] for row in body.inertia])
-    figure, (left, right) = plt.subplots(
-        1, 2, figsize=(7.0, 3.5), layout="constrained", width_ratios=(1, 1)
-    )
+    figure, ((left, right),) = panels(plt, axes, 1, 2, figsize=(7.0, 3.5))
     if max(a, b, c) > FLATTEST * min(a, b, c):
         _flat(left, principal[:, 0], principal[:, 2], _largest(omega), BODY, "polhode")
         left.set(xlabel="ω₁" + UNIT, ylabel="ω₃" + UNIT)

@@ -16,7 +16,7 @@ LABELS = {
 }
 
 
-def draw(plt: Any, found: Samples) -> Any:
+def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
     """One panel an integral."""
     colours = {"h": BODY, "f": SPACE, "gamma": REST}
-    return logarithmic.draw(plt, found, LABELS, colours)
+    return logarithmic.draw(plt, found, LABELS, colours, axes)

@@ -7,27 +7,22 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas import TIME
+from polhode.figures.canvas import TIME, panels
 from polhode.figures.samples import Samples
 
 GREY = "#777777"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def draw(plt: Any, found: Samples, labels: dict[str, str], colours: dict[str, str]) -> Any:
+def draw(
+    plt: Any, found: Samples, labels: dict[str, str], colours: dict[str, str], axes: Any = None
+) -> Any:
     """A panel for each column of decimal logarithms, on one scale; eps as a dashed line."""
     t = found.columns["t"]
     names = [name for name in found.columns if name != "t"]
-    figure, panels = plt.subplots(
-        len(names),
-        1,
-        sharex=True,
-        sharey=True,
-        figsize=(5.2, 0.6 + 1.5 * len(names)),
-        squeeze=False,
-        layout="constrained",
-    )
-    for axes, name in zip(panels[:, 0], names, strict=True):
+    size = (5.2, 0.6 + 1.5 * len(names))
+    figure, made = panels(plt, axes, len(names), sharex=True, sharey=True, figsize=size)
+    for axes, name in zip(made[:, 0], names, strict=True):
         axes.plot(t, found.columns[name], color=colours.get(name, "#000000"), lw=0.6, gid=name)
         axes.set_ylabel(labels.get(name, name))
         if (zeros := np.mean(~np.isfinite(found.columns[name]))) > 0.5:
@@ -35,7 +30,7 @@ def draw(plt: Any, found: Samples, labels: dict[str, str], colours: dict[str, st
             axes.text(0.5, 0.1, text, transform=axes.transAxes, size=8, color=GREY, ha="center")
         if found.eps is not None:
             axes.axhline(math.log10(found.eps), color=GREY, lw=0.6, ls="--")
-    axes = panels[0, 0]
+    axes = made[0, 0]
     if found.eps is not None:
         axes.annotate(
             "eps",
@@ -51,7 +46,7 @@ def draw(plt: Any, found: Samples, labels: dict[str, str], colours: dict[str, st
     axes.set_ylim(*_decades(found, names))
     axes.yaxis.set_major_locator(plt.MaxNLocator(5, integer=True))
     axes.yaxis.set_major_formatter(lambda power, _: "10" + f"{power:.0f}".translate(RAISED))
-    panels[-1, 0].set_xlabel(TIME)
+    made[-1, 0].set_xlabel(TIME)
     figure.align_ylabels()
     return figure
 

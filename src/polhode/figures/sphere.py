@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from polhode.equations.hodographs import turned
-from polhode.figures.canvas import BODY, HIDDEN, SPACE
+from polhode.figures.canvas import BODY, HIDDEN, SPACE, panels
 from polhode.figures.globe import facing_most
 from polhode.figures.samples import Samples
 from polhode.numbers.convert import to_double
@@ -18,7 +18,7 @@ from polhode.scenes.words import ATTITUDE, STATE
 IN_BODY, IN_SPACE = ("x", "y", "z"), ("X", "Y", "Z")
 
 
-def draw(plt: Any, found: Samples) -> Any:
+def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
     """The vertical's trace in the body; with an attitude, the apex's path in space beside it."""
     spheres = [("γ in the body", found.vectors(STATE[3:]), IN_BODY, BODY)]
     if found.has(ATTITUDE):
@@ -26,10 +26,8 @@ def draw(plt: Any, found: Samples) -> Any:
         path = np.array(turned(found.vectors(ATTITUDE).T, direction)).T
         spheres.append((f"{name} in space", path, IN_SPACE, SPACE))
     size = (3.4 * len(spheres), 3.6)
-    figure, panels = plt.subplots(
-        1, len(spheres), figsize=size, squeeze=False, layout="constrained"
-    )
-    for axes, (title, points, labels, colour) in zip(panels[0], spheres, strict=True):
+    figure, made = panels(plt, axes, 1, len(spheres), figsize=size)
+    for axes, (title, points, labels, colour) in zip(made[0], spheres, strict=True):
         points = points[np.isfinite(points).all(axis=1)]
         points = points / np.linalg.norm(points, axis=1)[:, None]
         globe = facing_most(points)

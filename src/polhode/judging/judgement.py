@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property, partial
@@ -24,7 +24,7 @@ from polhode.judging.omega_alone import OmegaAlone, omega_alone
 from polhode.judging.reference import Reference, Remembered, TwoPrecisions, by_sign, reference, rows
 from polhode.judging.rounding import Band
 from polhode.judging.subject import Subject, of_run, of_table
-from polhode.judging.table import Table, read_table, table_of_rows
+from polhode.judging.table import Table, read_table, table_of_columns, table_of_rows
 from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.decimals import brief, decimal_string, in_full
 from polhode.numbers.exact import Exact
@@ -298,7 +298,7 @@ class Judgement(ByValue):
 
 
 def compare(
-    what: Trajectory | Table | str | Path | Sequence[Any],
+    what: Trajectory | Table | str | Path | Sequence[Any] | Mapping[str, Any],
     against: AnyReference | Scene | str | Path | None = None,
     *,
     number: str | NumberType | None = None,
@@ -307,10 +307,11 @@ def compare(
     columns: Sequence[str] | None = None,
     known: Conditioning | None = None,
 ) -> Judgement:
-    """Judge a run, a trajectory file or an array of states against a reference.
+    """Judge a run, a trajectory file, columns or an array of states against a reference.
 
     ``what``: a Trajectory; the path of a CSV file with a column t and any of p q r gamma1 gamma2
-    gamma3 psi theta phi q0 q1 q2 q3; or rows of numbers, which hold at the times ``at`` and have
+    gamma3 psi theta phi q0 q1 q2 q3; the same columns as a mapping of names to arrays, a pandas
+    DataFrame or an xarray Dataset; or rows of numbers, which hold at the times ``at`` and have
     the columns ``columns`` (those of the scene unless given).  ``against``: a reference, or the
     scene whose reference it is; of a run its own scene unless given.  ``number`` (and ``digits`` of
     mp): the type whose rounded values a file's decimals, or the rows, are; rows of doubles are
@@ -345,6 +346,8 @@ def compare(
         kind = None if number is None else choose_number(scene, number, digits)
         if isinstance(what, (str, Path)):
             what = read_table(Path(what), kind)
+        elif hasattr(what, "keys"):
+            what = table_of_columns(what, kind)
         elif not isinstance(what, Table):
             named = scene.columns if columns is None else columns
             what = table_of_rows(what, at, named, kind)

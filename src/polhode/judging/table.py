@@ -82,6 +82,55 @@ def table_of_rows(
     return Table("states", times, named, (), printed, number)
 
 
+def table_of_columns(given: Any, number: NumberType | None = None) -> Table:
+    """Columns by name as a table: a mapping, a pandas DataFrame, an xarray Dataset.
+
+    Names are those of a file's header; the time may be a DataFrame's index.  Columns of doubles
+    are known as such; nan, NaT and None are empty cells.  Raises BadInput.
+    """
+    if hasattr(given, "reset_index"):  # a DataFrame
+        if column(str(given.index.name)).name == "t":
+            given = given.reset_index()
+        held = {str(name): given[name].to_numpy() for name in given.columns}
+    else:
+        names = [*getattr(given, "coords", ()), *given.keys()]
+        held = {str(name): getattr(given[name], "values", given[name]) for name in names}
+    named = {name: column(name) for name in held}
+    header = ",".join(held)
+    for name in KNOWN:
+        if sum(name == found.name for found in named.values()) > 1:
+            raise BadInput("compare", "columns", name, "each column once")
+    if all(found.name != "t" for found in named.values()):
+        raise BadInput("compare", "columns", header, "a column t among them")
+    if all(found.name in (None, "t") for found in named.values()):
+        expected = f"columns beside t that can be judged, of {', '.join(KNOWN[1:])}"
+        raise BadInput("compare", "columns", header, expected)
+    kinds = {str(getattr(held[name], "dtype", "")) for name, k in named.items() if k.name}
+    known = {frozenset({"float64"}): DOUBLE, frozenset({"longdouble"}): EXTENDED}
+    number = number or known.get(frozenset(k.replace("float128", "longdouble") for k in kinds))
+    found: dict[str, tuple[Fraction | None, ...]] = {}
+    for name, (known_name, degrees) in named.items():
+        if known_name is not None:
+            cells = each("compare", name, held[name], _cell, "a column of numbers")
+            found[known_name] = tuple(_radians(x) if x and degrees else x for x in cells)
+    times = found.pop("t")
+    if not times or None in times or any(len(cells) != len(times) for cells in found.values()):
+        raise BadInput(
+            "compare", "columns", header, "columns as long as t, with a time in each row"
+        )
+    printed = number.printed_digits if number else MOST_PRINTED
+    ignored = tuple(name for name, known in named.items() if known.name is None)
+    exact_times = tuple(t for t in times if t is not None)
+    return Table("columns", exact_times, found, ignored, printed, number)
+
+
+def _cell(value: Any) -> Fraction | None:
+    """A cell's exact number, None where it is empty."""
+    if value is None or value != value:
+        return None
+    return _exactly(value)
+
+
 def read_table(path: Path, number: NumberType | None) -> Table:
     """A CSV file as a table; raises BadInput.  ``number``: its decimals stand for numbers of it."""
     found = read_whole(path, MAX_BYTES, "a readable CSV file")

@@ -8,17 +8,18 @@ exactly, and projections onto an axis are formed before the axis is scaled to le
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from polhode.common.arguments import each
+from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.convert import exact_number
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
+from polhode.scenes.shapes import Part, carried, together
 
 Vector = tuple[Exact, Exact, Exact]
 Matrix = tuple[Vector, Vector, Vector]
@@ -115,7 +116,8 @@ class Body:
 
     Numbers of any kind are taken exactly, see :func:`polhode.numbers.convert.exact_number`.
     Raises UnphysicalBody, a ValueError, unless I is symmetric with positive principal moments of
-    which none exceeds the sum of the other two.  Any consistent units.
+    which none exceeds the sum of the other two.  Any consistent units.  ``parts``: the solids that
+    it is made of, where it was put together.
 
     >>> import polhode
     >>> top = polhode.Body.of_moments([2, 2, 1], centre=[1, 0, 0], weight="3/2")
@@ -123,11 +125,14 @@ class Body:
     (Fraction(3, 2), Fraction(0, 1), Fraction(0, 1))
     >>> polhode.Body([[2, "1/2", 0], ["1/2", 2, 0], [0, 0, 3]]).moments
     (Fraction(3, 2), Fraction(5, 2), Fraction(3, 1))
+    >>> polhode.Body.of_parts([polhode.Part("cone", 1, radius=3, height=4)], g="9.8").torque[2]
+    Fraction(147, 5)
     """
 
     inertia: Matrix
     centre: Vector = (ZERO, ZERO, ZERO)
     weight: Exact = ZERO
+    parts: tuple[Part, ...] = ()
 
     def __post_init__(self) -> None:
         rows = each("Body", "inertia", self.inertia, lambda row: row, "a 3 x 3 matrix")
@@ -138,6 +143,7 @@ class Body:
         object.__setattr__(self, "centre", exact_vector(self.centre, key="centre"))
         (weight,) = each("Body", "weight", (self.weight,), exact_number, "a number")
         object.__setattr__(self, "weight", weight)
+        self._check_parts()
         for i, j in ((0, 1), (0, 2), (1, 2)):
             if rows[i][j] != rows[j][i]:
                 raise UnphysicalBody("a symmetric matrix")
@@ -157,6 +163,41 @@ class Body:
             exact_vector(centre, key="centre"),
             weight,
         )
+
+    @classmethod
+    def about_centre(
+        cls, inertia: Sequence[Sequence[Any]], centre: Sequence[Any], mass: Any, weight: Any = 0
+    ) -> Body:
+        """A body given by its inertia matrix about its centre of mass (Huygens and Steiner)."""
+        own = cls(inertia)  # type: ignore[arg-type]
+        place = exact_vector(centre, key="centre")
+        (of_mass,) = each("Body", "mass", (mass,), exact_number, "a number")
+        if sign(of_mass) <= 0:
+            raise BadInput("Body", "mass", mass, "a mass above 0")
+        return cls(carried(own.inertia, of_mass, place), place, weight)
+
+    @classmethod
+    def of_parts(cls, parts: Iterable[Part], g: Any = None, weight: Any = None) -> Body:
+        """A body put together of homogeneous solids; ``g`` times its mass is its weight."""
+        solids = tuple(parts)
+        if not solids:
+            raise BadInput("Body", "parts", None, "at least one Part")
+        for k, part in enumerate(solids):
+            of_kind("Body", f"parts[{k + 1}]", part, Part, "a Part")
+        if (g is None) == (weight is None):
+            raise BadInput("Body", "g", g, "one of g and weight; 0 for none")
+        mass, centre, inertia = together(solids)
+        if weight is None:
+            (gravity,) = each("Body", "g", (g,), exact_number, "a number")
+            weight = mass * gravity
+        return cls(inertia, centre, weight, solids)
+
+    def _check_parts(self) -> None:
+        """Refuse parts that are not this body's."""
+        if self.parts:
+            _, centre, inertia = together(self.parts)
+            if (centre, inertia) != (self.centre, self.inertia):
+                raise BadInput("Body", "parts", None, "parts of this inertia and centre")
 
     @property
     def moments(self) -> Vector:

@@ -21,8 +21,6 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.scenes.body import Body, Vector, cross, dot, is_zero, scaled
 
-SIGNS = ("+", "-")
-
 
 def reduced_potential(body: Body, gamma: Vector, f: Exact) -> Exact:
     """W_f at gamma, a unit vector in body axes: the least energy that the area f allows there."""

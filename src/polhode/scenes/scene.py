@@ -7,7 +7,7 @@ Body axes O xyz, O the fixed point; omega = (p, q, r) and gamma, the upward vert
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import InitVar, dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -18,7 +18,7 @@ from polhode.numbers import exact
 from polhode.numbers.convert import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
-from polhode.scenes.body import Body, Vector, dot, exact_vector
+from polhode.scenes.body import Body, Vector, dot, exact_vector, scaled
 from polhode.scenes.columns import check
 from polhode.scenes.words import (
     DIRECTIONS,
@@ -32,6 +32,10 @@ from polhode.scenes.words import (
 
 class Published(NamedTuple):
     """A figure that somebody printed: an expression in the columns and its printed value.
+
+    >>> import polhode
+    >>> polhode.load("published/curtis").published[0].quantity
+    'x'
 
     A cite that ends in "(recomputed to N digits)": the scene is somebody's, the figure is not.
     """
@@ -105,7 +109,8 @@ class Scene:
 
     ``gamma`` None: a torque-free body of which only omega is asked.  ``times``: output times, all
     of one sign (0 may be the first), |t| increasing.  Numbers of any kind are taken exactly, a
-    float as the binary number that it is.  Raises BadInput where a value cannot be.
+    float as the binary number that it is.  ``normalise``: bring gamma to length 1.  Raises BadInput
+    where a value cannot be.
 
     >>> import polhode
     >>> body = polhode.Body.of_moments([2, 2, 1], centre=[1, 0, 0], weight=1)
@@ -133,8 +138,9 @@ class Scene:
     reference: str = "auto"
     expect: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     source: str = ""  # the text it was read from, for the provenance
+    normalise: InitVar[bool] = False
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, normalise: bool) -> None:
         for key in ("name", "title", "form", "reference", "source"):
             of_kind("Scene", key, getattr(self, key), str, "text")
         for key, kind in _PARTS.items():
@@ -154,7 +160,11 @@ class Scene:
         times = each(self.name, "run.at", self.times, exact_number, "a list of times")
         object.__setattr__(self, "times", times)
         if self.gamma is not None:
-            object.__setattr__(self, "gamma", exact_vector(self.gamma, self.name, "start.gamma"))
+            gamma = exact_vector(self.gamma, self.name, "start.gamma")
+            square = dot(gamma, gamma)
+            if normalise and square != 1 and sign(square) != 0:
+                gamma = scaled(1 / exact.sqrt(square), gamma)
+            object.__setattr__(self, "gamma", gamma)
         if self.gamma is None:
             if not self.body.torque_free:
                 raise self._bad("start.gamma", None, "given, since the weight has a moment")

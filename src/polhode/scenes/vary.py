@@ -16,16 +16,15 @@ from polhode.numbers.convert import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
-from polhode.scenes import scene_file
+from polhode.scenes import keys, scene_file
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
 MAX_MEMBERS = 100_000
 
-WORDS = ("start.sign",)  # values that are no numbers
-
 _SECTIONS = ("body", "start")
-_KEY = re.compile(r"(body|start)\.([a-z]+)((?:\[[1-9]\])*)")
+_KEY = re.compile(r"(body|start)\.[a-z]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
+_WORDS = keys.words("body") | keys.words("body.parts") | keys.words("start")
 
 #: Varied numbers by key: a sequence of values or ``"FROM:TO:N"`` each, of which every combination
 #: is a member; or the members one by one, each with the same keys.
@@ -93,7 +92,7 @@ def grid(vary: Vary, name: str) -> Grid:
 
 def members(scene: Scene, varied: Grid) -> tuple[Scene, ...]:
     """A scene for each row, without output times; raises BadInput naming the member."""
-    data = _tables(scene)
+    data = tables_of(scene)
     places = _places(data, varied.keys, scene.name)
     same_body = not any(key.startswith("body.") for key in varied.keys)
     bodies: dict[tuple[Any, ...], Body] = {}
@@ -140,8 +139,8 @@ def _exact(value: Any, key: str, name: str) -> Exact:
         raise BadInput(name, key, plain(value), f"a number ({fault})") from None
 
 
-def _tables(scene: Scene) -> dict[str, Any]:
-    """The tables that may be varied: those of the scene's file, if they still say what it is."""
+def tables_of(scene: Scene) -> dict[str, Any]:
+    """The tables of body and start: those of the scene's file, if they still say what it is."""
     held = (scene.body, scene.omega, scene.gamma, scene.psi)
     if scene.source:
         data = scene_file.tables(scene.source, scene.name)
@@ -162,7 +161,7 @@ def _tables(scene: Scene) -> dict[str, Any]:
 def _places(data: dict[str, Any], keys: Sequence[str], name: str) -> list[list[tuple[Any, Any]]]:
     """For each key the containers and indices of its number; an inertia's mirror image with it."""
     body, start = data["body"], data["start"]
-    if "centre" in body:
+    if "centre" in body and "g" not in body:
         body.setdefault("weight", 0)
     if "gamma" in start:
         start.setdefault("psi", 0)
@@ -194,6 +193,9 @@ def _leaves(data: dict[str, Any], name: str) -> Iterable[tuple[str, tuple[Any, A
         if isinstance(value, list):
             table[at] = value = list(value)  # the caller's tables stay as they are
             pending += [(f"{key}[{i + 1}]", value, i) for i in range(len(value))]
-        elif not isinstance(value, (bool, dict)) and key not in WORDS:
+        elif isinstance(value, dict):  # one of [[body.parts]]
+            table[at] = value = dict(value)
+            pending += [(f"{key}.{name}", value, name) for name in value]
+        elif not isinstance(value, bool) and at not in _WORDS:
             table[at] = scene_file.exact_value(value, key, name)
             yield key, (table, at)

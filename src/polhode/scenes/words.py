@@ -45,3 +45,9 @@ READY_MADE = {"nutation": "p*gamma2 - q*gamma1", "equator": "gamma3", FLIP: None
 
 #: In which direction an event's expression passes zero, as t grows.
 DIRECTIONS = ("rising", "falling", "any")
+
+#: What moments of inertia may be about.
+FIXED_POINT, CENTRE = "fixed point", "centre"
+
+#: Which of the two spins on a level of h and f.
+SIGNS = ("+", "-")

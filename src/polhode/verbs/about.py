@@ -5,20 +5,28 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from typing import Any
 
-from polhode.common.provenance import cpu, versions
+from polhode.common import citation
+from polhode.common.provenance import __version__, cpu, versions
 from polhode.numbers import number_types
 from polhode.scenes import library
 from polhode.verbs.terminal import DONE, print_json, say
 
-HELP = "versions, number types, processor, caches"
+HELP = "versions, number types, processor, caches; how to cite"
 
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
+    parser.add_argument("--cite", action="store_true", help="BibTeX entries, nothing else")
 
 
 def main(options: Namespace) -> int:
-    """Versions, number types, processor, caches."""
+    """Versions, number types, processor, caches; or how to cite."""
+    if options.cite:
+        if options.json:
+            print_json({"bibtex": citation.bibtex(), "version": __version__})
+        else:
+            say(citation.bibtex().rstrip())
+        return DONE
     from polhode.taylor import heyoka_numbers
 
     facts: dict[str, Any] = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
+from polhode.common.errors import BadInput, listed
 from polhode.scenes import library
 from polhode.verbs.terminal import DONE, print_json, print_table
 
@@ -20,8 +21,13 @@ def main(options: Namespace) -> int:
     from polhode.judging.reference import reference as reference_of
 
     rows = []
-    for name in library.names():
-        scene = library.load(name)
+    scenes = {name: library.load(name) for name in library.names()}
+    known = sorted({tag for scene in scenes.values() for tag in scene.tags})
+    if options.tag is not None and options.tag not in known:
+        raise BadInput(
+            "list", "--tag", options.tag, f"one of the tags {listed(options.tag, known)}"
+        )
+    for name, scene in scenes.items():
         if options.tag and options.tag not in scene.tags:
             continue
         reference = reference_of(scene)

@@ -31,9 +31,10 @@ if TYPE_CHECKING:
     from polhode.runs.trajectory import Trajectory
 
 HELP = "a figure of a motion, from a scene or a trajectory file"
-OVER_TIME = ("integrals", "error")  # of the whole run: not cut to a window
-OUTPUTS = {"angles": ("angles",), "hodographs": ("attitude", "hodographs"), "sphere": ("attitude",)}
-KINDS = (*OUTPUTS, *OVER_TIME)
+KINDS = (
+    *("angles", "omega", "momentum", "attitude", "hodographs", "sphere", "motion"),
+    *("integrals", "error"),
+)
 
 
 def options(parser: ArgumentParser) -> None:
@@ -41,7 +42,11 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("what_of", metavar="SCENE|FILE", help="a case, a scene's path, or a CSV")
     parser.add_argument("--what", required=True, choices=KINDS, help="the kind of figure")
     parser.add_argument(
-        "-o", dest="file", required=True, metavar="FILE", help="the figure: .svg, .png or .pdf"
+        "-o",
+        dest="file",
+        required=True,
+        metavar="FILE",
+        help="the figure: .svg, .png or .pdf; motion: .html, .gif or .mp4",
     )
     parser.add_argument("--end", metavar="T", help="draw to this time instead of the scene's end")
     parser.add_argument("--scene", metavar="SCENE", help="of a FILE: the scene that it belongs to")
@@ -54,20 +59,34 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Make one figure."""
     from polhode.common.files import check_writable, is_stdout, write_whole
-    from polhode.figures import canvas
+    from polhode.figures import canvas, film
+    from polhode.figures.drawing import page_of
 
     path = Path(options.file)
     inputs = [library.path_of(name) for name in (options.what_of, options.scene) if name]
-    check_writable(path, canvas.SUFFIXES, inputs)
+    moving = options.what == "motion"
+    suffixes = (".html", *film.SUFFIXES) if moving else canvas.SUFFIXES
+    check_writable(path, suffixes, inputs)
     refuse_two_on_stdout(path, options.json)
-    canvas.require()
-    found = _of_file(options) if _is_file(options.what_of) else _of_scene(options)
+    suffix = path.suffix.lower() if path.suffix.lower() in suffixes else suffixes[0]  # a stream
+    if suffix != ".html":
+        canvas.require()
+    film.require(suffix)
+    found = samples_of(options)
     if isinstance(found, int):
         return found
-    figure = import_module(f"polhode.figures.{options.what}")
-    title = f"polhode: {options.what} of {found.name}"
-    suffix = path.suffix.lower() if path.suffix.lower() in canvas.SUFFIXES else ".svg"  # a stream
-    write_whole({path: canvas.drawn(figure.draw, found, suffix, title)})
+    made: str | bytes
+    if suffix == ".html":
+        made = page_of(
+            found, f"polhode plot {options.what_of} --what motion", is_file(options.what_of)
+        )
+    elif moving:
+        with Progress("plot") as progress:
+            made = film.filmed(found, suffix, lambda done: progress.say(f"{100 * done:.0f} %"))
+    else:
+        figure = import_module(f"polhode.figures.{options.what}")
+        made = canvas.drawn(figure.draw, found, suffix, f"polhode: {options.what} of {found.name}")
+    write_whole({path: made})
     t = found.columns["t"]
     if options.json:
         shown = {"file": str(path), "what": options.what, "of": found.name, "samples": len(t)}
@@ -77,7 +96,7 @@ def main(options: Namespace) -> int:
     return DONE
 
 
-def _is_file(name: str) -> bool:
+def is_file(name: str) -> bool:
     """Whether a trajectory file is meant: an existing path that is no scene, or a .csv."""
     suffix = Path(name).suffix.lower()
     return suffix == ".csv" or (
@@ -85,15 +104,21 @@ def _is_file(name: str) -> bool:
     )
 
 
+def samples_of(options: Namespace) -> Samples | int:
+    """What a figure shows, of a scene or a file; an exit code where a run did not get there."""
+    return _of_file(options) if is_file(options.what_of) else _of_scene(options)
+
+
 def _of_scene(options: Namespace) -> Samples | int:
     """What the figure of a scene shows; an exit code where the run did not get there."""
     from polhode.figures import over_time, samples
+    from polhode.figures.drawing import FREE_OF_GAMMA, OUTPUTS, OVER_TIME
     from polhode.judging.reference import reference as reference_of
 
     scene = library.load(options.what_of)
     if options.scene is not None:
         raise BadInput(scene.name, "--scene", options.scene, "no --scene: it is for a FILE")
-    if options.what in OUTPUTS and scene.gamma is None:
+    if options.what not in FREE_OF_GAMMA and scene.gamma is None:
         raise BadInput(scene.name, "--what", options.what, "a scene with start.gamma")
     end = None if options.end is None else _time(scene.name, options.end)
     long = options.what in OVER_TIME
@@ -103,7 +128,7 @@ def _of_scene(options: Namespace) -> Samples | int:
         found = samples.run(
             scene,
             times,
-            OUTPUTS.get(options.what, ()),
+            OUTPUTS["sphere" if options.what == "motion" else options.what],
             options.number,
             options.digits,
             progress.show,
@@ -129,13 +154,14 @@ def _of_scene(options: Namespace) -> Samples | int:
 def _of_file(options: Namespace) -> Samples:
     """What the figure of a trajectory file shows."""
     from polhode.figures import over_time, samples
+    from polhode.figures.drawing import OVER_TIME
     from polhode.judging import table as table_
     from polhode.judging.reference import reference as reference_of
     from polhode.runs.request import choose_number
 
     what, path = options.what, options.what_of
     scene = None if options.scene is None else library.load(options.scene)
-    if what in OVER_TIME and scene is None:
+    if what in (*OVER_TIME, "momentum", "motion") and scene is None:
         raise BadInput(path, "--scene", None, f"the scene that the file belongs to, for {what}")
     if options.end is not None:
         raise BadInput(path, "--end", options.end, "no --end: a file is drawn whole")
@@ -157,6 +183,10 @@ def _of_file(options: Namespace) -> Samples:
 def _refuse_what_is_missing(found: Samples, what: str) -> None:
     """Raise BadInput where a file lacks the columns of a figure, or has too few rows."""
     wanted = {
+        "omega": (any(found.has([name]) for name in STATE[:3]), "one of p, q, r"),
+        "momentum": (found.has(STATE[:3]), "columns p, q, r"),
+        "attitude": (found.has(ATTITUDE), "columns q0, q1, q2, q3"),
+        "motion": (found.has((*STATE[:3], *ATTITUDE)), "columns p, q, r and q0, q1, q2, q3"),
         "angles": (any(found.has([name]) for name in ANGLES), "one of psi, theta, phi"),
         "sphere": (found.has(STATE[3:]), "columns gamma1, gamma2, gamma3"),
         "hodographs": (

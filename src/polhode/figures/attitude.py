@@ -1,0 +1,15 @@
+"""Figure of the attitude over time: the quaternion of R, body to space, scalar first."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from polhode.figures import curves
+from polhode.figures.samples import Samples
+from polhode.scenes.words import ATTITUDE
+
+
+def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
+    """The four components, the fourth in grey."""
+    shown = {name: found.columns[name] for name in ATTITUDE}
+    return curves.draw(plt, found.columns["t"], shown, "attitude quaternion", axes)

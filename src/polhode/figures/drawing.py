@@ -1,0 +1,141 @@
+"""Figures and pages from Python: of a scene, or of the scene of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from polhode.common.errors import BadInput, nearest
+from polhode.common.files import check_writable, write_whole
+from polhode.figures import canvas, motion_page, over_time, samples
+from polhode.figures.samples import Samples
+from polhode.judging.reference import reference as reference_of
+from polhode.numbers.convert import exact_number
+from polhode.numbers.exact import Exact
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+
+#: The kinds of figures, and the outputs that a run for them needs.
+OUTPUTS: dict[str, tuple[str, ...]] = {
+    "angles": ("angles",),
+    "omega": (),
+    "momentum": (),
+    "attitude": ("attitude",),
+    "hodographs": ("attitude", "hodographs"),
+    "sphere": ("attitude",),
+    "integrals": (),
+    "error": (),
+}
+OVER_TIME = ("integrals", "error")  # of the whole run: not cut to a window
+FREE_OF_GAMMA = ("omega", "momentum", *OVER_TIME)
+
+
+@dataclass(frozen=True, repr=False)
+class Page:
+    """A motion as a page of HTML: ``text``, to be saved; a notebook shows it in its place.
+
+    >>> import polhode
+    >>> page = polhode.view("lagrange/looping", end=4)
+    >>> page
+    <Page of lagrange/looping: 185 kB>
+    """
+
+    name: str
+    text: str
+
+    def __repr__(self) -> str:
+        return f"<Page of {self.name}: {round(len(self.text.encode()) / 1000)} kB>"
+
+    def _repr_html_(self) -> str:
+        frame = "width:100%;height:46rem;border:0"
+        return f'<iframe style="{frame}" srcdoc="{escape(self.text)}"></iframe>'
+
+    def save(self, path: str | Path) -> None:
+        """Write it; the name ends in .html."""
+        check_writable(Path(path), [".html"])
+        write_whole({Path(path): self.text})
+
+
+def plot(
+    what_of: Trajectory | Scene | str | Path,
+    what: str = "angles",
+    axes: Any = None,
+    *,
+    end: Any = None,
+) -> Any:
+    """Draw a figure with matplotlib; the axes drawn into, an array of them where there are several.
+
+    ``what_of``: a scene, or a run, whose scene is integrated anew in its number type at as many
+    times as curves need.  ``what``: angles, omega, momentum, attitude, hodographs, sphere,
+    integrals or error.  ``axes``: as many matplotlib axes as the figure has panels, to draw into.
+    ``end``: the last time drawn; unless given the scene's own, but no more than 100 radians
+    (integrals and error: all).  Raises BadInput.
+
+    >>> import polhode
+    >>> panels = polhode.plot("lagrange/looping", "angles", end=4)
+    >>> [panel.get_ylabel() for panel in panels]
+    ['ψ (rad)', 'θ (rad)', 'φ (rad)']
+    """
+    if what not in OUTPUTS:
+        raise BadInput("plot", "what", what, nearest(what, [*OUTPUTS]))
+    plt = canvas.pyplot(own=False)
+    found = _samples(what_of, what, end)
+    figure = import_module(f"polhode.figures.{what}").draw(plt, found, axes)
+    made = figure.axes if axes is None else axes
+    import numpy as np
+
+    several = np.ravel(np.asarray(made, dtype=object))
+    return several[0] if len(several) == 1 else several
+
+
+def view(what_of: Trajectory | Scene | str | Path, *, end: Any = None) -> Page:
+    """A motion as one page that moves: no network, nothing else needed; see ``polhode view``.
+
+    ``what_of`` and ``end`` as for :func:`polhode.plot`.  Raises BadInput.
+
+    >>> import polhode
+    >>> polhode.view("euler/largest-axis").save("motion.html")  # doctest: +SKIP
+    """
+    found = _samples(what_of, "sphere", end)
+    return Page(found.name, page_of(found, "polhode.view"))
+
+
+def page_of(found: Samples, command: str, measured: bool = False) -> str:
+    """The page of a motion in columns; ``measured``: they are a file's, not a run's."""
+    motion = motion_page.of_samples(found)
+    scene = motion.scene
+    origin = (
+        "Attitude and omega as the file has them."
+        if measured
+        else ("Attitude and omega by heyoka's Taylor method, in double.")
+    )
+    return motion_page.page(
+        motion, scene.title or scene.name, reference_of(scene).regime, origin, command
+    )
+
+
+def _samples(what_of: Trajectory | Scene | str | Path, what: str, end: Any) -> Samples:
+    run = what_of if isinstance(what_of, Trajectory) else None
+    scene = run.scene if run is not None else library.load(what_of)  # type: ignore[arg-type]
+    last: Exact | None = None
+    if end is not None:
+        try:
+            last = exact_number(end)
+        except ValueError as fault:
+            raise BadInput(scene.name, "end", end, f"a time ({fault})") from None
+    if scene.gamma is None and what not in FREE_OF_GAMMA:
+        raise BadInput(scene.name, "what", what, "a scene with start.gamma")
+    number = None if run is None else run.number
+    long = what in OVER_TIME
+    times = samples.shown_times(scene, last, over_time.SAMPLES if long else None)
+    project = False if what == "integrals" else None
+    found = samples.run(scene, times, OUTPUTS[what], number, project=project)
+    if not found.outcome.done:
+        raise BadInput(scene.name, "end", float(times[-1]), f"an earlier end: {found.cause}")
+    if what == "error":
+        return over_time.errors_of_run(found, reference_of(scene))
+    return over_time.departures_of_run(found) if long else samples.of_run(found)

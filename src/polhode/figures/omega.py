@@ -1,0 +1,20 @@
+"""Figure of omega over time: its components in the body, and its length."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from polhode.figures import curves
+from polhode.figures.samples import Samples
+from polhode.scenes.words import STATE
+
+
+def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
+    """p, q, r as far as they are there, and the length of omega where all of them are."""
+    names = [name for name in STATE[:3] if name in found.columns]
+    shown = {name: found.columns[name] for name in names}
+    if len(names) == 3:
+        shown["|ω|"] = np.linalg.norm(found.vectors(STATE[:3]), axis=1)
+    return curves.draw(plt, found.columns["t"], shown, "ω in the body (rad / unit of time)", axes)

@@ -1,0 +1,259 @@
+"""A scene's body and start from its tables: every way in which a scene may give them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from polhode.common.errors import BadInput
+from polhode.numbers import exact
+from polhode.numbers.exact import ONE, ZERO, Exact, sign
+from polhode.scenes.body import Body, Matrix, UnphysicalBody, Vector, diagonal, dot, scaled
+from polhode.scenes.level import omega_on_level
+from polhode.scenes.reading import Reading, as_written
+from polhode.scenes.shapes import Part, carried
+from polhode.scenes.words import CENTRE, FIXED_POINT, SIGNS
+
+_NOWHERE: Vector = (ZERO, ZERO, ZERO)
+_WAYS_TO_TURN = ("gamma", "angles", "quaternion")
+_WAYS_TO_MOVE = ("omega", "momentum", "rates", "h")
+
+
+class Turn(NamedTuple):
+    """An orientation: gamma, and psi as it is counted at t = 0; phi where angles gave it."""
+
+    gamma: Vector
+    psi: Exact
+    phi: tuple[Exact, Exact] | None = None  # its sine and cosine
+
+
+def body_of(reading: Reading, table: Mapping[str, Any]) -> Body:
+    """The body of a table [body]; raises BadInput."""
+    if "parts" in table:
+        return _of_parts(reading, table)
+    key, other = ("moments", "inertia") if "moments" in table else ("inertia", "moments")
+    if key not in table:
+        expected = "moments = [A, B, C], inertia = a 3 x 3 matrix, or [[body.parts]]"
+        raise reading.bad("body.moments", None, expected)
+    if other in table:
+        raise reading.bad(f"body.{other}", table[other], "only one of moments and inertia")
+    if key == "moments":
+        inertia = diagonal(reading.vector("body.moments", table["moments"]))
+    else:
+        rows = reading.array("body.inertia", table["inertia"], 3)
+        a, b, c = (reading.vector(f"body.inertia[{i + 1}]", row) for i, row in enumerate(rows))
+        inertia = (a, b, c)
+    centre = reading.vector("body.centre", table["centre"]) if "centre" in table else _NOWHERE
+    mass = _mass(reading, table)
+    weight = _weight(reading, table, mass)
+    if "centre" not in table and sign(weight) != 0:
+        raise reading.bad("body.centre", None, "given, since weight is not 0")
+    about = reading.word("body.about", reading.given("body", table, "about"))
+    if about not in (FIXED_POINT, CENTRE):
+        raise reading.bad("body.about", about, f"{FIXED_POINT!r} or {CENTRE!r}")
+    if about == CENTRE:
+        if mass is None or "centre" not in table:
+            missing = "mass" if mass is None else "centre"
+            raise reading.bad(f"body.{missing}", None, "given with about = 'centre'")
+        _physical(reading, key, table[key], inertia, _NOWHERE, ZERO)
+        inertia = carried(inertia, mass, centre)
+    return _physical(reading, key, table[key], inertia, centre, weight)
+
+
+def _of_parts(reading: Reading, table: Mapping[str, Any]) -> Body:
+    for other in ("moments", "inertia", "about", "centre", "mass"):
+        if other in table:
+            raise reading.bad(f"body.{other}", table[other], "nothing beside parts")
+    given = table["parts"]
+    if not isinstance(given, list) or not given or not all(isinstance(p, dict) for p in given):
+        raise reading.bad("body.parts", given, "tables [[body.parts]]")
+    parts = tuple(_part(reading, k, part) for k, part in enumerate(given))
+    if ("g" in table) == ("weight" in table):
+        raise reading.bad("body.g", table.get("g"), "one of g and weight; 0 for none")
+    if "weight" in table:
+        weight = reading.number("body.weight", table["weight"])
+        return _built(reading, parts, weight=weight)
+    return _built(reading, parts, g=reading.number("body.g", table["g"]))
+
+
+def _part(reading: Reading, index: int, table: dict[str, Any]) -> Part:
+    key = f"body.parts[{index + 1}]"
+    reading.known("body.parts", table, key)
+    for needed in ("shape", "mass"):
+        if needed not in table:
+            raise reading.bad(f"{key}.{needed}", None, "given of each part")
+    found: dict[str, Any] = {}
+    for name, value in table.items():
+        if name in ("shape", "axis"):
+            found[name] = reading.word(f"{key}.{name}", value)
+        elif name in ("size", "semi_axes", "at"):
+            found[name] = reading.vector(f"{key}.{name}", value)
+        else:
+            found[name] = reading.number(f"{key}.{name}", value)
+    try:
+        return Part(**found)
+    except BadInput as fault:
+        shown = table.get(fault.key, fault.value)
+        raise reading.bad(f"{key}.{fault.key}", shown, fault.expected) from None
+
+
+def _built(reading: Reading, parts: tuple[Part, ...], **gravity: Exact) -> Body:
+    try:
+        return Body.of_parts(parts, **gravity)
+    except UnphysicalBody as fault:
+        raise reading.bad("body.parts", None, f"parts of {fault.expected}") from None
+
+
+def _mass(reading: Reading, table: Mapping[str, Any]) -> Exact | None:
+    if "mass" not in table:
+        return None
+    mass = reading.number("body.mass", table["mass"])
+    if sign(mass) <= 0:
+        raise reading.bad("body.mass", table["mass"], "a mass above 0")
+    return mass
+
+
+def _weight(reading: Reading, table: Mapping[str, Any], mass: Exact | None) -> Exact:
+    if "g" in table:
+        if mass is None:
+            raise reading.bad("body.mass", None, "given with g")
+        if "weight" in table:
+            raise reading.bad("body.weight", table["weight"], "only one of weight and g")
+        return mass * reading.number("body.g", table["g"])
+    if mass is not None and "weight" not in table:
+        raise reading.bad("body.g", None, "g or weight beside mass; 0 for none")
+    return reading.number("body.weight", reading.given("body", table, "weight"))
+
+
+def _physical(
+    reading: Reading, key: str, value: object, inertia: Matrix, centre: Vector, weight: Exact
+) -> Body:
+    try:
+        return Body(inertia, centre, weight)
+    except UnphysicalBody as fault:
+        raise reading.bad(f"body.{key}", value, fault.expected) from None
+
+
+def start_of(
+    reading: Reading, table: Mapping[str, Any], body: Body
+) -> tuple[Vector, Vector | None, Exact]:
+    """Omega, gamma and psi of a table [start]; raises BadInput."""
+    turned = [way for way in _WAYS_TO_TURN if way in table]
+    if len(turned) > 1:
+        first, other = turned[:2]
+        raise reading.bad(f"start.{other}", table[other], f"nothing beside {first}")
+    moved = [way for way in _WAYS_TO_MOVE if way in table]
+    for whole in ("rates", "h"):
+        others = [way for way in moved if way != whole]
+        if whole in moved and others:
+            raise reading.bad(f"start.{others[0]}", table[others[0]], f"nothing beside {whole}")
+    for idle in ("f", "sign"):
+        if idle in table and "h" not in table:
+            raise reading.bad("start.h", None, "a number, for a start on the level h, f")
+    if len(moved) != 1:
+        expected = "one of omega, momentum, h with f, or angles with rates"
+        raise reading.bad("start.omega", table.get("omega"), expected)
+    if "rates" in table and "angles" not in table:
+        raise reading.bad("start.angles", None, "three numbers (psi, theta, phi)")
+    turn = _turn(reading, table, body)
+    if "omega" in table:
+        omega = reading.vector("start.omega", table["omega"])
+    elif "h" in table:
+        omega = _on_level(reading, table, body, turn)
+    elif "momentum" in table:
+        omega = body.omega(reading.vector("start.momentum", table["momentum"]))
+    else:
+        assert turn is not None
+        omega = _of_rates(turn, reading.vector("start.rates", table["rates"]))
+    return (omega, None, ZERO) if turn is None else (omega, turn.gamma, turn.psi)
+
+
+def _on_level(reading: Reading, table: Mapping[str, Any], body: Body, turn: Turn | None) -> Vector:
+    if turn is None:
+        expected = "given: a unit vector, for a start on the level h, f"
+        raise reading.bad("start.gamma", None, expected)
+    if "f" not in table:
+        raise reading.bad("start.f", None, "a number, for a start on the level h, f")
+    h, f = (reading.number(f"start.{key}", table[key]) for key in ("h", "f"))
+    side = reading.word("start.sign", reading.given("start", table, "sign"))
+    if side not in SIGNS:
+        raise reading.bad("start.sign", side, " or ".join(SIGNS))
+    return omega_on_level(body, turn.gamma, h, f, side == SIGNS[0], reading.name)
+
+
+def _turn(reading: Reading, table: Mapping[str, Any], body: Body) -> Turn | None:
+    """The orientation, None of a torque-free body of which none is given."""
+    normalise = reading.truth("start.normalise", reading.given("start", table, "normalise"))
+    if "angles" in table:
+        for other in ("psi", "normalise"):
+            if other in table:
+                raise reading.bad(f"start.{other}", table[other], "nothing beside angles")
+        return _of_angles(reading, table)
+    if "quaternion" in table:
+        if "psi" in table:
+            raise reading.bad("start.psi", table["psi"], "nothing beside quaternion")
+        return _of_quaternion(reading, table["quaternion"], normalise)
+    if "gamma" not in table:
+        if not body.torque_free:
+            raise reading.bad("start.gamma", None, "given, since the weight has a moment")
+        for idle in ("psi", "normalise"):
+            if idle in table:
+                raise reading.bad(f"start.{idle}", table[idle], "nothing without start.gamma")
+        return None
+    psi = reading.number("start.psi", reading.given("start", table, "psi"))
+    gamma = reading.vector("start.gamma", table["gamma"])
+    square = _square(reading, "gamma", table["gamma"], dot(gamma, gamma), normalise)
+    return Turn(gamma if square == 1 else scaled(1 / exact.sqrt(square), gamma), psi)
+
+
+def _square(reading: Reading, key: str, given: Any, square: Exact, normalise: bool) -> Exact:
+    """The squared length of a unit vector, 1 or anything above 0 that may be normalised."""
+    shown = as_written(given)
+    if square != 1 and not normalise:
+        raise reading.bad(f"start.{key}", shown, "length exactly 1, or normalise = true")
+    if sign(square) == 0:
+        raise reading.bad(f"start.{key}", shown, "a vector that is not zero")
+    return square
+
+
+def _of_angles(reading: Reading, table: Mapping[str, Any]) -> Turn:
+    """R = Rz(psi) Rx(theta) Rz(phi)."""
+    psi, theta, phi = reading.vector("start.angles", table["angles"])
+    try:
+        sine, cosine = exact.sin(theta), exact.cos(theta)
+        s, c = exact.sin(phi), exact.cos(phi)
+    except ValueError as fault:
+        shown = as_written(table["angles"])
+        raise reading.bad("start.angles", shown, f"smaller angles ({fault})") from None
+    if sign(sine) == 0:  # a pole: only psi ± phi has a meaning, and phi is counted as 0
+        psi, phi = psi + phi * (1 if sign(cosine) > 0 else -1), ZERO
+        s, c = ZERO, ONE
+    return Turn((sine * s, sine * c, cosine), psi, (s, c))
+
+
+def _of_rates(turn: Turn, rates: Vector) -> Vector:
+    """Omega by (3.32)."""
+    assert turn.phi is not None
+    psi_rate, theta_rate, phi_rate = rates
+    s, c = turn.phi
+    return (
+        psi_rate * turn.gamma[0] + theta_rate * c,
+        psi_rate * turn.gamma[1] - theta_rate * s,
+        psi_rate * turn.gamma[2] + phi_rate,
+    )
+
+
+def _of_quaternion(reading: Reading, given: Any, normalise: bool) -> Turn:
+    """Gamma is the third row of R, and psi the direction of its third column.
+
+    R is quadratic in the quaternion: it is divided by the squared length, no root is drawn.
+    """
+    numbers = reading.array("start.quaternion", given, 4)
+    a, b, c, d = (reading.number("start.quaternion", x) for x in numbers)
+    square = _square(reading, "quaternion", given, a * a + b * b + c * c + d * d, normalise)
+    third = (a * a - b * b - c * c + d * d) / square
+    gamma = (2 * (b * d - a * c) / square, 2 * (c * d + a * b) / square, third)
+    x, y = 2 * (b * d + a * c), 2 * (a * b - c * d)  # R13 and -R23: sin theta (sin psi, cos psi)
+    if sign(x) == 0 == sign(y):  # a pole: phi is counted as 0, and psi is the turn itself
+        x, y = 2 * (b * c + a * d), a * a + b * b - c * c - d * d
+    return Turn(gamma, exact.arctan2(x, y))

@@ -1,0 +1,91 @@
+"""A scene from plain numbers in Python: the keys of a scene file, given as arguments."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, SupportsFloat, TypeAlias
+
+from polhode.common.arguments import each
+from polhode.common.errors import BadInput
+from polhode.scenes import keys, scene_file
+from polhode.scenes.scene import Event, Scene
+from polhode.scenes.scene_text import written
+from polhode.scenes.shapes import Part
+
+#: A number of any kind (int, float, Fraction, numpy's, mpmath's), or the text of an expression.
+AnyNumber: TypeAlias = SupportsFloat | str
+#: Three of them: a list, a tuple, an array.
+AnyVector: TypeAlias = Iterable[AnyNumber]
+
+
+def top(
+    *,
+    moments: AnyVector | None = None,
+    inertia: Iterable[AnyVector] | None = None,
+    parts: Sequence[Part | Mapping[str, Any]] | None = None,
+    about: str | None = None,
+    centre: AnyVector | None = None,
+    weight: AnyNumber | None = None,
+    mass: AnyNumber | None = None,
+    g: AnyNumber | None = None,
+    omega: AnyVector | None = None,
+    momentum: AnyVector | None = None,
+    rates: AnyVector | None = None,
+    gamma: AnyVector | None = None,
+    psi: AnyNumber | None = None,
+    angles: AnyVector | None = None,
+    quaternion: Iterable[AnyNumber] | None = None,
+    normalise: bool = False,
+    end: AnyNumber | None = None,
+    samples: int | None = None,
+    at: Iterable[AnyNumber] | None = None,
+    form: str | None = None,
+    outputs: Sequence[str] = (),
+    events: Sequence[Event | Mapping[str, Any]] = (),
+    reference: str | None = None,
+    title: str = "",
+    name: str = "top",
+) -> Scene:
+    """A scene from plain numbers, no file: the arguments are the keys of a scene file.
+
+    ``moments`` or ``inertia`` about the fixed point (with ``about="centre"`` and ``mass`` about the
+    centre of mass), or ``parts``, solids by shape; ``centre``: the centre of mass; ``weight`` = Mg,
+    or ``mass`` and ``g``.  The start: ``omega``, ``momentum`` or ``rates``, and ``gamma`` (the
+    upward vertical in body axes) with ``psi``, ``angles`` (psi, theta, phi) or a ``quaternion``,
+    scalar first.  ``end`` with ``samples``, or the times ``at``.  See ``polhode guide scene``.
+
+    Numbers of any kind are taken exactly, a float as the binary number that it is, which
+    :func:`polhode.as_toml` shows; the text "0.1" is one tenth.  Raises BadInput, a ValueError.
+
+    >>> import polhode
+    >>> spun = polhode.top(moments=[1, 1, 0.5], centre=[0, 0, 1], weight=2,
+    ...                    angles=[0, 0.5, 0], rates=[0, 0, 8], end=10, samples=101)
+    >>> spun
+    <Scene top: moments 1, 1, 1/2, 101 times to t = 10>
+    >>> polhode.reference(spun).regime
+    'looping'
+    >>> polhode.top(moments=[1, 1, 0.1], omega=[0, 0, 1]).body.moments[2]
+    Fraction(3602879701896397, 36028797018963968)
+    """
+    given = {key: value for key, value in locals().items() if value is not None}
+    data: dict[str, Any] = {
+        section: {key.name: given[key.name] for key in keys.KEYS[section] if key.name in given}
+        for section in ("body", "start", "run")
+    }
+    if not normalise:
+        del data["start"]["normalise"]
+    data["title"] = title
+    data["reference"] = {} if reference is None else {"kind": reference}
+    data["events"] = each(name, "events", events, lambda x: x, "events")
+    data["events"] = [_event(name, k, event) for k, event in enumerate(data["events"])]
+    if samples is not None and isinstance(samples, float):
+        raise BadInput(name, "run.samples", samples, "a whole number")
+    return scene_file.parse(written(data, name), name)
+
+
+def _event(name: str, index: int, event: Any) -> Mapping[str, Any]:
+    if isinstance(event, Event):
+        return event._asdict() | {"zero": event.zero or None}
+    if not isinstance(event, Mapping):
+        raise BadInput(name, f"events[{index + 1}]", event, "an Event, or a mapping of its keys")
+    return event

@@ -1,0 +1,215 @@
+"""Every key of a scene file, once: what the reader knows, refuses, and the guide prints.
+
+A key's ``default`` is the text that a file may give it and that means the same as leaving it out;
+empty where the key must be given, or where leaving it out has a meaning of its own, which
+``meaning`` then says.  A key's ``example`` is what may stand behind ``key =``.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from polhode.numbers.number_types import NAMES
+from polhode.scenes.shapes import AXES, SHAPES
+from polhode.scenes.words import (
+    CENTRE,
+    DIRECTIONS,
+    FIXED_POINT,
+    FORMS,
+    OUTPUTS,
+    READY_MADE,
+    REFERENCES,
+    SECTION,
+    SIGNS,
+)
+
+NUMBER, VECTOR, WORD, WORDS = "number", "three numbers", "text", "list of texts"
+WHOLE, TRUTH, TABLE, TABLES = "whole number", "true or false", "table", "tables"
+
+
+class Key(NamedTuple):
+    """A key of a section: its kind, meaning, default and an example, as TOML text."""
+
+    name: str
+    kind: str
+    meaning: str
+    example: str = ""
+    default: str = ""
+
+
+def _listed(words: Any) -> str:
+    return ", ".join(f"`{word}`" for word in words)
+
+
+#: The sections by name, "" the file's top level; of [[events]] and [[published]] one of them each.
+KEYS: dict[str, tuple[Key, ...]] = {
+    "": (
+        Key("schema", WHOLE, "version of the format: 1", "1"),
+        Key("title", WORD, "what it is called in lists and figures", '"My top"', '""'),
+        Key("tags", WORDS, "for `polhode list --tag`", '["fast"]', "[]"),
+        Key("cite", WORDS, "where the scene comes from", '["Euler 1758"]', "[]"),
+        Key("body", TABLE, "the body"),
+        Key("start", TABLE, "its state at t = 0"),
+        Key("run", TABLE, "what is asked for", default="{}"),
+        Key("events", TABLES, "what to look for on the way", default="[]"),
+        Key("published", TABLES, "figures that somebody printed", default="[]"),
+        Key("reference", TABLE, "what a run is judged against", default="{}"),
+        Key("expect", TABLE, "least and most correct digits by number type", default="{}"),
+    ),
+    "body": (
+        Key("moments", VECTOR, "principal moments of inertia A, B, C", "[2, 2, 1]"),
+        Key(
+            "inertia",
+            "3 x 3 matrix",
+            "or the inertia matrix in any body axes",
+            '[[2, "1/2", 0], ["1/2", 2, 0], [0, 0, 3]]',
+        ),
+        Key("parts", TABLES, "or the solids that the body is made of: `[[body.parts]]`"),
+        Key(
+            "about",
+            WORD,
+            "the point that moments or inertia are about: `fixed point`, or `centre`, the centre "
+            "of mass, from which they are carried by Huygens and Steiner's theorem with `mass`",
+            f'"{CENTRE}"',
+            f'"{FIXED_POINT}"',
+        ),
+        Key(
+            "centre",
+            VECTOR,
+            "centre of mass from the fixed point; given where there is a weight",
+            "[0, 0, 1]",
+        ),
+        Key("weight", NUMBER, "Mg; 0: no torque; negative: hanging", "1", "0"),
+        Key("mass", NUMBER, "mass, with `g` instead of a weight", "0.25"),
+        Key("g", NUMBER, "acceleration of gravity, with `mass` or `parts`", "9.80665"),
+    ),
+    "body.parts": (
+        Key("shape", WORD, f"one of {_listed(SHAPES)}, homogeneous", '"cone"'),
+        Key("mass", NUMBER, "its mass", "0.1"),
+        Key("size", VECTOR, "edges of a box along the body's axes", "[3, 2, 1]"),
+        Key("semi_axes", VECTOR, "of an ellipsoid, along the body's axes", "[3, 2, 1]"),
+        Key("radius", NUMBER, "of a cylinder, disc, cone or sphere", "0.03"),
+        Key("height", NUMBER, "of a cylinder, cone or rod, along its axis", "0.05"),
+        Key("inner", NUMBER, "inner radius of a hollow cylinder, disc or sphere", "0.02", "0"),
+        Key(
+            "at",
+            VECTOR,
+            "its centre, of a cone its tip, from the fixed point",
+            "[0, 0, 1]",
+            "[0, 0, 0]",
+        ),
+        Key(
+            "axis",
+            WORD,
+            f"axis of a round part, one of {_listed(AXES)}; a cone opens along it",
+            '"x"',
+            '"z"',
+        ),
+    ),
+    "start": (
+        Key("omega", VECTOR, "angular velocity p, q, r in body axes", '["0.3", 0.2, 1.1]'),
+        Key("momentum", VECTOR, "or angular momentum P, Q, R in body axes", "[2, 9, 1]"),
+        Key(
+            "gamma",
+            VECTOR,
+            "upward vertical in body axes, of length 1; a torque-free scene may leave out the "
+            "orientation",
+            '["3/5", 0, "4/5"]',
+        ),
+        Key(
+            "h",
+            NUMBER,
+            "or the energy h, with `f`: the spin is the one on that level whose vertical is gamma",
+            '"9/4"',
+        ),
+        Key("f", NUMBER, "area constant I w . gamma, with `h`", "1"),
+        Key(
+            "sign",
+            WORD,
+            f"which of the two spins on the level, one of {_listed(SIGNS)}",
+            f'"{SIGNS[1]}"',
+            f'"{SIGNS[0]}"',
+        ),
+        Key("psi", NUMBER, "precession angle, beside gamma", '"pi/3"', "0"),
+        Key(
+            "angles",
+            VECTOR,
+            "or psi, theta, phi: R = Rz(psi) Rx(theta) Rz(phi), body to space",
+            '[0, "pi/6", 0]',
+        ),
+        Key(
+            "rates",
+            VECTOR,
+            "or the rates psi', theta', phi', with `angles`",
+            "[0, 0, 30]",
+        ),
+        Key(
+            "quaternion",
+            "four numbers",
+            "or the quaternion of R, scalar first, of length 1",
+            "[1, 0, 0, 0]",
+        ),
+        Key(
+            "normalise",
+            TRUTH,
+            "bring gamma or the quaternion to length 1",
+            "true",
+            "false",
+        ),
+    ),
+    "run": (
+        Key("end", NUMBER, "last time; may be negative", "200"),
+        Key("samples", WHOLE, "so many times from 0 to end, evenly spread", "401", "2"),
+        Key("at", "list of numbers", "or the times themselves, in order away from 0", "[1, 10]"),
+        Key("form", WORD, f"form of the equations: {_listed(FORMS)}", '"principal"', '"principal"'),
+        Key("outputs", WORDS, f"beside omega and gamma: {_listed(OUTPUTS)}", '["angles"]', "[]"),
+    ),
+    "events": (
+        Key(
+            "name",
+            WORD,
+            f"any name; {_listed(READY_MADE)} and `{SECTION}…` say what vanishes",
+            '"level"',
+        ),
+        Key(
+            "zero",
+            WORD,
+            "what vanishes: an expression in p q r gamma1 gamma2 gamma3 t",
+            '"gamma3 - 1/2"',
+        ),
+        Key("direction", WORD, f"one of {_listed(DIRECTIONS)}, as t grows", '"rising"', '"any"'),
+        Key("stop", TRUTH, "whether the run ends at the first one", "true", "false"),
+    ),
+    "published": (
+        Key("t", NUMBER, "time", "30"),
+        Key("quantity", WORD, "an expression in the columns", '"180/pi*p"'),
+        Key("value", WORD, "the value, digit for digit as printed", '"12.6183907758"'),
+        Key("cite", WORD, "who printed it", '"NASA/TM-2015-218675"'),
+        Key("right", WHOLE, "digits known to be right, where not all are", "7"),
+    ),
+    "reference": (Key("kind", WORD, f"one of {_listed(REFERENCES)}", '"euler"', '"auto"'),),
+    "expect": tuple(
+        Key(name, "two numbers", f"band of correct digits in {name}", "[11.0, 14.5]")
+        for name in NAMES
+    ),
+}
+
+
+def names(section: str) -> list[str]:
+    """The keys that a section may have."""
+    return [key.name for key in KEYS[section]]
+
+
+def words(section: str) -> set[str]:
+    """The keys of a section that hold no number, and so cannot be varied."""
+    return {key.name for key in KEYS[section] if key.kind in (WORD, WORDS, TRUTH, WHOLE)}
+
+
+def given(section: str, table: Mapping[str, Any], name: str) -> Any:
+    """What a table holds under a key, or the key's default."""
+    if name in table:
+        return table[name]
+    (key,) = (key for key in KEYS[section] if key.name == name)
+    return tomllib.loads(f"x = {key.default}")["x"]

@@ -1,0 +1,176 @@
+"""A scene as the text of a scene file: every number in full, so that reading it gives it back."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from polhode.common.errors import BadInput, nearest, plain
+from polhode.numbers.convert import exact_number
+from polhode.numbers.decimals import in_full, is_decimal
+from polhode.numbers.exact import Irrational
+from polhode.scenes import keys, scene_file
+from polhode.scenes.reading import Literal
+from polhode.scenes.scene import Event, Published, Scene
+from polhode.scenes.shapes import Part
+from polhode.scenes.vary import tables_of
+
+_TITLES = ("title", "tags", "cite")
+_OF_TIMES = ("end", "samples", "at")
+
+
+def toml(scene: Scene) -> str:
+    """The scene as the text of a file that holds it exactly; raises BadInput where none can.
+
+    A file's own text as long as it says what the scene is; body and start as they were given.
+
+    >>> import polhode
+    >>> text = polhode.as_toml(polhode.top(moments=[2, 2, 1], omega=[0.5, 0, 3], end=10))
+    >>> print(text)
+    schema = 1
+    <BLANKLINE>
+    [body]
+    moments = [2, 2, 1]
+    <BLANKLINE>
+    [start]
+    omega = [0.5, 0, 3]
+    <BLANKLINE>
+    [run]
+    end = 10
+    <BLANKLINE>
+    """
+    if scene.source and scene_file.parse(scene.source, scene.name) == scene:
+        return scene.source
+    data: dict[str, Any] = {key: _plainly(getattr(scene, key)) for key in _TITLES}
+    data |= tables_of(scene)
+    data["run"] = {"form": scene.form, "outputs": list(scene.outputs)} | _times(scene)
+    data["events"] = [_event(event) for event in scene.events]
+    data["published"] = [_published(figure) for figure in scene.published]
+    data["reference"] = {"kind": scene.reference}
+    data["expect"] = {name: list(band) for name, band in scene.expect.items()}
+    return written(data, scene.name)
+
+
+def written(data: Mapping[str, Any], name: str) -> str:
+    """The tables of a scene as TOML; what has its default is left out; raises BadInput."""
+    lines = ["schema = 1", *_lines("", data, name)]
+    for section in ("body", "start", "run", "reference", "expect"):
+        table = data.get(section, {})
+        told = list(_lines(section, table, name))
+        if told or section in ("body", "start"):
+            lines += ["", f"[{section}]", *told]
+        if section == "body":
+            for k, part in enumerate(table.get("parts", ())):
+                given = _fields(part, name, k)
+                lines += ["", "[[body.parts]]", *_lines("body.parts", given, name)]
+    for section in ("events", "published"):
+        for table in data.get(section, ()):
+            lines += ["", f"[[{section}]]", *_lines(section, table, name)]
+    return "\n".join(lines) + "\n"
+
+
+def _lines(section: str, table: Mapping[str, Any], name: str) -> Iterable[str]:
+    for key in keys.KEYS[section]:
+        value = table.get(key.name)
+        if value is None or key.kind in (keys.TABLE, keys.TABLES) or key.name == "schema":
+            continue
+        full = f"{section}.{key.name}".lstrip(".")
+        held = _Value(name, full, key.kind in (keys.WORD, keys.WORDS)).text(value)
+        if held == key.default:
+            continue
+        floats = [x for x in _flat(value) if isinstance(x, float) and not _short(x)]
+        told = ", ".join(repr(float(x)) for x in floats[:3]) + ", ..." * (len(floats) > 3)
+        yield f"{key.name} = {held}" + (f"  # the doubles {told} in full" if floats else "")
+
+
+class _Value:
+    """One value as TOML text: numbers in full, texts quoted."""
+
+    def __init__(self, name: str, key: str, words: bool) -> None:
+        self.name, self.key, self.words = name, key, words
+
+    def text(self, value: Any) -> str:
+        if type(value).__name__ in ("bool", "bool_"):
+            return "true" if value else "false"
+        if isinstance(value, Literal):
+            return str(value)
+        if isinstance(value, str):
+            return json.dumps(value)
+        if getattr(value, "ndim", 0) > 0 or (
+            isinstance(value, Iterable) and not isinstance(value, (Mapping, bytes))
+        ):
+            items = [self.text(x) for x in value]
+            many = sum(map(len, items)) > 1000
+            return "[\n  " + ",\n  ".join(items) + ",\n]" if many else f"[{', '.join(items)}]"
+        if self.words:
+            raise BadInput(self.name, self.key, plain(value), "a text")
+        return self.number(value)
+
+    def number(self, value: Any) -> str:
+        try:
+            x = exact_number(value)
+        except ValueError as fault:
+            raise BadInput(self.name, self.key, plain(value), f"a number ({fault})") from None
+        if isinstance(x, Irrational):
+            expected = "a number with finitely many digits, or its expression as text"
+            raise BadInput(self.name, self.key, float(x), expected)
+        return in_full(x) if is_decimal(x) else json.dumps(in_full(x))
+
+
+def _flat(value: Any) -> Iterable[Any]:
+    if isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping)):
+        for item in value:
+            yield from _flat(item)
+    else:
+        yield value
+
+
+def _short(x: float) -> bool:
+    """Whether a double is just the decimal that Python prints for it."""
+    return Fraction(repr(float(x))) == Fraction(float(x))
+
+
+def _fields(part: Any, name: str, index: int) -> Mapping[str, Any]:
+    """A part's keys: of a Part those that were given; of a mapping its own, all known."""
+    if isinstance(part, Part):
+        return {key.name: getattr(part, key.name) for key in keys.KEYS["body.parts"]}
+    if not isinstance(part, Mapping):
+        raise BadInput(name, f"body.parts[{index + 1}]", plain(part), "a Part, or a mapping")
+    _known("body.parts", part, name, f"body.parts[{index + 1}]")
+    return part
+
+
+def _known(section: str, table: Mapping[str, Any], name: str, where: str) -> None:
+    for key in table:
+        if key not in keys.names(section):
+            expected = f"one of the keys {nearest(key, keys.names(section))}"
+            raise BadInput(name, f"{where}.{key}", plain(table[key]), expected)
+
+
+def _plainly(value: str | Sequence[str]) -> Any:
+    return value if isinstance(value, str) else list(value)
+
+
+def _times(scene: Scene) -> dict[str, Any]:
+    """The file's own words for the times; end and samples where they are even; else the times."""
+    times, count = scene.times, len(scene.times)
+    if scene.source:
+        written_there = scene_file.tables(scene.source, scene.name).get("run", {})
+        if scene_file.times_of(written_there, scene.name) == times:
+            return {key: written_there[key] for key in _OF_TIMES if key in written_there}
+    if not times:
+        return {}
+    even = count > 1 and times[0] == 0
+    if even and all(t == scene.end * Fraction(k, count - 1) for k, t in enumerate(times)):
+        return {"end": scene.end, "samples": count}
+    return {"at": list(times)}
+
+
+def _event(event: Event) -> dict[str, Any]:
+    return event._asdict() | {"zero": event.zero or None}
+
+
+def _published(figure: Published) -> dict[str, Any]:
+    return figure._asdict()

@@ -1,0 +1,218 @@
+"""Bodies by shape: exact moments of inertia of homogeneous solids, and of bodies put together.
+
+Moments about a solid's own centre of mass are those of any textbook (Landau and Lifshitz,
+*Mechanics*, section 32, problem 2); to the fixed point they are carried by Huygens and Steiner's
+theorem, I = I_c + m (|c|² 1 - c cᵀ).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from polhode.common.arguments import each, of_kind
+from polhode.common.errors import BadInput, nearest
+from polhode.numbers.convert import exact_number
+from polhode.numbers.exact import ONE, ZERO, Exact, sign
+
+Vector = tuple[Exact, Exact, Exact]
+Matrix = tuple[Vector, Vector, Vector]
+
+AXES = ("z", "x", "y", "-z", "-x", "-y")
+_LENGTHS = ("size", "semi_axes", "radius", "height", "inner")
+_VECTORS = ("size", "semi_axes")
+_MAY_VANISH = ("height", "inner")
+
+
+class Shape(NamedTuple):
+    """How a solid of mass 1 is described: its lengths, moments about its centre, where that is.
+
+    ``needs`` and ``takes``: names of its lengths, the second may be left out.  ``moments``: about
+    its centre of mass, the third about its axis.  ``lift``: of its centre of mass above the point
+    ``at``, along the axis.  ``round``: whether it has an axis that may be chosen.
+    """
+
+    needs: tuple[str, ...]
+    takes: tuple[str, ...]
+    moments: Callable[[Mapping[str, Any]], Vector]
+    about: str
+    round: bool = True
+    lift: Callable[[Mapping[str, Any]], Exact] = lambda _: ZERO
+
+
+def _of_squares(given: Vector, part: int) -> Vector:
+    a, b, c = (x * x for x in given)
+    return (b + c) / part, (c + a) / part, (a + b) / part
+
+
+def _cylinder(k: Mapping[str, Any]) -> Vector:
+    square = k["radius"] * k["radius"] + k["inner"] * k["inner"]
+    across = (3 * square + k["height"] * k["height"]) / 12
+    return across, across, square / 2
+
+
+def _cone(k: Mapping[str, Any]) -> Vector:
+    radius, height = k["radius"] * k["radius"], k["height"] * k["height"]
+    across = 3 * (4 * radius + height) / 80
+    return across, across, 3 * radius / 10
+
+
+def _ball(k: Mapping[str, Any]) -> Vector:
+    """2 (R⁵ - r⁵) / 5 (R³ - r³), divided through by R - r: a thin shell is one, too."""
+    a, b = k["radius"], k["inner"]
+    four = a * a * a * a + a * a * a * b + a * a * b * b + a * b * b * b + b * b * b * b
+    moment = 2 * four / (5 * (a * a + a * b + b * b))
+    return moment, moment, moment
+
+
+def _rod(k: Mapping[str, Any]) -> Vector:
+    return k["height"] * k["height"] / 12, k["height"] * k["height"] / 12, ZERO
+
+
+#: The solids by name.
+SHAPES: dict[str, Shape] = {
+    "box": Shape(
+        ("size",), (), lambda k: _of_squares(k["size"], 12), "edges along the body's axes", False
+    ),
+    "cylinder": Shape(("radius", "height"), ("inner",), _cylinder, "hollow up to the radius inner"),
+    "disc": Shape(("radius",), ("inner",), _cylinder, "a cylinder of height 0, a rotor or a ring"),
+    "cone": Shape(
+        ("radius", "height"), (), _cone, "its tip at `at`", lift=lambda k: 3 * k["height"] / 4
+    ),
+    "ellipsoid": Shape(
+        ("semi_axes",), (), lambda k: _of_squares(k["semi_axes"], 5), "along the body's axes", False
+    ),
+    "sphere": Shape(("radius",), ("inner",), _ball, "hollow up to the radius inner", False),
+    "rod": Shape(("height",), (), _rod, "thin"),
+    "point": Shape((), (), lambda _: (ZERO, ZERO, ZERO), "a mass alone", False),
+}
+
+
+@dataclass(frozen=True)
+class Part:
+    """A homogeneous solid, part of a body: its shape, mass, lengths, and where it is.
+
+    ``shape``: box (``size``), cylinder (``radius``, ``height``, ``inner``), disc (``radius``,
+    ``inner``), cone (``radius``, ``height``), ellipsoid (``semi_axes``), sphere (``radius``,
+    ``inner``), rod (``height``), point.  ``at``: its centre from the fixed point, of a cone its
+    tip.  ``axis``: of a round one, the axis of the body along which it lies, and to which a cone
+    opens.  Any consistent units; numbers of any kind are taken exactly.  Raises BadInput.
+
+    >>> import polhode
+    >>> cone = polhode.Part("cone", mass=1, radius=3, height=4)
+    >>> cone.centre, cone.inertia[2][2], cone.inertia[0][0]  # about the tip
+    ((Fraction(0, 1), Fraction(0, 1), Fraction(3, 1)), Fraction(27, 10), Fraction(219, 20))
+    """
+
+    shape: str
+    mass: Exact
+    size: Vector | None = None
+    semi_axes: Vector | None = None
+    radius: Exact | None = None
+    height: Exact | None = None
+    inner: Exact | None = None
+    at: Vector = (ZERO, ZERO, ZERO)
+    axis: str = "z"
+
+    def __post_init__(self) -> None:
+        of_kind("Part", "shape", self.shape, str, "text")
+        if self.shape not in SHAPES:
+            raise BadInput("Part", "shape", self.shape, nearest(self.shape, [*SHAPES]))
+        shape = SHAPES[self.shape]
+        for key in _LENGTHS:
+            given = getattr(self, key)
+            if given is None and key in shape.needs:
+                raise BadInput("Part", key, None, f"given of a {self.shape}")
+            if given is not None and key not in (*shape.needs, *shape.takes):
+                needed = ", ".join((*shape.needs, *shape.takes)) or "no length"
+                raise BadInput("Part", key, given, f"nothing: a {self.shape} has {needed}")
+            if given is not None:
+                object.__setattr__(self, key, self._lengths(key, given))
+            if given is None and key in shape.takes:
+                object.__setattr__(self, key, ZERO)
+        object.__setattr__(self, "mass", self._numbers("mass", (self.mass,))[0])
+        if sign(self.mass) <= 0:
+            raise BadInput("Part", "mass", self.mass, "a mass above 0")
+        object.__setattr__(self, "at", self._vector("at", self.at))
+        if self.axis not in AXES:
+            raise BadInput("Part", "axis", self.axis, nearest(self.axis, [*AXES]))
+        if self.axis != "z" and not shape.round:
+            raise BadInput("Part", "axis", self.axis, f"nothing: a {self.shape} has no axis")
+        if self.inner is not None and self.radius is not None and self.inner > self.radius:
+            raise BadInput("Part", "inner", self.inner, "a radius no larger than radius")
+
+    def _lengths(self, key: str, given: Any) -> Any:
+        values = self._vector(key, given) if key in _VECTORS else self._numbers(key, (given,))
+        for x in values:
+            if sign(x) < 0 or (sign(x) == 0 and key not in _MAY_VANISH):
+                raise BadInput("Part", key, x, "a length above 0")
+        return values if key in _VECTORS else values[0]
+
+    def _vector(self, key: str, given: Any) -> Vector:
+        values = self._numbers(key, given)
+        if len(values) != 3:
+            raise BadInput("Part", key, f"{len(values)} numbers", "three numbers")
+        return values[0], values[1], values[2]
+
+    def _numbers(self, key: str, given: Any) -> tuple[Exact, ...]:
+        return each("Part", key, given, exact_number, "numbers")
+
+    @property
+    def lengths(self) -> dict[str, Any]:
+        """Its lengths by name; what may be left out is 0."""
+        found = {key: getattr(self, key) for key in _LENGTHS if getattr(self, key) is not None}
+        return {"height": ZERO, "inner": ZERO} | found
+
+    @property
+    def direction(self) -> Vector:
+        """The unit vector of its axis, in body axes."""
+        a, b, c = ((ONE if name == self.axis[-1] else ZERO) for name in "xyz")
+        return (-a, -b, -c) if self.axis.startswith("-") else (a, b, c)
+
+    @property
+    def centre(self) -> Vector:
+        """Its centre of mass, from the fixed point."""
+        lift = SHAPES[self.shape].lift(self.lengths)
+        a, b, c = (x + lift * e for x, e in zip(self.at, self.direction, strict=True))
+        return a, b, c
+
+    @property
+    def inertia(self) -> Matrix:
+        """Its inertia matrix about the fixed point, in body axes."""
+        a, b, c = (self.mass * x for x in SHAPES[self.shape].moments(self.lengths))
+        if self.axis[-1] == "x":
+            a, c = c, a
+        elif self.axis[-1] == "y":
+            b, c = c, b
+        own: Matrix = ((a, ZERO, ZERO), (ZERO, b, ZERO), (ZERO, ZERO, c))
+        return carried(own, self.mass, self.centre)
+
+
+def carried(inertia: Matrix, mass: Exact, centre: Sequence[Exact]) -> Matrix:
+    """An inertia matrix about the centre of mass, carried to the point that ``centre`` is from."""
+    x, y, z = centre
+    xx, yy, zz = x * x, y * y, z * z
+    xy, yz, zx = -(x * y), -(y * z), -(z * x)
+    moved = ((yy + zz, xy, zx), (xy, zz + xx, yz), (zx, yz, xx + yy))
+    a, b, c = (_row(own, (mass * to for to in by)) for own, by in zip(inertia, moved, strict=True))
+    return a, b, c
+
+
+def together(parts: Sequence[Part]) -> tuple[Exact, Vector, Matrix]:
+    """Mass, centre of mass and inertia about the fixed point of parts that turn as one."""
+    mass: Exact = ZERO
+    moment: Vector = (ZERO, ZERO, ZERO)
+    rows: Matrix = (moment, moment, moment)
+    for part in parts:
+        mass = mass + part.mass
+        moment = _row(moment, (part.mass * x for x in part.centre))
+        a, b, c = (_row(row, other) for row, other in zip(rows, part.inertia, strict=True))
+        rows = (a, b, c)
+    x, y, z = (m / mass for m in moment)
+    return mass, (x, y, z), rows
+
+
+def _row(one: Vector, other: Iterable[Exact]) -> Vector:
+    a, b, c = (x + y for x, y in zip(one, other, strict=True))
+    return a, b, c

@@ -1,0 +1,46 @@
+"""``polhode view``: a motion as one page that moves."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+from polhode.scenes import library
+from polhode.verbs import plot
+from polhode.verbs.terminal import DONE, print_json, refuse_two_on_stdout, say, whole
+
+HELP = "a motion as one HTML page that moves, needing nothing else"
+
+
+def options(parser: ArgumentParser) -> None:
+    """The verb's own options."""
+    parser.add_argument("what_of", metavar="SCENE|FILE", help="a case, a scene's path, or a CSV")
+    parser.add_argument("-o", dest="file", required=True, metavar="FILE", help="the page: .html")
+    parser.add_argument("--end", metavar="T", help="show up to this time instead of the scene's")
+    parser.add_argument("--scene", metavar="SCENE", help="of a FILE: the scene that it belongs to")
+    parser.add_argument("--number", help="double (default), extended, quad or mp")
+    parser.add_argument("--digits", type=whole, help="digits wanted; they choose the number type")
+
+
+def main(options: Namespace) -> int:
+    """Make one page."""
+    from polhode.common.files import check_writable, is_stdout, write_whole
+    from polhode.figures.drawing import page_of
+
+    path = Path(options.file)
+    inputs = [library.path_of(name) for name in (options.what_of, options.scene) if name]
+    check_writable(path, [".html"], inputs)
+    refuse_two_on_stdout(path, options.json)
+    options.what = "motion"
+    found = plot.samples_of(options)
+    if isinstance(found, int):
+        return found
+    text = page_of(found, f"polhode view {options.what_of}", plot.is_file(options.what_of))
+    write_whole({path: text})
+    t = found.columns["t"]
+    if options.json:
+        told = {"file": str(path), "of": found.name, "samples": len(t), "bytes": len(text.encode())}
+        print_json(told | {"from": float(t[0]), "to": float(t[-1])})
+    elif not is_stdout(path):
+        say(str(path))
+    return DONE

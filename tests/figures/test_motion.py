@@ -1,0 +1,256 @@
+"""Motions that move: what a page holds, how exact it is between its samples, films, refusals."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import shutil
+import subprocess
+from html import unescape
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.cli import main
+
+pytest.importorskip("matplotlib")
+TOP = "lagrange/looping"
+BOX = """
+schema = 1
+title = "A <box> & more"
+[body]
+g = 0
+parts = [{ shape = "box", mass = 1, size = [3, 2, 1] }]
+[start]
+omega = ["1/10", 1, 0]
+gamma = ["3/5", 0, "4/5"]
+[run]
+end = 30
+"""
+
+
+def told(text):
+    """The JSON of a page, its samples as an array."""
+    data = json.loads(re.search(r'<script type="application/json"[^>]*>(.*?)</script>', text)[1])
+    numbers = np.frombuffer(base64.b64decode(data["samples"]), "<f4").astype(float)
+    return data, numbers.reshape(-1, 7)
+
+
+def rate(row):
+    (a, b, c, d), (x, y, z) = row[:4], row[4:]
+    return (
+        np.array(
+            [
+                -b * x - c * y - d * z,
+                a * x + c * z - d * y,
+                a * y + d * x - b * z,
+                a * z + b * y - c * x,
+            ]
+        )
+        / 2
+    )
+
+
+def between(data, rows, t):
+    """What the page shows at time t: its own formula, written again."""
+    step = (data["end"] - data["begin"]) / (len(rows) - 1)
+    k = min(len(rows) - 2, int((t - data["begin"]) / step))
+    s = (t - data["begin"]) / step - k
+    p, q = rows[k], rows[k + 1]
+    found = (
+        (1 + 2 * s) * (1 - s) ** 2 * p[:4]
+        + s * (1 - s) ** 2 * step * rate(p)
+        + s * s * (3 - 2 * s) * q[:4]
+        + s * s * (s - 1) * step * rate(q)
+    )
+    return found / np.linalg.norm(found)
+
+
+@pytest.mark.parametrize("name", [TOP, "euler/largest-axis"])
+def test_a_page_shows_the_closed_forms_attitude_between_its_samples(name):
+    page = polhode.view(name, end=10)
+    data, rows = told(page.text)
+    exact = polhode.reference(name)
+    times = [0.0, 1 / 3, 5.4321, 9.999]
+    true = np.array([[float(x) for x in row] for row in exact.attitude(times, 15)])
+    own = np.array([between(data, rows, t) for t in times])
+    off = min(np.max(np.abs(own - sign * true)) for sign in (1, -1))
+    assert 1e-9 < off < 1e-6  # floats of 24 bits, a thousandth of the width of a line
+    assert data["end"] == 10
+
+
+def test_a_page_needs_nothing_else_and_is_small():
+    text = polhode.view(TOP).text
+    assert len(text.encode()) < 200_000
+    assert not re.search(r"(src|href)=|@import|url\(|fetch\(|https?://", text)
+
+
+def test_the_ellipsoid_of_energy_touches_its_plane():
+    data, rows = told(polhode.view("euler/largest-axis", end=10).text)
+    axes, energy = np.array(data["axes"]), np.array(data["energy"])
+    assert data["free"]
+    for row in rows[::100]:
+        a, b, c, d = row[:4]
+        matrix = np.array(
+            [
+                [a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)],
+                [2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)],
+                [2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d],
+            ]
+        )
+        assert np.sum((axes @ row[4:] / energy) ** 2) == pytest.approx(1, abs=1e-6)
+        assert data["momentum"] @ matrix @ row[4:] == pytest.approx(data["height"], rel=1e-6)
+
+
+def test_a_body_of_parts_is_drawn_as_it_is_and_texts_stay_texts(tmp_path, capsys):
+    scene, page = tmp_path / "box.toml", tmp_path / "box.html"
+    scene.write_text(BOX)
+    assert main(["view", str(scene), "-o", str(page), "--json"]) == 0
+    made = json.loads(capsys.readouterr().out)
+    text = page.read_text(encoding="utf-8")
+    assert made["bytes"] == len(text.encode())
+    data, rows = told(text)
+    assert made["samples"] == len(rows)
+    (box,) = data["parts"]
+    assert (box["shape"], box["size"], box["at"]) == ("box", [3, 2, 1], [0, 0, 0])
+    assert np.linalg.norm([1.5, 1, 0.5]) / data["size"] == pytest.approx(0.8)  # fits the sphere
+    assert "<title>A &lt;box&gt; &amp; more</title>" in text
+    assert BOX.strip() in unescape(text)
+
+
+def test_a_motion_backwards_in_time_is_shown_forwards():
+    data, rows = told(polhode.view("euler/largest-axis", end=-5).text)
+    assert (data["begin"], data["end"]) == (-5, 0)
+    start = [float(x) for x in polhode.load("euler/largest-axis").omega]
+    assert rows[-1, 4:] == pytest.approx(start, rel=1e-7)
+
+
+def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys):
+    table, page = tmp_path / "x.csv", tmp_path / "x.html"
+    times = ",".join(str(k / 20) for k in range(101))
+    run = ["run", TOP, "--at", times, "--outputs", "attitude", "-o", str(table)]
+    assert main(run) == 0
+    assert main(["view", str(table), "--scene", TOP, "-o", str(page)]) == 0
+    text = page.read_text(encoding="utf-8")
+    _, rows = told(text)
+    assert len(rows) == 101
+    assert "as the file has them" in text
+    capsys.readouterr()
+    assert main(["view", str(table), "-o", str(page)]) == 2
+    assert "the scene that the file belongs to" in capsys.readouterr().err
+    lines = table.read_text().splitlines()
+    table.write_text("\n".join(lines[:10] + lines[11:]))
+    assert main(["view", str(table), "--scene", TOP, "-o", str(page)]) == 2
+    assert "three rows or more at even times" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["view", TOP, "-o", "x.png"], "a name that ends in .html"),
+        (["plot", TOP, "--what", "motion", "-o", "x.svg"], ".html or .gif or .mp4"),
+        (["plot", TOP, "--what", "omega", "-o", "x.gif"], ".svg or .png or .pdf"),
+        (["view", "nope/nope", "-o", "x.html"], "the name of a case"),
+    ],
+)
+def test_what_cannot_be_shown_is_refused(tmp_path, monkeypatch, capsys, arguments, said):
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    assert said in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_film_in_mp4_needs_ffmpeg_and_says_so(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", "")
+    assert main(["plot", TOP, "--what", "motion", "-o", "x.mp4"]) == 2
+    assert "the program ffmpeg" in capsys.readouterr().err
+
+
+def test_a_film_shows_the_motion_to_its_end(tmp_path, monkeypatch):
+    from PIL import Image
+
+    from polhode.figures import film
+
+    monkeypatch.setattr(film, "FRAMES", 6)
+    path = tmp_path / "x.gif"
+    assert main(["plot", TOP, "--what", "motion", "--end", "4", "-o", str(path)]) == 0
+    with Image.open(path) as made:
+        assert made.n_frames == 6
+        counts = []
+        for k in range(6):
+            made.seek(k)
+            orange = np.array(made.convert("RGB")).astype(int)
+            counts.append(int(np.sum((orange[..., 0] > 180) & (orange[..., 2] < 90))))
+    assert counts == sorted(counts)  # the path grows
+    assert counts[-1] > 5 * counts[0]
+
+
+@pytest.mark.parametrize("what", ["omega", "momentum", "attitude"])
+def test_curves_over_time_are_those_of_the_run(what):
+    axes = polhode.plot("lagrange/turned-axes", what, end=5)
+    lines = {line.get_label(): line for line in axes.lines}
+    t = axes.lines[0].get_xdata()
+    exact = polhode.reference("lagrange/turned-axes")
+    k = len(t) // 3
+    if what == "attitude":
+        true = [float(x) for x in exact.attitude([t[k]], 15)[0]]
+    else:
+        true = [float(x) for x in exact.at([t[k]], 15)[0][:3]]
+        if what == "momentum":
+            body = exact.scene.body
+            true = [
+                sum(float(a) * w for a, w in zip(row, true, strict=True)) for row in body.inertia
+            ]
+    own = [line.get_ydata()[k] for line in lines.values()][: len(true)]
+    assert own == pytest.approx(true, abs=1e-11)
+    if what != "attitude":
+        assert axes.lines[3].get_ydata()[k] == pytest.approx(np.linalg.norm(true), abs=1e-11)
+
+
+def test_a_figure_is_drawn_into_axes_that_are_given():
+    from matplotlib import pyplot as plt
+
+    figure, given = plt.subplots(3, 2)
+    back = polhode.plot(polhode.load(TOP), "angles", given[:, 1], end=2)
+    assert list(back) == list(given[:, 1])
+    assert all(panel.lines for panel in given[:, 1])
+    assert not any(panel.lines for panel in given[:, 0])
+    for axes, said in ((given[0], "3 matplotlib axes"), (3, "3 matplotlib axes")):
+        with pytest.raises(polhode.BadInput, match=said):
+            polhode.plot(TOP, "angles", axes, end=2)
+    with pytest.raises(polhode.BadInput, match="did you mean 'angles'"):
+        polhode.plot(TOP, "angels")
+    plt.close(figure)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [400, 1400])
+def test_a_browser_draws_it(tmp_path, width):
+    """Body, path and hodographs are there, and nothing is wider than the window."""
+    browser = shutil.which("chromium") or shutil.which("google-chrome")
+    if browser is None:
+        pytest.skip("no browser here")
+    from PIL import Image
+
+    page, shot = tmp_path / "x.html", tmp_path / "x.png"
+    polhode.view(TOP).save(page)
+    switches = (
+        "--headless --no-sandbox --no-first-run --disable-background-networking --disable-quic "
+        "--use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader --ignore-gpu-blocklist "
+        f"--disable-sync --virtual-time-budget=3000 --user-data-dir={tmp_path / 'profile'}"
+    )
+    command = [browser, *switches.split(), f"--window-size={width},1300"]
+    address = f"{page.as_uri()}#t=9&play=0"
+    subprocess.run([*command, f"--screenshot={shot}", address], capture_output=True, timeout=100)
+    picture = np.array(Image.open(shot).convert("RGB")).astype(int)
+    r, g, b = picture[..., 0], picture[..., 1], picture[..., 2]
+    orange, blue = (r > 190) & (g < 130) & (b < 60), (b > 120) & (r < 60)
+    assert orange.sum() > 1000
+    assert blue.sum() > 3000
+    dom = subprocess.run([*command, "--dump-dom", address], capture_output=True, timeout=100)
+    text = dom.stdout.decode()
+    assert "t = 9.000" in text
+    assert '<p id="fault" hidden="">' in text

@@ -1,0 +1,323 @@
+"""Scenes from people's numbers: in Python and in files, what is the same and what is refused."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+
+import polhode
+from polhode.numbers.convert import to_double
+from polhode.scenes import keys, library, scene_file
+
+EPS = np.finfo(float).eps
+FREE = {"moments": [1, 2, 2.5], "omega": [0.1, 1, 0]}
+
+
+def test_floats_arrays_and_fractions_are_taken_exactly():
+    scene = polhode.top(
+        moments=np.array([1, 1, 0.3]),
+        centre=(0, 0, np.float32(0.1)),
+        weight=mpmath.mpf(0.1),
+        omega=[Fraction(1, 3), 0.1, "0.1"],
+        gamma=[0, 0, 1],
+        at=np.linspace(0, 1, 4),
+    )
+    assert scene.body.moments[2] == Fraction(0.3)
+    assert scene.body.centre[2] == Fraction(float(np.float32(0.1)))
+    assert scene.omega == (Fraction(1, 3), Fraction(0.1), Fraction(1, 10))
+    assert scene.times == tuple(Fraction(float(t)) for t in np.linspace(0, 1, 4))
+    assert "# the doubles 0.3 in full" in polhode.as_toml(scene)
+    assert scene.body.weight == Fraction(0.1) != Fraction(1, 10)
+
+
+def test_a_run_in_double_of_doubles_loses_nothing_by_rounding_its_inputs():
+    scene = polhode.top(moments=[1, 2, 2.3], omega=[0.1, 1.7, 0.3], gamma=[0, 0, 1], end=3)
+    judged = polhode.compare(polhode.integrate(scene))
+    # the body's scaled coefficients round, its start does not: within a digit of the type's
+    assert judged.worst > 14.5
+
+
+@pytest.mark.parametrize("name", library.names())
+@pytest.mark.sample(20)
+def test_every_case_written_and_read_again_is_itself(name):
+    scene = replace(polhode.load(name), title="another")
+    assert scene.source not in polhode.as_toml(scene)
+    again = scene_file.parse(polhode.as_toml(scene), name)
+    assert replace(again, source="") == replace(scene, source="")
+
+
+def test_a_file_that_says_what_the_scene_is_stays_as_it_was_written():
+    scene = polhode.load("kovalevskaya/generic")
+    assert polhode.as_toml(scene) == scene.source
+
+
+def test_what_no_file_can_hold_is_refused():
+    odd = polhode.Scene(polhode.Body.of_moments([1, 1, 1]), [0, 0, 1], [1, 1, 0], normalise=True)
+    with pytest.raises(polhode.BadInput, match="finitely many digits"):
+        polhode.as_toml(odd)
+
+
+# -- orientations -------------------------------------------------------------------------------
+
+
+def turn(axis, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    if axis == "z":
+        return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+
+
+def quaternion_of(psi, theta, phi):
+    half, plus, less = theta / 2, (psi + phi) / 2, (psi - phi) / 2
+    c, s = np.cos(half), np.sin(half)
+    return [c * np.cos(plus), s * np.cos(less), s * np.sin(less), c * np.sin(plus)]
+
+
+@pytest.mark.parametrize(
+    "angles", [(0.3, 0.7, -1.1), (-2.5, 2.9, 0.4), (3.0, 0.001, 3.0), (1.0, np.pi / 2, -3.0)]
+)
+def test_a_quaternion_is_the_same_start_as_its_angles(angles):
+    """Both against rotation matrices, R = Rz(psi) Rx(theta) Rz(phi)."""
+    psi, theta, phi = angles
+    matrix = turn("z", psi) @ turn("x", theta) @ turn("z", phi)
+    body = {"moments": [1, 1, 1], "omega": [0, 0, 1], "end": 1}
+    of_angles = polhode.top(angles=angles, **body)
+    given = quaternion_of(*angles)
+    of_quaternion = polhode.top(quaternion=given, normalise=True, **body)
+    doubled = polhode.top(quaternion=[-2 * x for x in given], normalise=True, **body)
+    for scene in (of_angles, of_quaternion, doubled):
+        assert np.allclose([to_double(x) for x in scene.gamma], matrix[2], rtol=0, atol=8 * EPS)
+        # psi is found by an arc tangent of sin(theta) sin(psi), sin(theta) cos(psi)
+        gap = to_double(scene.psi) - psi
+        assert abs(gap - 2 * np.pi * round(gap / 2 / np.pi)) < 8 * EPS / np.sin(theta)
+
+
+@pytest.mark.parametrize(
+    ("quaternion", "gamma", "psi"),
+    [
+        ([1, 0, 0, 0], (0, 0, 1), 0.0),
+        ([0, 1, 0, 0], (0, 0, -1), 0.0),
+        ([0, 0, 1, 0], (0, 0, -1), np.pi),
+        ([1, 0, 0, 1], (0, 0, 1), np.pi / 2),
+    ],
+)
+def test_at_a_pole_phi_is_counted_as_zero(quaternion, gamma, psi):
+    body = {"moments": [1, 1, 1], "omega": [0, 0, 1], "normalise": True}
+    scene = polhode.top(quaternion=quaternion, **body)
+    assert scene.gamma == gamma
+    assert to_double(scene.psi) == psi
+    # the attitude at the start is the quaternion's rotation
+    run = polhode.integrate(replace(scene, outputs=("attitude",)), at=[0])
+    given = np.array(quaternion) / np.linalg.norm(quaternion)
+    assert min(np.max(np.abs(run.attitude[0] - s * given)) for s in (1, -1)) < 4 * EPS
+
+
+def test_omega_and_momentum_go_with_angles_and_quaternion():
+    turned = {"angles": ["pi/3", "pi/6", 0]}, {"quaternion": [1, 2, 3, 4], "normalise": True}
+    moved = {"omega": [2, 1, 3]}, {"momentum": [4, 3, 12]}
+    for where, how in itertools.product(turned, moved):
+        assert polhode.top(moments=[2, 3, 4], **where, **how).omega == (2, 1, 3)
+
+
+def test_normalise_is_there_in_python_too():
+    top = polhode.top(moments=[1, 1, 1], omega=[0, 0, 1], gamma=[0.6, 0, 0.8], normalise=True)
+    body = polhode.Body.of_moments([1, 1, 1])
+    scene = polhode.Scene(body, [0, 0, 1], [0.6, 0, 0.8], normalise=True)
+    assert scene.gamma == top.gamma
+    assert sum(x * x for x in scene.gamma) == 1
+    with pytest.raises(polhode.BadInput, match="normalise = true"):
+        polhode.Scene(body, [0, 0, 1], [0.6, 0, 0.8])
+    with pytest.raises(polhode.BadInput, match="length"):
+        polhode.Scene(body, [0, 0, 1], [0, 0, 0], normalise=True)
+
+
+# -- bodies -------------------------------------------------------------------------------------
+
+SI = """
+schema = 1
+[body]
+g = "9.80665"
+parts = [{ shape = "cone", mass = "0.1", radius = "0.03", height = "0.05" }]
+[start]
+angles = [0, "pi/6", 0]
+rates = [0, 0, 200]
+"""
+
+
+def test_a_top_in_si_units_is_the_same_by_shape_by_mass_and_by_weight():
+    shape = scene_file.parse(SI)
+    height = Fraction(3, 4) * Fraction(5, 100)
+    across = Fraction(1, 10) * (Fraction(3, 20) * Fraction(9, 10_000) + Fraction(3, 80) / 400)
+    moments = [across, across, Fraction(1, 10) * Fraction(3, 10) * Fraction(9, 10_000)]
+    start = {"angles": [0, "pi/6", 0], "rates": [0, 0, 200]}
+    mass = {"mass": "0.1", "g": "9.80665", "centre": [0, 0, height]}
+    about = polhode.top(moments=moments, about="centre", **mass, **start)
+    carried = [across + height * height / 10] * 2 + moments[2:]
+    weight = polhode.top(moments=carried, weight="0.980665", centre=[0, 0, height], **start)
+    for other in (about, weight):
+        assert replace(other.body, parts=()) == replace(shape.body, parts=())
+        assert (other.omega, other.gamma, other.psi) == (shape.omega, shape.gamma, shape.psi)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"mass": 1}, "body.g: expected g or weight beside mass; 0 for none"),
+        ({"g": 1}, "body.mass: expected given with g"),
+        ({"mass": 0, "g": 1}, "body.mass = 0: expected a mass above 0"),
+        ({"mass": 1, "g": 1, "weight": 1}, "body.weight = 1: expected only one of weight and g"),
+        ({"mass": 1, "g": 1}, "body.centre: expected given, since weight is not 0"),
+        ({"about": "centre"}, "body.mass: expected given with about"),
+        ({"about": "centre", "mass": 1, "g": 0}, "body.centre: expected given with about"),
+        ({"about": "the tip"}, "body.about = the tip: expected 'fixed point' or 'centre'"),
+        ({"parts": [{"shape": "rod"}], "moments": None}, "body.parts[1].mass: expected given"),
+        ({"parts": [{"shape": "rod", "mass": 1, "height": 1}]}, "body.moments = [1, 2, 2.5]"),
+        (
+            {"moments": None, "parts": [{"shape": "rod", "mass": 1, "height": 1}], "g": 0},
+            "body.parts: expected parts of positive principal moments",
+        ),
+        (
+            {"moments": None, "parts": [{"shape": "rod", "mass": 1, "height": -1}], "g": 0},
+            "body.parts[1].height = -1: expected a length above 0",
+        ),
+        ({"moments": None, "parts": [3]}, "body.parts[1] = 3: expected a Part, or a mapping"),
+        ({"moments": None, "parts": [{"shap": 3}]}, "did you mean 'shape'?"),
+        ({"moments": [1, 2, 4], "about": "centre", "mass": 1, "centre": [0, 0, 9]}, "g or weight"),
+        ({"angles": [0, 0, 0], "gamma": [0, 0, 1]}, "start.angles = [0, 0, 0]: expected nothing"),
+        ({"rates": [0, 0, 0]}, "start.omega = [0.1"),
+        ({"quaternion": [1, 1, 0, 0]}, "length exactly 1, or normalise = true"),
+        ({"quaternion": [0, 0, 0, 0], "normalise": True}, "a vector that is not zero"),
+        ({"quaternion": [1, 0, 0]}, "an array of 4 numbers"),
+        ({"quaternion": [1, 0, 0, 0], "psi": 1}, "start.psi = 1: expected nothing beside quater"),
+        ({"omega": [1, 2, "x"]}, "start.omega = x: expected a number"),
+        ({"omega": [1, 2, float("inf")]}, "start.omega = inf: expected a number"),
+        ({"omega": 3}, "start.omega = 3: expected an array of 3 numbers"),
+        ({"samples": 3.5, "end": 1}, "run.samples = 3.5: expected a whole number"),
+        ({"events": [3]}, "events[1] = 3: expected an Event, or a mapping of its keys"),
+        ({"outputs": [3]}, "run.outputs = 3: expected a text"),
+    ],
+)
+def test_what_cannot_be_is_refused_by_the_name_of_its_key(given, said):
+    with pytest.raises(polhode.BadInput) as fault:
+        polhode.top(**(FREE | given))
+    assert said in str(fault.value)
+
+
+def test_an_inertia_about_the_centre_that_no_body_has_is_refused():
+    """Carried far enough away it would look like one."""
+    given = {"about": "centre", "mass": 1, "g": 0, "centre": [0, 0, 9]}
+    with pytest.raises(polhode.BadInput, match=r"moments = \[1, 2, 4\].*sum of the others"):
+        polhode.top(moments=[1, 2, 4], omega=[0, 0, 1], **given)
+
+
+def test_numbers_of_parts_can_be_varied():
+    scene = scene_file.parse(SI, "si")
+    varied = {"body.parts[1].radius": ["0.03", "0.06"], "body.g": [0, "9.80665"]}
+    many = polhode.integrate_many(scene, varied, at=[0, "0.01"])
+    third = [member.body.moments[2] for member in many.members]
+    assert third == [Fraction(27, 10**6)] * 2 + [Fraction(108, 10**6)] * 2
+    assert many.members[1].body.torque == scene.body.torque
+    with pytest.raises(polhode.BadInput, match="a number of the scene"):
+        polhode.integrate_many(scene, {"body.parts[1].shape": [1]})
+
+
+# -- the table of keys --------------------------------------------------------------------------
+
+
+def scene_with(section, key, value):
+    """A small scene with one more key, and without what that excludes; None: without the key."""
+    line = "" if value is None else f"{key} = {value}"
+    body = ["weight = 0"]
+    solid = ["mass = 1", 'shape = "sphere"', "radius = 1"]
+    start = ["omega = [1, 0, 0]", "gamma = [0, 0, 1]"]
+    run: list[str] = []
+    top = ["schema = 1"]
+    if section == "body":
+        if key not in ("moments", "inertia"):
+            body.append("moments = [2, 2, 1]")
+        if key in ("about", "mass", "g"):
+            body += ["mass = 1", "centre = [0, 0, 1]", "g = 1"]
+            body.remove("weight = 0")
+        elif key == "weight":
+            body.append("centre = [0, 0, 1]")
+    if section == "body.parts":
+        needs = {
+            "size": ("box", []),
+            "semi_axes": ("ellipsoid", []),
+            "height": ("cone", ["radius = 1"]),
+            "axis": ("cylinder", ["radius = 1", "height = 1"]),
+            "shape": ("cone", ["radius = 1", "height = 1"]),
+        }
+        if key in needs:
+            shape, more = needs[key]
+            solid = ["mass = 1", f'shape = "{shape}"', *more]
+    if section == "start":
+        if key in ("momentum", "rates", "h", "f", "sign"):
+            start.remove("omega = [1, 0, 0]")
+        if key in ("h", "f", "sign"):
+            start = ['gamma = ["3/5", 0, "4/5"]', "h = 3", "f = 1"]
+        if key == "rates":
+            start += ["angles = [0, 1, 0]"]
+        if key in ("angles", "quaternion", "rates"):
+            start.remove("gamma = [0, 0, 1]")
+    if section == "run":
+        run = [] if key in ("end", "at") else ["end = 1"]
+    parts = {
+        "": top,
+        "body": body,
+        "start": start,
+        "run": run,
+        "events": ['name = "x"', 'zero = "p"'],
+        "published": ["t = 1", 'quantity = "p"', 'value = "1"', 'cite = "me"'],
+        "reference": [],
+        "expect": [],
+    }
+    if section == "body.parts":
+        parts["body.parts"] = solid
+    elif section != "body":
+        parts["body"] = ["moments = [2, 2, 1]"]
+    lines = parts[section]
+    parts[section] = [x for x in lines if x.split(" ")[0] != key] + ([line] if line else [])
+    text = []
+    for name in ("", "body", "body.parts", "start", "run", "reference", "expect"):
+        if name in parts:
+            head = {"": "", "body.parts": "[[body.parts]]"}.get(name, f"[{name}]")
+            text += [head, *parts[name]]
+    for name in ("events", "published"):
+        if name == section:
+            text += [f"[[{name}]]", *parts[name]]
+    return scene_file.parse("\n".join(text), "x")
+
+
+PLAIN = [
+    (section, key)
+    for section, listed in keys.KEYS.items()
+    for key in listed
+    if key.kind not in (keys.TABLE, keys.TABLES)
+]
+
+
+@pytest.mark.parametrize(("section", "key"), PLAIN, ids=lambda x: getattr(x, "name", x))
+def test_the_example_of_every_key_is_read(section, key):
+    assert key.example
+    scene_with(section, key.name, key.example)
+
+
+@pytest.mark.parametrize(
+    ("section", "key"), [p for p in PLAIN if p[1].default], ids=lambda x: getattr(x, "name", x)
+)
+def test_a_default_given_is_as_if_left_out(section, key):
+    given = scene_with(section, key.name, key.default)
+    left = scene_with(section, key.name, None)
+    assert replace(given, source="") == replace(left, source="")
+
+
+@pytest.mark.parametrize("section", [s for s in keys.KEYS if s not in ("expect",)])
+def test_no_other_key_is(section):
+    with pytest.raises(polhode.BadInput, match=r"one of the keys|a table"):
+        scene_with(section, "nonsense", 1)
