@@ -113,3 +113,31 @@ def _apart(wanted: Sequence[float], least: float) -> list[float]:
     for k in range(len(levels)):
         levels[-1 - k] = min(levels[-1 - k], high - least * k)
     return levels
+
+
+def name_types(ax: Any, names: Sequence[str]) -> None:
+    """Names of number types above a panel, each in its colour with its mark."""
+    name_above(ax, [(name, COLOURS[name]) for name in names], [MARKS[name] for name in names])
+
+
+def name_above(
+    ax: Any, names: Sequence[tuple[str, str]], marks: Sequence[str] | None = None
+) -> None:
+    """Names above a panel from left to right, each in its colour, with its mark if it has one."""
+    for k, (name, colour) in enumerate(names):
+        x = (k + 0.5) / len(names)
+        if marks is not None:
+            ax.plot(x, 1.04, marks[k], color=colour, ms=4, transform=ax.transAxes, clip_on=False)
+        offset = (6, 0) if marks is not None else (0, 0)
+        side = "left" if marks is not None else "center"
+        ax.annotate(
+            name,
+            (x, 1.04),
+            xycoords="axes fraction",
+            xytext=offset,
+            textcoords="offset points",
+            fontsize=8.5,
+            color=colour,
+            ha=side,
+            va="center",
+        )

@@ -21,6 +21,11 @@ READ = (
     "https://www.cas.mcmaster.ca/~nedialk/vnodelp/).",
 )
 
+_SHOWN = (
+    "Digits lost over time, and the price of a proof beside runs; no mark: the type does not hold "
+    "so many digits"
+)
+
 
 def blocks(found: dict[str, Any]) -> Iterator[Block]:
     """The study's page from its JSON object."""
@@ -29,7 +34,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "of the exact scene, whatever heyoka did (see `polhode.certify`). Proven digits = -log10 "
         "of the larger of the radius of w over the largest |w| and the radius of gamma."
     )
-    yield Figure("certified", "Digits lost over time, and the price of a proof beside runs")
+    yield Figure("certified", _SHOWN)
     yield from _containment(found["contained"])
     yield from _over_time(found["growth"])
     yield from _price(found["cost"])

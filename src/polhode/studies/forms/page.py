@@ -23,6 +23,11 @@ _TAKE = {
     "quaternion": "attitude wanted all along; its norm is held",
 }
 
+_SHOWN = (
+    "Correct digits and time of every form for every motion; no mark: the form refuses the motion "
+    "or ends at its singular set"
+)
+
 
 def blocks(found: dict[str, Any]) -> Iterator[Block]:
     """The study's page from its JSON object."""
@@ -36,7 +41,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "variables grow without bounds, and heyoka's steps are as accurate as the largest variable "
         "asks: the further a form in angles runs, the fewer and the looser its steps."
     )
-    yield Figure("forms", "Correct digits and time of every form for every motion")
+    yield Figure("forms", _SHOWN)
     yield Heading("Which form to take")
     yield _advice(found)
     for motion in found["motions"]:

@@ -26,7 +26,11 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         f"t = {tops[0]['fitted_since']:g} on, by weighted least squares; their uncertainty is the "
         "standard error of a bootstrap over the bodies."
     )
-    yield Figure("long-run", "Growth of error and drift with time, beside Brouwer's exponents")
+    yield Figure(
+        "long-run",
+        "Growth of error and drift with time, beside Brouwer's exponents; a bar leads from the "
+        "median to the worst start; projected runs have no drift to show",
+    )
     yield Heading("Exponents")
     yield Text(
         "Brouwer's law for independent roundings: 3/2 for the error, 1/2 for the drift. Rounding "
