@@ -43,6 +43,25 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield Items(READ)
 
 
+def finding(found: dict[str, Any]) -> str:
+    """The study in a sentence."""
+    rows = found["contained"]
+    inside = sum(row["inside"] for row in rows)
+    told = f"{inside} of {len(rows)} closed forms lie in their proven enclosures"
+    ratios = [row["seconds"]["proof"] / x for row in found["cost"] if (x := _steps_in_mp(row))]
+    if ratios:
+        told += (
+            f"; a proof takes {min(ratios):.1f} to {max(ratios):.1f} times a run of as many bits "
+            "that proves nothing"
+        )
+    return told + "."
+
+
+def _steps_in_mp(row: dict[str, Any]) -> float | None:
+    """Seconds of heyoka's steps at the proof's own precision."""
+    return next((s for name, s in row["seconds"].items() if name.startswith("mp")), None)
+
+
 def _containment(rows: list[dict[str, Any]]) -> Iterator[Block]:
     outside = [row["case"] for row in rows if not row["inside"]]
     ratios = [row["ratio"] for row in rows]

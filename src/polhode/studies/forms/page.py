@@ -54,6 +54,24 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         yield _table(motion["runs"])
 
 
+def finding(found: dict[str, Any]) -> str:
+    """The study in a sentence."""
+    runs = [r for m in found["motions"] for r in m["runs"] if r["number"] == "double"]
+    done = [r for r in runs if "correct_digits" in r and r["form"] != "principal"]
+    if not done:
+        return str(found["question"])
+    slowest = max(done, key=lambda r: r["time_against_principal"])
+    worst = max(done, key=lambda r: r["lost_digits"])
+    ahead = sum(r["lost_digits"] < 0 for r in done)
+    faster = sum(r["time_against_principal"] < 1 for r in done)
+    return (
+        f"In double the other forms take up to {slowest['time_against_principal']:.1f} times as "
+        f"long as the principal one ({slowest['form']}) and lose up to {worst['lost_digits']:.1f} "
+        f"digits ({worst['form']}); {faster} of {len(done)} runs in them are faster, {ahead} are "
+        "right to more digits."
+    )
+
+
 def _advice(found: dict[str, Any]) -> PageTable:
     rows = []
     for form, place in found["sources"].items():

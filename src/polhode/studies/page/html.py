@@ -24,7 +24,7 @@ def page(title: str, sections: Iterable[Section], lead: str = "") -> str:
     """The sections as one page; ``lead``: the one that stands before the table of contents."""
     sections = tuple(sections)
     names = {section.name for section in sections}
-    first = [section for section in sections if section.name == lead]
+    first = [_tables_first(section) for section in sections if section.name == lead]
     others = tuple(section for section in sections if section.name != lead)
     return "\n".join(
         [
@@ -46,6 +46,12 @@ def page(title: str, sections: Iterable[Section], lead: str = "") -> str:
             "",
         ]
     )
+
+
+def _tables_first(section: Section) -> Section:
+    """The section with its tables before everything else."""
+    blocks = sorted(section.blocks, key=lambda block: not isinstance(block, PageTable))
+    return section._replace(blocks=tuple(blocks))
 
 
 def inline(text: str, pages: Iterable[str] = ()) -> str:
