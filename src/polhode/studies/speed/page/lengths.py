@@ -9,6 +9,7 @@ from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text
 
 OURS, ENGINE = "polhode", "heyoka alone"
 SHOWN = 9.0  # digits of the figure and of the finding
+LEVELS = (6.0, 9.0, 12.0)  # digits of the README's sentences
 
 
 class Closest(NamedTuple):
