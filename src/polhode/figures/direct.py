@@ -53,6 +53,16 @@ LOOKS = {
 }
 
 
+def ink(colour: str) -> str:
+    """The colour of a name: darker than its curve, so that small text can be read on white.
+
+    >>> ink("#e69f00")
+    '#966700'
+    """
+    parts = (int(colour[k : k + 2], 16) for k in (1, 3, 5))
+    return "#" + "".join(f"{round(0.65 * part):02x}" for part in parts)
+
+
 class End(NamedTuple):
     """Where a curve ends, and its name."""
 
@@ -84,7 +94,7 @@ def label_ends(ax: Any, ends: Sequence[End], size: float = 8, room: float = 0.02
             xytext=(1 + room, level),
             textcoords="axes fraction",
             fontsize=size,
-            color=end.colour,
+            color=ink(end.colour),
             va="center",
             annotation_clip=False,
             arrowprops={"color": end.colour, **_LEADER},
@@ -137,7 +147,7 @@ def name_above(
             xytext=offset,
             textcoords="offset points",
             fontsize=8.5,
-            color=colour,
+            color=ink(colour),
             ha=side,
             va="center",
         )

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from polhode.figures.canvas import COLOURS, MARKS, as_svg, pyplot
-from polhode.figures.direct import GRID, WIDTH
+from polhode.figures.direct import GRID, WIDTH, ink
 
 HELD = {"double": 53 * 0.30103, "extended": 64 * 0.30103, "quad": 113 * 0.30103}
 ASKED = 50  # digits that the runs in mp are asked for
@@ -54,7 +54,7 @@ def svg(groups: Mapping[str, Sequence[Dot]], label: str) -> str:
             textcoords="offset points",
             ha=side,
             fontsize=8.5,
-            color=COLOURS[name],
+            color=ink(COLOURS[name]),
         )
     axes.set_yticks(levels, list(groups), fontsize=8)
     axes.set_ylim(y, 0)

@@ -38,7 +38,7 @@ def page(title: str, sections: Iterable[Section], lead: str = "") -> str:
             "</head>",
             "<body>",
             f"<h1>{escape(title)}</h1>",
-            *(line for section in first for line in _section(section, names)),
+            *(line for section in first for line in _section(section, names, folded=False)),
             *_contents(others),
             *(line for section in others for line in _section(section, names)),
             "</body>",
@@ -63,7 +63,6 @@ def inline(text: str, pages: Iterable[str] = ()) -> str:
 
 
 _CASE = re.compile(r"\w+/[\w-]+")
-_SHORT = 8  # rows of a table that is shown without being asked for
 _LONG = 48  # characters of a cell that may be broken into lines
 
 _MARK = re.compile(
@@ -117,7 +116,7 @@ def _headings(section: Section) -> Iterator[tuple[str, str]]:
         yield f"{section.name}-{k}", text
 
 
-def _section(section: Section, names: set[str]) -> Iterator[str]:
+def _section(section: Section, names: set[str], folded: bool = True) -> Iterator[str]:
     yield f'<section id="{section.name}">'
     yield f"<h2>{escape(section.title)}</h2>"
     slugs = (slug for slug, _ in _headings(section))
@@ -132,16 +131,15 @@ def _section(section: Section, names: set[str]) -> Iterator[str]:
                 yield from (f"<li>{inline(item, names)}</li>" for item in items)
                 yield "</ul>"
             case PageTable():
-                yield from _table(block, names)
+                yield from _table(block, names, folded)
             case Figure(name, alt):
                 yield f'<figure><div class="wide">{_svg(section.figures[name], name, alt)}</div>'
                 yield f"<figcaption>{inline(alt, names)}</figcaption></figure>"
     yield "</section>"
 
 
-def _table(table: PageTable, names: set[str]) -> Iterator[str]:
+def _table(table: PageTable, names: set[str], folded: bool) -> Iterator[str]:
     sides = table.align or "l" * len(table.header)
-    folded = len(table.rows) > _SHORT
     if folded:
         columns = escape(", ".join(table.header[:3]))
         yield f'<details class="rows"><summary>{len(table.rows)} rows: {columns}, …</summary>'
