@@ -7,11 +7,9 @@ from typing import Any
 import numpy as np
 
 from polhode.figures import strips
-from polhode.figures.canvas import PAPER, as_svg, pyplot
+from polhode.figures.canvas import HIDDEN, PAPER, PLAIN, as_svg, pyplot
 from polhode.figures.direct import WIDTH
 from polhode.figures.globe import facing_most
-
-_SEEN, _HIDDEN = "#333333", "#b0b0b0"  # of a path: no colour that stands for something else
 
 
 def svgs(found: dict[str, Any]) -> dict[str, str]:
@@ -30,8 +28,8 @@ def motions(rows: list[dict[str, Any]]) -> str:
             globe = facing_most(points)
             globe.surface(axes)
             globe.arms(axes, ("X", "Y", "Z"))
-            globe.curve(axes, points, _SEEN, _HIDDEN, row["case"].partition("/")[0], lw=1.2)
-            globe.mark(axes, points[0], _SEEN)
+            globe.curve(axes, points, PLAIN, HIDDEN[PLAIN], row["case"].partition("/")[0], lw=1.2)
+            globe.mark(axes, points[0], PLAIN)
             axes.set_title(f"{row['name']}\n{row['point']} in space", size=7)
         return as_svg(figure)
 
