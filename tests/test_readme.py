@@ -136,3 +136,13 @@ def test_every_name_of_python_that_is_named_exists() -> None:
         found = importlib.import_module("polhode")
         for part in name[1:].split("."):
             found = getattr(found, part)
+
+
+def test_numbers_from_the_report_are_those_of_the_report() -> None:
+    """``python tests/measure/readme.py`` puts them in."""
+    from measure import readme
+
+    assert readme.put_in(README) == README
+    for name, part in readme.parts().items():
+        assert len(part) > 100, name
+        assert part in README

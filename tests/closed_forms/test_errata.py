@@ -276,3 +276,55 @@ def test_every_entry_of_the_page_is_tested():
             1,
             1,
         ]
+
+
+# what was reported, and decided without the source's text
+
+
+@pytest.mark.parametrize("seed", range(COUNT))
+def test_3_13_cannot_hold_without_the_derivative(seed):
+    """In space the momentum changes by the moment, which is R (G' + w x G) for R' = R (w x)."""
+    with mpmath.workdps(WORKING):
+        body = Body(seed)
+        moment = body.weight * cross(body.gamma, body.centre)
+        omega, G = body.omega, body.momentum
+        assert mpmath.norm(body.momentum_rate + cross(omega, G) - moment) < HOLDS
+        # that G' keeps h, and f, which are integrals of the motion
+        turning = cross(body.gamma, omega)
+        power = dot(omega, body.momentum_rate) + body.weight * dot(body.centre, turning)
+        assert abs(power) < HOLDS
+        assert abs(dot(body.momentum_rate, body.gamma) + dot(G, turning)) < HOLDS
+        assert abs(dot(G, G) - dot(G, moment)) > FAILS * dot(G, G)  # the form without the dot
+
+
+@pytest.mark.parametrize("seed", range(COUNT))
+def test_3_59_with_its_constant_gives_the_energy_and_without_it_less(seed):
+    with mpmath.workdps(WORKING):
+        top = Top(seed)
+        top.moments[2] = top.moments[0]
+        A, B, _ = top.moments
+        (_, theta, phi), (psi1, theta1, phi1) = top.angles, top.rates
+        f = top.momenta()[0]
+        (c, s), (cph, sph) = mpmath.cos_sin(theta), mpmath.cos_sin(phi)
+        e, g2 = (B - A) / A, s * cph
+        N = 1 + e * g2**2
+        zero = top.lagrangian(top.angles, [0, 0, 0])  # -V
+
+        def routhian(theta1, phi1, constant):
+            b = c * phi1 - e * g2 * sph * theta1
+            turning = A * (theta1**2 + phi1**2 + e * sph**2 * theta1**2) / 2
+            in_f = e * g2**2 * f**2 / (2 * A * N) + f * b / N - A * b**2 / (2 * N)
+            return turning + in_f + zero - constant
+
+        true = top.lagrangian(top.angles, top.rates) - f * psi1
+        kept = f**2 / (2 * A)
+        assert abs(routhian(theta1, phi1, kept) - true) < HOLDS
+
+        def energy(constant):
+            ahead, back = (routhian(k * theta1, k * phi1, constant) for k in (1, -1))
+            return (ahead + back) / 2 - 2 * routhian(0, 0, constant)
+
+        height = top.lagrangian(top.angles, top.rates) - 2 * zero  # T + V
+        assert abs(energy(kept) - height) < HOLDS
+        assert abs(energy(0) - (height - kept)) < HOLDS
+        assert kept > FAILS

@@ -48,7 +48,7 @@ def test_the_table_stands_before_the_contents():
     row = {"need": "x", "command": "polhode run y", "digits": 12.34, "t": 1e9, "seconds": 0.5}
     found = {"needs": [{**row, "proven": True}]}
     parts = tuple(page.blocks(found))
-    assert parts[0].rows == (("x", "`polhode run y`", "12.3", "1e+09", "0.5"),)
+    assert parts[0].rows == (("x", "`polhode run y`", "12.3", "0.5"),)
     other = html.Section("b", "B", "finding", (Text("text"),), {})
     lead = html.Section("needs", page.TITLE, page.finding(found), parts, {})
     text = html.page("t", [other, lead], report.LEAD)

@@ -53,6 +53,16 @@ LOOKS = {
 }
 
 
+def ink(colour: str) -> str:
+    """The colour of a name: darker than its curve, so that small text can be read on white.
+
+    >>> ink("#e69f00")
+    '#966700'
+    """
+    parts = (int(colour[k : k + 2], 16) for k in (1, 3, 5))
+    return "#" + "".join(f"{round(0.65 * part):02x}" for part in parts)
+
+
 class End(NamedTuple):
     """Where a curve ends, and its name."""
 
@@ -84,7 +94,7 @@ def label_ends(ax: Any, ends: Sequence[End], size: float = 8, room: float = 0.02
             xytext=(1 + room, level),
             textcoords="axes fraction",
             fontsize=size,
-            color=end.colour,
+            color=ink(end.colour),
             va="center",
             annotation_clip=False,
             arrowprops={"color": end.colour, **_LEADER},
@@ -113,3 +123,31 @@ def _apart(wanted: Sequence[float], least: float) -> list[float]:
     for k in range(len(levels)):
         levels[-1 - k] = min(levels[-1 - k], high - least * k)
     return levels
+
+
+def name_types(ax: Any, names: Sequence[str]) -> None:
+    """Names of number types above a panel, each in its colour with its mark."""
+    name_above(ax, [(name, COLOURS[name]) for name in names], [MARKS[name] for name in names])
+
+
+def name_above(
+    ax: Any, names: Sequence[tuple[str, str]], marks: Sequence[str] | None = None
+) -> None:
+    """Names above a panel from left to right, each in its colour, with its mark if it has one."""
+    for k, (name, colour) in enumerate(names):
+        x = (k + 0.5) / len(names)
+        if marks is not None:
+            ax.plot(x, 1.04, marks[k], color=colour, ms=4, transform=ax.transAxes, clip_on=False)
+        offset = (6, 0) if marks is not None else (0, 0)
+        side = "left" if marks is not None else "center"
+        ax.annotate(
+            name,
+            (x, 1.04),
+            xycoords="axes fraction",
+            xytext=offset,
+            textcoords="offset points",
+            fontsize=8.5,
+            color=ink(colour),
+            ha=side,
+            va="center",
+        )

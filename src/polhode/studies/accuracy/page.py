@@ -53,7 +53,11 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     )
     yield Text(finding(found))
     yield from _two_methods(found["cases"])
-    yield Figure("accuracy", "Correct digits of every case in every number type")
+    yield Figure(
+        "accuracy",
+        "Correct digits of every case, a strip a folder of the library, a dot a run; "
+        "a ring: fewer digits than nine in ten such runs have; no mark: a run would take too long",
+    )
     for kind, title in _TITLES.items():
         cases = [case for case in found["cases"] if case["reference"] == kind]
         if cases:

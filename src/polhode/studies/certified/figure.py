@@ -5,45 +5,64 @@ from __future__ import annotations
 from typing import Any
 
 from polhode.figures.canvas import as_svg, pyplot
+from polhode.figures.direct import GRID, LOOKS, WIDTH, End, label_ends, name_above
 
-_CASES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
-_LOOKS = {
-    "proof": ("#000000", "o"),
-    "mp": ("#cc79a7", "^"),
-    "quad": ("#009e73", "D"),
-    "quad, refined": ("#56b4e9", "v"),
-    "double": ("#0072b2", "s"),
+_MARKS = ("o", "s", "D", "^")
+#: Methods of the price, by the names that the study gives them.
+_METHODS = {
+    "proof": "proof",
+    "mp": "polhode mp projected",
+    "quad": "polhode quad projected",
+    "quad, refined": "quad, refined",
+    "double": "polhode double projected",
 }
 
 
 def svg(found: dict[str, Any]) -> str:
     """Digits lost over time, and CPU seconds, from the study's JSON object."""
     plt = pyplot()
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.4), layout="constrained")
-    for colour, row in zip(_CASES, found["growth"], strict=False):
-        left.plot(row["times"], row["lost"], "o-", color=colour, ms=3, lw=1, label=row["case"])
-        left.plot(row["times"], row["lost_without"], "--", color=colour, lw=1)
-    left.set_xscale("log")
-    left.set_xlabel("t (units of the scene)")
-    left.set_ylabel("digits lost (dashed: without the integrals)")
-    left.legend(frameon=False, fontsize=8)
-    left.grid(lw=0.3, color="#dddddd")
-    names = [f"{row['case']}, {row['digits']} digits" for row in found["cost"]]
-    for key, (colour, mark) in _LOOKS.items():
+    figure, (above, below) = plt.subplots(2, 1, figsize=(WIDTH, 6.6))
+    figure.subplots_adjust(left=0.3, right=0.97, top=0.97, bottom=0.08, hspace=0.42)
+    _lost(above, found["growth"])
+    _price(below, found["cost"])
+    return as_svg(figure)
+
+
+def _lost(ax: Any, rows: list[dict[str, Any]]) -> None:
+    """Digits lost over time; dashed without the integrals."""
+    colour, ends = LOOKS["proof"].colour, []
+    ax.set_position([0.12, 0.57, 0.52, 0.4])
+    for mark, row in zip(_MARKS, rows, strict=False):
+        ax.plot(row["times"], row["lost"], mark + "-", color=colour, ms=3.5, lw=1)
+        ax.plot(row["times"], row["lost_without"], "--", color=colour, lw=0.8)
+        ends.append(End(row["times"][-1], row["lost"][-1], row["case"], colour))
+    ax.set_xscale("log")
+    ax.set_xlabel("t (units of the scene)", fontsize=8.5)
+    ax.set_ylabel("digits lost\n(dashed: without the integrals)", fontsize=8.5)
+    ax.tick_params(labelsize=8)
+    ax.grid(lw=0.3, color=GRID)
+    label_ends(ax, ends, size=7.5)
+
+
+def _price(ax: Any, rows: list[dict[str, Any]]) -> None:
+    """CPU seconds of a proof and of runs that prove nothing."""
+    names = [f"{row['case'].partition('/')[2]}, {row['digits']} digits" for row in rows]
+    shown = []
+    for key, name in _METHODS.items():
         points = [
             (seconds, len(names) - 1 - k)
-            for k, row in enumerate(found["cost"])
-            for name, seconds in row["seconds"].items()
-            if name == key or (key == "mp" and name.startswith("mp"))
+            for k, row in enumerate(rows)
+            for label, seconds in row["seconds"].items()
+            if label == key or (key == "mp" and label.startswith("mp"))
         ]
         x, y = zip(*points, strict=True) if points else ((), ())
-        right.plot(x, y, mark, color=colour, ms=5, ls="none", label=key)
-    right.set_xscale("log")
-    right.set_yticks(range(len(names)), names[::-1], fontsize=7)
-    right.set_ylim(-0.7, len(names) - 0.3)
-    right.set_xlabel("CPU seconds to the same time")
-    right.grid(lw=0.3, color="#dddddd")
-    figure.legend(
-        *right.get_legend_handles_labels(), loc="outside upper center", ncols=5, frameon=False
-    )
-    return as_svg(figure)
+        look = LOOKS[name]
+        ax.plot(x, y, look.mark, color=look.colour, ms=5, ls="none")
+        shown.append((key, look.colour))
+    ax.set_xscale("log")
+    ax.set_yticks(range(len(names)), names[::-1], fontsize=7.5)
+    ax.set_ylim(-0.7, len(names) - 0.3)
+    ax.set_xlabel("CPU seconds to the same time", fontsize=8.5)
+    ax.tick_params(axis="x", labelsize=8)
+    ax.grid(lw=0.3, color=GRID)
+    name_above(ax, shown)

@@ -21,6 +21,11 @@ READ = (
     "https://www.cas.mcmaster.ca/~nedialk/vnodelp/).",
 )
 
+_SHOWN = (
+    "Digits lost over time, and the price of a proof beside runs; no mark: the type does not hold "
+    "so many digits"
+)
+
 
 def blocks(found: dict[str, Any]) -> Iterator[Block]:
     """The study's page from its JSON object."""
@@ -29,13 +34,32 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "of the exact scene, whatever heyoka did (see `polhode.certify`). Proven digits = -log10 "
         "of the larger of the radius of w over the largest |w| and the radius of gamma."
     )
-    yield Figure("certified", "Digits lost over time, and the price of a proof beside runs")
+    yield Figure("certified", _SHOWN)
     yield from _containment(found["contained"])
     yield from _over_time(found["growth"])
     yield from _price(found["cost"])
     yield from _judged(found["judged"])
     yield Heading("Others: read, not measured")
     yield Items(READ)
+
+
+def finding(found: dict[str, Any]) -> str:
+    """The study in a sentence."""
+    rows = found["contained"]
+    inside = sum(row["inside"] for row in rows)
+    told = f"{inside} of {len(rows)} closed forms lie in their proven enclosures"
+    ratios = [row["seconds"]["proof"] / x for row in found["cost"] if (x := _steps_in_mp(row))]
+    if ratios:
+        told += (
+            f"; a proof takes {min(ratios):.1f} to {max(ratios):.1f} times a run of as many bits "
+            "that proves nothing"
+        )
+    return told + "."
+
+
+def _steps_in_mp(row: dict[str, Any]) -> float | None:
+    """Seconds of heyoka's steps at the proof's own precision."""
+    return next((s for name, s in row["seconds"].items() if name.startswith("mp")), None)
 
 
 def _containment(rows: list[dict[str, Any]]) -> Iterator[Block]:

@@ -37,6 +37,22 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     )
 
 
+def finding(found: dict[str, Any]) -> str:
+    """The study in a sentence."""
+    far = [run for motion in found["motions"] for run in motion["far"]]
+    if not far:
+        return str(found["question"])
+    true, seen = sum(run["true"] for run in far), sum(run["found"] for run in far)
+    whole = sum(run["complete"] for run in far)
+    near = [run["ulps"] for m in found["motions"] for run in m["near"] if "ulps" in run]
+    end = max(run["end"] for run in far)
+    told = f"{seen} events were found where {true} are, each once in {whole} of {len(far)} runs"
+    return (
+        f"To t = {end:g} {told}; over ten periods no time is off by more than {max(near):.3g} "
+        "units in its last place."
+    )
+
+
 def _times(motions: list[dict[str, Any]], part: str) -> PageTable:
     return PageTable(
         (

@@ -23,6 +23,11 @@ _TAKE = {
     "quaternion": "attitude wanted all along; its norm is held",
 }
 
+_SHOWN = (
+    "Correct digits and time of every form for every motion; no mark: the form refuses the motion "
+    "or ends at its singular set"
+)
+
 
 def blocks(found: dict[str, Any]) -> Iterator[Block]:
     """The study's page from its JSON object."""
@@ -36,7 +41,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "variables grow without bounds, and heyoka's steps are as accurate as the largest variable "
         "asks: the further a form in angles runs, the fewer and the looser its steps."
     )
-    yield Figure("forms", "Correct digits and time of every form for every motion")
+    yield Figure("forms", _SHOWN)
     yield Heading("Which form to take")
     yield _advice(found)
     for motion in found["motions"]:
@@ -47,6 +52,24 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
             + (axes or "")
         )
         yield _table(motion["runs"])
+
+
+def finding(found: dict[str, Any]) -> str:
+    """The study in a sentence."""
+    runs = [r for m in found["motions"] for r in m["runs"] if r["number"] == "double"]
+    done = [r for r in runs if "correct_digits" in r and r["form"] != "principal"]
+    if not done:
+        return str(found["question"])
+    slowest = max(done, key=lambda r: r["time_against_principal"])
+    worst = max(done, key=lambda r: r["lost_digits"])
+    ahead = sum(r["lost_digits"] < 0 for r in done)
+    faster = sum(r["time_against_principal"] < 1 for r in done)
+    return (
+        f"In double the other forms take up to {slowest['time_against_principal']:.1f} times as "
+        f"long as the principal one ({slowest['form']}) and lose up to {worst['lost_digits']:.1f} "
+        f"digits ({worst['form']}); {faster} of {len(done)} runs in them are faster, {ahead} are "
+        "right to more digits."
+    )
 
 
 def _advice(found: dict[str, Any]) -> PageTable:

@@ -26,7 +26,11 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         f"t = {tops[0]['fitted_since']:g} on, by weighted least squares; their uncertainty is the "
         "standard error of a bootstrap over the bodies."
     )
-    yield Figure("long-run", "Growth of error and drift with time, beside Brouwer's exponents")
+    yield Figure(
+        "long-run",
+        "Growth of error and drift with time, beside Brouwer's exponents; a bar leads from the "
+        "median to the worst start; projected runs have no drift to show",
+    )
     yield Heading("Exponents")
     yield Text(
         "Brouwer's law for independent roundings: 3/2 for the error, 1/2 for the drift. Rounding "
@@ -123,9 +127,9 @@ def _far(found: dict[str, Any]) -> Iterator[Block]:
     yield Heading(f"Every double method at t = {far['t']}")
     yield Text(
         f"Median and largest error of {far['starts']} random bodies and starts of each kind, at "
-        "each method's tightest tolerance: eps for heyoka, 3e-15 for CyRK (below that it stops), "
-        "and for the splitting the step at which its own error has fallen below rounding. Each "
-        "column alone: `polhode study long-run --only 'euler t=100000'`."
+        "each method's tightest tolerance: eps for heyoka, 3e-15 for CyRK, "
+        "1e-8 for the splitting (a shorter step takes minutes a top). Each column alone: `polhode "
+        "study long-run --only 'euler t=100000'`."
     )
     yield far_table(found)
     told = [

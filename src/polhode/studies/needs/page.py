@@ -17,18 +17,17 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
             row["need"],
             f"`{row['command']}`",
             f"{row['digits']:.1f}",
-            f"{row['t']:g}",
             f"{row['seconds']:.2g}",
         )
         for row in found["needs"]
     )
-    yield PageTable(("need", "command", "digits right", "t", "seconds"), rows, "llrrr")
+    yield PageTable(("need", "command", "digits", "s"), rows, "llrr")
     yield Text(
         "Digits: the fewest over the output times, against the closed form or, where there is "
         "none, a proven enclosure; for a file, those that `compare` prints. Seconds: the whole "
         "command with Python's start and its imports, the least of several, what is compiled being "
-        "loaded from the cache; the first run of a new body compiles for a second or so. t: the "
-        "last output time. One row alone: `polhode study needs --only '30 digits'`."
+        "loaded from the cache; the first run of a new body compiles for a second or so. "
+        "One row alone: `polhode study needs --only '30 digits'`."
     )
 
 

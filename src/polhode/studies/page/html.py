@@ -24,7 +24,7 @@ def page(title: str, sections: Iterable[Section], lead: str = "") -> str:
     """The sections as one page; ``lead``: the one that stands before the table of contents."""
     sections = tuple(sections)
     names = {section.name for section in sections}
-    first = [section for section in sections if section.name == lead]
+    first = [_tables_first(section) for section in sections if section.name == lead]
     others = tuple(section for section in sections if section.name != lead)
     return "\n".join(
         [
@@ -38,7 +38,7 @@ def page(title: str, sections: Iterable[Section], lead: str = "") -> str:
             "</head>",
             "<body>",
             f"<h1>{escape(title)}</h1>",
-            *(line for section in first for line in _section(section, names)),
+            *(line for section in first for line in _section(section, names, folded=False)),
             *_contents(others),
             *(line for section in others for line in _section(section, names)),
             "</body>",
@@ -46,6 +46,12 @@ def page(title: str, sections: Iterable[Section], lead: str = "") -> str:
             "",
         ]
     )
+
+
+def _tables_first(section: Section) -> Section:
+    """The section with its tables before everything else."""
+    blocks = sorted(section.blocks, key=lambda block: not isinstance(block, PageTable))
+    return section._replace(blocks=tuple(blocks))
 
 
 def inline(text: str, pages: Iterable[str] = ()) -> str:
@@ -57,7 +63,6 @@ def inline(text: str, pages: Iterable[str] = ()) -> str:
 
 
 _CASE = re.compile(r"\w+/[\w-]+")
-_SHORT = 8  # rows of a table that is shown without being asked for
 _LONG = 48  # characters of a cell that may be broken into lines
 
 _MARK = re.compile(
@@ -111,7 +116,7 @@ def _headings(section: Section) -> Iterator[tuple[str, str]]:
         yield f"{section.name}-{k}", text
 
 
-def _section(section: Section, names: set[str]) -> Iterator[str]:
+def _section(section: Section, names: set[str], folded: bool = True) -> Iterator[str]:
     yield f'<section id="{section.name}">'
     yield f"<h2>{escape(section.title)}</h2>"
     slugs = (slug for slug, _ in _headings(section))
@@ -126,16 +131,15 @@ def _section(section: Section, names: set[str]) -> Iterator[str]:
                 yield from (f"<li>{inline(item, names)}</li>" for item in items)
                 yield "</ul>"
             case PageTable():
-                yield from _table(block, names)
+                yield from _table(block, names, folded)
             case Figure(name, alt):
                 yield f'<figure><div class="wide">{_svg(section.figures[name], name, alt)}</div>'
                 yield f"<figcaption>{inline(alt, names)}</figcaption></figure>"
     yield "</section>"
 
 
-def _table(table: PageTable, names: set[str]) -> Iterator[str]:
+def _table(table: PageTable, names: set[str], folded: bool) -> Iterator[str]:
     sides = table.align or "l" * len(table.header)
-    folded = len(table.rows) > _SHORT
     if folded:
         columns = escape(", ".join(table.header[:3]))
         yield f'<details class="rows"><summary>{len(table.rows)} rows: {columns}, …</summary>'
@@ -215,7 +219,7 @@ th { border-bottom: 2px solid #999; }
 th.r, td.r { text-align: right; }
 tbody tr:nth-child(even) { background: #0000000a; }
 figure { margin: 1rem 0; }
-figure svg { display: block; width: 100%; height: auto; min-width: 44rem; }
+figure svg { display: block; width: 100%; height: auto; }
 figcaption { font-size: .85rem; color: #444; margin-top: .3rem; }
 @media (max-width: 40rem) {
   td:not(.r) { white-space: normal; min-width: 6.5rem; }

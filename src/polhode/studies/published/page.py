@@ -34,7 +34,9 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "digit printed, *digits right* -log10 of the relative difference. Ours are evaluated to "
         "8 digits more than are printed."
     )
-    yield Figure("published", "Digits printed (open) and digits right (filled) of every figure")
+    yield Figure(
+        "published", "Digits printed and digits right of every figure that somebody printed"
+    )
     yield Heading("Who is off, by how much")
     yield from _off(every)
     yield from _labels(found["cases"])

@@ -65,7 +65,6 @@ PEERS = (
     _peer("SciPy DOP853, Python", "scipy_python", "DOP853"),
     _peer("SciPy LSODA, Python", "scipy_python", "LSODA"),
     _peer("SciPy DOP853, numba", "scipy_numba", "DOP853"),
-    _peer("SciPy LSODA, numba", "scipy_numba", "LSODA"),
     _peer("numbalsoda dop853", "numbalsoda_cfunc", "dop853"),
     _peer("numbalsoda lsoda", "numbalsoda_cfunc", "lsoda"),
     _peer("CyRK DOP853", "cyrk", "DOP853"),

@@ -26,7 +26,11 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "nothing of the error where a run is put back on its integrals: the largest correction and "
         "the sum of all stand beside it, w in units in which it is of order 1."
     )
-    yield Figure("stability", "Digits correct against digits expected of every hard case")
+    yield Figure(
+        "stability",
+        "Correct digits of every hard case, a strip a difficulty, a dot a run; "
+        "a ring: fewer digits than nine in ten such runs have; no mark: a run would take too long",
+    )
     yield from _behind(found)
     for kind in found["kinds"]:
         if kind["cases"]:

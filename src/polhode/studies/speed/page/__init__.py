@@ -61,10 +61,10 @@ def finding(found: dict[str, Any]) -> str:
     """The study in a sentence."""
     if found.get("cells"):
         return lengths.claim(found["cells"], lengths.SHOWN)
-    return _on_regular(found)
+    return on_regular(found)
 
 
-def _on_regular(found: dict[str, Any]) -> str:
+def on_regular(found: dict[str, Any]) -> str:
     """Who is ahead on the regular motions to their ends."""
     regular = [m for m in found["motions"] if m["kind"] == "regular"]
     ends = ", ".join(sorted({f"{m['end']:g}" for m in regular}, key=float))
@@ -89,10 +89,10 @@ def _target(found: dict[str, Any]) -> Iterator[Block]:
         return
     yield Heading("From 1e-6 down to three times kappa·eps")
     if target["ahead"]:
-        yield Text(_on_regular(found))
+        yield Text(on_regular(found))
     else:
         yield Text("polhode's double curve is ahead of every peer but these:")
-        yield Items(tuple(_behind(row) for row in target["behind"]))
+        yield Items(tuple(behind(found)))
     if not target["reaches_floor"]:
         short = [
             f"{m['motion']} {m['verdict']['reach']:.1f} of {m['verdict']['to_digits']:.1f}"
@@ -100,6 +100,11 @@ def _target(found: dict[str, Any]) -> Iterator[Block]:
             if m["kind"] == "regular" and "verdict" in m and not m["verdict"]["reaches_floor"]
         ]
         yield Text("It ends above three times kappa·eps on (digits): " + ", ".join(short) + ".")
+
+
+def behind(found: dict[str, Any]) -> list[str]:
+    """Where it is not, a line a motion and peer."""
+    return [_behind(row) for row in found["target"]["behind"]]
 
 
 def _behind(row: dict[str, Any]) -> str:

@@ -9,6 +9,7 @@ from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text
 
 OURS, ENGINE = "polhode", "heyoka alone"
 SHOWN = 9.0  # digits of the figure and of the finding
+LEVELS = (6.0, 9.0, 12.0)  # digits of the README's sentences
 
 
 class Closest(NamedTuple):
@@ -38,7 +39,12 @@ def blocks(cells: Sequence[dict[str, Any]]) -> Iterator[Block]:
         for level in _levels(cells):
             yield Text(claim(cells, level))
         yield _overview(cells)
-        yield Figure("lengths", f"Seconds of a run to {SHOWN:g} digits over its length, by method")
+        yield Figure(
+            "lengths",
+            f"Seconds to {SHOWN:g} digits over the length of a run with eleven outputs: median and "
+            "a bar over the starts; no mark: not every start reaches them, or the method was not "
+            "run so far",
+        )
     yield _every(cells)
     told = {f"{name}: {fault}": None for cell in cells for name, fault in cell["faults"].items()}
     if told:
