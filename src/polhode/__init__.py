@@ -17,6 +17,7 @@ if _TYPE_CHECKING:
     from polhode.common.errors import BadInput
     from polhode.common.provenance import __version__
     from polhode.dynamics.levels import Levels, levels
+    from polhode.dynamics.sections import Section, section
     from polhode.enclosures.certify import certify
     from polhode.enclosures.events import CertifiedEvents, certify_events
     from polhode.enclosures.result import Enclosure
@@ -31,7 +32,7 @@ if _TYPE_CHECKING:
     from polhode.runs.trajectory import Trajectory
     from polhode.scenes.body import Body
     from polhode.scenes.library import load
-    from polhode.scenes.scene import Event, Scene
+    from polhode.scenes.scene import Event, Scene, SectionPlan
     from polhode.taylor.outcomes import EventTimes, Outcome, Projection
 
 _HOMES = {
@@ -52,6 +53,8 @@ _HOMES = {
     "Reference": "judging.reference",
     "Rolling": "judging.rolling",
     "Scene": "scenes.scene",
+    "Section": "dynamics.sections",
+    "SectionPlan": "scenes.scene",
     "Trajectory": "runs.trajectory",
     "TwoPrecisions": "judging.reference",
     "__version__": "common.provenance",
@@ -66,6 +69,7 @@ _HOMES = {
     "lyapunov": "judging.lyapunov",
     "reference": "judging.reference",
     "rolling": "judging.rolling",
+    "section": "dynamics.sections",
 }
 
 __all__ = [*_HOMES]

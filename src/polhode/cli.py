@@ -18,7 +18,7 @@ from polhode.verbs.terminal import BAD_INPUT, DONE, INTERRUPTED
 
 VERBS = (
     *("list", "show", "run", "reference", "check", "compare", "sweep", "plot", "study", "report"),
-    *("levels", "about"),
+    *("levels", "section", "about"),
 )
 
 

@@ -16,14 +16,16 @@ from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import NAMES
 from polhode.scenes.body import Body, Matrix, UnphysicalBody, Vector, diagonal, dot, scaled
 from polhode.scenes.level import SIGNS, omega_on_level
-from polhode.scenes.scene import Event, Published, Scene, even_times
+from polhode.scenes.scene import Event, Published, Scene, SectionPlan, even_times
 from polhode.scenes.words import (
     ANGLES,
     ATTITUDE,
     DIRECTIONS,
+    EXTREMA,
     READY_MADE,
     REFERENCES,
     SECTION,
+    SECTIONS,
     STATE,
 )
 
@@ -34,7 +36,7 @@ MAX_SAMPLES = 1_000_000
 _SECTIONS: dict[str, tuple[str, ...]] = {
     "": (
         *("schema", "title", "tags", "cite", "body", "start", "run"),
-        *("events", "published", "reference", "expect"),
+        *("events", "published", "reference", "expect", "section"),
     ),
     "body": ("moments", "inertia", "centre", "weight"),
     "start": (
@@ -45,6 +47,7 @@ _SECTIONS: dict[str, tuple[str, ...]] = {
     "events": ("name", "zero", "direction", "stop"),
     "published": ("t", "quantity", "value", "cite", "right"),
     "reference": ("kind",),
+    "section": ("by", "extremum", "crossings", "starts"),
     "expect": NAMES,
 }
 
@@ -137,6 +140,7 @@ class _Reading:
             reference=kind,
             expect=self.expect(self.table("expect", required=False)),
             source=text,
+            section=self.section(self.table("section", required=False)),
         )
 
     # -- sections -----------------------------------------------------------------------------
@@ -306,6 +310,23 @@ class _Reading:
             raise self.bad(f"{key}.right", right, "how many of its digits are right")
         return Published(t, quantity, value, self.word(f"{key}.cite", table.get("cite")), right)
 
+    def section(self, table: Mapping[str, Any]) -> SectionPlan:
+        plan = SectionPlan()
+        by = self.word("section.by", table.get("by", plan.by))
+        if by not in SECTIONS:
+            self.readable("section.by", by, STATE)
+        extremum = self.word("section.extremum", table.get("extremum", plan.extremum))
+        if extremum not in EXTREMA:
+            raise self.bad("section.extremum", extremum, nearest(extremum, [*EXTREMA]))
+        crossings = table.get("crossings", plan.crossings)
+        if not _is_int(crossings) or not 1 <= crossings <= MAX_SAMPLES:
+            raise self.bad("section.crossings", crossings, f"an integer from 1 to {MAX_SAMPLES}")
+        starts = tuple(
+            self.row(f"section.starts[{k + 1}]", row)
+            for k, row in enumerate(self.array("section.starts", table.get("starts", [])))
+        )
+        return SectionPlan(by, extremum, crossings, starts)
+
     def expect(self, table: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
         bands = {}
         for number, band in table.items():
@@ -362,6 +383,9 @@ class _Reading:
     def vector(self, key: str, value: Any) -> Vector:
         a, b, c = (self.number(key, item) for item in self.array(key, value, 3))
         return a, b, c
+
+    def row(self, key: str, value: Any) -> tuple[Exact, ...]:
+        return tuple(self.number(key, item) for item in self.array(key, value))
 
     def number(self, key: str, value: Any) -> Exact:
         try:
