@@ -17,6 +17,7 @@ if _TYPE_CHECKING:
     from polhode.common.errors import BadInput
     from polhode.common.provenance import __version__
     from polhode.dynamics.levels import Levels, levels
+    from polhode.dynamics.sections import Section, section
     from polhode.enclosures.certify import certify
     from polhode.enclosures.events import CertifiedEvents, certify_events
     from polhode.enclosures.result import Enclosure
@@ -34,7 +35,7 @@ if _TYPE_CHECKING:
     from polhode.scenes.body import Body
     from polhode.scenes.from_numbers import top
     from polhode.scenes.library import load
-    from polhode.scenes.scene import Event, Published, Scene
+    from polhode.scenes.scene import Event, Published, Scene, SectionPlan
     from polhode.scenes.scene_text import toml as as_toml
     from polhode.scenes.shapes import Part
     from polhode.taylor.outcomes import EventTimes, Outcome, Projection
@@ -60,6 +61,8 @@ _HOMES = {
     "Reference": "judging.reference",
     "Rolling": "judging.rolling",
     "Scene": "scenes.scene",
+    "Section": "dynamics.sections",
+    "SectionPlan": "scenes.scene",
     "Trajectory": "runs.trajectory",
     "TwoPrecisions": "judging.reference",
     "__version__": "common.provenance",
@@ -79,6 +82,7 @@ _HOMES = {
     "rolling": "judging.rolling",
     "top": "scenes.from_numbers",
     "view": "figures.drawing",
+    "section": "dynamics.sections",
 }
 
 __all__ = [*_HOMES]

@@ -275,6 +275,7 @@ def scene_with(section, key, value):
         "events": ['name = "x"', 'zero = "p"'],
         "published": ["t = 1", 'quantity = "p"', 'value = "1"', 'cite = "me"'],
         "reference": [],
+        "section": [],
         "expect": [],
     }
     if section == "body.parts":
@@ -284,7 +285,7 @@ def scene_with(section, key, value):
     lines = parts[section]
     parts[section] = [x for x in lines if x.split(" ")[0] != key] + ([line] if line else [])
     text = []
-    for name in ("", "body", "body.parts", "start", "run", "reference", "expect"):
+    for name in ("", "body", "body.parts", "start", "run", "reference", "section", "expect"):
         if name in parts:
             head = {"": "", "body.parts": "[[body.parts]]"}.get(name, f"[{name}]")
             text += [head, *parts[name]]

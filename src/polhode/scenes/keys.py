@@ -16,12 +16,14 @@ from polhode.scenes.shapes import AXES, SHAPES
 from polhode.scenes.words import (
     CENTRE,
     DIRECTIONS,
+    EXTREMA,
     FIXED_POINT,
     FORMS,
     OUTPUTS,
     READY_MADE,
     REFERENCES,
     SECTION,
+    SECTIONS,
     SIGNS,
 )
 
@@ -56,6 +58,7 @@ KEYS: dict[str, tuple[Key, ...]] = {
         Key("events", TABLES, "what to look for on the way", default="[]"),
         Key("published", TABLES, "figures that somebody printed", default="[]"),
         Key("reference", TABLE, "what a run is judged against", default="{}"),
+        Key("section", TABLE, "how its level is cut, for `polhode section`", default="{}"),
         Key("expect", TABLE, "least and most correct digits by number type", default="{}"),
     ),
     "body": (
@@ -190,6 +193,18 @@ KEYS: dict[str, tuple[Key, ...]] = {
         Key("right", WHOLE, "digits known to be right, where not all are", "7"),
     ),
     "reference": (Key("kind", WORD, f"one of {_listed(REFERENCES)}", '"euler"', '"auto"'),),
+    "section": (
+        Key(
+            "by",
+            WORD,
+            f"{_listed(SECTIONS)}, or an expression that vanishes",
+            '"height"',
+            '"momentum"',
+        ),
+        Key("extremum", WORD, f"of the first two, one of {_listed(EXTREMA)}", '"min"', '"max"'),
+        Key("crossings", WHOLE, "so many of each orbit", "100", "500"),
+        Key("starts", "rows of numbers", "starts in the section's coordinates", "[[1, 0.5]]", "[]"),
+    ),
     "expect": tuple(
         Key(name, "two numbers", f"band of correct digits in {name}", "[11.0, 14.5]")
         for name in NAMES

@@ -94,6 +94,19 @@ class Event(NamedTuple):
 _PARTS = {"tags": str, "cite": str, "outputs": str, "events": Event, "published": Published}
 
 
+class SectionPlan(NamedTuple):
+    """How a scene's level is cut: see :func:`polhode.section`.
+
+    ``by``: momentum, height or an expression.  ``extremum``: max or min.  ``starts``: rows of
+    numbers in the section's coordinates.
+    """
+
+    by: str = "momentum"
+    extremum: str = "max"
+    crossings: int = 500
+    starts: tuple[tuple[Exact, ...], ...] = ()
+
+
 class Integrals(NamedTuple):
     """h, f and |gamma|² - 1 with the scales they are judged on; f and gamma None without gamma."""
 
@@ -138,6 +151,7 @@ class Scene:
     reference: str = "auto"
     expect: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     source: str = ""  # the text it was read from, for the provenance
+    section: SectionPlan = field(default_factory=SectionPlan)
     normalise: InitVar[bool] = False
 
     def __post_init__(self, normalise: bool) -> None:
@@ -152,6 +166,7 @@ class Scene:
             object.__setattr__(self, key, parts)
         for k, event in enumerate(self.events):
             self._check_event(f"events[{k + 1}]", event)
+        of_kind(self.name, "section", self.section, SectionPlan, "a SectionPlan")
         of_kind(self.name, "expect", self.expect, Mapping, "bands of digits by number type")
         of_kind(self.name, "body", self.body, Body, "a Body")
         object.__setattr__(self, "omega", exact_vector(self.omega, self.name, "start.omega"))

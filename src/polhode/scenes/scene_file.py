@@ -15,14 +15,16 @@ from polhode.numbers.expression import ExpressionError
 from polhode.scenes.body import Body, Vector
 from polhode.scenes.body_and_start import body_of, start_of
 from polhode.scenes.reading import Literal, Reading, is_int
-from polhode.scenes.scene import Event, Published, Scene, even_times
+from polhode.scenes.scene import Event, Published, Scene, SectionPlan, even_times
 from polhode.scenes.words import (
     ANGLES,
     ATTITUDE,
     DIRECTIONS,
+    EXTREMA,
     READY_MADE,
     REFERENCES,
     SECTION,
+    SECTIONS,
     STATE,
 )
 
@@ -116,6 +118,7 @@ class _File(Reading):
             reference=kind,
             expect=self.expect(self.table("expect", required=False)),
             source=text,
+            section=self.section(self.table("section", required=False)),
         )
 
     # -- sections -----------------------------------------------------------------------------
@@ -178,6 +181,26 @@ class _File(Reading):
         if right is not None and (not is_int(right) or not 0 <= right <= 100):
             raise self.bad(f"{key}.right", right, "how many of its digits are right")
         return Published(t, quantity, value, self.word(f"{key}.cite", table.get("cite")), right)
+
+    def section(self, table: Mapping[str, Any]) -> SectionPlan:
+        """How the level is cut, of a table [section]."""
+        by, extremum = (
+            self.word(f"section.{key}", self.given("section", table, key))
+            for key in ("by", "extremum")
+        )
+        if by not in SECTIONS:
+            self.readable("section.by", by, STATE)
+        if extremum not in EXTREMA:
+            raise self.bad("section.extremum", extremum, nearest(extremum, [*EXTREMA]))
+        crossings = self.given("section", table, "crossings")
+        if not is_int(crossings) or not 1 <= crossings <= MAX_SAMPLES:
+            raise self.bad("section.crossings", crossings, f"an integer from 1 to {MAX_SAMPLES}")
+        starts = []
+        rows = self.array("section.starts", self.given("section", table, "starts"))
+        for k, row in enumerate(rows):
+            key = f"section.starts[{k + 1}]"
+            starts.append(tuple(self.number(key, item) for item in self.array(key, row)))
+        return SectionPlan(by, extremum, crossings, tuple(starts))
 
     def expect(self, table: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
         """Bands of digits by number type."""

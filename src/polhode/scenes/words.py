@@ -41,6 +41,10 @@ ANGLE_VARIABLES = ("psi", "phi")  # of the angles, those that are integrated alo
 FLIP, SECTION = "flip", "section:"
 
 
+#: Sections that every orbit crosses, and which of their extrema are taken.
+SECTIONS, EXTREMA = ("momentum", "height"), ("max", "min")
+
+
 READY_MADE = {"nutation": "p*gamma2 - q*gamma1", "equator": "gamma3", FLIP: None}
 
 #: In which direction an event's expression passes zero, as t grows.

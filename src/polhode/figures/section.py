@@ -1,0 +1,63 @@
+"""Figure of a section: every crossing a dot, an orbit a colour."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from polhode.dynamics.sections import Section
+from polhode.equations.section_zero import HEIGHT
+
+#: Dark enough on white, neighbours far apart.
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d00", "#5d3a9b", "#1b9e9e", "#a50f15")
+
+
+def draw(plt: Any, found: Section) -> Any:
+    """l and L/G; of a section by height the azimuth of the vertical about r0 and its cosine."""
+    figure, axes = plt.subplots(figsize=(5.6, 4.2), layout="constrained")
+    first, second = (found.l, found.ratio) if found.by != HEIGHT else height(found)
+    made = int(found.counts.sum())
+    size = float(np.clip(120 * made**-0.5, 0.7, 3.0))  # dots that neither vanish nor merge
+    order = np.argsort(np.argsort(found.starts[:, 1], kind="stable"), kind="stable")
+    for orbit, n in enumerate(found.counts):
+        axes.plot(
+            first[orbit, :n],
+            second[orbit, :n],
+            ".",
+            ms=size,
+            mew=0,
+            color=COLOURS[order[orbit] % len(COLOURS)],
+            rasterized=made > 20_000,
+            gid=f"orbit {orbit + 1}",
+        )
+    axes.set(xlim=(0, 2 * np.pi), ylim=(-1, 1))
+    axes.set_xticks(np.arange(5) * np.pi / 2, ["0", "π/2", "π", "3π/2", "2π"])
+    if found.by == HEIGHT:
+        axes.set(xlabel="azimuth of γ about r₀", ylabel="γ·r₀/|r₀|")
+    else:
+        axes.set(xlabel="l", ylabel="L/G")
+    kind = "" if found.by not in (HEIGHT, "momentum") else f", {found.extremum}ima"
+    what = {"momentum": "|G|", HEIGHT: "height"}.get(found.by, found.by)
+    axes.set_title(
+        f"{what}{kind}: h = {float_of(found.h):.6g}, f = {float_of(found.f):.6g}", size=9
+    )
+    return figure
+
+
+def height(found: Section) -> tuple[Any, Any]:
+    """The azimuth of gamma about r0 and its cosine, of every crossing."""
+    from polhode.dynamics import section_states as geometry
+    from polhode.numbers.convert import to_double
+
+    on = geometry.ground(found.scene, found.h, found.f)
+    rows = np.array([[to_double(x) for x in row] for row in found.scene.body.axes.rows])
+    principal = np.concatenate([found.states[..., :3] @ rows.T, found.states[..., 3:] @ rows.T], -1)
+    return geometry.height_coordinates(on, principal)
+
+
+def float_of(x: Any) -> float:
+    """An exact number as a double."""
+    from polhode.numbers.convert import to_double
+
+    return to_double(x)

@@ -1,0 +1,74 @@
+"""A section as a JSON object and as arrays; names and shapes are a contract."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+from polhode.common.files import is_stream, write_whole
+from polhode.dynamics.sections import Section
+from polhode.numbers.decimals import shown
+from polhode.output import results
+
+
+def of_section(found: Section) -> dict[str, Any]:
+    """The object that ``section --json`` prints: a list an orbit, as long as it has crossings."""
+
+    def rows(array: Any) -> list[Any]:
+        return [row[:n].tolist() for row, n in zip(array, found.counts, strict=True)]
+
+    return {
+        **_about(found),
+        "starts": found.starts.tolist(),
+        "l": rows(found.l),
+        "L_over_G": rows(found.ratio),
+        "times": rows(found.times),
+        "rests": rows(found.rests),
+        "states": rows(found.states),
+        "outcomes": list(found.outcomes),
+        "provenance": dict(found.provenance),
+    }
+
+
+def arrays(found: Section) -> dict[str, Any]:
+    """The arrays of an NPZ file, none of which needs pickle; ``state`` is (n, 6, m)."""
+    import numpy as np
+
+    return {
+        "start": found.starts,
+        "state": np.swapaxes(found.states, 1, 2),
+        "time": found.times,
+        "rest": found.rests,
+        "l": found.l,
+        "L_over_G": found.ratio,
+        "count": found.counts,
+        "outcome": np.array(found.outcomes),
+        "about": np.array(results.as_json(_about(found) | {"provenance": dict(found.provenance)})),
+    }
+
+
+def _about(found: Section) -> dict[str, Any]:
+    return {
+        "scene": found.scene.name,
+        "h": shown(found.h),
+        "f": shown(found.f),
+        "by": found.by,
+        "extremum": found.extremum,
+        "drift": found.drift,
+        "complete": found.complete,
+    }
+
+
+def write_arrays(path: Path, held: dict[str, Any]) -> None:
+    """Write arrays as an NPZ file, whole."""
+    import numpy as np
+
+    out = io.BytesIO()
+    np.savez(out, **held)
+    write_whole({path: out.getvalue()})
+
+
+def parts_of(path: Path) -> Path | None:
+    """The folder beside an output that keeps finished jobs; None beside a stream."""
+    return None if is_stream(path) else path.with_name(path.name + ".part")

@@ -1,0 +1,315 @@
+"""Crossings of a section by many orbits of one body: batches of doubles with an event.
+
+heyoka's batch integrator gives each crossing's time and state; two steps of Newton's method in
+numpy then put all of them on the section.  Between chunks of time the clock starts again from 0,
+so that a time is a chunk's start and a small rest, and the states are put back on the first
+integrals.  What a lane gives does not depend on its neighbours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import heyoka as hy
+import numpy as np
+
+from polhode.equations.forms import principal
+from polhode.equations.integrals import FirstIntegrals
+from polhode.equations.section_zero import SectionZero
+from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.scalars import Functions, Scalar
+from polhode.scenes.words import STATE
+from polhode.taylor.batches import width
+from polhode.taylor.heyoka_numbers import EXPRESSIONS
+from polhode.taylor.kinds import HeyokaIntegrator
+from polhode.taylor.pool import Idle
+from polhode.taylor.projection import least_norm
+from polhode.taylor.variations import Doubles
+
+ARRAYS = Functions(0.0, np.sin, np.cos, np.sqrt)
+
+DONE, NONE_LEFT, NON_FINITE, STOPPED = "all crossings", "no more crossings", "not finite", "stopped"
+
+_BESIDE = 1e-6  # of a unit of time: a lane so near to a crossing runs on before it is touched
+_BEGIN = 1e-9  # of a chunk: a crossing before it is the start itself
+_TINY = 1e-30  # of a complex step
+_DIRECTIONS = {
+    -1: hy.event_direction.negative,
+    0: hy.event_direction.any,
+    1: hy.event_direction.positive,
+}
+
+
+class Level(NamedTuple):
+    """The integrals to which states are put back, with their coefficients as longdoubles.
+
+    ``targets``: of h, f and |gamma|^2 (shared); the fourth is each orbit's own.
+    """
+
+    integrals: FirstIntegrals
+    coefficients: Mapping[str, Any]
+    targets: tuple[Any, ...]
+
+
+class CrossingJob(NamedTuple):
+    """Orbits of one body, to be followed to so many crossings, or to ``end``.
+
+    ``coefficients``: of the principal form, by name.  ``direction``: -1 falling, 1 rising, 0 any.
+    ``chunk``: time between two projections; ``patience``: chunks without a crossing until an orbit
+    is given up.  ``starts``: (n, 6) in principal axes and the run's unit of time.
+    """
+
+    coefficients: tuple[tuple[str, float], ...]
+    zero: SectionZero
+    direction: int
+    most: int
+    end: float
+    chunk: float
+    patience: int
+    level: Level
+    starts: Doubles
+
+
+class Crossed(NamedTuple):
+    """Of each orbit the crossings found: nan where there are none.
+
+    ``states`` (n, count, 6), ``times`` and ``rests`` (n, count): a time is their sum.  ``slopes``
+    (n, count): derivative of the section's function there.  ``found``: how many an orbit has.
+    ``outcomes``: how each ended.  ``drift``: the largest residual of an integral met, relative.
+    """
+
+    states: Doubles
+    times: Doubles
+    rests: Doubles
+    slopes: Doubles
+    found: Any
+    outcomes: tuple[str, ...]
+    drift: float
+
+
+def solve(job: CrossingJob, stop: Callable[[], bool] | None = None) -> Crossed:
+    """Follow a job's orbits, as many at a time as a step advances."""
+    return _Lanes(job, width(DOUBLE)).run(stop)
+
+
+def joined(parts: Sequence[Crossed]) -> Crossed:
+    """The results of several jobs as one."""
+    return Crossed(
+        np.concatenate([part.states for part in parts]),
+        np.concatenate([part.times for part in parts]),
+        np.concatenate([part.rests for part in parts]),
+        np.concatenate([part.slopes for part in parts]),
+        np.concatenate([part.found for part in parts]),
+        tuple(outcome for part in parts for outcome in part.outcomes),
+        max((part.drift for part in parts), default=0.0),
+    )
+
+
+def rates(coefficients: Mapping[str, float], state: Any) -> Any:
+    """The field at columns of states: six rows."""
+    found = principal.field(list(state), coefficients, ARRAYS)
+    return np.array([rate + 0 * state[0] for rate in found])  # a rate of 0 is a float
+
+
+def slope(zero: SectionZero, state: Any, velocity: Any) -> Any:
+    """The derivative of a section's function along the motion, by a complex step."""
+    return np.imag(zero.value(list(state + _TINY * 1j * velocity), ARRAYS)) / _TINY
+
+
+def polished(
+    coefficients: Mapping[str, float], zero: SectionZero, state: Any, time: Any
+) -> tuple[Any, Any, Any]:
+    """States (6, n) and times brought onto the section by two steps; and the slope there."""
+    with np.errstate(all="ignore"):
+        for _ in range(2):
+            velocity = rates(coefficients, state)
+            curve = np.imag(rates(coefficients, state + _TINY * 1j * velocity)) / _TINY
+            value = np.real(zero.value(list(state), ARRAYS))
+            step = -value / slope(zero, state, velocity)
+            step = np.where(np.abs(step) < 1e-3, step, 0.0)  # a grazing contact stays
+            state = state + step * (velocity + step / 2 * curve)
+            time = time + step
+        return state, time, slope(zero, state, rates(coefficients, state))
+
+
+class Put:
+    """Puts columns of states back on their level by one least-norm step of Newton's method."""
+
+    def __init__(self, level: Level, starts: Any) -> None:
+        self.level = level
+        self.drift = 0.0
+        own = self._values(starts.astype(np.longdouble))
+        shared = len(level.targets)
+        self.targets = np.array([x + 0 * own[0] for x in level.targets] + own[shared:])
+        h, f = np.abs(self.targets[:2].astype(float))
+        around = np.abs(np.array(own[:1], dtype=float))[0]
+        energy = np.maximum(h, around) + 1e-300
+        self.scales = np.array([energy, np.maximum(f, np.sqrt(energy)), 1 + 0 * energy])
+
+    def begin(self, lanes: Any, starts: Any) -> None:
+        """Other orbits begin in some lanes."""
+        fresh = Put(self.level, starts)
+        self.targets[:, lanes], self.scales[:, lanes] = fresh.targets, fresh.scales
+
+    def back(self, state: Any) -> Any:
+        """The states put back; as they are where the step is no rounding."""
+        values = self._values(state.astype(np.longdouble))
+        residuals = (self.targets - np.array(values)).astype(float)
+        with np.errstate(all="ignore"):
+            off = np.abs(residuals[:3]) / self.scales
+            self.drift = max(self.drift, float(np.max(off, initial=0.0, where=np.isfinite(off))))
+            moved = state[:, None, :] + _TINY * 1j * np.eye(6)[:, :, None]
+            rows = [np.imag(value) / _TINY for value in self._values(moved)]
+            step = np.array(least_norm(rows, list(residuals), 1 + 2.0**-18, 2.0**-256, 0.0))
+            size = np.sqrt((step * step).sum(axis=0))
+        return np.where(size < 1e-8, state + step, state)
+
+    def _values(self, state: Any) -> list[Any]:
+        return self.level.integrals.values(list(state), self.level.coefficients, 0 * state[0])
+
+
+class _Kept:
+    """heyoka's callback: the crossings that come by."""
+
+    def __init__(self) -> None:
+        self.rows: list[tuple[int, float, Doubles]] = []
+
+    def __call__(self, integrator: HeyokaIntegrator, time: float, _: int, lane: int) -> None:
+        integrator.update_d_output(time)
+        self.rows.append((lane, time, integrator.d_output[:, lane].copy()))
+
+    def __deepcopy__(self, _: object) -> _Kept:
+        return self
+
+
+_idle = Idle()  # pairs of an integrator and what keeps its crossings
+
+
+class _Lanes:
+    """A job's orbits in the lanes of one batch; where one is over the next begins."""
+
+    def __init__(self, job: CrossingJob, size: int) -> None:
+        self.job, self.size = job, size
+        self.key = (job.coefficients, job.zero, job.direction, size)
+        self.k = dict(job.coefficients)
+        self.orbit = np.minimum(np.arange(size), len(job.starts) - 1)  # of each lane
+        self.busy = np.arange(size) < len(job.starts)
+        self.next = min(size, len(job.starts))
+        self.state = job.starts[self.orbit].T.copy()
+        self.put = Put(job.level, self.state)
+        self.origin = np.zeros(size)
+        self.found = np.zeros(size, dtype=int)
+        self.quiet = np.zeros(size, dtype=int)
+        self.rows: list[tuple[int, float, float, Doubles]] = []  # orbit, origin, time, state
+        self.outcomes = [STOPPED] * len(job.starts)
+
+    def run(self, stop: Callable[[], bool] | None) -> Crossed:
+        """All of them."""
+        job = self.job
+        held: Any = _idle.take(self.key) or _built(job, self.size)
+        self.integrator: HeyokaIntegrator = held[0]
+        self.kept: _Kept = held[1]
+        while self.busy.any() and not (stop is not None and stop()):
+            self._chunk()
+            self._turn_over()
+        if np.isfinite(self.integrator.state).all():
+            _idle.put(self.key, held)
+        return self._crossed()
+
+    def _turn_over(self) -> None:
+        """Note how the orbits ended that did, and begin others in their lanes."""
+        job = self.job
+        lost: Any = ~np.isfinite(self.state).all(axis=0)
+        done = (self.found >= job.most) | (self.origin >= job.end)
+        over: Any = self.busy & (lost | done | (self.quiet >= job.patience))
+        for lane in np.flatnonzero(over):
+            ended = NON_FINITE if lost[lane] else DONE if done[lane] else NONE_LEFT
+            self.outcomes[self.orbit[lane]] = ended
+            if self.next == len(job.starts):
+                self.busy[lane] = False
+                self.state[:, lane] = job.starts[self.orbit[lane]]  # idles along
+                continue
+            self.orbit[lane], self.next = self.next, self.next + 1
+            self.state[:, lane] = job.starts[self.orbit[lane]]
+            self.origin[lane] = self.found[lane] = self.quiet[lane] = 0
+            self.put.begin([lane], self.state[:, [lane]])
+
+    def _chunk(self) -> None:
+        """One stretch of time: crossings kept, clock and state set anew."""
+        ta, job = self.integrator, self.job
+        ta.state[:] = self.state
+        ta.set_time(0.0)
+        self.kept.rows.clear()
+        target = np.where(self.busy, job.chunk, 0.0)
+        ta.propagate_until(target.tolist())
+        for _ in range(4):
+            near = self.busy & self._beside(ta.state)
+            if not near.any():
+                break
+            target = target + near * (job.chunk / 16)
+            ta.propagate_until(target.tolist())
+        self._keep()
+        self.state = self.put.back(ta.state.copy())
+        self.origin += target
+
+    def _beside(self, state: Any) -> Any:
+        """Which lanes are next to a crossing."""
+        with np.errstate(all="ignore"):
+            value = np.abs(np.real(self.job.zero.value(list(state), ARRAYS)))
+            if not (value < 1e-3).any():
+                return np.zeros(self.size, dtype=bool)
+            return value < _BESIDE * np.abs(slope(self.job.zero, state, rates(self.k, state)))
+
+    def _keep(self) -> None:
+        counts = np.zeros(self.size, dtype=int)
+        begin = _BEGIN * self.job.chunk
+        for lane, time, state in self.kept.rows:
+            if self.origin[lane] > 0 or time > begin:
+                self.rows.append((self.orbit[lane], self.origin[lane], time, state))
+                counts[lane] += 1
+        self.found += counts
+        self.quiet = np.where(counts > 0, 0, self.quiet + 1)
+
+    def _crossed(self) -> Crossed:
+        """All crossings polished at once, and put in order."""
+        job = self.job
+        n, most = len(job.starts), job.most
+        states = np.full((n, most, 6), np.nan)
+        times, rests, slopes = (np.full((n, most), np.nan) for _ in range(3))
+        found = np.zeros(n, dtype=int)
+        if self.rows:
+            orbits, origins, taus = (np.array([row[i] for row in self.rows]) for i in range(3))
+            raw = np.array([row[3] for row in self.rows]).T
+            raw, taus, by = polished(self.k, job.zero, raw, taus)
+            order = np.lexsort((taus, origins, orbits))  # a seam of steps may swap two
+            orbits, origins, taus = orbits[order], origins[order], taus[order]
+            nth = np.arange(len(orbits)) - np.searchsorted(orbits, orbits)
+            time = origins + taus
+            kept = (nth < most) & (time <= job.end)
+            at = orbits[kept], nth[kept]
+            times[at], rests[at] = time[kept], (taus - (time - origins))[kept]
+            slopes[at], states[at] = by[order][kept], raw[:, order][:, kept].T
+            found = np.bincount(orbits[kept], minlength=n)
+        return Crossed(states, times, rests, slopes, found, tuple(self.outcomes), self.put.drift)
+
+
+def _built(job: CrossingJob, size: int) -> tuple[HeyokaIntegrator, _Kept]:
+    kept = _Kept()
+    return _integrator(job.coefficients, job.zero, job.direction, size, kept), kept
+
+
+def _integrator(
+    coefficients: tuple[tuple[str, float], ...],
+    zero: SectionZero,
+    direction: int,
+    size: int,
+    kept: _Kept,
+) -> HeyokaIntegrator:
+    variables = hy.make_vars(*STATE)
+    constants: dict[str, Scalar] = {name: hy.expression(x) for name, x in coefficients}
+    field = principal.field(variables, constants, EXPRESSIONS)
+    crossing = zero.value(variables, EXPRESSIONS, hy.expression)
+    event = hy.nt_event_batch(crossing, kept, direction=_DIRECTIONS[direction])
+    system = list(zip(variables, field, strict=True))
+    return hy.taylor_adaptive_batch(system, np.zeros((6, size)), nt_events=[event])

@@ -1,0 +1,123 @@
+"""``polhode section``: where orbits of one level cross a section."""
+
+from __future__ import annotations
+
+import re
+from argparse import ArgumentParser, Namespace
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from polhode.common.errors import BadInput
+from polhode.scenes import library
+from polhode.verbs.terminal import (
+    DONE,
+    INTERRUPTED,
+    NOT_REACHED,
+    Progress,
+    note,
+    positive,
+    print_json,
+    print_table,
+    refuse_two_on_stdout,
+)
+
+HELP = "crossings of a section by many orbits on one level of energy and area"
+
+
+def options(parser: ArgumentParser) -> None:
+    """The verb's own options."""
+    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+    by = "momentum (extrema of |G|, the default), height (of the centre), or an expression"
+    parser.add_argument("--by", help=by)
+    parser.add_argument("--extremum", help="max (default) or min")
+    parser.add_argument("--grid", metavar="NxM", help="starts in the centres of N x M cells (9x8)")
+    starts = (
+        "starts of a text file, a line each: l L/G [k], or gamma1 gamma2 gamma3 ±1 for height; "
+        "or scene, its own start"
+    )
+    parser.add_argument("--starts", metavar="FILE", help=starts)
+    parser.add_argument("--crossings", type=positive, metavar="N", help="of each orbit (500)")
+    for key in ("h", "f"):
+        parser.add_argument(f"--{key}", metavar="X", help=f"{key} of the level, if not the scene's")
+    parser.add_argument("--workers", type=positive, metavar="N", help="processes (as many as pay)")
+    output = "FILE.npz, or a figure .svg, .png, .pdf; what was stopped goes on from FILE.part"
+    parser.add_argument("-o", dest="file", metavar="FILE", help=output)
+
+
+def main(options: Namespace) -> int:
+    """Follow the orbits, print or write their crossings."""
+    from polhode.common.files import check_writable, is_stdout, write_whole
+    from polhode.dynamics.sections import OWN, read_starts, section
+    from polhode.figures import canvas
+    from polhode.output import sections as output
+
+    scene = library.load(options.scene)
+    grid = None if options.grid is None else read_grid(scene.name, options.grid)
+    if grid is not None and options.starts is not None:
+        raise BadInput(scene.name, "--starts", options.starts, "either --grid or --starts")
+    path = None if options.file is None else Path(options.file)
+    if path is not None:
+        inputs = [library.path_of(options.scene)]
+        check_writable(path, [".npz", *canvas.SUFFIXES], inputs)
+        refuse_two_on_stdout(path, options.json)
+        if path.suffix.lower() in canvas.SUFFIXES:
+            canvas.require()
+    given: Any = options.starts
+    if given not in (None, OWN):
+        given = read_starts(Path(given))
+    with Progress("section") as progress:
+        found = section(
+            scene,
+            options.by,
+            options.extremum,
+            given,
+            grid,
+            options.crossings,
+            options.h,
+            options.f,
+            options.workers,
+            parts=None if path is None else output.parts_of(path),
+            progress=lambda fraction, done: progress.say(f"{100 * fraction:.0f} %, {done} orbits"),
+        )
+    if path is not None and not found.interrupted:
+        if path.suffix.lower() in canvas.SUFFIXES:
+            from polhode.figures import section as figure
+
+            title = f"polhode: section of {scene.name}"
+            write_whole({path: canvas.drawn(figure.draw, found, path.suffix.lower(), title)})
+        else:
+            output.write_arrays(path, output.arrays(found))
+        if found.kept is not None:
+            found.kept.remove()
+    if options.json:
+        print_json(output.of_section(found))
+    elif path is None:
+        print_table(*table(found))
+    elif is_stdout(path):
+        return DONE
+    told = Counter(found.outcomes)
+    note(f"{scene.name}: {found!r}; " + ", ".join(f"{n} {name}" for name, n in told.items()))
+    if found.interrupted:
+        if found.kept is not None:
+            note(f"polhode: the same command goes on from {found.kept.folder}")
+        return INTERRUPTED
+    return DONE if found.complete else NOT_REACHED
+
+
+def read_grid(name: str, text: str) -> tuple[int, int]:
+    """The two numbers of ``NxM``."""
+    match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text.strip())
+    if match is None or int(match[1]) * int(match[2]) == 0:
+        raise BadInput(name, "--grid", text, "NxM, such as 9x8")
+    return int(match[1]), int(match[2])
+
+
+def table(found: Any) -> tuple[list[str], list[list[str]]]:
+    """Header and a line for each crossing."""
+    rows = []
+    for orbit, n in enumerate(found.counts):
+        for m in range(n):
+            numbers = (found.times[orbit, m], found.l[orbit, m], found.ratio[orbit, m])
+            rows.append([str(orbit + 1), str(m + 1), *(f"{x:#.15g}" for x in numbers)])
+    return ["orbit", "crossing", "t", "l", "L/G"], rows
