@@ -12,6 +12,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple
 
+from polhode.common import upstairs
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest
 from polhode.numbers import exact
@@ -187,6 +188,9 @@ class Scene:
         moments = ", ".join(shown(x) for x in self.body.moments)
         until = f", {len(self.times)} times to t = {shown(self.end)}" if self.times else ""
         return f"<Scene {self.name}: moments {moments}{until}>"
+
+    def _repr_html_(self) -> str:
+        return str(upstairs.call("output.notebook:of_scene", self))
 
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)
