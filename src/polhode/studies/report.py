@@ -27,7 +27,7 @@ from polhode.studies.page.blocks import Block, Heading, Text, markdown
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
 STUDIES = (
     *("accuracy", "certified", "speed", "stability", "long-run", "forms", "events"),
-    "published",
+    *("published", "gallery"),
 )
 PAGE = "report.html"
 #: What makes pages of results: a change there makes no result out of date.
