@@ -35,8 +35,9 @@ class Published(NamedTuple):
     """A figure that somebody printed: an expression in the columns and its printed value.
 
     >>> import polhode
-    >>> polhode.load("published/curtis").published[0].quantity
-    'x'
+    >>> figure = polhode.load("published/nasa-brick").published[0]
+    >>> figure.quantity, figure.cite
+    ('180/pi*p', 'NASA/TM-2015-218675 case 2 (recomputed to 20 digits)')
 
     A cite that ends in "(recomputed to N digits)": the scene is somebody's, the figure is not.
     """
