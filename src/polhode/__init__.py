@@ -30,6 +30,7 @@ if _TYPE_CHECKING:
     from polhode.judging.lyapunov import Lyapunov, lyapunov
     from polhode.judging.reference import Reference, TwoPrecisions, reference
     from polhode.judging.rolling import Rolling, rolling
+    from polhode.output.archive import load_run
     from polhode.runs.sweep import Ensemble, integrate_many
     from polhode.runs.trajectory import Trajectory
     from polhode.scenes.body import Body
@@ -76,6 +77,7 @@ _HOMES = {
     "integrate_many": "runs.sweep",
     "levels": "dynamics.levels",
     "load": "scenes.library",
+    "load_run": "output.archive",
     "lyapunov": "judging.lyapunov",
     "plot": "figures.drawing",
     "reference": "judging.reference",

@@ -20,7 +20,7 @@ from polhode.verbs.terminal import BAD_INPUT, DONE, INTERRUPTED
 
 VERBS = (
     *("list", "show", "run", "reference", "check", "compare", "sweep", "plot", "view"),
-    *("levels", "section", "study", "report", "about"),
+    *("levels", "section", "study", "report", "guide", "about"),
 )
 
 
@@ -66,6 +66,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         try:
             given = sys.argv[1:] if arguments is None else arguments
+            if given[:1] == ["--print-completion"]:
+                terminal.say(_completion(given[1:]))
+                return DONE
             if not given:
                 terminal.say(WELCOME.rstrip())
                 return DONE
@@ -98,6 +101,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _interrupted() -> int:
     print("polhode: interrupted", file=sys.stderr)
     return INTERRUPTED
+
+
+def _completion(given: Sequence[str]) -> str:
+    """A script that completes verbs and options in a shell."""
+    try:
+        import shtab
+    except ImportError:
+        expected = "shtab, which completion needs: pip install 'polhode[shell]'"
+        raise BadInput("polhode", "--print-completion", None, expected) from None
+    shells = list(shtab.SUPPORTED_SHELLS)
+    if len(given) != 1 or given[0] not in shells:
+        shell = given[0] if given else None
+        raise BadInput("polhode", "--print-completion", shell, nearest(shell, shells))
+    return str(shtab.complete(_parser(), given[0])).rstrip()
 
 
 def _joined(arguments: Sequence[str]) -> list[str]:

@@ -269,7 +269,7 @@ def test_a_backward_scene_is_drawn_backward(tmp_path):
         (["euler/no-gamma", "--what", "angles"], "start.gamma"),
         (["euler/no-gamma", "--what", "hodographs"], "start.gamma"),
         (["euler/no-gamma", "--what", "sphere"], "start.gamma"),
-        ([TOP, "--what", "pictures"], "invalid choice"),
+        ([TOP, "--what", "pictures"], "--what = pictures: expected angles, "),
         ([TOP], "--what"),
         ([TOP, "--what", "angles", "--end", "soon"], "--end"),
         ([TOP, "--what", "angles", "--end", "0"], "end other than 0"),

@@ -35,6 +35,8 @@ def same(one: Any, other: Any) -> bool:
     """Whether two values are equal; arrays, lists and mappings by their elements, nan as itself."""
     if one is other:
         return True
+    if isinstance(one, float) and isinstance(other, float):  # numpy's doubles are floats, too
+        return one == other or (one != one and other != other)
     if hasattr(one, "dtype") or hasattr(other, "dtype"):
         return _same_arrays(one, other)
     if isinstance(one, (list, tuple)):

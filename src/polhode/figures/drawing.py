@@ -40,8 +40,8 @@ class Page:
 
     >>> import polhode
     >>> page = polhode.view("lagrange/looping", end=4)
-    >>> page
-    <Page of lagrange/looping: 185 kB>
+    >>> page.name, 90_000 < len(page.text) < 200_000
+    ('lagrange/looping', True)
     """
 
     name: str

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from polhode.common.arguments import each, steps, whole
 from polhode.common.errors import BadInput
+from polhode.common.progress import bar
 from polhode.common.text import few
 from polhode.numbers import number_types
 from polhode.numbers.convert import exact_number
@@ -41,7 +42,7 @@ def integrate(
     inputs: NumberType | None = None,
     project: bool | int | None = None,
     method: str = "auto",
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Trajectory:
     """Integrate the Euler–Poisson equations (3.29) of a scene with heyoka's Taylor method.
 
@@ -54,7 +55,7 @@ def integrate(
     ``method``: "taylor", steps in the number type; "refined", a run in double corrected by exact
     arithmetic (:mod:`polhode.refined`), for quad and more digits; "auto", refined where that can be
     done and is faster; the trajectory's ``method`` tells which it was.  ``progress``: called now
-    and then with the fraction of the time done and the steps taken.
+    and then with the fraction of the time done and the steps taken; or True for a bar.
 
     ``digits``: the correct digits wanted.  They choose the number type, by how much this motion
     multiplies errors on the way; the run is then checked, by the closed form or by a second run in
@@ -74,6 +75,12 @@ def integrate(
     >>> run.checked_by, 30 <= run.correct_digits < 35
     ('closed form', True)
     """
+    if isinstance(progress, bool):
+        asked = {key: value for key, value in locals().items() if key != "progress"}
+        if not progress:
+            return integrate(**asked)
+        with bar(library.load(scene).name) as tell:
+            return integrate(**asked, progress=tell)
     scene = library.load(scene)
     if at is not None:
         scene = scene.at(each(scene.name, "at", at, exact_number, "times"))

@@ -10,6 +10,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from polhode.common import upstairs
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
 from polhode.common.text import aligned, few
@@ -210,6 +211,9 @@ class Judgement(ByValue):
 
     def __str__(self) -> str:
         return _wording(self)
+
+    def _repr_html_(self) -> str:
+        return str(upstairs.call("output.notebook:of_judgement", self))
 
     def __repr__(self) -> str:
         told = f"{self.worst:.2f} correct digits" if self.digits else "no state judged"

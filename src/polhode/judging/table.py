@@ -88,7 +88,7 @@ def table_of_columns(given: Any, number: NumberType | None = None) -> Table:
     Names are those of a file's header; the time may be a DataFrame's index.  Columns of doubles
     are known as such; nan, NaT and None are empty cells.  Raises BadInput.
     """
-    if hasattr(given, "reset_index"):  # a DataFrame
+    if hasattr(given, "iloc"):  # a DataFrame
         if column(str(given.index.name)).name == "t":
             given = given.reset_index()
         held = {str(name): given[name].to_numpy() for name in given.columns}

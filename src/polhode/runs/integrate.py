@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Sequence
 from fractions import Fraction
@@ -23,6 +24,8 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor import policy
 from polhode.taylor.outcomes import Outcome
+
+_LOG = logging.getLogger("polhode")
 
 
 def integrate(
@@ -77,6 +80,11 @@ def integrate(
         return refined
     run = Run(scene, chosen, tolerance, max_steps, inputs, every)
     outcome, rows = run.to(times, progress)
+    _LOG.info(
+        "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
+        *(scene.name, chosen.name, chosen.bits, outcome.value, run.steps),
+        *(run.seconds, run.build_seconds),
+    )
     read = Readout(scene, chosen)
     return Trajectory(
         scene=scene,
@@ -136,6 +144,7 @@ def _refined(
         plain = refinement.in_principal_axes(scene)
         found = refinement.refinement(plain, number, times, digits, max_steps, progress)
     except CannotRefine as fault:
+        _LOG.info("%s: not refined: %s", scene.name, fault)
         return None, {"not refined": str(fault)}
     seconds = time.perf_counter() - began
     read = Readout(plain, number)

@@ -11,7 +11,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from polhode.common import upstairs
 from polhode.common.arguments import steps, whole
+from polhode.common.progress import bar
 from polhode.common.provenance import provenance
 from polhode.common.values import ByValue
 from polhode.numbers.decimals import shown
@@ -107,6 +109,17 @@ class Ensemble(ByValue):
             errors=self._errors(index),
         )
 
+    def _repr_html_(self) -> str:
+        return str(upstairs.call("output.notebook:of_ensemble", self))
+
+    def to_xarray(self) -> Any:
+        """An xarray Dataset along member and t (extra ``polhode[frames]``)."""
+        return upstairs.call("output.frames:of_ensemble_xarray", self)
+
+    def to_pandas(self) -> Any:
+        """A pandas DataFrame: a row a member and time (extra ``polhode[frames]``)."""
+        return upstairs.call("output.frames:of_ensemble_pandas", self)
+
     def _errors(self, index: int) -> tuple[float | None, ...] | None:
         return self.errors[index] if self.errors else None
 
@@ -155,7 +168,7 @@ def integrate_many(
     workers: int | None = None,
     parts: Path | None = None,
     method: str = "auto",
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Ensemble:
     """Integrate many variants of a scene (3.29), by one compiled code for all.
 
@@ -167,7 +180,8 @@ def integrate_many(
     ``Client.get_executor()``, mpi4py's): jobs are plain data both ways, and jobs lost with a worker
     are run again here.  ``number``, ``digits``, ``at``, ``tol``, ``max_steps`` as in
     :func:`polhode.integrate`, and ``method``: "auto" refines, in quad and above, each member that
-    can be and is long enough; ``progress``: called with the fraction of members done and how many.
+    can be and is long enough; ``progress``: called with the fraction of members
+    done and how many, or True for a bar.
 
     Steps are bare: the states are not projected onto the first integrals, as single runs can be.
     ``parts``: a folder that finished members are written to about once a second, so that the same
@@ -189,6 +203,12 @@ def integrate_many(
     >>> len(many), many.varied.keys, many.done
     (6, ('start.omega[3]', 'body.weight'), True)
     """
+    if isinstance(progress, bool):
+        asked = {key: value for key, value in locals().items() if key != "progress"}
+        if not progress:
+            return integrate_many(**asked)
+        with bar(library.load(scene).name) as tell:
+            return integrate_many(**asked, progress=tell)
     began = time.perf_counter()
     scene = library.load(scene)
     if at is not None:

@@ -6,8 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+from polhode.common import upstairs
 from polhode.common.values import ByValue
 from polhode.equations.form import equations
 from polhode.equations.hodographs import Hodographs, hodographs
@@ -18,6 +20,10 @@ from polhode.numbers.scalars import Row, Rows, Value
 from polhode.runs.expected import Expected, by_errors, expected
 from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import EventTimes, Outcome, Projection
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -79,6 +85,44 @@ class Trajectory(ByValue):
             f"<Trajectory of {self.scene.name}: {self.number.name}, {len(self.times)} times "
             f"to t = {shown(self.reached)}, {self.outcome.value}>"
         )
+
+    def _repr_html_(self) -> str:
+        return str(upstairs.call("output.notebook:of_run", self))
+
+    @property
+    def t(self) -> npt.NDArray[np.float64]:
+        """The times as doubles, the nearest ones."""
+        import numpy as np
+
+        return np.array([float(t) for t in self.times])
+
+    def attitude_at(self, t: Any) -> Rows:
+        """The quaternion q0 q1 q2 q3 at time t, or rows of it: the run made once more."""
+        return upstairs.call("runs.again:at_times", self, "attitude", t)
+
+    def angles_at(self, t: Any) -> Rows:
+        """psi, theta, phi at time t, or rows of them: the run made once more."""
+        return upstairs.call("runs.again:at_times", self, "angles", t)
+
+    def plot(self, what: str = "angles", axes: Any = None, *, end: Any = None) -> Any:
+        """Draw a figure with matplotlib, see :func:`polhode.plot`; the axes drawn into."""
+        return upstairs.call("figures.drawing:plot", self, what, axes, end=end)
+
+    def view(self, *, end: Any = None) -> Any:
+        """The motion as a page that moves, see :func:`polhode.view`."""
+        return upstairs.call("figures.drawing:view", self, end=end)
+
+    def to_pandas(self) -> Any:
+        """A pandas DataFrame: a row a time, index t (extra ``polhode[frames]``)."""
+        return upstairs.call("output.frames:of_run_pandas", self)
+
+    def to_xarray(self) -> Any:
+        """An xarray Dataset along t (extra ``polhode[frames]``)."""
+        return upstairs.call("output.frames:of_run_xarray", self)
+
+    def save(self, path: str | Path) -> None:
+        """Write the run to a file .npz, which :func:`polhode.load_run` reads again."""
+        upstairs.call("output.archive:save", self, path)
 
     @cached_property
     def drift(self) -> Drift:

@@ -63,7 +63,7 @@ def top(
     >>> spun
     <Scene top: moments 1, 1, 1/2, 101 times to t = 10>
     >>> polhode.reference(spun).regime
-    'looping'
+    'cusped'
     >>> polhode.top(moments=[1, 1, 0.1], omega=[0, 0, 1]).body.moments[2]
     Fraction(3602879701896397, 36028797018963968)
     """

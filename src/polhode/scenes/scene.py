@@ -12,6 +12,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple
 
+from polhode.common import upstairs
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest
 from polhode.numbers import exact
@@ -34,8 +35,9 @@ class Published(NamedTuple):
     """A figure that somebody printed: an expression in the columns and its printed value.
 
     >>> import polhode
-    >>> polhode.load("published/curtis").published[0].quantity
-    'x'
+    >>> figure = polhode.load("published/nasa-brick").published[0]
+    >>> figure.quantity, figure.cite
+    ('180/pi*p', 'NASA/TM-2015-218675 case 2 (recomputed to 20 digits)')
 
     A cite that ends in "(recomputed to N digits)": the scene is somebody's, the figure is not.
     """
@@ -99,6 +101,10 @@ class SectionPlan(NamedTuple):
 
     ``by``: momentum, height or an expression.  ``extremum``: max or min.  ``starts``: rows of
     numbers in the section's coordinates.
+
+    >>> import polhode
+    >>> polhode.SectionPlan(by="height", crossings=100)
+    SectionPlan(by='height', extremum='max', crossings=100, starts=())
     """
 
     by: str = "momentum"
@@ -202,6 +208,9 @@ class Scene:
         moments = ", ".join(shown(x) for x in self.body.moments)
         until = f", {len(self.times)} times to t = {shown(self.end)}" if self.times else ""
         return f"<Scene {self.name}: moments {moments}{until}>"
+
+    def _repr_html_(self) -> str:
+        return str(upstairs.call("output.notebook:of_scene", self))
 
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)

@@ -220,6 +220,7 @@ th.r, td.r { text-align: right; }
 tbody tr:nth-child(even) { background: #0000000a; }
 figure { margin: 1rem 0; }
 figure svg { display: block; width: 100%; height: auto; }
+#gallery figure svg { width: 20rem; max-width: 100%; }
 figcaption { font-size: .85rem; color: #444; margin-top: .3rem; }
 @media (max-width: 40rem) {
   td:not(.r) { white-space: normal; min-width: 6.5rem; }

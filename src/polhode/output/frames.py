@@ -1,0 +1,88 @@
+"""Results as tables of other packages: pandas DataFrames and xarray Datasets."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from polhode.common.errors import BadInput
+from polhode.numbers.convert import to_double
+from polhode.scenes.words import ANGLES, ATTITUDE, SPACE
+
+if TYPE_CHECKING:
+    from polhode.runs.sweep import Ensemble
+    from polhode.runs.trajectory import Trajectory
+
+
+def columns(run: Trajectory) -> dict[str, Any]:
+    """A run's columns by name: numbers of its type (mpf in arrays of objects), nan undefined."""
+    parts: list[tuple[tuple[str, ...], Any]] = [(run.columns, run.states)]
+    if run.angles is not None:
+        parts.append((ANGLES, run.angles))
+    if run.attitude is not None:
+        parts.append((ATTITUDE, run.attitude))
+    if run.hodographs is not None:
+        parts.append((SPACE, run.hodographs.space))
+    kind: Any = {"double": np.float64, "extended": np.longdouble}.get(run.number.name, object)
+    found = {}
+    for names, rows in parts:
+        for k, name in enumerate(names):
+            column = np.empty(len(run.times), dtype=kind)
+            for i, row in enumerate(rows):
+                column[i] = np.nan if row[k] is None else row[k]
+            found[name] = column
+    return found
+
+
+def of_run_pandas(run: Trajectory) -> Any:
+    """A DataFrame: a row a time, its index t in doubles."""
+    pandas = _needed("pandas")
+    index = pandas.Index(run.t, name="t")
+    found = pandas.DataFrame(columns(run), index=index)
+    found.attrs.update(_about(run))
+    return found
+
+
+def of_run_xarray(run: Trajectory) -> Any:
+    """A Dataset: a variable a column along t, in doubles."""
+    xarray = _needed("xarray")
+    data = {name: ("t", values) for name, values in columns(run).items()}
+    return xarray.Dataset(data, {"t": run.t}, _about(run))
+
+
+def of_ensemble_xarray(found: Ensemble) -> Any:
+    """A Dataset: a variable a column along member and t; what is varied, outcomes and steps."""
+    xarray = _needed("xarray")
+    data: dict[str, Any] = {
+        name: (("member", "t"), np.asarray(found.states)[..., k])
+        for k, name in enumerate(found.columns)
+    }
+    for k, key in enumerate(found.varied.keys):
+        data[key] = ("member", [to_double(row[k]) for row in found.varied.rows])
+    data["outcome"] = ("member", [outcome.value for outcome in found.outcomes])
+    data["steps"] = ("member", list(found.steps))
+    t = [to_double(t) for t in found.times]
+    coordinates = {"member": np.arange(1, len(found) + 1), "t": t}
+    return xarray.Dataset(data, coordinates, _about(found)).set_coords(list(found.varied.keys))
+
+
+def of_ensemble_pandas(found: Ensemble) -> Any:
+    """A DataFrame: a row a member and time, indexed by both; what is varied in columns."""
+    dataset = of_ensemble_xarray(found).drop_vars(["outcome", "steps"])
+    return dataset.to_dataframe()[[*found.varied.keys, *found.columns]]
+
+
+def _about(found: Any) -> dict[str, Any]:
+    about = {"scene": found.scene.name, "number": found.number.name, "bits": found.number.bits}
+    outcome = getattr(found, "outcome", None)
+    return about if outcome is None else {**about, "outcome": outcome.value}
+
+
+def _needed(package: str) -> Any:
+    try:
+        return import_module(package)
+    except ImportError:
+        expected = f"{package}, which this needs: pip install 'polhode[frames]'"
+        raise BadInput("polhode", package, None, expected) from None

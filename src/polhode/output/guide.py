@@ -1,0 +1,78 @@
+"""The guide that ships: pages of Markdown, with tables made of what the program itself goes by."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import re
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from polhode.common.errors import BadInput, nearest
+from polhode.scenes import keys
+
+FOLDER = Path(__file__).parents[1] / "guide"
+INDEX = "index"
+NOTEBOOK = "notebook"
+
+
+def topics() -> list[str]:
+    """The pages there are, in the order of the index."""
+    there = {path.stem for path in FOLDER.glob("*.md")}
+    told = re.findall(r"^\| `polhode guide ([\w-]+)`", page(INDEX), re.M)
+    return [*told, *sorted(there - {*told, INDEX})]
+
+
+def page(topic: str) -> str:
+    """A page as Markdown; raises BadInput for a topic that there is not."""
+    path = FOLDER / f"{topic}.md"
+    if not re.fullmatch(r"[\w-]+", topic) or not path.is_file():
+        raise BadInput("guide", "TOPIC", topic, nearest(topic, [*topics(), NOTEBOOK]))
+    text = path.read_text(encoding="utf-8")
+    text = re.sub(r"<!-- keys ?([\w.]*) -->", lambda found: "\n".join(_keys(found[1])), text)
+    return re.sub(r"<!-- api -->", lambda _: "\n".join(_api()), text)
+
+
+def _keys(section: str) -> list[str]:
+    """The keys of a section as a table, from the one that the reader of scenes goes by."""
+    lines = ["| key | what | kind | default | example |", "|---|---|---|---|---|"]
+    for key in keys.KEYS[section]:
+        default = f"`{key.default}`" if key.default else ""
+        example = f"`{key.name} = {key.example}`" if key.example else ""
+        cells = (f"`{key.name}`", key.meaning, key.kind, default, example)
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return lines
+
+
+def _api() -> list[str]:
+    """Every public name with the first sentence of its documentation."""
+    package = import_module("polhode")
+    lines = ["| name | |", "|---|---|"]
+    for name in sorted(package.__all__, key=lambda name: (name[0].isupper(), name)):
+        if name.startswith("_"):
+            continue
+        told = (inspect.getdoc(getattr(package, name)) or "").split("\n\n")[0]
+        called = "" if inspect.isclass(getattr(package, name)) else "()"
+        sentence = re.split(r"(?<=[.;])\s", " ".join(told.split()))[0].rstrip(".;")
+        sentence = re.sub(r":\w+:`([^`]+)`", r"`\1`", sentence.replace("``", "`"))
+        lines.append(f"| `polhode.{name}{called}` | {sentence} |")
+    return lines
+
+
+def notebook() -> str:
+    """A Jupyter notebook to begin with, made of the cells in ``notebook.txt``."""
+    text = (FOLDER / "notebook.txt").read_text(encoding="utf-8")
+    cells: list[dict[str, Any]] = []
+    for k, part in enumerate(re.split(r"^# ---\n", text, flags=re.M)):
+        lines = part.strip("\n").splitlines(keepends=True)
+        cell: dict[str, Any] = {"id": f"cell-{k}", "metadata": {}}
+        if all(line.startswith("#") for line in lines):
+            told = [line.removeprefix("#").removeprefix(" ") for line in lines]
+            cells.append(cell | {"cell_type": "markdown", "source": told})
+        else:
+            code: dict[str, Any] = {"cell_type": "code", "execution_count": None, "outputs": []}
+            cells.append(cell | code | {"source": lines})
+    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
+    whole = {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
+    return json.dumps(whole, indent=1, ensure_ascii=False) + "\n"

@@ -1,0 +1,109 @@
+"""Results as a notebook shows them: a small table of facts, and the curves of a run."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from polhode.common.text import few
+from polhode.figures.canvas import BODY, REST, SPACE
+from polhode.numbers.convert import to_double
+from polhode.numbers.decimals import brief, shown
+from polhode.scenes.tops import kind_of_body
+
+if TYPE_CHECKING:
+    from polhode.judging.judgement import Judgement
+    from polhode.runs.sweep import Ensemble
+    from polhode.runs.trajectory import Trajectory
+    from polhode.scenes.scene import Scene
+
+WIDE, HIGH = 360, 120  # of the curves, in pixels
+MOST_POINTS = 400
+
+
+def of_scene(scene: Scene) -> str:
+    """A scene's facts."""
+    body = scene.body
+    facts = {
+        "body": kind_of_body(body),
+        "moments": ", ".join(shown(x) for x in body.moments),
+        "Mg r0": ", ".join(shown(x) for x in body.torque),
+        "omega": ", ".join(shown(x) for x in scene.omega),
+    }
+    if scene.gamma is not None:
+        facts["gamma"] = ", ".join(shown(x) for x in scene.gamma)
+    if scene.times:
+        facts["times"] = f"{len(scene.times)}, to t = {shown(scene.end)}"
+    return _table(scene.title or scene.name, facts)
+
+
+def of_run(run: Trajectory) -> str:
+    """A run's facts, and omega over time."""
+    facts = {
+        "number type": f"{run.number.name}, {run.number.bits} bits",
+        "outcome": f"{run.outcome.value}, {run.steps} steps, {len(run.times)} times",
+        "reached": f"t = {brief(run.reached, 17)}",
+    }
+    if run.correct_digits is not None:
+        facts["correct digits"] = f"{run.correct_digits:.1f}, by the {run.checked_by}"
+    elif run.times:
+        facts["digits expected"] = f"{min(run.expected.digits):.1f} at the worst"
+    if run.events:
+        facts["events"] = ", ".join(f"{len(e.times)} {e.name}" for e in run.events)
+    return _table(run.scene.title or run.scene.name, facts) + _curves(run)
+
+
+def of_ensemble(found: Ensemble) -> str:
+    """A sweep's facts."""
+    ended: dict[str, int] = {}
+    for outcome in found.outcomes:
+        ended[outcome.value] = ended.get(outcome.value, 0) + 1
+    facts = {
+        "members": str(len(found)),
+        "varied": ", ".join(found.varied.keys),
+        "number type": f"{found.number.name}, {found.number.bits} bits",
+        "outcomes": ", ".join(f"{n} {name}" for name, n in ended.items()),
+        "times": f"{len(found.times)}, to t = {brief(found.times[-1], 17)}",
+    }
+    return _table(found.scene.title or found.scene.name, facts)
+
+
+def of_judgement(found: Judgement) -> str:
+    """A judgement as it is printed."""
+    return f"<pre>{escape(str(found))}</pre>"
+
+
+def _table(title: str, facts: dict[str, str]) -> str:
+    rows = "".join(
+        f'<tr><th style="text-align:left">{escape(name)}</th>'
+        f'<td style="text-align:left">{escape(value)}</td></tr>'
+        for name, value in facts.items()
+    )
+    return f"<table><caption>{escape(title)}</caption>{rows}</table>"
+
+
+def _curves(run: Trajectory) -> str:
+    """p, q and r over time as SVG, no package needed; nothing where they make no curve."""
+    kept = few(len(run.times), MOST_POINTS)
+    t = np.array([to_double(run.times[k]) for k in kept])
+    values = np.array([[float(x) for x in run.states[k][:3]] for k in kept])
+    if len(kept) < 3 or not np.isfinite(values).all():
+        return ""
+    low, high = float(values.min()), float(values.max())
+    x = (t - t.min()) / (float(np.ptp(t)) or 1.0) * WIDE
+    y = HIGH - (values - low) / ((high - low) or 1.0) * HIGH
+    lines = "".join(
+        f'<polyline fill="none" stroke="{colour}" points="{_points(x, column)}"/>'
+        f'<text x="{WIDE + 6}" y="{14 + 16 * k}" fill="{colour}" font-size="12">{name}</text>'
+        for k, (name, colour, column) in enumerate(
+            zip("pqr", (BODY, SPACE, REST), y.T, strict=True)
+        )
+    )
+    size = f'width="{WIDE + 24}" height="{HIGH + 4}" viewBox="0 -2 {WIDE + 24} {HIGH + 4}"'
+    return f'<svg xmlns="http://www.w3.org/2000/svg" {size}>{lines}</svg>'
+
+
+def _points(x: Any, y: Any) -> str:
+    return " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))

@@ -1,0 +1,1 @@
+"""The study gallery: motions worth knowing, each with its picture."""

@@ -1,0 +1,214 @@
+"""Python at home: archives, tables of other packages, notebooks, bars, logs, completion."""
+
+from __future__ import annotations
+
+import json
+import logging
+import re
+import sys
+import warnings
+from dataclasses import replace
+
+import mpmath
+import numpy as np
+import pytest
+
+import polhode
+from polhode.cli import main
+from polhode.common.progress import bar
+from polhode.numbers.convert import exactly
+
+TOP = "lagrange/nutation"
+
+
+def a_run(number="double", **how):
+    """Events, angles, attitude; fewer times than the case."""
+    scene = polhode.load(TOP).at([0, 0.5, 1, 2])
+    scene = replace(scene, events=(polhode.Event("nutation"),))
+    return polhode.integrate(scene, number, **how)
+
+
+@pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
+def test_a_saved_run_loads_again_with_every_digit_and_callable(tmp_path, number):
+    run = a_run(number, method="taylor")
+    path = tmp_path / "run.npz"
+    run.save(path)
+    again = polhode.load_run(path)
+    assert again == run
+    assert again.scene == run.scene
+    assert again.drift == run.drift
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        between = again(np.float64(1.25))
+    assert [exactly(x) for x in between] == [exactly(x) for x in run(1.25)]
+
+
+def test_runs_of_every_kind_are_archived(tmp_path):
+    path = tmp_path / "run.npz"
+    short = polhode.integrate("euler/long", max_steps=50)
+    pole = polhode.integrate("lagrange/upper-pole", at=[0, 1])
+    digits = polhode.integrate("euler/largest-axis", digits=20, at=[1, 2])
+    plain = polhode.integrate(polhode.top(moments=[1, 2, 2.5], omega=[1, 0.1, 0], end=1))
+    for run in (short, pole, digits, plain):
+        run.save(path)
+        assert polhode.load_run(path) == run
+
+
+def test_an_archive_holds_no_pickles(tmp_path):
+    a_run().save(tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz", allow_pickle=False) as file:
+        assert all(file[name].dtype != object for name in file.files)
+
+
+def test_a_run_that_is_not_found_again_to_the_bit_says_so(tmp_path):
+    run = a_run()
+    moved = np.array(run.states)
+    moved[-1, 0] = np.nextafter(moved[-1, 0], 2)
+    replace(run, states=moved).save(tmp_path / "run.npz")
+    again = polhode.load_run(tmp_path / "run.npz")
+    with pytest.warns(UserWarning, match="differs from the one in the file"):
+        again(1.5)
+
+
+@pytest.mark.parametrize("content", [b"", b"PK nonsense", None, "other"])
+def test_what_is_no_archive_is_refused(tmp_path, content):
+    path = tmp_path / "run.npz"
+    if content == "other":
+        np.savez(path, about=json.dumps({"format": "polhode run 99"}))
+    elif content is not None:
+        path.write_bytes(content)
+    with pytest.raises(polhode.BadInput, match="a run that polhode saved"):
+        polhode.load_run(path)
+    with pytest.raises(polhode.BadInput, match=r"ends in \.npz"):
+        a_run().save(tmp_path / "run.csv")
+
+
+@pytest.mark.parametrize("number", ["double", "quad"])
+def test_angles_and_attitude_at_any_time_are_the_closed_forms(number):
+    run, exact = a_run(number), polhode.reference(TOP)
+    times = [1.75, 0, "1/3", 1.75]
+    for own, true in (
+        (run.angles_at(times), exact.angles([1.75, 0, mpmath.mpf(1) / 3, 1.75], 40)),
+        (run.attitude_at(times), exact.attitude([1.75, 0, mpmath.mpf(1) / 3, 1.75], 40)),
+    ):
+        off = max(
+            abs(mpmath.mpf(x) - y)
+            for a, b in zip(own, true, strict=True)
+            for x, y in zip(a, b, strict=True)
+        )
+        assert off < 200 * float(run.number.eps)
+    assert run.angles_at(2)[0] == run.angles[-1][0]
+    with pytest.raises(polhode.BadInput, match="a time from 0 to 2"):
+        run.angles_at(2.5)
+
+
+def test_times_as_doubles():
+    run = polhode.integrate(TOP, "quad", at=["1/3"])
+    assert run.t.dtype == np.float64
+    assert run.t.tolist() == [1 / 3]
+
+
+# -- other packages -----------------------------------------------------------------------------
+
+
+def test_a_run_as_a_data_frame_and_a_dataset():
+    pytest.importorskip("pandas")
+    pytest.importorskip("xarray")
+    run = a_run()
+    frame, dataset = run.to_pandas(), run.to_xarray()
+    names = ["p", "q", "r", "gamma1", "gamma2", "gamma3", "psi", "theta", "phi"]
+    assert list(frame.columns) == [*names, "q0", "q1", "q2", "q3"]
+    assert frame.index.name == "t"
+    assert np.array_equal(frame[names[:6]].to_numpy(), run.states)
+    assert np.array_equal(dataset["q2"].sel(t=0.5), run.attitude[1][2])
+    assert dataset.attrs["scene"] == TOP
+    assert polhode.compare(frame, TOP).digits == polhode.compare(dataset, TOP).digits
+    quad = a_run("quad").to_pandas()
+    assert quad["p"].iloc[1]._mpf_ == a_run("quad").states[1][0]._mpf_
+    pole = polhode.integrate("lagrange/upper-pole", at=[0, 1]).to_pandas()
+    assert pole.isna().any().any() == any(
+        x is None
+        for row in polhode.integrate("lagrange/upper-pole", at=[0, 1]).angles or []
+        for x in row
+    )
+
+
+def test_an_ensemble_as_a_dataset_and_a_data_frame():
+    pytest.importorskip("pandas")
+    pytest.importorskip("xarray")
+    varied = {"start.omega[3]": "2:4:3"}
+    many = polhode.integrate_many(TOP, varied, at=[0, 1])
+    dataset = many.to_xarray()
+    assert dict(dataset.sizes) == {"member": 3, "t": 2}
+    assert np.array_equal(dataset["gamma2"], many.states[..., 4])
+    assert dataset["start.omega[3]"].values.tolist() == [2, 3, 4]
+    frame = many.to_pandas()
+    assert frame.loc[(2, 1.0), "r"] == many.states[1, 1, 2]
+
+
+@pytest.mark.parametrize("package", ["pandas", "xarray"])
+def test_a_package_that_is_missing_is_named_with_its_extra(monkeypatch, package):
+    monkeypatch.setitem(sys.modules, package, None)
+    run = polhode.integrate(TOP, at=[1])
+    with pytest.raises(polhode.BadInput, match=rf"{package}.*pip install 'polhode\[frames\]'"):
+        getattr(run, f"to_{package}")()
+
+
+def test_what_a_notebook_shows_is_short_and_escaped():
+    run = replace(polhode.integrate(TOP), scene=replace(polhode.load(TOP), title="a < b"))
+    many = polhode.integrate_many(TOP, {"start.omega[3]": "2:4:3"}, at=[0, 1])
+    for value in (run.scene, run, many, polhode.compare(run), polhode.view(TOP, end=1)):
+        text = value._repr_html_()
+        assert "<b" not in text.replace("<body", "")
+        if not isinstance(value, polhode.Page):
+            assert len(text) < 12_000
+    assert "<svg" in run._repr_html_()
+    assert "<svg" not in polhode.integrate(TOP, at=[1])._repr_html_()
+
+
+# -- the terminal -------------------------------------------------------------------------------
+
+
+def test_a_bar_is_shown_when_it_is_asked_for(capsys):
+    pytest.importorskip("tqdm")
+    one = polhode.integrate("euler/long", progress=True, max_steps=2000)
+    assert "euler/long" in capsys.readouterr().err
+    assert one == polhode.integrate("euler/long", progress=False, max_steps=2000)
+    polhode.integrate_many(TOP, {"start.omega[3]": "2:4:3"}, at=[0, 1], progress=True)
+    assert TOP in capsys.readouterr().err
+
+
+def test_without_tqdm_a_bar_is_one_line_on_a_terminal(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "tqdm", None)
+    monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    with bar("euler/long") as tell:
+        tell(0.25, 7)
+    shown = capsys.readouterr().err
+    assert shown == "\r\x1b[Keuler/long: 25 %, 7 done\r\x1b[K"
+
+
+def test_a_run_logs_what_it_did(caplog):
+    with caplog.at_level(logging.INFO, logger="polhode"):
+        polhode.integrate(TOP, at=[1])
+    (record,) = caplog.records
+    assert re.match(
+        r"lagrange/nutation: double \(53 bits\), reached end after \d+ steps", record.message
+    )
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh"])
+def test_a_shell_completes_verbs_and_options(capsys, shell):
+    pytest.importorskip("shtab")
+    assert main(["--print-completion", shell]) == 0
+    told = capsys.readouterr().out
+    assert "--max-steps" in told
+    assert "compare" in told
+    assert main(["--print-completion", "fish!"]) == 2
+    assert "expected bash, zsh" in capsys.readouterr().err
+
+
+def test_completion_names_its_extra(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "shtab", None)
+    assert main(["--print-completion", "bash"]) == 2
+    assert "pip install 'polhode[shell]'" in capsys.readouterr().err

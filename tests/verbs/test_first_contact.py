@@ -1,0 +1,93 @@
+"""The first minutes: a welcome, a version, what was meant, which extra is missing, how to cite."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import polhode
+from polhode import cli
+from polhode.cli import main
+from polhode.common import citation
+
+TOP = Path(__file__).parents[2]
+
+
+def said(capsys, *arguments, code=0):
+    assert main(list(arguments)) == code
+    told = capsys.readouterr()
+    return told.out if code == 0 else told.err
+
+
+def test_alone_it_says_what_it_is_and_three_commands_that_exist(capsys):
+    told = said(capsys)
+    assert len(told.splitlines()) <= 10
+    commands = re.findall(r"^  polhode (.*?)(?:  |$)", told, re.M)
+    assert len(commands) == 3
+    for command in commands:
+        options, rest = cli._parser().parse_known_args(shlex.split(command))
+        assert not rest
+        if getattr(options, "scene", None):
+            polhode.load(options.scene)
+
+
+def test_its_version(capsys):
+    with pytest.raises(SystemExit) as done:
+        main(["--version"])
+    assert done.value.code == 0
+    assert capsys.readouterr().out.strip() == f"polhode {polhode.__version__}"
+
+
+@pytest.mark.parametrize(
+    ("command", "meant"),
+    [
+        ("runn euler/sphere", "did you mean 'run'?"),
+        ("run euler/sphere --digts 3", "did you mean '--digits'?"),
+        ("run euler/sphere --numbr=quad", "option = --numbr:"),
+        ("plot euler/sphere --what angels -o x.svg", "did you mean 'angles'?"),
+        ("show euler/separatix", "did you mean 'euler/separatrix'?"),
+        ("show looping", "did you mean 'lagrange/looping'?"),
+        ("list --tag kovalevski", "did you mean 'kovalevskaya'?"),
+        ("list --tag nope", "one of the tags angles, "),
+        ("list --tag=", "one of the tags angles, "),
+        ("study acuracy", "did you mean 'accuracy'?"),
+        ("run euler/sphere and more", "expected nothing more"),
+    ],
+)
+def test_what_was_meant_is_asked_in_one_line(capsys, command, meant):
+    told = said(capsys, *shlex.split(command), code=2)
+    assert meant in told
+    assert told.count("\n") == 1
+
+
+def test_a_sweep_says_which_options_are_missing(capsys):
+    told = said(capsys, "sweep", "euler/sphere", code=2)
+    assert "--vary" in told
+
+
+def test_every_extra_that_is_named_is_there_and_quoted():
+    """An unquoted bracket is a pattern in zsh."""
+    with (TOP / "pyproject.toml").open("rb") as file:
+        extras = set(tomllib.load(file)["project"]["optional-dependencies"])
+    named = set()
+    for path in (TOP / "src").rglob("*.py"):
+        for before, extra in re.findall(r"pip install (.?)polhode\[([\w-]+)\]", path.read_text()):
+            assert before in "'\"", path
+            named.add(extra)
+    assert named <= extras
+    assert len(named) >= 4
+
+
+def test_the_citation_is_one_record(capsys):
+    assert (TOP / "CITATION.cff").read_text(encoding="utf-8") == citation.cff()
+    assert f"version: {polhode.__version__}\ndate-released: " in citation.cff()
+    told = said(capsys, "about", "--cite")
+    assert told.count("\n@") == 1
+    assert told.count("{") == told.count("}")
+    assert f"version = {{{polhode.__version__}}}" in told
+    assert json.loads(said(capsys, "about", "--cite", "--json"))["bibtex"] == citation.bibtex()
