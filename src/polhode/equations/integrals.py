@@ -138,22 +138,34 @@ _FOURTH_OF = {
 def first_integrals(scene: Scene) -> FirstIntegrals:
     """The first integrals that the exact scene has."""
     body, unit = scene.body, Fraction(2) ** scene.time_unit
-    largest = max(body.moments)
     torque = scaled(unit * unit, body.axes.components(body.torque))
-    k: dict[str, Exact] = {f"I{i}": x / largest for i, x in enumerate(body.moments)}
-    k |= {f"2m{i}": 2 * x / largest for i, x in enumerate(torque)}
     onto = [ENERGY] if scene.gamma is None else [ENERGY, AREA, LENGTH]
     name, order = _fourth(scene, torque)
     if name is not None:
         onto.append(name)
-        if name == SPIN:
-            size = exact.sqrt(_square(torque))
-            k |= {f"n{i}": torque[j] / size for i, j in enumerate(order)}
-        elif name != MOMENTUM:
-            c0, c1 = (torque[i] / body.moments[order[2]] for i in order[:2])
-            k |= {"c0": c0, "c1": c1, "-c1": -c1}
+    k = coefficients(body.moments, torque, max(body.moments), onto[-1], order, exact.sqrt)
     kept = {key: x for key, x in k.items() if sign(x) != 0}
     return FirstIntegrals(tuple(onto), order, kept)
+
+
+def coefficients(
+    moments: Sequence[Scalar],
+    torque: Sequence[Scalar],
+    largest: Scalar,
+    last: str,
+    order: tuple[int, int, int],
+    sqrt: Callable[[Scalar], Scalar],
+) -> dict[str, Scalar]:
+    """The coefficients of the integrals, for any scalars; ``last``: the last one's name."""
+    k: dict[str, Scalar] = {f"I{i}": x / largest for i, x in enumerate(moments)}
+    k |= {f"2m{i}": 2 * x / largest for i, x in enumerate(torque)}
+    if last == SPIN:
+        size = sqrt(_dot(torque, torque))
+        k |= {f"n{i}": torque[j] / size for i, j in enumerate(order)}
+    elif last in (KOVALEVSKAYA, CHAPLYGIN):
+        c0, c1 = (torque[i] / moments[order[2]] for i in order[:2])
+        k |= {"c0": c0, "c1": c1, "-c1": -c1}
+    return k
 
 
 def _fourth(scene: Scene, torque: Vector) -> tuple[str | None, tuple[int, int, int]]:

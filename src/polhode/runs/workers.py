@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 import threading
 import warnings
@@ -115,13 +116,15 @@ def elsewhere(
     """Solve the jobs in an executor: whether Ctrl-C did not come, and the jobs that it lost.
 
     A job is lost with the worker that died over it, or with the whole pool; a warning says so.
+    Jobs travel as bytes: an executor that looks into what it carries (dask names a task by a hash
+    of all that is in it) has nothing to look into.
     """
     futures: dict[Future[T], int] = {}
     lost: dict[int, BaseException] = {}
     try:
         for k, job in enumerate(jobs):
             try:
-                futures[executor.submit(solve, job)] = k
+                futures[executor.submit(_solved, pickle.dumps((solve, job)))] = k
             except RuntimeError as fault:  # broken or shut down already: BrokenExecutor is one
                 lost[k] = fault
         _collect(futures, ready, lost)
@@ -134,6 +137,12 @@ def elsewhere(
         text = f"{len(lost)} of {len(jobs)} jobs were lost ({first!r}) and are run in this process"
         warnings.warn(text, RuntimeWarning, stacklevel=4)
     return True, sorted(lost)
+
+
+def _solved(packed: bytes) -> Any:
+    """The result of a job that came as bytes."""
+    solve, job = pickle.loads(packed)
+    return solve(job)
 
 
 def _collect(
