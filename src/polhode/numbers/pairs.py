@@ -70,7 +70,7 @@ class Pairs:
         rest = self - b * first
         second = rest.hi / b.hi
         third = (rest - b * second).hi / b.hi
-        return Pairs(*_quick(first, second)) + third
+        return Pairs(*_quick(first, second)).__add__(third)
 
     def __rtruediv__(self, other: Any) -> Pairs:
         return pairs(other).__truediv__(self)

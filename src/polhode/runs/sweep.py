@@ -26,6 +26,7 @@ from polhode.runs.sweep_results import Results
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library, vary
 from polhode.scenes.scene import Scene
+from polhode.taylor import policy
 from polhode.taylor.outcomes import OUTCOMES, Outcome
 
 if TYPE_CHECKING:
@@ -37,7 +38,10 @@ if TYPE_CHECKING:
 #: Called with the fraction of the members that are done, and how many.
 Progress = Callable[[float, int], None]
 
-_JOBS = 256  # so many at most: each costs a fraction of a millisecond
+_JOBS = 16, 256  # so many at least and at most: each costs a fraction of a millisecond
+_JOB = 0.05  # seconds that one should take
+_STEPS_PER_RADIAN = 2.0  # about, at the fastest rate, in double
+_SHARE = 0.25  # of a scalar step that a lane's costs
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -259,6 +263,16 @@ def integrate_many(
     )
 
 
+def _jobs(plan: Plan) -> int:
+    """In about how many jobs a sweep is cut."""
+    least, most = _JOBS
+    if plan.number.name != "double":
+        return most
+    radians = float(plan.rates.sum()) * abs(float(plan.times[-1]))
+    seconds = _SHARE * policy.seconds(plan.number, _STEPS_PER_RADIAN * radians)
+    return int(min(most, max(least, seconds / _JOB)))
+
+
 def _opened(plan: Plan, scene: Scene, folder: Path | None, method: str) -> Parts | None:
     """The folder of a sweep's parts, if there is to be one."""
     if folder is None:
@@ -282,7 +296,7 @@ def _solve(
 
     size = batches.width(plan.number)
     wanted = results.left  # whole batches of lanes: the others' results do not depend on them
-    groups = [group[wanted[group]] for group in plan.groups(size, _JOBS)]
+    groups = [group[wanted[group]] for group in plan.groups(size, _jobs(plan))]
     groups = [group for group in groups if len(group)]
     steps = [
         batches.BatchJob(

@@ -127,9 +127,8 @@ class _Made:
                 unit = np.array([Fraction(2) ** int(n) for n in units], dtype=object)[:, None]
                 starts[:, :3] *= unit
                 coefficients[:, 3:] *= unit * unit
-            left: npt.NDArray[np.bool_] = (
-                block.left | unsure | self._out_of_range(starts, coefficients)
-            )
+            outside = self._out_of_range(starts, coefficients)
+            left: npt.NDArray[np.bool_] = block.left | unsure | outside
         self.starts[here], self.coefficients[here], self.units[here] = starts, coefficients, units
         return left
 

@@ -126,11 +126,10 @@ def _states(plan: Plan, members: npt.NDArray[np.int64], rows: Rows) -> Rows:
         return states
     states = _empty(plan, len(members))
     first = rows[:, :, 0]
-    there = (
-        ~np.isnan(first)
-        if plan.number.flat
-        else np.array([[x is not None for x in row] for row in first])
-    )
+    if plan.number.flat:
+        there = ~np.isnan(first)
+    else:
+        there = np.array([[x is not None for x in row] for row in first])
     # one readout reads all members that have a body and a unit of time in common
     bodies = np.stack([*plan.bodies(members), plan.time_units[members]], axis=1)
     _, alike = np.unique(bodies, axis=0, return_inverse=True)

@@ -10,17 +10,16 @@ import threading
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import (
-    FIRST_COMPLETED,
     BrokenExecutor,
     CancelledError,
     Executor,
     Future,
     ProcessPoolExecutor,
     ThreadPoolExecutor,
-    wait,
 )
 from multiprocessing import active_children, get_context
 from multiprocessing.process import BaseProcess
+from queue import SimpleQueue
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -151,15 +150,17 @@ def _collect(
     lost: dict[int, BaseException] | None = None,
 ) -> None:
     """Hand on each result as it comes; a future without one raises, or is noted as lost."""
+    came: SimpleQueue[Future[T]] = SimpleQueue()
+    for future in list(futures):
+        future.add_done_callback(came.put)
     while futures:
-        done, _ = wait(futures, return_when=FIRST_COMPLETED)
-        for future in done:
-            k = futures[future]
-            fault = CancelledError() if future.cancelled() else future.exception()
-            if fault is None:
-                ready(k, future.result())
-            elif lost is None:
-                raise fault
-            else:
-                lost[k] = fault
-            del futures[future]
+        future = came.get()
+        k = futures[future]
+        fault = CancelledError() if future.cancelled() else future.exception()
+        if fault is None:
+            ready(k, future.result())
+        elif lost is None:
+            raise fault
+        else:
+            lost[k] = fault
+        del futures[future]

@@ -8,8 +8,9 @@ plain data, arrays but for its times, so that it can be solved in any thread, pr
 from __future__ import annotations
 
 import copy
+import itertools
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -127,7 +128,10 @@ def solve(job: BatchJob, stop: Callable[[], bool] | None = None) -> Solved:
     """Integrate a job's systems; those that ``stop`` kept from being finished are NOT_RUN."""
     found, size = Solved.none_of(job), width(job.number)
     stretches = _Stretches(job)
-    for first in range(0, job.lanes.many, size):
+    firsts: Iterable[int] = range(0, job.lanes.many, size)
+    if job.number.name == "double":
+        firsts = _in_one_go(job, stretches, found, firsts, stop)
+    for first in firsts:
         if stop is not None and stop():
             break
         _solve(job, stretches, found, range(first, min(first + size, job.lanes.many)), stop)
@@ -216,6 +220,65 @@ def _stretches(job: BatchJob) -> Iterator[_Stretch]:
         scaled = [heyoka_numbers.scalar((t - since) / unit, job.number) for t in targets]
         yield _Stretch(to, first, done, scaled)
         since = to
+
+
+def _in_one_go(
+    job: BatchJob,
+    stretches: _Stretches,
+    found: Solved,
+    firsts: Iterable[int],
+    stop: Callable[[], bool] | None,
+) -> Iterable[int]:
+    """Batches of doubles whose whole way is one stretch, with next to nothing between them.
+
+    Those that this does not bring to the end are returned, to be solved with care.  It gives the
+    same as :func:`_march`.
+    """
+    ahead = list(itertools.islice(stretches, 2))
+    if len(ahead) != 1:
+        return firsts
+    (stretch,) = ahead
+    places, many, targets = width(job.number), job.lanes.many, stretch.targets
+    spare = -many % places
+    coefficients, starts = (
+        np.vstack([table, np.repeat(table[-1:], spare, axis=0)]).T.copy() for table in job.lanes
+    )
+    alike = bool((coefficients == coefficients[:, :1]).all())
+    states = np.full((len(targets), job.columns, many + spare), np.nan)
+    steps, trouble = np.zeros(many + spare, dtype=np.int64), []
+    ta, grid = compiled(job), np.repeat(np.array([[0.0, *targets]]).T, places, axis=1)
+    state, pars, ends = ta.state, ta.pars, [targets[-1]] * places
+    if alike:
+        pars[:] = coefficients[:, :places]
+    for first in firsts:
+        if stop is not None and stop():
+            trouble.append(first)
+            continue
+        here = slice(first, first + places)
+        ta.set_time(0.0)
+        state[:] = starts[:, here]
+        if not alike:
+            pars[:] = coefficients[:, here]
+        if len(targets) == 1:  # a state at the end alone needs no dense output
+            ta.propagate_until(ends, max_steps=job.max_steps)
+            states[0, :, here] = state
+        else:
+            states[:, :, here] = ta.propagate_grid(grid, max_steps=job.max_steps)[1][1:]
+        results = ta.propagate_res
+        steps[here] = [r[3] for r in results]
+        if [r[0] for r in results] != [_REACHED] * places:
+            trouble.append(first)
+    done = np.ones(many, dtype=bool)
+    for first in trouble:
+        done[first : first + places] = False
+    kept = stretch.last - stretch.first
+    if job.times[0] == 0:
+        found.states[done, 0] = job.lanes.starts[done]
+    rows = states[:kept, :, :many].transpose(2, 0, 1)
+    found.states[done, stretch.first : stretch.last] = rows[done]
+    found.outcomes[done] = code(Outcome.REACHED_END)
+    found.steps[done], found.reached[done] = steps[:many][done], stretch.to
+    return trouble
 
 
 def _solve(
