@@ -214,6 +214,25 @@ def drift(scene: Scene, states: Rows, bits: int) -> Drift:
         return _named(scene, [float(x) for x in worst])
 
 
+def drift_of_columns(scene: Scene, states: Sequence[Sequence[Fraction]]) -> Drift | None:
+    """The same of rows of rationals, in pairs of doubles, all rows at once.
+
+    None where a number is beyond their range.
+    """
+    import numpy as np
+
+    from polhode.numbers.pairs import of_exact, of_fractions
+
+    with np.errstate(all="ignore"):
+        try:
+            columns = [of_fractions(column) for column in zip(*states, strict=True)]
+            departures = _departures(scene, [columns], of_exact)[0]
+        except OverflowError:
+            return None
+    found = [float(np.max(np.abs(d.hi))) for d in departures]
+    return _named(scene, found) if all(map(math.isfinite, found)) else None
+
+
 def _named(scene: Scene, values: list[float]) -> Drift:
     """Values of h, f, |gamma|² and the fourth, as far as they are there, by name."""
     if scene.gamma is None:
