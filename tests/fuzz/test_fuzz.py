@@ -281,7 +281,7 @@ def test_ctrl_c_while_a_sweep_is_read_out_loses_nothing(monkeypatch):
         return read(*given)
 
     monkeypatch.setattr(sweep_results, "_states", interrupted)
-    many = polhode.integrate_many("top.toml", {"start.omega[1]": [1, 2]}, at=[0])
+    many = polhode.integrate_many("top.toml", {"start.omega[1]": [1, "1.1"]}, at=[0])
     assert many.done
 
 

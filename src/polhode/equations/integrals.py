@@ -138,22 +138,34 @@ _FOURTH_OF = {
 def first_integrals(scene: Scene) -> FirstIntegrals:
     """The first integrals that the exact scene has."""
     body, unit = scene.body, Fraction(2) ** scene.time_unit
-    largest = max(body.moments)
     torque = scaled(unit * unit, body.axes.components(body.torque))
-    k: dict[str, Exact] = {f"I{i}": x / largest for i, x in enumerate(body.moments)}
-    k |= {f"2m{i}": 2 * x / largest for i, x in enumerate(torque)}
     onto = [ENERGY] if scene.gamma is None else [ENERGY, AREA, LENGTH]
     name, order = _fourth(scene, torque)
     if name is not None:
         onto.append(name)
-        if name == SPIN:
-            size = exact.sqrt(_square(torque))
-            k |= {f"n{i}": torque[j] / size for i, j in enumerate(order)}
-        elif name != MOMENTUM:
-            c0, c1 = (torque[i] / body.moments[order[2]] for i in order[:2])
-            k |= {"c0": c0, "c1": c1, "-c1": -c1}
+    k = coefficients(body.moments, torque, max(body.moments), onto[-1], order, exact.sqrt)
     kept = {key: x for key, x in k.items() if sign(x) != 0}
     return FirstIntegrals(tuple(onto), order, kept)
+
+
+def coefficients(
+    moments: Sequence[Scalar],
+    torque: Sequence[Scalar],
+    largest: Scalar,
+    last: str,
+    order: tuple[int, int, int],
+    sqrt: Callable[[Scalar], Scalar],
+) -> dict[str, Scalar]:
+    """The coefficients of the integrals, for any scalars; ``last``: the last one's name."""
+    k: dict[str, Scalar] = {f"I{i}": x / largest for i, x in enumerate(moments)}
+    k |= {f"2m{i}": 2 * x / largest for i, x in enumerate(torque)}
+    if last == SPIN:
+        size = sqrt(_dot(torque, torque))
+        k |= {f"n{i}": torque[j] / size for i, j in enumerate(order)}
+    elif last in (KOVALEVSKAYA, CHAPLYGIN):
+        c0, c1 = (torque[i] / moments[order[2]] for i in order[:2])
+        k |= {"c0": c0, "c1": c1, "-c1": -c1}
+    return k
 
 
 def _fourth(scene: Scene, torque: Vector) -> tuple[str | None, tuple[int, int, int]]:
@@ -200,6 +212,25 @@ def drift(scene: Scene, states: Rows, bits: int) -> Drift:
         rows = _departures(scene, wide, lambda x: to_mpf(x, precision))
         worst = [max(abs(row[i]) for row in rows) for i in range(len(rows[0]))]
         return _named(scene, [float(x) for x in worst])
+
+
+def drift_of_columns(scene: Scene, states: Sequence[Sequence[Fraction]]) -> Drift | None:
+    """The same of rows of rationals, in pairs of doubles, all rows at once.
+
+    None where a number is beyond their range.
+    """
+    import numpy as np
+
+    from polhode.numbers.pairs import of_exact, of_fractions
+
+    with np.errstate(all="ignore"):
+        try:
+            columns = [of_fractions(column) for column in zip(*states, strict=True)]
+            departures = _departures(scene, [columns], of_exact)[0]
+        except OverflowError:
+            return None
+    found = [float(np.max(np.abs(d.hi))) for d in departures]
+    return _named(scene, found) if all(map(math.isfinite, found)) else None
 
 
 def _named(scene: Scene, values: list[float]) -> Drift:

@@ -19,8 +19,9 @@ from polhode.equations.integrals import Drift
 from polhode.judging.certified import Certified
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.digits import digits_of, errors, rate_scale
-from polhode.judging.limits import is_lost, limit, shown_digits, shown_expected
+from polhode.judging.limits import between, is_lost, limit, shown_digits, shown_expected
 from polhode.judging.lyapunov import Lyapunov, lyapunov
+from polhode.judging.many_rows import ManyRows, digits, many_rows
 from polhode.judging.omega_alone import OmegaAlone, omega_alone
 from polhode.judging.reference import Reference, Remembered, TwoPrecisions, by_sign, reference, rows
 from polhode.judging.rounding import Band
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 
 SPARE_DIGITS = 6  # of the reference beyond what can be told
 FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
+FOLLOWED = 400  # times at which what rounding does to the motion is followed
 MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
 SHOWN = 11  # times that are printed
 _SHORT = 24  # characters of a time that is printed with all its digits
@@ -74,7 +76,16 @@ class Judgement(ByValue):
     @cached_property
     def digits(self) -> tuple[float, ...]:
         """Correct digits of the state at each time; empty where no column of it is there."""
-        return self._digits(self.subject.states) if self.subject.columns else ()
+        if not self.subject.columns:
+            return ()
+        if self._many is not None:
+            return tuple(digits(self._many.errors, self.subject.held))
+        return self._digits(self.subject.states)
+
+    @cached_property
+    def _many(self) -> ManyRows | None:
+        """The rows judged all at once, where that can be."""
+        return many_rows(self.subject, self.reference)
 
     @property
     def worst(self) -> float:
@@ -102,11 +113,19 @@ class Judgement(ByValue):
         if self.known is not None:
             return (self.known,)
         scene, number = self.reference.scene, self.subject.number
-        return tuple(conditioning(scene, times, number) for times in by_sign(self.times))
+        count = len(self.times)
+        kept = {*range(count)}
+        if count > FOLLOWED:
+            kept = {*few(count, FOLLOWED), *few(count, SHOWN)}
+            kept |= {self.digits.index(self.worst)} if self.digits else set()
+        times = [self.times[k] for k in sorted(kept)]
+        return tuple(conditioning(scene, part, number) for part in by_sign(times))
 
     @cached_property
     def expected(self) -> tuple[Band | None, ...]:
         """The digits of runs that round once a step of the subject's type; None where unknown.
+
+        Followed at ``FOLLOWED`` times or so; of more times, linear between those.
 
         Of a projected run those that projection leaves; see :func:`polhode.conditioning`.
         """
@@ -128,7 +147,7 @@ class Judgement(ByValue):
         found: dict[Exact, Any] = {}
         for part in self.conditionings:
             found |= dict(zip(part.times, what(part), strict=True))
-        return tuple(found[t] for t in self.times)
+        return between(found, self.times)
 
     @property
     def lost_after(self) -> float | None:
@@ -275,6 +294,10 @@ class Judgement(ByValue):
         for name in ("angles", "attitude"):
             own = getattr(self.subject, name)
             if own is None:
+                continue
+            if name == "attitude" and self._many is not None and self._many.attitude is not None:
+                held = self.subject.held
+                found[name] = min(digits(self._many.attitude, held), default=held)
                 continue
             try:
                 true = self._true(getattr(self.reference, name), partial(self._part, name, own))

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from bisect import bisect
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from polhode.judging.rounding import Band
@@ -61,3 +64,30 @@ def shown_expected(expected: Band | None) -> str:
     if expected is None:
         return "unknown"
     return "none" if expected.most == 0 else f"{expected.least:.1f}-{expected.most:.1f}"
+
+
+def between(known: Mapping[Any, Any], times: Sequence[Fraction]) -> tuple[Any, ...]:
+    """Digits (numbers or bands) at times, linear between those where they are known.
+
+    None where they are not known at a neighbour.
+    """
+    if all(t in known for t in times):
+        return tuple(known[t] for t in times)
+    nodes = sorted(known)
+    places = [float(t) for t in nodes]
+    found = []
+    for t in times:
+        if t in known:
+            found.append(known[t])
+            continue
+        k = min(max(bisect(places, float(t)), 1), len(nodes) - 1)
+        one, other = known[nodes[k - 1]], known[nodes[k]]
+        if one is None or other is None:
+            found.append(None)
+            continue
+        part = (float(t) - places[k - 1]) / (places[k] - places[k - 1])
+        if isinstance(one, float):
+            found.append(one + part * (other - one))
+        else:
+            found.append(type(one)(*(a + part * (b - a) for a, b in zip(one, other, strict=True))))
+    return tuple(found)

@@ -79,6 +79,26 @@ class Reference:
         rows: list[list[Any]] = self._asked(self._motion.angles, times, digits)
         return rows
 
+    def columns(self, times: Any) -> tuple[list[Any], list[Any] | None] | None:
+        """States and quaternions at many times at once, where the closed form gives them so.
+
+        ``times`` and answers: :class:`polhode.numbers.pairs.Pairs`, of about 30 digits less those
+        that the phases take.  None where it does not.
+        """
+        import numpy as np
+
+        ask = getattr(self._motion, "columns", None)
+        if ask is None:
+            return None
+
+        def answer() -> tuple[list[Any], list[Any] | None]:
+            with np.errstate(all="ignore"):
+                found: tuple[list[Any], list[Any] | None] = ask(times)
+                return found
+
+        with mpmath.workprec(ROUGH):
+            return answer()
+
     def hodographs(self, times: Sequence[Any], digits: int = 50) -> Hodographs:
         """Rows of omega in the body and in space, right to so many digits of the largest |w|."""
         rows, attitude = self.at(times, digits), self.attitude(times, digits + 1)

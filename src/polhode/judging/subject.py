@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.common.values import ByValue
-from polhode.equations.integrals import Drift, drift
+from polhode.equations.integrals import Drift, drift, drift_of_columns
 from polhode.judging.table import Table
 from polhode.numbers.convert import to_mpf
 from polhode.numbers.number_types import DOUBLE, NumberType, mp
@@ -16,6 +16,7 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.words import ANGLES, ATTITUDE, SPACE, STATE
 
 MOST_DIGITS = 1000.0  # that are told of a table
+MOST_AT_ONCE = 20.0  # of a table whose drift pairs of doubles tell
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +58,9 @@ class Subject(ByValue):
             return self.source.drift
         if len(self.columns) < len(scene.columns) or any(None in row for row in self.states):
             return "a column of the state is missing"
+        at_once = drift_of_columns(scene, self.states) if self.held <= MOST_AT_ONCE else None
+        if at_once is not None:
+            return at_once
         return drift(scene, [[to_mpf(x, bits) for x in row] for row in self.states], bits)
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Sequence
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,30 +16,40 @@ from polhode.numbers import decimals
 from polhode.numbers.decimals import decimal_in_full, shown, strings
 from polhode.numbers.exact import Exact
 from polhode.output import results
+from polhode.taylor.outcomes import OUTCOMES
 
 if TYPE_CHECKING:
     from polhode.runs.sweep import Ensemble
 
 
-def of_ensemble(found: Ensemble) -> dict[str, Any]:
+def of_ensemble(found: Ensemble, states: bool = True) -> dict[str, Any]:
     """The object that ``sweep --json`` prints; a member's states end where it ended."""
     return {
         **_common(found),
         "columns": list(found.columns),
         "times": [decimal_in_full(t) for t in found.times],
-        "members": [
-            {
-                "values": values,
-                "outcome": found.outcomes[k].value,
-                "reached": decimal_in_full(found.reached[k]),
-                "steps": found.steps[k],
-                "drift": results.of_drift(Drift(*found[k].drift)),
-                "states": strings(found[k].states, found.number),
-            }
-            for k, values in enumerate(_values(found))
-        ],
+        "members": list(_members(found, states)),
         "provenance": dict(found.provenance),
     }
+
+
+def _members(found: Ensemble, states: bool) -> Iterator[dict[str, Any]]:
+    each = zip(_values(found), found.outcomes, found.arrived, found.steps, strict=True)
+    reached: dict[Fraction, str] = {}
+    for k, (values, outcome, t, steps) in enumerate(each):
+        if t not in reached:
+            reached[t] = decimal_in_full(t)
+        drift = (None if x != x else x for x in found.drift[k].tolist())
+        member: dict[str, Any] = {
+            "values": values,
+            "outcome": outcome.value,
+            "reached": reached[t],
+            "steps": steps,
+            "drift": results.of_drift(Drift(*drift)),
+        }
+        if states:
+            member["states"] = strings(found.rows(k), found.number)
+        yield member
 
 
 def check_path(path: Path, inputs: Sequence[Path | None] = ()) -> None:
@@ -75,10 +86,7 @@ def _write(path: Path, found: Ensemble) -> None:
         np.savez(held, **arrays(found))
         write_whole({path: held.getvalue()})
         return
-    beside = of_ensemble(found)
-    for member in beside["members"]:
-        del member["states"]
-    results.write_table(path, _rows(found), beside)
+    results.write_table(path, _rows(found), of_ensemble(found, states=False))
 
 
 def arrays(found: Ensemble) -> dict[str, Any]:
@@ -89,7 +97,6 @@ def arrays(found: Ensemble) -> dict[str, Any]:
     """
     import numpy as np
 
-    values = _values(found)
     flat = found.number.flat
     times: Any = [decimal_in_full(t) for t in found.times]
     states = found.states
@@ -109,11 +116,11 @@ def arrays(found: Ensemble) -> dict[str, Any]:
         "times": np.array(times),
         "states": states,
         "varied": np.array(found.varied.keys),
-        "values": np.array([[float(x) for x in row] for row in found.varied.rows]),
-        "values_exact": np.array(values),
-        "outcomes": np.array([outcome.value for outcome in found.outcomes]),
-        "reached": np.array([decimal_in_full(t) for t in found.reached]),
-        "steps": np.array(found.steps),
+        "values": _spread(found, lambda x: float(x)),
+        "values_exact": _spread(found, _value),
+        "outcomes": np.array([outcome.value for outcome in OUTCOMES])[found.endings],
+        "reached": _texts(found.arrived),
+        "steps": found.counts,
         "drift": found.drift,
         "about": np.array(results.as_json(about)),
     }
@@ -124,12 +131,12 @@ def table(found: Ensemble) -> tuple[list[str], list[list[str]]]:
     header = ["member", *found.varied.keys, "outcome", "steps", "t", *found.columns]
     lines = []
     for k, values in enumerate(_values(found)):
-        one = found[k]
-        last = strings(one.states[-1:], found.number)
-        t = [decimal_in_full(one.times[-1])] if one.times else [""]
+        states = found.rows(k)
+        last = strings(states[-1:], found.number)
+        t = [decimal_in_full(found.times[len(states) - 1])] if len(states) else [""]
         state = last[0] if last else [""] * len(found.columns)
-        outcome = found.outcomes[k].value
-        lines.append([str(k + 1), *values, outcome, str(found.steps[k]), *t, *state])
+        outcome = found.outcome(k).value
+        lines.append([str(k + 1), *values, outcome, str(found.counts[k]), *t, *state])
     return header, lines
 
 
@@ -149,8 +156,35 @@ def _common(found: Ensemble) -> dict[str, Any]:
     }
 
 
-def _values(found: Ensemble) -> list[list[str]]:
-    return [[_value(x) for x in row] for row in found.varied.rows]
+def _values(found: Ensemble) -> Iterator[list[str]]:
+    """Of each member what is varied, as text."""
+    rows = found.varied.rows
+    if not rows.product:
+        yield from ([_value(x) for x in row] for row in rows)
+        return
+    yield from map(list, itertools.product(*([_value(x) for x in c] for c in rows.columns)))
+
+
+def _spread(found: Ensemble, read: Callable[[Exact], Any]) -> Any:
+    """What is varied as an array (members, keys), each different value read once."""
+    import numpy as np
+
+    rows, member = found.varied.rows, np.arange(len(found))
+    return np.stack(
+        [
+            np.array([read(x) for x in column])[member // repeat % len(column)]
+            for column, repeat in zip(rows.columns, rows.repeats, strict=True)
+        ],
+        axis=1,
+    )
+
+
+def _texts(times: Any) -> Any:
+    """Times with all digits, each different one written once."""
+    import numpy as np
+
+    different = {t: decimal_in_full(t) for t in set(times.tolist())}
+    return np.array([different[t] for t in times.tolist()])
 
 
 def _value(x: Exact) -> str:
@@ -162,5 +196,5 @@ def _rows(found: Ensemble) -> Iterable[list[str]]:
     yield ["member", *found.varied.keys, "t", *found.columns]
     times = [decimal_in_full(t) for t in found.times]
     for k, values in enumerate(_values(found)):
-        for t, state in zip(times, strings(found[k].states, found.number), strict=False):
+        for t, state in zip(times, strings(found.rows(k), found.number), strict=False):
             yield [str(k + 1), *values, t, *state]

@@ -13,10 +13,10 @@ import io
 import json
 import time
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.common.errors import BadInput
 from polhode.common.files import make_folder, write_whole
@@ -25,7 +25,11 @@ from polhode.numbers.convert import number_value
 from polhode.numbers.decimals import strings
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Rows
-from polhode.taylor.outcomes import Outcome
+from polhode.taylor.outcomes import OUTCOMES, Outcome, code
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
 MANIFEST = "manifest.json"
 EVERY = 1.0  # seconds between two parts: what a kill may lose
@@ -35,24 +39,24 @@ _SAME = ("polhode", "heyoka", "numpy")  # packages whose versions must be the sa
 class Part(NamedTuple):
     """Some members of a sweep, finished; see :class:`polhode.runs.sweep.Ensemble`."""
 
-    members: Sequence[int]
+    members: npt.NDArray[np.int64]
     states: Rows
-    outcomes: Sequence[Outcome]
-    steps: Sequence[int]
-    reached: Sequence[Fraction]
-    errors: Sequence[tuple[float | None, ...] | None]
+    outcomes: npt.NDArray[np.uint8]  # indices into polhode.taylor.outcomes.OUTCOMES
+    steps: npt.NDArray[np.int64]
+    reached: Rows  # Fractions
+    errors: dict[int, tuple[float | None, ...]]  # by member, of those that have any
 
 
 class Parts:
     """The parts of one sweep in ``folder``, which is made when there is something to keep.
 
-    ``what``: all that decides the results, as text.  Raises BadInput where the folder holds
+    ``what``: all that decides the results.  Raises BadInput where the folder holds
     anything else, or another process works in it.
     """
 
-    def __init__(self, folder: Path, what: str, number: NumberType) -> None:
+    def __init__(self, folder: Path, what: bytes, number: NumberType) -> None:
         self.folder, self.number = folder, number
-        digest = hashlib.sha256(what.encode()).hexdigest()
+        digest = hashlib.sha256(what).hexdigest()
         self._manifest = {
             "parts of": "polhode sweep",
             "sweep": digest,
@@ -75,13 +79,15 @@ class Parts:
             except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
                 path.unlink(missing_ok=True)
                 continue
+            members = found["members"]
+            told = zip(members.tolist(), found["errors"].tolist(), strict=True)
             yield Part(
-                found["members"].tolist(),
+                members,
                 self._numbers(found["states"]),
-                [Outcome(text) for text in found["outcomes"].tolist()],
-                found["steps"].tolist(),
-                [Fraction(text) for text in found["reached"].tolist()],
-                [_errors(json.loads(text)) for text in found["errors"].tolist()],
+                _looked_up(found["outcomes"], lambda text: code(Outcome(text)), np.uint8),
+                found["steps"],
+                _looked_up(found["reached"], Fraction, object),
+                {k: tuple(json.loads(text)) for k, text in told if text != "null"},
             )
 
     @property
@@ -109,12 +115,12 @@ class Parts:
         text = io.BytesIO()
         np.savez(
             text,
-            members=np.array(part.members, dtype=np.int64),
+            members=part.members,
             states=self._plain(part.states),
-            outcomes=np.array([outcome.value for outcome in part.outcomes]),
-            steps=np.array(part.steps, dtype=np.int64),
+            outcomes=np.array([outcome.value for outcome in OUTCOMES])[part.outcomes],
+            steps=part.steps,
             reached=np.array([str(t) for t in part.reached]),
-            errors=np.array([json.dumps(told) for told in part.errors]),
+            errors=np.array([json.dumps(part.errors.get(k)) for k in part.members.tolist()]),
         )
         numbers = [int(path.stem.removeprefix("part-")) for path in self._paths()]
         name = f"part-{max(numbers, default=-1) + 1:05d}.npz"
@@ -192,5 +198,12 @@ class Parts:
         return found
 
 
-def _errors(told: list[float | None] | None) -> tuple[float | None, ...] | None:
-    return None if told is None else tuple(told)
+def _looked_up(texts: Any, read: Callable[[str], Any], kind: Any) -> Any:
+    """An array of texts, of which there are few different ones, read."""
+    import numpy as np
+
+    different, which = np.unique(texts, return_inverse=True)
+    known = np.empty(len(different), dtype=kind)
+    for k, text in enumerate(different.tolist()):
+        known[k] = read(text)
+    return known[which]

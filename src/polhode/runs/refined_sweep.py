@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from polhode.numbers.number_types import NumberType
 from polhode.runs import refinement
 from polhode.scenes.scene import Scene
-from polhode.taylor.outcomes import Outcome
+from polhode.taylor.outcomes import Outcome, code
 
 if TYPE_CHECKING:
     from polhode.taylor.batches import BatchJob, Solved
@@ -46,27 +46,38 @@ def prepare(job: Job) -> None:
         batches.compiled(job.steps)
 
 
-def solve(job: Job, stop: Callable[[], bool] | None = None) -> list[Solved | None]:
-    """The members' rows, as those of steps are; None for those that ``stop`` kept from the end."""
+def solve(job: Job, stop: Callable[[], bool] | None = None) -> Solved:
+    """The members' results, as those of steps are; ``stop`` keeps members from the end."""
+    import numpy as np
+
     from polhode.taylor import batches
 
-    found: list[Solved | None] = []
-    for member, lane in zip(job.members, job.steps.lanes, strict=True):
+    steps = job.steps
+    found = batches.Solved.none_of(steps)
+    found.errors = [None] * steps.lanes.many
+    for k, member in enumerate(job.members):
         if stop is not None and stop():
-            found.append(None)
-            continue
+            break
         refined = _refined(job, member, stop)
+        here = slice(k, k + 1)
         if refined is None:
-            found += batches.solve(job.steps._replace(lanes=(lane,)), stop)
-        else:
-            found.append(None if refined.outcome is Outcome.INTERRUPTED else refined)
+            one = batches.solve(steps._replace(lanes=steps.lanes.some(here)), stop)
+            found.states[here], found.outcomes[here] = one.states, one.outcomes
+            found.steps[here], found.reached[here] = one.steps, one.reached
+        elif refined.outcome is not Outcome.INTERRUPTED:
+            for j, row in enumerate(refined.rows):
+                found.states[k, j] = np.array(row, dtype=object)
+            found.outcomes[k] = code(refined.outcome)
+            found.steps[k], found.reached[k] = refined.steps, refined.reached
+            found.errors[k] = refined.errors
     return found
 
 
-def _refined(job: Job, member: Scene, stop: Callable[[], bool] | None) -> Solved | None:
+def _refined(
+    job: Job, member: Scene, stop: Callable[[], bool] | None
+) -> refinement.Refinement | None:
     """A member by refinement; None where it is not to be or does not succeed."""
     from polhode.refined.trouble import CannotRefine
-    from polhode.taylor.batches import Solved
 
     def look(_: float, __: int) -> None:
         if stop is not None and stop():
@@ -75,9 +86,7 @@ def _refined(job: Job, member: Scene, stop: Callable[[], bool] | None) -> Solved
     steps = job.steps
     if not chosen(member, steps.number, job.method):
         return None
-    times = steps.times
     try:
-        run = refinement.refinement(member, steps.number, times, None, steps.max_steps, look)
+        return refinement.refinement(member, steps.number, steps.times, None, steps.max_steps, look)
     except CannotRefine:
         return None
-    return Solved(run.rows, run.outcome, run.steps, run.reached, run.errors)

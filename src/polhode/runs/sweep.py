@@ -28,7 +28,8 @@ from polhode.runs.sweep_results import Results
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library, vary
 from polhode.scenes.scene import Scene
-from polhode.taylor.outcomes import Outcome
+from polhode.taylor import policy
+from polhode.taylor.outcomes import OUTCOMES, Outcome
 
 if TYPE_CHECKING:
     import numpy as np
@@ -39,7 +40,10 @@ if TYPE_CHECKING:
 #: Called with the fraction of the members that are done, and how many.
 Progress = Callable[[float, int], None]
 
-_JOBS = 256  # so many at most: each costs a fraction of a millisecond
+_JOBS = 16, 256  # so many at least and at most: each costs a fraction of a millisecond
+_JOB = 0.05  # seconds that one should take
+_STEPS_PER_RADIAN = 2.0  # about, at the fastest rate, in double
+_SHARE = 0.25  # of a scalar step that a lane's costs
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -55,26 +59,26 @@ class Ensemble(ByValue):
 
     ``varied``: keys and exact values, a row a member.  ``states``: shape (members, times, columns),
     columns p q r [gamma1 gamma2 gamma3]; float64, longdouble, or objects (mpf) above extended; not
-    a number where a member did not come.  ``outcomes``, ``steps``, ``reached``: one a member.
+    a number where a member did not come.  ``outcomes``, ``steps``, ``reached``, ``errors``: one a
+    member, made of the arrays ``endings``, ``counts``, ``arrived`` and of ``told`` when asked for.
     ``ensemble[k]`` is member k as a Trajectory.  ``projected``: False, steps are bare
     Taylor steps, not put back onto the first integrals.  ``parts``: the folder that finished
-    members were kept in.  ``errors``: one entry a member, of a refined one what a refined
-    trajectory's are, else None.
+    members were kept in.
     """
 
     scene: Scene
     varied: vary.Grid
-    members: tuple[Scene, ...]
+    members: vary.Members
     number: NumberType
     times: tuple[Fraction, ...]
     states: Rows
-    outcomes: tuple[Outcome, ...]
-    steps: tuple[int, ...]
-    reached: tuple[Fraction, ...]
+    endings: npt.NDArray[np.uint8]  # indices into polhode.taylor.outcomes.OUTCOMES
+    counts: npt.NDArray[np.int64]  # of steps
+    arrived: Rows  # times reached, Fractions
     tolerance: float
     digits: int | None = None
     projected: bool = False
-    errors: tuple[tuple[float | None, ...] | None, ...] = ()
+    told: Mapping[int, tuple[float | None, ...]] = field(default_factory=dict)
     provenance: Mapping[str, Any] = field(default_factory=dict, compare=False)
     parts: Parts | None = field(default=None, compare=False)
 
@@ -82,7 +86,7 @@ class Ensemble(ByValue):
         return len(self.members)
 
     def __repr__(self) -> str:
-        count = sum(outcome.done for outcome in self.outcomes)
+        count = sum(n for outcome, n in self.tally().items() if outcome.done)
         how = "all reached the end" if self.done else f"{count} of them reached the end"
         return (
             f"<Ensemble of {self.scene.name}: {len(self)} members in {self.number.name}, "
@@ -92,16 +96,16 @@ class Ensemble(ByValue):
     def __getitem__(self, index: int) -> Trajectory:
         """One member by itself, as far as it came."""
         member = self.members[index]
-        count = self._rows(index)
-        states = self.states[index][:count]
+        states = self.rows(index)
+        count = len(states)
         return Trajectory(
             scene=member.at(self.scene.times),
             number=self.number,
             times=self.times[:count],
             states=states if self.number.flat else [list(row) for row in states],
-            outcome=self.outcomes[index],
-            steps=self.steps[index],
-            reached=self.reached[index],
+            outcome=self.outcome(index),
+            steps=int(self.counts[index]),
+            reached=self.arrived[index],
             tolerance=self.tolerance,
             digits=self.digits,
             provenance=self.provenance,
@@ -121,38 +125,69 @@ class Ensemble(ByValue):
         return upstairs.call("output.frames:of_ensemble_pandas", self)
 
     def _errors(self, index: int) -> tuple[float | None, ...] | None:
-        return self.errors[index] if self.errors else None
+        return self.told.get(index % len(self))
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the states' columns."""
         return self.scene.columns
 
+    @cached_property
+    def outcomes(self) -> tuple[Outcome, ...]:
+        """How each member ended."""
+        return tuple(OUTCOMES[code] for code in self.endings.tolist())
+
+    def outcome(self, index: int) -> Outcome:
+        """How one member ended."""
+        return OUTCOMES[int(self.endings[index])]
+
+    def tally(self) -> dict[Outcome, int]:
+        """How many members ended how, in the order in which the first of each comes."""
+        import numpy as np
+
+        codes, first, counts = np.unique(self.endings, return_index=True, return_counts=True)
+        return {OUTCOMES[codes[k]]: int(counts[k]) for k in np.argsort(first)}
+
+    @cached_property
+    def steps(self) -> tuple[int, ...]:
+        """How many steps each member took."""
+        return tuple(self.counts.tolist())
+
+    @cached_property
+    def reached(self) -> tuple[Fraction, ...]:
+        """The time that each member reached."""
+        return tuple(self.arrived.tolist())
+
+    @cached_property
+    def errors(self) -> tuple[tuple[float | None, ...] | None, ...]:
+        """One entry a member: of a refined one what a refined trajectory's are, else None."""
+        return tuple(self.told.get(k) for k in range(len(self)))
+
     @property
     def interrupted(self) -> bool:
         """Whether Ctrl-C left members undone."""
-        return Outcome.NOT_RUN in self.outcomes
+        return Outcome.NOT_RUN in self.tally()
 
     @property
     def done(self) -> bool:
         """Whether every member reached the end."""
-        return all(outcome.done for outcome in self.outcomes)
+        return all(outcome.done for outcome in self.tally())
 
     @cached_property
     def drift(self) -> npt.NDArray[np.float64]:
-        """Largest drift of h, f, |gamma|² of each member, shape (members, 3); nan where unknown.
+        """Largest drift of h, f, |gamma|² and the fourth integral of each, shape (members, 4).
 
-        From the member's exact scene, see :class:`polhode.equations.integrals.Drift`.
+        From the member's exact scene, see :class:`polhode.equations.integrals.Drift`; nan where
+        unknown.
         """
-        import numpy as np
+        from polhode.runs.sweep_drift import drifts
 
-        found = [self[k].drift for k in range(len(self))]
-        return np.array([[np.nan if x is None else x for x in row] for row in found], dtype=float)
+        return drifts(self)
 
-    def _rows(self, index: int) -> int:
-        """How many output times a member has states at."""
-        first = [row[0] for row in self.states[index]]
-        return sum(1 for x in first if x == x)
+    def rows(self, index: int) -> Rows:
+        """The states of one member as far as it came."""
+        states = self.states[index]
+        return states[: int((states[:, 0] == states[:, 0]).sum())]
 
 
 def integrate_many(
@@ -237,15 +272,25 @@ def integrate_many(
         number=plan.number,
         times=plan.times,
         states=results.states,
-        outcomes=tuple(results.outcomes),
-        steps=tuple(results.steps),
-        reached=tuple(results.reached),
+        endings=results.outcomes,
+        counts=results.steps,
+        arrived=results.reached,
         tolerance=float(tolerance),
         digits=digits,
-        errors=tuple(results.errors),
+        told=results.errors,
         provenance={**provenance(scene.text), "seconds": seconds},
         parts=kept,
     )
+
+
+def _jobs(plan: Plan) -> int:
+    """In about how many jobs a sweep is cut."""
+    least, most = _JOBS
+    if plan.number.name != "double":
+        return most
+    radians = float(plan.rates.sum()) * abs(float(plan.times[-1]))
+    seconds = _SHARE * policy.seconds(plan.number, _STEPS_PER_RADIAN * radians)
+    return int(min(most, max(least, seconds / _JOB)))
 
 
 def _opened(plan: Plan, scene: Scene, folder: Path | None, method: str) -> Parts | None:
@@ -253,9 +298,9 @@ def _opened(plan: Plan, scene: Scene, folder: Path | None, method: str) -> Parts
     if folder is None:
         return None
     asked = (plan.varied, plan.number, plan.tolerance, plan.max_steps, plan.times, plan.names)
-    axes = {id(m.body): repr(m.body.axes) for m in plan.members}
-    what = "\n".join([scene.name, method, repr(asked), *axes.values(), *map(repr, plan.lanes)])
-    return Parts(folder, what, plan.number)
+    body = repr((scene.body.inertia, scene.body.centre, scene.body.weight))
+    what = "\n".join([scene.name, method, repr(asked), body])
+    return Parts(folder, what.encode() + plan.lanes.bytes(), plan.number)
 
 
 def _solve(
@@ -269,45 +314,44 @@ def _solve(
     """Integrate the members that are not done; the seconds of compiling."""
     from polhode.taylor import batches
 
-    order = sorted(range(len(plan.lanes)), key=lambda k: -plan.lanes[k].rate)
     size = batches.width(plan.number)
-    size *= -(-len(order) // (size * _JOBS))
     wanted = results.left  # whole batches of lanes: the others' results do not depend on them
-    groups = [[k for k in order[i : i + size] if k in wanted] for i in range(0, len(order), size)]
-    groups = [group for group in groups if group]
-    columns = len(plan.lanes[0].start)
+    groups = [group[wanted[group]] for group in plan.groups(size, _jobs(plan))]
+    groups = [group for group in groups if len(group)]
     steps = [
         batches.BatchJob(
             plan.names,
-            columns,
             plan.number,
             plan.tolerance,
             plan.max_steps,
             plan.times,
-            tuple(plan.lanes[k] for k in group),
+            int(plan.time_units[group[0]]),
+            plan.lanes.some(group),
         )
         for group in groups
     ]
     jobs: Sequence[Any] = steps
     solve: Any = batches.solve
     prepare: Any = batches.compiled
-    members = tuple(
-        replace(m, times=plan.asked, outputs=(), form="principal") for m in plan.members
-    )
-    if plan.tolerance is None and refined_sweep.wanted(plan.number, method, members):
-        solve, prepare = refined_sweep.solve, refined_sweep.prepare
-        jobs = [
-            refined_sweep.Job(tuple(members[k] for k in group), job, method)
-            for group, job in zip(groups, steps, strict=True)
-        ]
-    count = len(order) - len(wanted)
+    if plan.tolerance is None and not plan.number.flat:
+        members = tuple(
+            replace(m, times=plan.asked, outputs=(), form="principal") for m in plan.members
+        )
+        if refined_sweep.wanted(plan.number, method, members):
+            solve, prepare = refined_sweep.solve, refined_sweep.prepare
+            jobs = [
+                refined_sweep.Job(tuple(members[k] for k in group), job, method)
+                for group, job in zip(groups, steps, strict=True)
+            ]
+    total = len(plan.members)
+    count = total - int(wanted.sum())
 
-    def ready(k: int, solved: Sequence[Solved | None]) -> None:
+    def ready(k: int, solved: Solved) -> None:
         nonlocal count
         results.take(groups[k], solved)
-        count += len(solved)
+        count += len(groups[k])
         if progress is not None:
-            progress(count / len(order), count)
+            progress(count / total, count)
 
     left = list(range(len(jobs)))
     if executor is not None:

@@ -2,39 +2,72 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
-from polhode.equations.forms import principal
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.runs.request import choose_number, rounded_times, rounded_tolerance
+from polhode.runs.sweep_lanes import Fastest, lanes_of
 from polhode.scenes import vary
 from polhode.scenes.scene import Scene
 from polhode.taylor import policy
 
 if TYPE_CHECKING:
-    from polhode.taylor.batches import Lane
+    import numpy as np
+    import numpy.typing as npt
+
+    from polhode.taylor.batches import Lanes
 
 MAX_NUMBERS = 10**8  # in all states together: 0.8 GB of doubles
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Plan:
-    """A sweep, checked: what there is to integrate."""
+    """A sweep, checked: what there is to integrate.
+
+    ``time_units``: the exponent n of each member's unit of time 2**n; ``rates``: about its fastest
+    rate, radians for each unit of the scene's time.
+    """
 
     varied: vary.Grid
-    members: tuple[Scene, ...]
+    members: vary.Members
     number: NumberType
     tolerance: Fraction | None
     max_steps: int
     times: tuple[Fraction, ...]
     asked: tuple[Exact, ...]
     names: tuple[str, ...]
-    lanes: tuple[Lane, ...]
+    lanes: Lanes
+    time_units: npt.NDArray[np.int64]
+    rates: npt.NDArray[np.float64]
+
+    @property
+    def axes_stay(self) -> bool:
+        """Whether all members have the same principal axes."""
+        return not any(key.startswith("body.inertia") for key in self.varied.keys)
+
+    def bodies(self, members: npt.NDArray[np.int64]) -> list[npt.NDArray[np.int64]]:
+        """Of some members which value of each of the body's keys they have: arrays, one a key."""
+        rows = self.varied.rows
+        each = zip(self.varied.keys, rows.columns, rows.repeats, strict=True)
+        return [members // n % len(x) for key, x, n in each if key.startswith("body.")]
+
+    def groups(self, size: int, most: int) -> Iterator[npt.NDArray[np.int64]]:
+        """The members in groups of one unit of time and about the same rate.
+
+        Each is a multiple of ``size`` members but the last of a unit; about ``most`` groups.
+        """
+        import numpy as np
+
+        size *= -(-len(self.rates) // (size * most))
+        order = np.lexsort((-self.rates, self.time_units))
+        ends = np.flatnonzero(np.diff(self.time_units[order])) + 1
+        for alike in np.split(order, ends):
+            yield from (alike[i : i + size] for i in range(0, len(alike), size))
 
 
 def planned(
@@ -55,51 +88,16 @@ def planned(
         what = f"{len(varied.rows)} members at {len(scene.times)} times"
         expected = f"at most {MAX_NUMBERS} numbers of states; fewer samples, or split the sweep"
         raise BadInput(scene.name, "vary", what, expected)
-    members = vary.members(scene, varied)
+    members = vary.Members(scene, varied)
+    _ = members.tables  # a key that is none is refused before anything else
     chosen = choose_number(scene, number, None)
     if digits is not None:
-        fastest = max(members, key=lambda member: member.log10_rate)
-        chosen = choose_number(fastest.at(scene.times), number, digits)
+        chosen = choose_number(Fastest(members).scene.at(scene.times), number, digits)
     times = tuple(rounded_times(scene, chosen))
     tolerance = rounded_tolerance(scene, chosen, tol)
 
-    names, lanes = _lanes(members, times[-1], chosen)
+    names, lanes, units, rates = lanes_of(members, times[-1], chosen)
     limit = max_steps if max_steps is not None else policy.of(chosen).max_steps
-    return Plan(varied, members, chosen, tolerance, limit, times, scene.times, names, lanes)
-
-
-def _lanes(
-    members: Sequence[Scene], end: Fraction, number: NumberType
-) -> tuple[tuple[str, ...], tuple[Lane, ...]]:
-    """The names of all coefficients that any member has, and each member in numbers of a type."""
-    from polhode.taylor import batches, heyoka_numbers
-
-    bodies: dict[tuple[int, int], dict[str, Exact]] = {}
-    for member in members:
-        key = id(member.body), member.time_unit  # members share their bodies
-        if key not in bodies:
-            bodies[key] = principal.coefficients(member.body, member.time_unit)
-    names = tuple(sorted(set().union(*bodies.values())))
-    known: dict[int, tuple[Exact, Fraction]] = {}  # they share most of their numbers, too
-
-    def typed(x: Exact) -> Fraction:
-        if id(x) not in known:
-            heyoka_numbers.scalar(x, number)
-            known[id(x)] = x, number.rounded(x)
-        return known[id(x)][1]
-
-    lanes = []
-    for member in members:
-        unit, axes = Fraction(2) ** member.time_unit, member.body.axes
-        k = bodies[id(member.body), member.time_unit]
-        try:
-            heyoka_numbers.scalar(end / unit, number)
-            start = [typed(unit * w) for w in axes.components(member.omega)]
-            if member.gamma is not None:
-                start += [typed(g) for g in axes.components(member.gamma)]
-            coefficients = [typed(k[name]) if name in k else Fraction(0) for name in names]
-        except heyoka_numbers.OutOfRange as fault:
-            expected = f"a type of wider range ({fault})"
-            raise BadInput(member.name, "number", number.name, expected) from None
-        lanes.append(batches.Lane(tuple(coefficients), tuple(start), member.time_unit))
-    return names, tuple(lanes)
+    return Plan(
+        varied, members, chosen, tolerance, limit, times, scene.times, names, lanes, units, rates
+    )

@@ -1,8 +1,8 @@
-"""What became of the members of a sweep, filled as they come."""
+"""What became of the members of a sweep, in arrays that are filled as they come."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -12,72 +12,89 @@ from polhode.numbers.convert import number_value
 from polhode.numbers.scalars import Rows
 from polhode.runs.parts import Part, Parts
 from polhode.runs.sweep_plan import Plan
-from polhode.taylor.outcomes import Outcome
+from polhode.taylor.outcomes import Outcome, code
 
 if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
     from polhode.taylor.batches import Solved
 
 
 class Results:
-    """What became of each member, filled as they come; kept in parts where that is wanted."""
+    """What became of each member; kept in parts where that is wanted.
+
+    ``states`` in scene axes and units, not a number where a member did not come; ``outcomes``:
+    indices into :data:`polhode.taylor.outcomes.OUTCOMES`.
+    """
 
     def __init__(self, plan: Plan, parts: Parts | None) -> None:
+        import numpy as np
+
         self.plan, self.parts = plan, parts
         count = len(plan.members)
+        self._not_run = code(Outcome.NOT_RUN)
         self.states = _empty(plan, count)
-        self.outcomes = [Outcome.NOT_RUN] * count
-        self.steps = [0] * count
-        self.reached = [Fraction(0)] * count
-        self.errors: list[tuple[float | None, ...] | None] = [None] * count
+        self.outcomes = np.full(count, self._not_run, dtype=np.uint8)
+        self.steps = np.zeros(count, dtype=np.int64)
+        self.reached = np.full(count, Fraction(0), dtype=object)
+        self.errors: dict[int, tuple[float | None, ...]] = {}
         self._kept = 0  # members in parts
-        self._new: list[int] = []  # those in none yet
+        self._new: list[npt.NDArray[np.int64]] = []  # those in none yet
         for part in parts.done() if parts else ():
             self._fill(part)
             self._kept += len(part.members)
 
     @property
-    def left(self) -> set[int]:
-        """The members that are not done."""
-        return {k for k, outcome in enumerate(self.outcomes) if outcome is Outcome.NOT_RUN}
+    def left(self) -> npt.NDArray[np.bool_]:
+        """Which members are not done."""
+        import numpy as np
 
-    def take(self, group: Sequence[int], solved: Sequence[Solved | None]) -> None:
-        """Results of a job; None of a member that was interrupted."""
-        came = [(k, r) for k, r in zip(group, solved, strict=True) if r is not None]
-        if not came:
-            return
-        members, results = [k for k, _ in came], [r for _, r in came]
+        return np.asarray(self.outcomes == self._not_run)
+
+    def take(self, group: npt.NDArray[np.int64], solved: Solved) -> int:
+        """Results of a job; how many members it finished."""
+        done = solved.done
+        members = group[done]
+        if not len(members):
+            return 0
         with delayed():  # a moment: no finished member is lost over it
-            states = _states(self.plan, members, results)
-            outcomes, steps = [r.outcome for r in results], [r.steps for r in results]
-            reached, errors = [r.reached for r in results], [r.errors for r in results]
-            self._fill(Part(members, states, outcomes, steps, reached, errors))
-            self._new += members
+            states = _states(self.plan, members, solved.states[done])
+            errors = {}
+            for k, told in zip(group.tolist(), solved.errors or (), strict=False):
+                if told is not None:
+                    errors[k] = told
+            outcomes, steps = solved.outcomes[done], solved.steps[done]
+            self._fill(Part(members, states, outcomes, steps, solved.reached[done], errors))
+            self._new.append(members)
             if self.parts is not None and self.parts.due:
                 self._keep()
+        return len(members)
 
     def end(self) -> None:
         """Nothing more comes: what is in no part yet goes into one, where others are or will be."""
         with delayed() as waiting:
-            if self.parts is not None and (self._kept or self.left):
+            if self.parts is not None and (self._kept or self.left.any()):
                 self._keep()
             if self.parts is not None:
                 self.parts.release()
             waiting.forget()
 
     def _fill(self, part: Part) -> None:
-        self.states[list(part.members)] = part.states
-        for k, outcome, steps, reached, errors in zip(
-            part.members, part.outcomes, part.steps, part.reached, part.errors, strict=True
-        ):
-            self.outcomes[k], self.steps[k], self.reached[k] = outcome, steps, reached
-            self.errors[k] = errors
+        at = part.members
+        self.states[at], self.outcomes[at], self.steps[at] = part.states, part.outcomes, part.steps
+        self.reached[at] = part.reached
+        self.errors |= part.errors
 
     def _keep(self) -> None:
+        import numpy as np
+
         if self._new and self.parts is not None:
-            new = sorted(set(self._new))
-            outcomes, steps = [self.outcomes[k] for k in new], [self.steps[k] for k in new]
-            reached, errors = [self.reached[k] for k in new], [self.errors[k] for k in new]
-            self.parts.keep(Part(new, self.states[new], outcomes, steps, reached, errors))
+            new = np.unique(np.concatenate(self._new))
+            errors = {k: self.errors[k] for k in new.tolist() if k in self.errors}
+            states, reached = self.states[new], self.reached[new]
+            part = Part(new, states, self.outcomes[new], self.steps[new], reached, errors)
+            self.parts.keep(part)
             self._kept += len(new)
             self._new = []
 
@@ -86,7 +103,7 @@ def _empty(plan: Plan, count: int) -> Rows:
     """States of so many members, none of them a number."""
     import numpy as np
 
-    shape = (count, len(plan.times), len(plan.members[0].columns))
+    shape = (count, len(plan.times), len(plan.members.scene.columns))
     if plan.number.name == "double":
         return np.full(shape, np.nan)
     if plan.number.name == "extended":
@@ -96,20 +113,35 @@ def _empty(plan: Plan, count: int) -> Rows:
     return np.full(shape, ordinary(mpmath.nan), dtype=object)
 
 
-def _states(plan: Plan, members: Sequence[int], found: Sequence[Solved]) -> Rows:
-    """States in scene axes and units, not a number where a member did not come."""
-    states = _empty(plan, len(found))
-    alike: dict[tuple[int, int], list[int]] = {}  # those that one readout reads
-    for i, k in enumerate(members):
-        if len(found[i].rows):
-            member = plan.members[k]
-            alike.setdefault((id(member.body), member.time_unit), []).append(i)
-    for those in alike.values():
-        rows = [row for i in those for row in found[i].rows]
-        if states.dtype == object:
-            rows = [[number_value(x, plan.number) for x in row] for row in rows]
-        read = iter(Readout(plan.members[members[those[0]]], plan.number).states(rows))
-        for i in those:
-            for j in range(len(found[i].rows)):
-                states[i, j] = next(read)
+def _states(plan: Plan, members: npt.NDArray[np.int64], rows: Rows) -> Rows:
+    """States in scene axes and units, not a number where a member did not come.
+
+    ``rows``: (members, times, columns) in principal axes and the run's units.
+    """
+    import numpy as np
+
+    if plan.number.flat and plan.axes_stay and plan.members.scene.body.axes.trivial:
+        states = rows.copy()
+        states[:, :, :3] = np.ldexp(states[:, :, :3], -plan.time_units[members, None, None])
+        return states
+    states = _empty(plan, len(members))
+    first = rows[:, :, 0]
+    if plan.number.flat:
+        there = ~np.isnan(first)
+    else:
+        there = np.array([[x is not None for x in row] for row in first])
+    # one readout reads all members that have a body and a unit of time in common
+    bodies = np.stack([*plan.bodies(members), plan.time_units[members]], axis=1)
+    _, alike = np.unique(bodies, axis=0, return_inverse=True)
+    for n in range(alike.max() + 1):
+        at = there & (alike == n)[:, None]
+        if not at.any():
+            continue
+        member = replace(plan.members[int(members[alike == n][0])], form="principal")
+        found = list(rows[at])
+        if not plan.number.flat:
+            found = [[number_value(x, plan.number) for x in row] for row in found]
+        read = Readout(member, plan.number).states(found)
+        for k, row in zip(np.argwhere(at), read, strict=True):
+            states[tuple(k)] = row
     return states

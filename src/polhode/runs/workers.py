@@ -4,22 +4,22 @@
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import (
-    FIRST_COMPLETED,
     BrokenExecutor,
     CancelledError,
     Executor,
     Future,
     ProcessPoolExecutor,
     ThreadPoolExecutor,
-    wait,
 )
 from multiprocessing import active_children, get_context
 from multiprocessing.process import BaseProcess
+from queue import SimpleQueue
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -115,13 +115,15 @@ def elsewhere(
     """Solve the jobs in an executor: whether Ctrl-C did not come, and the jobs that it lost.
 
     A job is lost with the worker that died over it, or with the whole pool; a warning says so.
+    Jobs travel as bytes: an executor that looks into what it carries (dask names a task by a hash
+    of all that is in it) has nothing to look into.
     """
     futures: dict[Future[T], int] = {}
     lost: dict[int, BaseException] = {}
     try:
         for k, job in enumerate(jobs):
             try:
-                futures[executor.submit(solve, job)] = k
+                futures[executor.submit(_solved, pickle.dumps((solve, job)))] = k
             except RuntimeError as fault:  # broken or shut down already: BrokenExecutor is one
                 lost[k] = fault
         _collect(futures, ready, lost)
@@ -136,21 +138,29 @@ def elsewhere(
     return True, sorted(lost)
 
 
+def _solved(packed: bytes) -> Any:
+    """The result of a job that came as bytes."""
+    solve, job = pickle.loads(packed)
+    return solve(job)
+
+
 def _collect(
     futures: dict[Future[T], int],
     ready: Callable[[int, T], None],
     lost: dict[int, BaseException] | None = None,
 ) -> None:
     """Hand on each result as it comes; a future without one raises, or is noted as lost."""
+    came: SimpleQueue[Future[T]] = SimpleQueue()
+    for future in list(futures):
+        future.add_done_callback(came.put)
     while futures:
-        done, _ = wait(futures, return_when=FIRST_COMPLETED)
-        for future in done:
-            k = futures[future]
-            fault = CancelledError() if future.cancelled() else future.exception()
-            if fault is None:
-                ready(k, future.result())
-            elif lost is None:
-                raise fault
-            else:
-                lost[k] = fault
-            del futures[future]
+        future = came.get()
+        k = futures[future]
+        fault = CancelledError() if future.cancelled() else future.exception()
+        if fault is None:
+            ready(k, future.result())
+        elif lost is None:
+            raise fault
+        else:
+            lost[k] = fault
+        del futures[future]

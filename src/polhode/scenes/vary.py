@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import itertools
+import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest, plain
@@ -20,7 +20,8 @@ from polhode.scenes import keys, scene_file
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
-MAX_MEMBERS = 100_000
+MAX_MEMBERS = 10_000_000
+_BODIES = 1024  # that are remembered
 
 _SECTIONS = ("body", "start")
 _KEY = re.compile(r"(body|start)\.[a-z]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
@@ -31,14 +32,168 @@ _WORDS = keys.words("body") | keys.words("body.parts") | keys.words("start")
 Vary = Mapping[str, Any] | Sequence[Mapping[str, Any]]
 
 
+class Spaced(Sequence[Exact]):
+    """So many numbers from ``first`` to ``last``, evenly spaced, ends included; made when asked."""
+
+    def __init__(self, first: Exact, last: Exact, count: int) -> None:
+        self.first, self.last, self._count = first, last, count
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, index: int) -> Exact: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Exact]: ...
+    def __getitem__(self, index: int | slice) -> Exact | Sequence[Exact]:
+        where = range(self._count)[index]
+        if isinstance(where, range):
+            return [self[k] for k in where]
+        step = Fraction(where, max(1, self._count - 1))
+        return self.first + (self.last - self.first) * step
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Sequence):
+            return NotImplemented
+        return len(self) == len(other) and all(a == b for a, b in zip(self, other, strict=True))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return f"Spaced({self.first!r}, {self.last!r}, {self._count})"
+
+
+class Rows(Sequence[tuple[Exact, ...]]):
+    """A row of values for each member, made when asked.
+
+    ``product``: every combination of the columns' values, the last column's changing fastest; else
+    the columns are as long as the rows are many.
+    """
+
+    def __init__(self, columns: Sequence[Sequence[Exact]], product: bool) -> None:
+        self.columns, self.product = tuple(columns), product
+        sizes = [len(column) for column in self.columns]
+        self._count = math.prod(sizes) if product else sizes[0]
+        #: For each column how many rows have the same value in a row of rows.
+        self.repeats = [math.prod(sizes[i + 1 :]) if product else 1 for i in range(len(sizes))]
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, index: int) -> tuple[Exact, ...]: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[tuple[Exact, ...]]: ...
+    def __getitem__(self, index: int | slice) -> tuple[Exact, ...] | Sequence[tuple[Exact, ...]]:
+        where = range(self._count)[index]
+        if isinstance(where, range):
+            return [self[k] for k in where]
+        each = zip(self.columns, self.repeats, strict=True)
+        return tuple(column[where // repeat % len(column)] for column, repeat in each)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Sequence):
+            return NotImplemented
+        if isinstance(other, Rows) and self.product == other.product:
+            return self.columns == other.columns
+        return len(self) == len(other) and all(a == b for a, b in zip(self, other, strict=True))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return f"Rows({self.columns!r}, {self.product})"
+
+
 class Grid(NamedTuple):
     """What is varied: the keys, and a row of values for each member."""
 
     keys: tuple[str, ...]
-    rows: tuple[tuple[Exact, ...], ...]
+    rows: Rows
 
 
-def option(text: str, name: str) -> tuple[str, list[Exact]]:
+class Members(Sequence[Scene]):
+    """The scenes of a sweep, without output times; each made, and checked, when it is asked for."""
+
+    def __init__(self, scene: Scene, varied: Grid) -> None:
+        self.scene, self.varied = scene, varied
+        self._reading: Any = None
+
+    def __len__(self) -> int:
+        return len(self.varied.rows)
+
+    @overload
+    def __getitem__(self, index: int) -> Scene: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Scene]: ...
+    def __getitem__(self, index: int | slice) -> Scene | Sequence[Scene]:
+        where = range(len(self))[index]
+        if isinstance(where, range):
+            return [self[k] for k in where]
+        if self._reading is None:
+            self._reading = _Reading(self.scene, self.varied)
+        scene: Scene = self._reading.member(where)
+        return scene
+
+    def __iter__(self) -> Iterator[Scene]:
+        return (self[k] for k in range(len(self)))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Members):
+            return NotImplemented
+        return self.scene == other.scene and self.varied == other.varied
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __getstate__(self) -> tuple[Scene, Grid]:
+        return self.scene, self.varied
+
+    def __setstate__(self, state: tuple[Scene, Grid]) -> None:
+        self.__init__(*state)  # type: ignore[misc]
+
+    @property
+    def tables(self) -> dict[str, Any]:
+        """The tables that are varied, numbers exact, none of them varied yet."""
+        data = tables_of(self.scene)
+        _places(data, self.varied.keys, self.scene.name)
+        return data
+
+
+class _Reading:
+    """A scene's tables in which a member's values are put before it is read."""
+
+    def __init__(self, scene: Scene, varied: Grid) -> None:
+        self.scene, self.varied = scene, varied
+        self.data = tables_of(scene)
+        self.places = _places(self.data, varied.keys, scene.name)
+        self.same_body = not any(key.startswith("body.") for key in varied.keys)
+        self.bare = replace(scene, times=(), published=(), expect={}, source="", outputs=())
+        self.bodies: dict[tuple[Any, ...], Body] = {}
+
+    def member(self, index: int) -> Scene:
+        row = self.varied.rows[index]
+        name = label(self.scene.name, self.varied, index)
+        for spots, value in zip(self.places, row, strict=True):
+            for table, at in spots:
+                table[at] = value
+        body = self.scene.body if self.same_body else self._known(row, name)
+        body, omega, gamma, psi = scene_file.body_and_start(self.data, name, body)
+        return replace(self.bare, body=body, omega=omega, gamma=gamma, psi=psi, name=name)
+
+    def _known(self, row: tuple[Exact, ...], name: str) -> Body:
+        """The body that the tables hold now: one for all members that have the same."""
+        of_body = tuple(
+            x if isinstance(x, Fraction) else (id(x),)
+            for key, x in zip(self.varied.keys, row, strict=True)
+            if key.startswith("body.")
+        )
+        if of_body not in self.bodies:
+            if len(self.bodies) >= _BODIES:
+                self.bodies.clear()
+            self.bodies[of_body] = scene_file.body_and_start(self.data, name)[0]
+        return self.bodies[of_body]
+
+
+def option(text: str, name: str) -> tuple[str, Sequence[Exact]]:
     """Key and values of ``KEY=FROM:TO:N`` or ``KEY=a,b,c``; raises BadInput."""
     key, equals, listed = text.partition("=")
     if not equals:
@@ -46,7 +201,7 @@ def option(text: str, name: str) -> tuple[str, list[Exact]]:
     return key.strip(), values(listed, key.strip(), name)
 
 
-def values(text: str, key: str, name: str) -> list[Exact]:
+def values(text: str, key: str, name: str) -> Sequence[Exact]:
     """The numbers of ``FROM:TO:N`` (N of them, evenly spaced, ends included) or of ``a,b,c``."""
     try:
         if ":" not in text:
@@ -60,18 +215,16 @@ def values(text: str, key: str, name: str) -> list[Exact]:
     count = int(ends[2]) if re.fullmatch(r"\s*\d{1,9}\s*", ends[2]) else 0
     if not 1 <= count <= MAX_MEMBERS:
         raise BadInput(name, key, text, f"FROM:TO:N with N from 1 to {MAX_MEMBERS}")
-    return [first + (last - first) * Fraction(k, max(1, count - 1)) for k in range(count)]
+    return Spaced(first, last, count)
 
 
 def grid(vary: Vary, name: str) -> Grid:
     """Keys and rows of what is varied; raises BadInput."""
+    product = isinstance(vary, Mapping)
     if isinstance(vary, Mapping):
         columns = [_column(key, given, name) for key, given in vary.items()]
         keys = tuple(vary)
-        count = 1
-        for column in columns:
-            count *= len(column)
-        rows: Iterable[tuple[Exact, ...]] = itertools.product(*columns)
+        count = math.prod(len(column) for column in columns)
     else:
         vary = each(name, "vary", vary, lambda member: member, "keys with their values, or members")
         for k, member in enumerate(vary):
@@ -82,37 +235,12 @@ def grid(vary: Vary, name: str) -> Grid:
             if set(member) != set(keys):
                 listed = ", ".join(map(plain, member))
                 raise BadInput(name, f"member {k + 1}", listed, f"the keys {', '.join(keys)}")
-        rows = (tuple(_exact(m[key], key, name) for key in keys) for m in vary)
+        columns = [[_exact(m[key], key, name) for m in vary] for key in keys]
     if not keys:
         raise BadInput(name, "vary", None, "at least one number of the scene file to vary")
     if count > MAX_MEMBERS:
         raise BadInput(name, "vary", f"{count} members", f"at most {MAX_MEMBERS}; split the sweep")
-    return Grid(keys, tuple(rows))
-
-
-def members(scene: Scene, varied: Grid) -> tuple[Scene, ...]:
-    """A scene for each row, without output times; raises BadInput naming the member."""
-    data = tables_of(scene)
-    places = _places(data, varied.keys, scene.name)
-    same_body = not any(key.startswith("body.") for key in varied.keys)
-    bodies: dict[tuple[Any, ...], Body] = {}
-    bare = replace(scene, times=(), published=(), expect={}, source="", outputs=())
-    found = []
-    for index, row in enumerate(varied.rows):
-        name = label(scene.name, varied, index)
-        for spots, value in zip(places, row, strict=True):
-            for table, at in spots:
-                table[at] = value
-        of_body = tuple(
-            x if isinstance(x, Fraction) else (id(x),)
-            for key, x in zip(varied.keys, row, strict=True)
-            if key.startswith("body.")
-        )
-        known = scene.body if same_body else bodies.get(of_body)
-        body, omega, gamma, psi = scene_file.body_and_start(data, name, known)
-        bodies[of_body] = body
-        found.append(replace(bare, body=body, omega=omega, gamma=gamma, psi=psi, name=name))
-    return tuple(found)
+    return Grid(keys, Rows(columns, product))
 
 
 def label(name: str, varied: Grid, index: int) -> str:
@@ -121,12 +249,12 @@ def label(name: str, varied: Grid, index: int) -> str:
     return f"{name} member {index + 1} ({', '.join(f'{key} = {shown(x)}' for key, x in row)})"
 
 
-def _column(key: str, given: Any, name: str) -> list[Exact]:
+def _column(key: str, given: Any, name: str) -> Sequence[Exact]:
     if isinstance(given, str):
         return values(given, key, name)
     if not isinstance(given, Iterable):
         raise BadInput(name, key, plain(given), "a sequence of numbers, or FROM:TO:N")
-    column = [_exact(x, key, name) for x in given]
+    column = given if isinstance(given, Spaced) else [_exact(x, key, name) for x in given]
     if not column:
         raise BadInput(name, key, "nothing", "at least one value")
     return column

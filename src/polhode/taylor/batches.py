@@ -2,20 +2,23 @@
 
 heyoka's batch integrator steps as many systems of doubles at a time as the machine has lanes; each
 has its own step size.  Other number types go one by one through one compiled code.  A job is
-plain data, so that it can be solved in any thread, process or machine.
+plain data, arrays but for its times, so that it can be solved in any thread, process or machine.
 """
 
 from __future__ import annotations
 
 import copy
+import itertools
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import heyoka as hy
 import numpy as np
+import numpy.typing as npt
 
 from polhode.equations.forms import principal
 from polhode.numbers.convert import exactly
@@ -24,52 +27,96 @@ from polhode.numbers.scalars import Rows
 from polhode.taylor import heyoka_numbers, policy
 from polhode.taylor.endings import ending
 from polhode.taylor.kinds import HeyokaIntegrator
-from polhode.taylor.outcomes import Outcome
+from polhode.taylor.outcomes import Outcome, code
 
 #: Internal time units (a radian or two of the fastest rate) between two looks at the keyboard, for
 #: each step between them: at two or three steps a unit, a fifth of a second.
 _UNITS_PER_STEP = Fraction(1, 4)
 
+_REACHED = hy.taylor_outcome.time_limit
 
-class Lane(NamedTuple):
-    """One system: coefficients and start as numbers of the run's type, its time unit 2**n."""
 
-    coefficients: tuple[Fraction, ...]
-    start: tuple[Fraction, ...]
-    time_unit: int
+class Lanes(NamedTuple):
+    """Systems: coefficients and starts, a row each, as numbers of the run's type.
+
+    Doubles, longdoubles, or above extended Fractions.  In the run's own unit of time.
+    """
+
+    coefficients: Rows
+    starts: Rows
 
     @property
-    def rate(self) -> float:
-        """About the fastest rate, in radians for each unit of the scene's time."""
-        w, k = self.start[:3], self.coefficients
-        square = sum(float(x) ** 2 for x in w) + max((abs(float(x)) for x in k), default=0.0)
-        return float(square**0.5 * 2.0**-self.time_unit)
+    def many(self) -> int:
+        """How many."""
+        return len(self.starts)
+
+    def bytes(self) -> bytes:
+        """All of it, to tell it from any other."""
+        if self.starts.dtype == object:
+            return repr((self.coefficients.tolist(), self.starts.tolist())).encode()
+        tables = (self.coefficients, self.starts)
+        high = [table.astype(np.float64) for table in tables]  # a longdouble has idle bytes
+        rest = [(a - b).astype(np.float64) for a, b in zip(tables, high, strict=True)]
+        return b"".join(table.tobytes() for table in (*high, *rest))
+
+    def some(self, which: Any) -> Lanes:
+        """Those of some indices."""
+        return Lanes(self.coefficients[which], self.starts[which])
 
 
 class BatchJob(NamedTuple):
-    """Systems of the same equations, to be integrated to the same times (of the scenes)."""
+    """Systems of the same equations, to be integrated to the same times (of the scenes).
+
+    ``time_unit``: the exponent n of the unit 2**n of time that all of them have.
+    """
 
     names: tuple[str, ...]  # of the coefficients
-    columns: int
     number: NumberType
     tolerance: Fraction | None
     max_steps: int
     times: tuple[Fraction, ...]
-    lanes: tuple[Lane, ...]
+    time_unit: int
+    lanes: Lanes
+
+    @property
+    def columns(self) -> int:
+        """Of a state."""
+        return int(self.lanes.starts.shape[1])
 
 
-class Solved(NamedTuple):
-    """Rows in principal axes and internal units as far as times were reached, and how it ended.
+@dataclass
+class Solved:
+    """What became of systems, one after the other.
 
-    Above extended they are Fractions: an mpf narrows when it is unpickled.  ``errors``: of the
-    states of a refined member, see :class:`polhode.runs.trajectory.Trajectory`.
+    ``states``: (systems, times, columns) in principal axes and internal units, not a number where
+    a time was not reached; above extended Fractions (an mpf narrows when it is unpickled) and None.
+    ``outcomes``: by number, NOT_RUN of those that were stopped.  ``errors``: of the
+    states of refined members, see :class:`polhode.runs.trajectory.Trajectory`; None without any.
     """
 
-    rows: Rows
-    outcome: Outcome
-    steps: int
-    reached: Fraction
-    errors: tuple[float | None, ...] | None = None
+    states: Rows
+    outcomes: npt.NDArray[np.uint8]
+    steps: npt.NDArray[np.int64]
+    reached: Rows
+    errors: list[tuple[float | None, ...] | None] | None = None
+
+    @classmethod
+    def none_of(cls, job: BatchJob) -> Solved:
+        """Nothing done yet."""
+        count = job.lanes.many
+        kind: Any = {"double": np.float64, "extended": np.longdouble}.get(job.number.name, object)
+        empty = np.nan if job.number.flat else None
+        return cls(
+            np.full((count, len(job.times), job.columns), empty, dtype=kind),
+            np.full(count, code(Outcome.NOT_RUN), dtype=np.uint8),
+            np.zeros(count, dtype=np.int64),
+            np.full(count, Fraction(0), dtype=object),
+        )
+
+    @property
+    def done(self) -> npt.NDArray[np.bool_]:
+        """Which systems came to an end of whatever kind."""
+        return np.asarray(self.outcomes != code(Outcome.NOT_RUN))
 
 
 def width(number: NumberType) -> int:
@@ -77,13 +124,18 @@ def width(number: NumberType) -> int:
     return int(hy.recommended_simd_size(float)) if number.name == "double" else 1
 
 
-def solve(job: BatchJob, stop: Callable[[], bool] | None = None) -> list[Solved | None]:
-    """Integrate a job's systems; None for those that ``stop`` kept from being finished."""
-    ready: list[Solved | None] = []
-    size = width(job.number)
-    for first in range(0, len(job.lanes), size):
-        ready += _solve(job, job.lanes[first : first + size], stop)
-    return ready
+def solve(job: BatchJob, stop: Callable[[], bool] | None = None) -> Solved:
+    """Integrate a job's systems; those that ``stop`` kept from being finished are NOT_RUN."""
+    found, size = Solved.none_of(job), width(job.number)
+    stretches = _Stretches(job)
+    firsts: Iterable[int] = range(0, job.lanes.many, size)
+    if job.number.name == "double":
+        firsts = _in_one_go(job, stretches, found, firsts, stop)
+    for first in firsts:
+        if stop is not None and stop():
+            break
+        _solve(job, stretches, found, range(first, min(first + size, job.lanes.many)), stop)
+    return found
 
 
 def compiled(job: BatchJob) -> HeyokaIntegrator:
@@ -123,118 +175,233 @@ def _compiled(
         return hy.taylor_adaptive(equations, start, pars=pars, **options)
 
 
-def _solve(
-    job: BatchJob, lanes: Sequence[Lane], stop: Callable[[], bool] | None
-) -> list[Solved | None]:
-    """Integrate as many systems as one step advances."""
-    integrator = compiled(job)
-    march = _March(job, lanes, integrator)
-    for part in march.parts():
+class _Stretch(NamedTuple):
+    """A part of the way: its end, the outputs in it, and where it stops, as heyoka takes them.
+
+    ``targets``: from the stretch's beginning, in the run's unit, the last one being its end.
+    """
+
+    to: Fraction
+    first: int
+    last: int  # of the outputs, not included
+    targets: list[Any]
+
+
+class _Stretches:
+    """The stretches of a job, each made once, and none beyond those that are come to."""
+
+    def __init__(self, job: BatchJob) -> None:
+        self._made: list[_Stretch] = []
+        self._more = _stretches(job)
+
+    def __iter__(self) -> Iterator[_Stretch]:
+        yield from self._made
+        for stretch in self._more:
+            self._made.append(stretch)
+            yield stretch
+
+
+def _stretches(job: BatchJob) -> Iterator[_Stretch]:
+    """Stretches of a fifth of a second's work; they depend on the unit of time alone."""
+    done = 1 if job.times[0] == 0 else 0
+    if done == len(job.times):
+        return
+    end, unit = job.times[-1], Fraction(2) ** job.time_unit
+    count = -(-abs(end) / unit // (policy.of(job.number).chunk * _UNITS_PER_STEP))
+    j, since = 0, Fraction(0)
+    while done < len(job.times):
+        j += 1
+        to = end if j == count else job.number.rounded(end * Fraction(j, count))
+        first = done
+        while done < len(job.times) and abs(job.times[done]) <= abs(to):
+            done += 1
+        at = list(job.times[first:done])
+        targets = at if at and at[-1] == to else [*at, to]
+        scaled = [heyoka_numbers.scalar((t - since) / unit, job.number) for t in targets]
+        yield _Stretch(to, first, done, scaled)
+        since = to
+
+
+def _in_one_go(
+    job: BatchJob,
+    stretches: _Stretches,
+    found: Solved,
+    firsts: Iterable[int],
+    stop: Callable[[], bool] | None,
+) -> Iterable[int]:
+    """Batches of doubles whose whole way is one stretch, with next to nothing between them.
+
+    Those that this does not bring to the end are returned, to be solved with care.  It gives the
+    same as :func:`_march`.
+    """
+    ahead = list(itertools.islice(stretches, 2))
+    if len(ahead) != 1:
+        return firsts
+    (stretch,) = ahead
+    places, many, targets = width(job.number), job.lanes.many, stretch.targets
+    spare = -many % places
+    coefficients, starts = (
+        np.vstack([table, np.repeat(table[-1:], spare, axis=0)]).T.copy() for table in job.lanes
+    )
+    alike = bool((coefficients == coefficients[:, :1]).all())
+    states = np.full((len(targets), job.columns, many + spare), np.nan)
+    steps, trouble = np.zeros(many + spare, dtype=np.int64), []
+    ta, grid = compiled(job), np.repeat(np.array([[0.0, *targets]]).T, places, axis=1)
+    state, pars, ends = ta.state, ta.pars, [targets[-1]] * places
+    if alike:
+        pars[:] = coefficients[:, :places]
+    for first in firsts:
         if stop is not None and stop():
-            return [None] * len(lanes)
-        fault = march.advance(*part)
-        if (
-            fault is not None and len(lanes) > 1
-        ):  # one lane's trouble stops them all: each for itself
-            return [solved for lane in lanes for solved in _solve(job, [lane], stop)]
-        if fault is not None:
-            return march.solved(fault)
-    return march.solved(Outcome.REACHED_END)
+            trouble.append(first)
+            continue
+        here = slice(first, first + places)
+        ta.set_time(0.0)
+        state[:] = starts[:, here]
+        if not alike:
+            pars[:] = coefficients[:, here]
+        if len(targets) == 1:  # a state at the end alone needs no dense output
+            ta.propagate_until(ends, max_steps=job.max_steps)
+            states[0, :, here] = state
+        else:
+            states[:, :, here] = ta.propagate_grid(grid, max_steps=job.max_steps)[1][1:]
+        results = ta.propagate_res
+        steps[here] = [r[3] for r in results]
+        if [r[0] for r in results] != [_REACHED] * places:
+            trouble.append(first)
+    done = np.ones(many, dtype=bool)
+    for first in trouble:
+        done[first : first + places] = False
+    kept = stretch.last - stretch.first
+    if job.times[0] == 0:
+        found.states[done, 0] = job.lanes.starts[done]
+    rows = states[:kept, :, :many].transpose(2, 0, 1)
+    found.states[done, stretch.first : stretch.last] = rows[done]
+    found.outcomes[done] = code(Outcome.REACHED_END)
+    found.steps[done], found.reached[done] = steps[:many][done], stretch.to
+    return trouble
 
 
-class _March:
-    """Lanes on their way: all pass the same times of the scenes, each in its own unit."""
+def _solve(
+    job: BatchJob,
+    stretches: _Stretches,
+    found: Solved,
+    which: range,
+    stop: Callable[[], bool] | None,
+) -> None:
+    """Integrate as many systems as one step advances."""
+    outcome = _march(job, stretches, found, which, stop)
+    if outcome is None:  # stopped: as if it had not begun
+        here = slice(which.start, which.stop)
+        found.states[here] = np.nan if job.number.flat else None
+        found.steps[here], found.reached[here] = 0, Fraction(0)
+        return
+    if outcome is not Outcome.REACHED_END and len(which) > 1:
+        for k in which:  # one lane's trouble stops them all: each for itself
+            _solve(job, stretches, found, range(k, k + 1), stop)
+        return
+    found.outcomes[which.start : which.stop] = code(outcome)
 
-    def __init__(self, job: BatchJob, lanes: Sequence[Lane], integrator: HeyokaIntegrator) -> None:
-        self.job, self.lanes, self.integrator = job, lanes, integrator
-        self.batch = job.number.name == "double"
-        self.places = width(job.number)
-        self.steps = [0] * len(lanes)
-        self.reached = Fraction(0)
-        self.rows: list[Rows] = []  # blocks (times, columns, lanes), or rows of one lane
-        padded = [*lanes, *[lanes[-1]] * (self.places - len(lanes))]
-        self.units = [Fraction(2) ** lane.time_unit for lane in padded]
-        for i in range(job.columns):
-            self._put(integrator.state, i, [lane.start[i] for lane in padded])
-        for i in range(len(job.names)):
-            self._put(integrator.pars, i, [lane.coefficients[i] for lane in padded])
-        if job.times[0] == 0:
-            self._keep(integrator.state[None], 1)
 
-    def _put(self, target: Rows, i: int, values: Sequence[Fraction]) -> None:
-        typed = [heyoka_numbers.scalar(x, self.job.number) for x in values]
-        target[i] = typed if self.batch else typed[0]
-
-    def parts(self) -> Iterator[tuple[Fraction, list[Fraction]]]:
-        """Stretches of time of a fifth of a second's work: their ends and the times in them."""
-        times = [t for t in self.job.times if t != 0]
-        if not times:
-            return
-        end = times[-1]
-        inside = max(abs(end) / unit for unit in self.units)
-        span = policy.of(self.job.number).chunk * _UNITS_PER_STEP
-        count = -(-inside // span)
-        done, j = 0, 0
-        while done < len(times):
-            j += 1
-            to = end if j == count else self.job.number.rounded(end * Fraction(j, count))
-            first = done
-            while done < len(times) and abs(times[done]) <= abs(to):
-                done += 1
-            yield to, times[first:done]
-
-    def advance(self, to: Fraction, times: list[Fraction]) -> Outcome | None:
-        """Integrate on to a time; the outcome where it is not reached."""
-        job, ta = self.job, self.integrator
-        targets = times if times and times[-1] == to else [*times, to]
-        ahead = [t - self.reached for t in targets]
-        zero = heyoka_numbers.scalar(0, job.number)
-        columns = [[heyoka_numbers.scalar(t / u, job.number) for t in ahead] for u in self.units]
-        limit = job.max_steps - max(self.steps)
+def _march(
+    job: BatchJob,
+    stretches: _Stretches,
+    found: Solved,
+    which: range,
+    stop: Callable[[], bool] | None,
+) -> Outcome | None:
+    """Carry lanes along; None if they were stopped, whose states are then left as they are."""
+    here = slice(which.start, which.stop)
+    take = _Doubles(job, which) if job.number.name == "double" else _Single(job, which.start)
+    found.states[here] = np.nan if job.number.flat else None
+    found.steps[here], found.reached[here] = 0, Fraction(0)
+    if job.times[0] == 0:
+        found.states[here, 0] = job.lanes.starts[here]
+    for n, stretch in enumerate(stretches):
+        if n and stop is not None and stop():
+            return None
+        limit = job.max_steps - int(found.steps[here].max())
         if limit <= 0:
             return Outcome.STEP_LIMIT
-        if self.batch:
-            ta.set_time(0.0)
-            grid = np.vstack([np.zeros(self.places), np.array(columns).T])
-            _, states = ta.propagate_grid(grid, max_steps=limit)
-            results = ta.propagate_res[: len(self.lanes)]
-        else:
-            ta.time = zero
-            found = ta.propagate_grid(
-                heyoka_numbers.array([zero, *columns[0]], job.number), max_steps=limit
-            )
-            states, results = found[-1], [found]
-        self.steps = [s + int(r[3]) for s, r in zip(self.steps, results, strict=True)]
-        endings = {ending(r[0]) for r in results}
-        if Outcome.NON_FINITE in endings:
-            return Outcome.NON_FINITE
-        if endings != {Outcome.REACHED_END}:
-            kept = states[1 : len(times) + 1]
-            met = (~np.isnan(kept[:, 0, 0])).sum() if self.batch else len(kept)
-            self._keep(kept, met)
+        states, steps, outcome, met = take.advance(stretch, limit)
+        found.steps[here] += steps
+        if outcome is Outcome.NON_FINITE:
+            return outcome
+        kept = min(met, stretch.last - stretch.first)
+        found.states[here, stretch.first : stretch.first + kept] = states[:, :kept]
+        if outcome is not Outcome.REACHED_END:
             return Outcome.STEP_LIMIT
-        self._keep(states[1:], len(times))
-        self.reached = to
-        wanted = max(self.steps) * abs(job.times[-1] / to)
-        return Outcome.STEP_LIMIT if wanted > 10 * job.max_steps else None
+        found.reached[here] = stretch.to
+        wanted = int(found.steps[here].max()) * abs(job.times[-1] / stretch.to)
+        if wanted > 10 * job.max_steps:
+            return Outcome.STEP_LIMIT
+    return Outcome.REACHED_END
 
-    def _keep(self, states: Rows, count: int) -> None:
-        """Keep the first so many states: the others only end a stretch, or were not reached."""
-        if self.batch:
-            self.rows.append(states[:count].copy())
-        elif self.job.number.name == "extended":
-            self.rows += [row.copy() for row in states[:count]]
+
+class _Doubles:
+    """A batch of doubles on its way; spare places repeat the last lane."""
+
+    def __init__(self, job: BatchJob, which: range) -> None:
+        self.count, self.places = len(which), width(job.number)
+        self.integrator = compiled(job)
+        lanes = job.lanes.some(slice(which.start, which.stop))
+        self._put(self.integrator.state, lanes.starts)
+        if job.names:
+            self._put(self.integrator.pars, lanes.coefficients)
+
+    def _put(self, target: Rows, rows: Rows) -> None:
+        target[:, : self.count] = rows.T
+        if self.count < self.places:
+            target[:, self.count :] = rows[-1][:, None]
+
+    def advance(
+        self, stretch: _Stretch, limit: int
+    ) -> tuple[Rows, npt.NDArray[np.int64], Outcome, int]:
+        """States (lanes, outputs, columns), steps, the ending, how many outputs were met."""
+        ta, targets = self.integrator, stretch.targets
+        ta.set_time(0.0)
+        if len(targets) == 1:  # a state at the end alone needs no dense output
+            ta.propagate_until([targets[0]] * self.places, max_steps=limit)
+            states = ta.state[None]
         else:
-            wide = (heyoka_numbers.numbers(row.tolist(), self.job.number) for row in states[:count])
-            self.rows += [[exactly(x) for x in row] for row in wide]
+            grid = np.repeat(np.array([[0.0, *targets]]).T, self.places, axis=1)
+            states = ta.propagate_grid(grid, max_steps=limit)[1][1:]
+        results = ta.propagate_res[: self.count]
+        steps = np.array([r[3] for r in results], dtype=np.int64)
+        rows = states[:, :, : self.count].transpose(2, 0, 1)
+        if all(r[0] == _REACHED for r in results):
+            return rows, steps, Outcome.REACHED_END, len(targets)
+        endings = {ending(r[0]) for r in results}
+        outcome = Outcome.NON_FINITE if Outcome.NON_FINITE in endings else Outcome.STEP_LIMIT
+        met = 0 if len(targets) == 1 else int((~np.isnan(rows[0, :, 0])).sum())
+        return rows, steps, outcome, met
 
-    def solved(self, outcome: Outcome) -> list[Solved | None]:
-        """What has been reached."""
-        lanes: list[Rows] = [self.rows]
-        if self.batch:
-            blocks = np.concatenate(self.rows or [np.zeros((0, self.job.columns, self.places))])
-            lanes = [np.ascontiguousarray(blocks[:, :, i]) for i in range(len(self.lanes))]
-        return [
-            Solved(rows, outcome, steps, self.reached)
-            for rows, steps in zip(lanes, self.steps, strict=True)
-        ]
+
+class _Single:
+    """A system of another number type on its way."""
+
+    def __init__(self, job: BatchJob, index: int) -> None:
+        self.number, self.integrator = job.number, compiled(job)
+        lane = job.lanes.some(index)
+        for target, row in (
+            (self.integrator.state, lane.starts),
+            (self.integrator.pars, lane.coefficients),
+        ):
+            for i, x in enumerate(row):
+                target[i] = x if self.number.flat else heyoka_numbers.scalar(x, self.number)
+
+    def advance(
+        self, stretch: _Stretch, limit: int
+    ) -> tuple[Rows, npt.NDArray[np.int64], Outcome, int]:
+        """The same of one lane."""
+        zero = heyoka_numbers.scalar(0, self.number)
+        self.integrator.time = zero
+        grid = heyoka_numbers.array([zero, *stretch.targets], self.number)
+        found = self.integrator.propagate_grid(grid, max_steps=limit)
+        states, outcome = found[-1][1:], ending(found[0])
+        if not self.number.flat:
+            wide = (heyoka_numbers.numbers(row.tolist(), self.number) for row in states)
+            rows = [[exactly(x) for x in row] for row in wide]
+            states = np.empty((len(rows), len(self.integrator.state)), dtype=object)
+            for i, row in enumerate(rows):
+                states[i] = row
+        return states[None], np.array([int(found[3])]), outcome, len(states)

@@ -49,6 +49,16 @@ class Outcome(Enum):
         return self in (Outcome.REACHED_END, Outcome.STOPPED_AT_EVENT)
 
 
+#: The outcomes by number, as arrays hold them.
+OUTCOMES = tuple(Outcome)
+_CODES = {outcome: number for number, outcome in enumerate(OUTCOMES)}
+
+
+def code(outcome: Outcome) -> int:
+    """The number of an outcome among OUTCOMES."""
+    return _CODES[outcome]
+
+
 _CAUSES = {
     "reached end": ("all output times were reached", ""),
     "stopped at event": ("an event that stops the run was met", ""),

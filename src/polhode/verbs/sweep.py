@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -83,7 +82,7 @@ def main(options: Namespace) -> int:
             method=options.method,
             workers=options.workers,
             parts=None if path is None else sweeps.parts_of(path),
-            progress=lambda fraction, done: progress.say(f"{100 * fraction:.1f} %, {done} members"),
+            progress=lambda fraction, done: progress.show(fraction, done, "members"),
         )
     if path is not None:
         sweeps.write(path, found)
@@ -94,13 +93,13 @@ def main(options: Namespace) -> int:
     elif path is None:
         print_table(*sweeps.table(found))
     if not options.json:
-        counted = Counter(outcome.value for outcome in found.outcomes)
         left_out = f"; {', '.join(scene.outputs)} left out" if scene.outputs else ""
         note(
             f"{scene.name}: {len(found)} members, {found.number.name} ({found.number.bits} bits), "
-            f"not projected{left_out}; " + ", ".join(f"{n} {name}" for name, n in counted.items())
+            f"not projected{left_out}; "
+            + ", ".join(f"{n} {outcome.value}" for outcome, n in found.tally().items())
         )
-    for outcome in dict.fromkeys(found.outcomes):
+    for outcome in found.tally():
         if not outcome.done:
             advice = f"; {outcome.advice}" if outcome.advice else ""
             first = found.outcomes.index(outcome)

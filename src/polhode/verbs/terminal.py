@@ -154,15 +154,15 @@ class Progress:
     def __exit__(self, *_: object) -> None:
         self.clear()
 
-    def show(self, fraction: float, steps: int) -> None:
-        """How far an integration is, and how long it will go on at this pace."""
+    def show(self, fraction: float, steps: int, what: str = "steps") -> None:
+        """How far the work is, and how long it will go on at this pace."""
         now = time.monotonic()
         if fraction < self.fraction or self.fraction == 0.0:  # a new one
             self.first = now, fraction
         self.fraction = fraction
         passed, done = now - self.first[0], fraction - self.first[1]
         left = f", {passed / done * (1 - fraction):.0f} s left" if passed > 1 and done > 0 else ""
-        self.say(f"{100 * fraction:.1f} %, {steps} steps{left}")
+        self.say(f"{100 * fraction:.1f} %, {steps} {what}{left}")
 
     def say(self, text: str) -> None:
         """The line's new text."""

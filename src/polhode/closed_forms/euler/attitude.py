@@ -34,7 +34,7 @@ class EulerAttitude:
     def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         c, x, y, z = self.motion.state(t, fn)[1]
-        return self._after((c, x, y, z))
+        return self.after((c, x, y, z))
 
     def floats(self, speed: Any) -> EulerAttitude:
         """The same in doubles, time in units of 1/speed."""
@@ -63,7 +63,7 @@ class EulerAttitude:
         """
         if isinstance(self.motion, PermanentRotation):
             one = self.start
-            other = self._after((0, *self.motion.axis))
+            other = self.after((0, *self.motion.axis))
             x = self.motion.half * t
             return (
                 _along_ellipse(mpmath.mpc(one[0], one[3]), mpmath.mpc(other[0], other[3]), x),
@@ -75,7 +75,7 @@ class EulerAttitude:
             return None
         return grown[0], grown[1]
 
-    def _after(self, turn: Quaternion) -> Quaternion:
+    def after(self, turn: Quaternion) -> Quaternion:
         """The attitude after a turn from the start; linear in the turn."""
         c, *axis = turn
         x, y, z = self.axes.scene(axis)
@@ -83,7 +83,7 @@ class EulerAttitude:
 
     def _terms(self, motion: Polhode) -> tuple[list[Any], list[Any]]:
         """al and bt as x1 al' + x2 conj al' + x3 bt' + x4 conj bt', seen from G; the rows x."""
-        images = [self._after(product(motion.start, unit)) for unit in _UNITS]
+        images = [self.after(product(motion.start, unit)) for unit in _UNITS]
         rows = []
         for re, im in ((0, 3), (1, 2)):
             r, i, j, k = (mpmath.mpc(image[re], image[im]) for image in images)

@@ -20,13 +20,14 @@ from polhode.closed_forms.euler.attitude import EulerAttitude
 from polhode.closed_forms.euler.axes import numbered_axes
 from polhode.closed_forms.euler.motion import EulerMotion, permanent_rotation, polhode
 from polhode.closed_forms.euler.regimes import exact_numbers, is_permanent, regime
-from polhode.closed_forms.functions.jacobi import MP
+from polhode.closed_forms.functions.jacobi import MP, pair_functions
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened, vector
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector, is_zero
 
 _ZERO = Fraction(0)
+_COLUMN_BITS = 192  # of the constants where many times are asked for at once
 _GUARD = 40  # bits beyond the digits asked for, the growth of phases and the spread of the moments
 
 
@@ -83,6 +84,23 @@ class EulerTop(FromAttitude):
                     row += axes.scene(turned_back(turn, gamma))
                 rows.append(row)
         return [shortened(row, digits) for row in rows]
+
+    def columns(self, times: Any) -> tuple[list[Any], list[Any] | None]:
+        """p q r [gamma1 gamma2 gamma3], and the quaternion, at many times at once.
+
+        ``times`` and answers are :class:`polhode.numbers.pairs.Pairs`; of their 100 bits the
+        phases take log2 of the largest.
+        """
+        with mpmath.workprec(_COLUMN_BITS):
+            motion, fn = self._motion(_COLUMN_BITS), pair_functions()
+            axes = self._axes.mapped(lambda x: number(x, _COLUMN_BITS))
+            omega, turn = motion.state(times, fn)
+            row = axes.scene(omega)
+            if self._known_gamma is None:
+                return row, None
+            gamma = vector(self._axes.numbered(self._known_gamma), _COLUMN_BITS)
+            row += axes.scene(turned_back(turn, gamma))
+            return row, list(self._attitude(_COLUMN_BITS).after(turn))
 
     def period(self, digits: int) -> mpf | None:
         """The period of w in the body, in the scene's unit of time.

@@ -56,6 +56,13 @@ def numpy_functions() -> SeriesFunctions:
     return SeriesFunctions(lambda x: (np.cos(x), np.sin(x)), cosh_sinh, np.sqrt, np.hypot, np.rint)
 
 
+def pair_functions() -> SeriesFunctions:
+    """Functions of arrays of pairs of doubles, about 100 bits (:mod:`polhode.numbers.pairs`)."""
+    from polhode.numbers import pairs
+
+    return SeriesFunctions(pairs.cos_sin, pairs.cosh_sinh, pairs.sqrt, pairs.hypot, pairs.nint)
+
+
 #: Past this X only a nome below exp(-2X) leads (|X| <= log(1/q')/2): a double is at its limit.
 _SATURATED = 80.0
 

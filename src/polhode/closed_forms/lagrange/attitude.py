@@ -45,7 +45,7 @@ class LagrangeAttitude:
 
     def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
-        return self._joined(*self.motion.parameters(t, fn))
+        return self.joined(*self.motion.parameters(t, fn))
 
     def floats(self, speed: Any) -> LagrangeAttitude:
         """The same in doubles, time in units of 1/speed."""
@@ -117,7 +117,8 @@ class LagrangeAttitude:
             return angle
         return angle + mpmath.arg(1 + terms[1 - lead] / terms[lead])
 
-    def _joined(self, al: Parts, bt: Parts) -> Quaternion:
+    def joined(self, al: Parts, bt: Parts) -> Quaternion:
+        """The quaternion where the top's own parameters are these."""
         found: list[Any] = []
         for one, other in self.rows:
             if isinstance(one[0], mpf) and not any(other):

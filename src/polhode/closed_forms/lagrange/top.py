@@ -15,9 +15,9 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from polhode.closed_forms.attitude.axes import placed
+from polhode.closed_forms.attitude.axes import RowMatrix, placed
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
-from polhode.closed_forms.functions.jacobi import MP
+from polhode.closed_forms.functions.jacobi import MP, pair_functions
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.lagrange.attitude import LagrangeAttitude, attitude, top_start
 from polhode.closed_forms.lagrange.axes import top_axes
@@ -25,6 +25,7 @@ from polhode.closed_forms.lagrange.motion import (
     LagrangeMotion,
     LagrangeStart,
     Nutating,
+    Parts,
     equations,
     nutating,
     steady,
@@ -36,6 +37,7 @@ from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector
 
 _ZERO = Fraction(0)
+_COLUMN_BITS = 192  # of the constants where many times are asked for at once
 _GUARD = 40  # bits beyond the digits asked for and the growth of phases
 _SLACK = 24  # of these, what the set-up may use up; where it needs more it is made with more
 _TRIALS = 6  # of a set-up with more bits each time
@@ -85,11 +87,21 @@ class LagrangeTop(FromAttitude):
         with mpmath.workprec(bits):
             matrix = self._axes.matrix(bits)
             for t in times:
-                (a, b), (c, d), (p, q) = motion.all(number(t, bits), MP)
-                # g1 + i g2 = 2i conj(al) bt
-                gamma = 2 * (b * c - a * d), 2 * (a * c + b * d), a * a + b * b - c * c - d * d
-                rows.append(placed(matrix, (p, q, motion.r)) + placed(matrix, gamma))
+                rows.append(_state(matrix, motion.all(number(t, bits), MP), motion.r))
         return [shortened(row, digits) for row in rows]
+
+    def columns(self, times: Any) -> tuple[list[Any], list[Any]]:
+        """p q r gamma1 gamma2 gamma3, and the quaternion, at many times at once.
+
+        ``times`` and answers are :class:`polhode.numbers.pairs.Pairs`; of their 100 bits the
+        phases take log2 of the largest.
+        """
+        with mpmath.workprec(_COLUMN_BITS):
+            motion = self._motion(_COLUMN_BITS)
+            found = motion.all(times, pair_functions())
+            state = _state(self._axes.matrix(_COLUMN_BITS), found, motion.r)
+            al, bt, _ = found
+            return state, list(self._attitude(_COLUMN_BITS).joined(al, bt))
 
     def period(self, digits: int) -> mpf | None:
         """The period of theta, in the scene's unit of time.
@@ -173,6 +185,14 @@ class LagrangeTop(FromAttitude):
             turned = last + float(mpmath.log(fastest, 2))
             bits = rounded_up(digits * math.log2(10) + _GUARD + max(0.0, turned))
         return bits
+
+
+def _state(matrix: RowMatrix, parameters: tuple[Parts, Parts, Parts], r: Any) -> list[Any]:
+    """p q r gamma1 gamma2 gamma3 in the scene's axes, of al, bt and xi."""
+    (a, b), (c, d), (p, q) = parameters
+    # g1 + i g2 = 2i conj(al) bt
+    gamma = 2 * (b * c - a * d), 2 * (a * c + b * d), a * a + b * b - c * c - d * d
+    return placed(matrix, (p, q, r)) + placed(matrix, gamma)
 
 
 def _period(motion: LagrangeMotion) -> Any | None:

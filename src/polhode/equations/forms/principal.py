@@ -58,10 +58,18 @@ _ARMS = (
 
 def coefficients(body: Body, time_unit: int = 0) -> dict[str, Exact]:
     """The exact coefficients that do not vanish, time measured in units of 2**time_unit."""
-    a, b, c = body.moments
-    x, y, z = body.axes.components(body.torque)
-    unit = Fraction(4) ** time_unit
-    every = {
+    torque = body.axes.components(body.torque)
+    every = every_coefficient(body.moments, torque, Fraction(4) ** time_unit)
+    return {name: value for name, value in every.items() if sign(value) != 0}
+
+
+def every_coefficient(
+    moments: Sequence[Scalar], torque: Sequence[Scalar], unit: Scalar = 1
+) -> dict[str, Scalar]:
+    """All coefficients, for any scalars: A, B, C, Mg r0 in principal axes, 4**time_unit."""
+    a, b, c = moments
+    x, y, z = torque
+    return {
         "p.qr": (b - c) / a,
         "q.rp": (c - a) / b,
         "r.pq": (a - b) / c,
@@ -72,7 +80,6 @@ def coefficients(body: Body, time_unit: int = 0) -> dict[str, Exact]:
         "r.gamma1": unit * y / c,
         "r.gamma2": -unit * x / c,
     }
-    return {name: value for name, value in every.items() if sign(value) != 0}
 
 
 def sensitivities(body: Body, time_unit: int = 0) -> list[dict[str, Exact]]:

@@ -1,0 +1,143 @@
+"""Many rows judged at once, in pairs of doubles.
+
+What is judged has 53 or 64 bits, or some 17 printed digits, and is off by a unit of its last one or
+more: a reference that is right to three digits beyond that tells the correct digits to a hundredth.
+Pairs hold about 30 digits, of which the phases take log10 of the largest; at some rows they are
+held against the closed form itself, and where they do not have the digits, nothing is judged by
+them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from polhode.common.text import few
+from polhode.judging.reference import Reference, rows
+from polhode.judging.subject import Subject
+from polhode.numbers import exact
+from polhode.numbers.convert import to_double
+from polhode.numbers.exact import ZERO, sign
+from polhode.numbers.pairs import Pairs, of_fractions, pairs
+
+FEWEST = 100  # rows: fewer are judged one by one in no time
+MOST_DIGITS = 20.0  # that can be told in pairs
+_SPARE = 3  # digits of the reference beyond those that can be told
+_CHECKED = 7  # rows at which the pairs are held against the closed form
+
+Doubles = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ManyRows:
+    """Errors of a subject's rows: of the state, scaled as digits are, and of the attitude.
+
+    A quaternion may have either sign: that of the smaller largest error.
+    """
+
+    errors: Doubles
+    attitude: Doubles | None
+
+
+def many_rows(subject: Subject, reference: Any) -> ManyRows | None:
+    """A subject held against a reference; None where pairs cannot judge it."""
+    count = len(subject.times)
+    if not isinstance(reference, Reference) or count < FEWEST or subject.held > MOST_DIGITS:
+        return None
+    try:
+        found = reference.columns(of_fractions(subject.times))
+        if found is None:
+            return None
+        own = _columns(subject.states, len(reference.scene.columns))
+        turned = [] if subject.attitude is None else _columns(subject.attitude, 4)
+    except OverflowError:  # numbers beyond doubles
+        return None
+    states, quaternion = ([_spread(x, count) for x in part or ()] for part in found)
+    with np.errstate(all="ignore"):
+        scale = _scale(states, reference)
+        scales = [scale if i < 3 else 1.0 for i in range(len(states))]
+        errors = _errors(own, states, scales)
+        sides = [
+            _errors(turned, [y * side for y in quaternion], [1.0] * 4)
+            for side in (1.0, -1.0)
+            if turned and quaternion
+        ]
+    attitude = min(sides, key=lambda side: float(side.max()), default=None)
+    for ask, true, by, found_errors in (
+        (reference.at, states, scales, errors),
+        (reference.attitude, quaternion, [1.0] * 4, attitude),
+    ):
+        if true and found_errors is not None:
+            if not np.isfinite(found_errors).all():
+                return None
+            checked = {*few(count, _CHECKED), int(found_errors.argmax())}
+            if not _right(subject, ask, true, by, sorted(checked)):
+                return None
+    return ManyRows(errors, attitude)
+
+
+def _errors(own: Sequence[Pairs], true: Sequence[Pairs], scales: Sequence[float]) -> Doubles:
+    """The largest error of each row; a cell that is not there is not judged."""
+    columns = [
+        np.where(np.isnan(x.hi), 0.0, np.abs((x - y).hi) / scale)
+        for x, y, scale in zip(own, true, scales, strict=True)
+    ]
+    found: Doubles = np.maximum.reduce(columns)  # not a number where one is none
+    return found
+
+
+def digits(errors: Doubles, cap: float) -> list[float]:
+    """-log10 of errors, between 0 and ``cap``."""
+    with np.errstate(divide="ignore"):
+        found: list[float] = np.clip(-np.log10(errors), 0.0, cap).tolist()
+    return found
+
+
+def _columns(rows: Any, count: int) -> list[Pairs]:
+    """Columns of what is judged; not a number where a cell is not there."""
+    if isinstance(rows, np.ndarray):
+        wide = rows.astype(np.float64)
+        rest = (rows - wide).astype(np.float64)
+        return [Pairs(wide[:, i], rest[:, i]) for i in range(count)]
+    found = []
+    for column in zip(*rows, strict=True):
+        gaps = np.array([x is None for x in column])
+        some = of_fractions([ZERO if x is None else x for x in column])
+        some.hi[gaps] = np.nan
+        found.append(some)
+    return found
+
+
+def _spread(x: Any, count: int) -> Pairs:
+    one = pairs(x)
+    return Pairs(*(np.broadcast_to(part, count) for part in (one.hi, one.lo)))
+
+
+def _scale(states: Sequence[Pairs], reference: Reference) -> float:
+    """What errors of w are relative to, see :func:`polhode.judging.digits.rate_scale`."""
+    largest = float(np.sqrt(sum(x.hi**2 for x in states[:3])).max())
+    if largest > 0:
+        return largest
+    fallback = reference.scene.pendulum_rate_squared
+    return to_double(exact.sqrt(fallback)) if sign(fallback) else 1.0
+
+
+def _right(
+    subject: Subject,
+    ask: Callable[..., Any],
+    found: Sequence[Pairs],
+    scales: Sequence[float],
+    at: Sequence[int],
+) -> bool:
+    """Whether the pairs are right, at some rows, to the digits needed."""
+    needed = math.ceil(subject.held) + _SPARE
+    for k, true in zip(at, rows(ask, [subject.times[k] for k in at], needed + 3), strict=True):
+        for x, y, scale in zip(found, true, scales, strict=True):
+            if not abs((x[k] - y).hi) / scale < 10.0**-needed:
+                return False
+    return True

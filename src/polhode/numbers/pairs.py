@@ -1,0 +1,242 @@
+"""Arrays of numbers of about 106 bits: each is the unevaluated sum of two doubles.
+
+The algorithms are Dekker's (Numer. Math. 18 (1971) 224) and Knuth's, put together as by Hida, Li
+and Bailey (ARITH-15, 2001).  A sum, product or quotient has a relative error of a few 2**-106 while
+no intermediate number leaves the range 1e-280 to 1e280.  Formulas that are written for any scalar
+take such arrays as they take mpmath's numbers, of which each operation costs as much as some
+hundreds of elements here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from functools import cache
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from polhode.numbers import exact, rationals
+from polhode.numbers.exact import Irrational, Number
+from polhode.numbers.rationals import Rationals
+
+Doubles: TypeAlias = npt.NDArray[np.float64]
+
+BITS = 100  # that a short formula keeps of the 106
+_SPLITTER = 134217729.0  # 2**27 + 1
+_SATURATED = 80.0  # beyond it exp(-2x) is nothing to such numbers
+
+
+class Pairs:
+    """``hi + lo``, |lo| at most half an ulp of hi; any shapes that numpy broadcasts."""
+
+    __slots__ = ("hi", "lo")
+    __array_ufunc__ = None  # numpy's arrays and scalars leave mixed operations to this class
+
+    def __init__(self, hi: Any, lo: Any = 0.0) -> None:
+        self.hi: Any = hi
+        self.lo: Any = lo
+
+    def __add__(self, other: Any) -> Pairs:
+        b = pairs(other)
+        s, e = _two_sum(self.hi, b.hi)
+        t, f = _two_sum(self.lo, b.lo)
+        s, e = _quick(s, e + t)
+        return Pairs(*_quick(s, e + f))
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Pairs:
+        return Pairs(-self.hi, -self.lo)
+
+    def __sub__(self, other: Any) -> Pairs:
+        return self + -pairs(other)
+
+    def __rsub__(self, other: Any) -> Pairs:
+        return (-self).__add__(other)
+
+    def __mul__(self, other: Any) -> Pairs:
+        b = pairs(other)
+        p, e = _two_product(self.hi, b.hi)
+        return Pairs(*_quick(p, e + (self.hi * b.lo + self.lo * b.hi)))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Pairs:
+        b = pairs(other)
+        first = self.hi / b.hi
+        rest = self - b * first
+        second = rest.hi / b.hi
+        third = (rest - b * second).hi / b.hi
+        return Pairs(*_quick(first, second)).__add__(third)
+
+    def __rtruediv__(self, other: Any) -> Pairs:
+        return pairs(other).__truediv__(self)
+
+    def __mod__(self, whole: int) -> Pairs:
+        """Of whole numbers below 2**53 alone, such as turns."""
+        return Pairs(np.mod(self.hi, whole))
+
+    def __abs__(self) -> Pairs:
+        sign = np.where(self.hi < 0, -1.0, 1.0)
+        return Pairs(sign * self.hi, sign * self.lo)
+
+    def __getitem__(self, index: Any) -> Pairs:
+        return Pairs(self.hi[index], self.lo[index])
+
+    @property
+    def doubles(self) -> Any:
+        """The nearest doubles."""
+        return self.hi + self.lo
+
+
+def pairs(x: Any) -> Pairs:
+    """A number of any kind, or an array of doubles, as pairs."""
+    if isinstance(x, Pairs):
+        return x
+    if isinstance(x, (float, np.ndarray)):
+        return Pairs(x)
+    if isinstance(x, Rationals):
+        return of_rationals(x)
+    raw = getattr(x, "_mpf_", None)
+    if raw is not None:
+        negative, mantissa, exponent, _ = raw
+        return Pairs(*_of_binary(int(-mantissa if negative else mantissa), int(exponent)))
+    if isinstance(x, (int, Fraction, Irrational)):
+        return of_exact(x)
+    raise TypeError(f"no number: {x!r}")
+
+
+def of_exact(x: Number) -> Pairs:
+    """The pair nearest to one exact number, to 2**-106 of it."""
+    return Pairs(*_of_binary(*exact.rounded(x, 120)))
+
+
+def of_rationals(x: Rationals) -> Pairs:
+    """The pairs nearest to rationals, to 2**-105 of each."""
+    hi = np.asarray(x.doubles())
+    part, exponent = np.frexp(hi)
+    mantissa = np.ldexp(part, 53).astype(np.int64).astype(object)
+    shift = exponent.astype(object) - 53
+    up, down = (1 << np.maximum(side * shift, 0) for side in (-1, 1))
+    rest = (x.top * up - mantissa * down * x.bottom) / (x.bottom * up)
+    return Pairs(hi, np.asarray(rest, dtype=np.float64))
+
+
+def of_fractions(values: Sequence[Fraction]) -> Pairs:
+    """The pairs nearest to rationals."""
+    return of_rationals(rationals.of_fractions(values))
+
+
+def sqrt(x: Pairs) -> Pairs:
+    """The square root, of 0 and more."""
+    root = np.sqrt(x.hi)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        more = (x - Pairs(*_two_product(root, root))).hi / (2 * root)
+    return Pairs(*_quick(root, np.where(x.hi > 0, more, 0.0)))
+
+
+def hypot(x: Pairs, y: Pairs) -> Pairs:
+    """sqrt(x² + y²)."""
+    return sqrt(x * x + y * y)
+
+
+def nint(x: Pairs) -> Pairs:
+    """The nearest whole number; of a tie, or nearly one, either neighbour."""
+    return Pairs(np.rint(x.hi), np.zeros_like(x.hi))
+
+
+def cos_sin(x: Pairs) -> tuple[Pairs, Pairs]:
+    """Cosine and sine, to about 2**-105 of x itself."""
+    quarters = np.rint(x.hi * (2 / math.pi))
+    one, two, three = _half_pi()
+    rest = x - Pairs(*_two_product(quarters, one)) - Pairs(*_two_product(quarters, two))
+    rest = rest - quarters * three
+    square = rest * rest
+    cosine, sine = (_series(square, row) for row in _tables())
+    sine = sine * rest
+    odd, back = np.mod(quarters, 2) == 1, np.mod(quarters, 4)
+    c = _where(odd, sine, cosine)
+    s = _where(odd, cosine, sine)
+    minus_c = np.where((back == 1) | (back == 2), -1.0, 1.0)
+    minus_s = np.where(back >= 2, -1.0, 1.0)
+    return Pairs(c.hi * minus_c, c.lo * minus_c), Pairs(s.hi * minus_s, s.lo * minus_s)
+
+
+def cosh_sinh(x: Pairs) -> tuple[Pairs, Pairs]:
+    """Hyperbolic cosine and sine; beyond 80 those of 80, whose quotient is 1 to all digits."""
+    size = np.clip(x.hi, -_SATURATED, _SATURATED)
+    x = Pairs(size, np.where(size == x.hi, x.lo, 0.0))
+    halvings = 8  # |x| below 80/256, and back by sinh 2y = 2 sinh y cosh y, cosh 2y = 1 + 2 sinh² y
+    small = Pairs(np.ldexp(x.hi, -halvings), np.ldexp(x.lo, -halvings))
+    square = -(small * small)
+    cosine, sine = (_series(square, row) for row in _tables())
+    cosh, sinh = cosine, sine * small
+    for _ in range(halvings):
+        cosh, sinh = 1 + 2 * (sinh * sinh), 2 * (sinh * cosh)
+    return cosh, sinh
+
+
+def _series(square: Pairs, row: Sequence[tuple[float, float]]) -> Pairs:
+    total = Pairs(*row[-1])
+    for hi, lo in reversed(row[:-1]):
+        total = total * square + Pairs(hi, lo)
+    return total
+
+
+@cache
+def _tables() -> tuple[tuple[tuple[float, float], ...], ...]:
+    """Taylor coefficients in x² of cos x and of sin x / x, for |x| up to pi/4."""
+
+    def row(first: int) -> tuple[tuple[float, float], ...]:
+        terms = (Fraction((-1) ** k, math.factorial(2 * k + first)) for k in range(15))
+        return tuple(_of_binary(*exact.rounded(x, 120)) for x in terms)
+
+    return row(0), row(1)
+
+
+@cache
+def _half_pi() -> tuple[float, float, float]:
+    """pi/2 as a sum of three doubles."""
+    mantissa, exponent = exact.rounded(exact.pi() / 2, 200)
+    whole, found = Fraction(mantissa) * Fraction(2) ** exponent, []
+    for _ in range(3):
+        found.append(float(whole))
+        whole -= Fraction(found[-1])
+    return found[0], found[1], found[2]
+
+
+def _of_binary(mantissa: int, exponent: int) -> tuple[float, float]:
+    over = mantissa.bit_length() - 120
+    if over > 0:  # more than a pair holds
+        mantissa, exponent = mantissa >> over, exponent + over
+    hi = float(mantissa)
+    return math.ldexp(hi, exponent), math.ldexp(float(mantissa - int(hi)), exponent)
+
+
+def _where(which: Any, a: Pairs, b: Pairs) -> Pairs:
+    return Pairs(np.where(which, a.hi, b.hi), np.where(which, a.lo, b.lo))
+
+
+def _two_sum(a: Any, b: Any) -> tuple[Any, Any]:
+    s = a + b
+    v = s - a
+    return s, (a - (s - v)) + (b - v)
+
+
+def _quick(a: Any, b: Any) -> tuple[Any, Any]:
+    s = a + b
+    return s, b - (s - a)
+
+
+def _two_product(a: Any, b: Any) -> tuple[Any, Any]:
+    p = a * b
+    t = _SPLITTER * a
+    a1 = t - (t - a)
+    a2 = a - a1
+    t = _SPLITTER * b
+    b1 = t - (t - b)
+    b2 = b - b1
+    return p, ((a1 * b1 - p) + a1 * b2 + a2 * b1) + a2 * b2
