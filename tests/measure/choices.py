@@ -34,6 +34,7 @@ from polhode.numbers.convert import exactly
 from polhode.runs import sweep as ensemble
 from polhode.runs import workers as crew
 from polhode.runs.run import Run
+from polhode.runs.setup import asked, setup
 from polhode.scenes import library, scene_file
 from polhode.studies.long_run import rows as long_run
 from polhode.taylor import batches, heyoka_numbers, policy
@@ -105,12 +106,11 @@ def tolerances() -> None:
         "buys no digit, so that is refused. Between 1e-14 and eps it buys next to none: a fifth "
         "of the time, so that what is left is the rounding of the steps and no tolerance.\n"
     )
-    end = [Fraction(1000)]
     scenes = [heavy(1000, f"1.{k}1") for k in range(7)]
-    true = [
-        Run(scene, number_types.QUAD, inputs=number_types.DOUBLE).to(end, None)[1][0]
-        for scene in scenes
-    ]
+    true = []
+    for scene in scenes:
+        made = setup(scene, number_types.QUAD, inputs=number_types.DOUBLE)
+        true.append(Run(made).to(asked(scene, number_types.QUAD))[1][-1])
     rows = []
     for name, tol in [
         ("eps/1000", number_types.DOUBLE.eps / 1000),
@@ -124,8 +124,8 @@ def tolerances() -> None:
     ]:
         best, errors = float("inf"), []
         for scene, exact in [*zip(scenes, true, strict=True), *[(scenes[0], true[0])] * 14]:
-            run = Run(scene, number_types.DOUBLE, tol)
-            row = run.to(end, None)[1][0]
+            run = Run(setup(scene, number_types.DOUBLE, tol))
+            row = run.to(asked(scene, number_types.DOUBLE))[1][-1]
             pairs = zip(row, exact, strict=True)
             errors.append(max(abs(float(exactly(a) - exactly(b))) for a, b in pairs))
             if scene is scenes[0]:

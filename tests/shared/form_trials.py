@@ -186,13 +186,14 @@ def marched(form, times, number=DOUBLE):
     """The form's variables at the times (the scene's unit) by heyoka, the run and its outcome."""
     from polhode.taylor import heyoka_numbers, integrator
 
-    run = integrator.Integrator(
+    plan = integrator.Blueprint(
         form.variables,
         lambda values, k: form.field(values, k, heyoka_numbers.EXPRESSIONS),
         form.coefficients,
         form.start,
         number,
     )
+    run = integrator.Integrator(plan)
     unit = F(2) ** form.scene.time_unit
     rows, outcome = run.chunk([F(t) / unit for t in times], 10**6)
     return rows, run, outcome

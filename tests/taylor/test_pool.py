@@ -104,3 +104,36 @@ def test_one_correction_serves_all_starts_of_a_kind(monkeypatch):
     other = polhode.Scene(scene.body, (1, 2, 3), scene.gamma, times=scene.times)
     polhode.integrate(other, project=20)
     assert projection._newton_step.cache_info().misses == before == 1
+
+
+def test_a_second_run_of_a_scene_makes_only_what_differs(monkeypatch):
+    """Equations, times and integrals are the scene's; another `at` changes the times alone."""
+    from polhode.runs import setup
+
+    scene = polhode.load(NAME)
+    first = polhode.integrate(scene, project=20)
+
+    def again(*_, **__):
+        raise AssertionError("made twice")
+
+    for module, name in ((setup, "system"), (projection, "first_integrals")):
+        monkeypatch.setattr(module, name, again)
+    monkeypatch.setattr(projection, "exact_values", again)
+    assert polhode.integrate(scene.at(scene.times), project=20) == first
+    monkeypatch.setattr(setup, "rounded_times", again)
+    assert polhode.integrate(scene, project=20) == first
+    with pytest.raises(AssertionError):
+        polhode.integrate(replace(scene, psi=Fraction(1)), project=20)
+
+
+def test_what_is_kept_with_a_scene_is_no_part_of_it():
+    import pickle
+
+    scene, other = polhode.load(NAME), polhode.load(NAME)
+    run = polhode.integrate(scene)
+    assert scene.kept
+    assert scene == other
+    assert not pickle.loads(pickle.dumps(scene)).kept
+    back = pickle.loads(pickle.dumps(run))
+    assert back == run
+    assert np.array_equal(back("1/3"), run("1/3"))

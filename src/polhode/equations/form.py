@@ -30,7 +30,8 @@ class Form(ABC):
     ``axes``: the axes in which the form works.  ``variables``: names of what is integrated.
     ``coefficients``: exact numbers by name, none of them zero.  ``start``: the variables at t = 0,
     exactly.  ``unit``: which variables form a vector of length one, held so by projection.
-    ``instead``: the form to take where this one meets its singular set.
+    ``instead``: the form to take where this one meets its singular set.  ``plain``: the variables
+    are omega and gamma themselves.
     """
 
     scene: Scene
@@ -41,6 +42,7 @@ class Form(ABC):
 
     unit: ClassVar[slice | None] = None
     instead: ClassVar[str] = "principal"
+    plain: ClassVar[bool] = False
 
     @abstractmethod
     def field(

@@ -30,27 +30,30 @@ class Readout:
         self.scene, self.number = scene, number
         self.form, self.columns = equations(scene), len(scene.columns)
 
-    def states(self, rows: Sequence[Row]) -> Rows:
+    def states(self, rows: Rows) -> Rows:
         """p q r [gamma1 gamma2 gamma3] in scene axes: an ndarray, or rows of mpf above extended."""
-        if not rows:
+        if len(rows) == 0:
             return self._kept([]).reshape(0, self.columns) if self.number.flat else []
-        turned = self._vectors([row[: len(self.form.variables)] for row in rows])
         exponent = -self.scene.time_unit
         if self.number.flat:
             import numpy as np
 
+            turned = self._flat(self._kept(rows)[:, : len(self.form.variables)])
             if exponent:
                 turned[:, :3] = np.ldexp(turned[:, :3], exponent)
             return turned
+        turned = self._vectors([row[: len(self.form.variables)] for row in rows])
         from polhode.numbers.private import mpmath, ordinary
 
         return [ordinary([mpmath.ldexp(x, exponent) for x in row[:3]] + row[3:]) for row in turned]
 
-    def attitude(self, rows: Sequence[Row]) -> Rows | None:
+    def attitude(self, rows: Rows) -> Rows | None:
         """q0 q1 q2 q3, if asked for or needed."""
         if "attitude" not in self.scene.modelled:
             return None
         first = len(self.form.variables)
+        if self.number.flat and len(rows):
+            return self._kept(rows)[:, first : first + 4].copy()
         return self._kept([row[first : first + 4] for row in rows])
 
     def angles(self, rows: Sequence[Row]) -> list[list[Value | None]] | None:
@@ -91,17 +94,24 @@ class Readout:
 
         return np.float64 if self.number.name == "double" else np.longdouble
 
-    def _kept(self, rows: Sequence[Row]) -> Rows:
+    def _kept(self, rows: Rows) -> Rows:
         if not self.number.flat:
             return rows
         import numpy as np
 
-        return np.array(rows, dtype=self._kind)
+        return np.asarray(rows, dtype=self._kind)
 
-    def _vectors(self, rows: Sequence[Row]) -> Rows:
-        """Rows of omega and gamma in scene axes and the run's unit, rounded once at the end."""
+    def _flat(self, rows: Rows) -> Rows:
+        """The same of an array, as a new array."""
+        if self.form.plain and self.form.axes.trivial:
+            return rows[:, : self.columns].copy()
         if self.number.name == "double":
             return self._in_extended(rows)
+        wide = [[to_extended(exactly(x)) for x in row] for row in self._vectors(rows)]
+        return self._kept(wide).reshape(len(rows), self.columns)
+
+    def _vectors(self, rows: Rows) -> list[list[Value]]:
+        """Rows of omega and gamma in scene axes and the run's unit, rounded once at the end."""
         from polhode.numbers.private import mpmath
 
         bits = self.number.bits + GUARD_BITS
@@ -111,11 +121,7 @@ class Readout:
             found = [
                 self.form.state([to_mpf(exactly(x), bits) for x in row], k, fn) for row in rows
             ]
-        turned = self._turned(found, bits)
-        if not self.number.flat:
-            return turned
-        wide = [[to_extended(exactly(x)) for x in row] for row in turned]
-        return self._kept(wide).reshape(len(rows), self.columns)
+        return self._turned(found, bits)
 
     def _turned(self, found: Sequence[Sequence[Row]], bits: int) -> list[list[Value]]:
         """Pairs of omega and gamma, one after the other, turned and rounded to the run's type."""
@@ -136,20 +142,31 @@ class Readout:
                 for pair in found
             ]
 
-    def _in_extended(self, rows: Sequence[Row]) -> Rows:
+    def _in_extended(self, rows: Rows) -> Rows:
         """The same for doubles, all rows at once."""
         import numpy as np
 
-        wide = np.array(rows, dtype=np.longdouble)
-        k = {name: to_extended(x) for name, x in self.form.coefficients.items()}
-        fn = of_extended()
-        vectors = [
-            np.stack(np.broadcast_arrays(wide[:, 0], *vector)[1:], axis=1)
-            for vector in self.form.state(list(wide.T), k, fn)
-            if vector
-        ]
-        axes = self.form.axes
-        if not axes.trivial:
-            turn = np.array([[to_extended(x) for x in row] for row in axes.rows])
-            vectors = [vector @ turn for vector in vectors]
+        wide = rows.astype(np.longdouble)
+        if self.form.plain:
+            vectors = np.split(wide, range(3, self.columns, 3), axis=1)
+        else:
+            vectors = [
+                np.stack(np.broadcast_arrays(wide[:, 0], *vector)[1:], axis=1)
+                for vector in self.form.state(list(wide.T), self._extended, of_extended())
+                if vector
+            ]
+        if not self.form.axes.trivial:
+            vectors = [vector @ self._turn for vector in vectors]
         return np.hstack(vectors).astype(self._kind)
+
+    @cached_property
+    def _extended(self) -> dict[str, Value]:
+        """The form's coefficients in extended."""
+        return {name: to_extended(x) for name, x in self.form.coefficients.items()}
+
+    @cached_property
+    def _turn(self) -> Rows:
+        """The turn from the form's axes to the scene's in extended."""
+        import numpy as np
+
+        return np.array([[to_extended(x) for x in row] for row in self.form.axes.rows])

@@ -13,7 +13,7 @@ from polhode.numbers import exact
 from polhode.numbers.exact import Exact, Number
 from polhode.numbers.expression import number
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Value
+from polhode.numbers.scalars import Rows, Value
 
 
 def mpf_row(row: Sequence[Value], bits: int) -> list[Value]:
@@ -30,6 +30,15 @@ def number_value(x: Number, number: NumberType) -> Value:
     from polhode.numbers.private import ordinary
 
     return ordinary(to_mpf(x, number.bits))
+
+
+def joined(parts: Sequence[Rows], number: NumberType) -> Rows:
+    """Several parts' rows, or numbers, in one: an array, or a list above extended."""
+    if not number.flat:
+        return [row for part in parts for row in part]
+    import numpy as np
+
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def to_double(x: Number) -> float:

@@ -6,6 +6,7 @@ from bisect import bisect_right
 from collections import OrderedDict
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from polhode.common.errors import BadInput, plain
@@ -17,7 +18,7 @@ from polhode.numbers.exact import sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row, Rows, of_mpmath
 from polhode.runs.run import Leg, Run
-from polhode.taylor.protocols import Integrating, Piece
+from polhode.taylor.protocols import Integrating, Mark, Piece
 
 _MOST_BYTES = 2**28  # of polynomials kept at a time
 
@@ -35,10 +36,7 @@ class Dense:
 
     def __init__(self, run: Run) -> None:
         self.scene, self.number, self.reached = run.scene, run.number, run.reached
-        self._unit = Fraction(2) ** run.scene.time_unit
-        self._run = run.afresh()
-        self._chunks = [(leg, mark) for leg in run.legs for mark in leg.marks]
-        self._begun = [abs(mark.offset) for _, mark in self._chunks]
+        self._unit, self._run, self._legs = run.setup.unit, run.afresh(), tuple(run.legs)
         self._kept: OrderedDict[int, Sequence[Piece]] = OrderedDict()
         # the leg taken up last, and its integrator
         self._ready: tuple[Leg, Integrating] | None = None
@@ -46,6 +44,14 @@ class Dense:
     def __getstate__(self) -> dict[str, Any]:
         """Without polynomials and integrator, which are made again when asked for."""
         return {**vars(self), "_kept": OrderedDict(), "_ready": None}
+
+    @cached_property
+    def _chunks(self) -> list[tuple[Leg, Mark]]:
+        return [(leg, mark) for leg in self._legs for mark in leg.marks]
+
+    @cached_property
+    def _begun(self) -> list[Fraction]:
+        return [abs(mark.offset) for _, mark in self._chunks]
 
     def __call__(self, t: Any) -> Row | Rows:
         """The state at t in the scene's axes and units, a row of the kind that ``.states`` has.

@@ -17,8 +17,9 @@ from polhode.numbers.number_types import NumberType
 from polhode.runs import refinement
 from polhode.runs.dense import Dense
 from polhode.runs.march import Progress
-from polhode.runs.request import choose_number, rounded_times, rounded_tolerance
+from polhode.runs.request import choose_number, rounded_tolerance
 from polhode.runs.run import Run
+from polhode.runs.setup import asked, setup
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -69,27 +70,28 @@ def integrate(
         scene = scene.at(at)
     chosen = choose_number(scene, number, digits)
     tolerance = rounded_tolerance(scene, chosen, tol)
-    times = rounded_times(scene, chosen)
+    times = asked(scene, chosen)
     every = None if inputs is not None else _cadence(scene, chosen, tolerance, project)
     if max_steps is not None:
         max_steps = steps(scene.name, max_steps)
     refined, failed = _refined(
-        scene, chosen, times, digits, tolerance, max_steps, inputs, project, method, progress
+        scene, chosen, times.exact, digits, tolerance, max_steps, inputs, project, method, progress
     )
     if refined is not None:
         return refined
-    run = Run(scene, chosen, tolerance, max_steps, inputs, every)
+    made = setup(scene, chosen, tolerance, inputs)
+    run = Run(made, max_steps, every)
     outcome, rows = run.to(times, progress)
     _LOG.info(
         "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
         *(scene.name, chosen.name, chosen.bits, outcome.value, run.steps),
         *(run.seconds, run.build_seconds),
     )
-    read = Readout(scene, chosen)
+    read = made.read
     return Trajectory(
         scene=scene,
         number=chosen,
-        times=tuple(times[: len(rows)]),
+        times=times.exact[: len(rows)],
         states=read.states(rows),
         attitude=read.attitude(rows),
         angles=read.angles(rows),
@@ -119,7 +121,7 @@ def undisturbed(run: Trajectory) -> Trajectory:
 def _refined(
     scene: Scene,
     number: NumberType,
-    times: list[Fraction],
+    times: Sequence[Fraction],
     digits: int | None,
     tolerance: Fraction | None,
     max_steps: int | None,

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from fractions import Fraction
 from typing import TypeAlias
 
-from polhode.numbers.scalars import Row
+from polhode.numbers.convert import joined
+from polhode.numbers.scalars import Rows
 from polhode.taylor.outcomes import Outcome
 from polhode.taylor.protocols import Integrating
+from polhode.taylor.times import Times
 
 #: Called now and then with the fraction of the time done and the steps taken.
 Progress: TypeAlias = Callable[[float, int], None]
@@ -16,35 +17,40 @@ Progress: TypeAlias = Callable[[float, int], None]
 
 def march(
     integrator: Integrating,
-    times: list[Fraction],
-    rows: list[Row],
+    times: Times,
+    rows: Rows,
     limit: int,
     chunk: int,
     progress: Progress | None,
-) -> Outcome:
-    """Advance chunk by chunk, appending a row for each time reached; the outcome."""
-    end = times[-1]
+) -> tuple[Rows, Outcome]:
+    """Advance chunk by chunk; ``rows`` and one more for each time reached, and the outcome."""
+    end, parts, done = times[-1], [rows], len(rows)
     try:
-        while len(rows) < len(times):
+        while done < len(times):
             steps = min(chunk, limit - integrator.steps)
             if steps <= 0:
-                return Outcome.STEP_LIMIT
+                outcome = Outcome.STEP_LIMIT
+                break
             before = integrator.time
-            found, outcome = integrator.chunk(times[len(rows) :], steps)
+            found, outcome = integrator.chunk(times[done:], steps)
             if outcome is Outcome.NON_FINITE:
-                rows.extend(row for row in found if all(x - x == 0 for x in row))
-                return outcome
-            rows.extend(found)
+                finite = [k for k, row in enumerate(found) if all(x - x == 0 for x in row)]
+                found = found[finite] if integrator.number.flat else [found[k] for k in finite]
+            parts.append(found)
+            done += len(found)
             if outcome is not Outcome.STEP_LIMIT:
-                return outcome
+                break
             passed = abs(integrator.time - before)
             if passed <= steps * abs(integrator.time) * integrator.number.eps:
-                return Outcome.STEP_UNDERFLOW
+                outcome = Outcome.STEP_UNDERFLOW
+                break
             ahead = abs(end - integrator.time) / passed * steps
             if integrator.steps + ahead > 10 * limit:  # hopeless: no need to try the limit out
-                return Outcome.STEP_LIMIT
+                break
             if progress is not None:
                 progress(float(integrator.time / end), integrator.steps)
+        else:
+            outcome = Outcome.REACHED_END
     except KeyboardInterrupt:
-        return Outcome.INTERRUPTED
-    return Outcome.REACHED_END
+        outcome = Outcome.INTERRUPTED
+    return joined([part for part in parts if len(part)] or [rows], integrator.number), outcome

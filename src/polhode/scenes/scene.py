@@ -6,7 +6,7 @@ Body axes O xyz, O the fixed point; omega = (p, q, r) and gamma, the upward vert
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import InitVar, dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -242,7 +242,25 @@ class Scene:
 
     def at(self, times: Iterable[Any]) -> Scene:
         """The same scene, asked for at other times, numbers of any kind; raises BadInput."""
-        return replace(self, times=each(self.name, "at", times, exact_number, "a list of times"))
+        found = replace(self, times=each(self.name, "at", times, exact_number, "a list of times"))
+        found.__dict__["kept"] = self.kept
+        return found
+
+    @cached_property
+    def kept(self) -> dict[Hashable, Any]:
+        """What its runs begin with, made once: shared by scenes that differ in their times alone.
+
+        No part of the scene's value, and not pickled with it.
+        """
+        return {}
+
+    @cached_property
+    def kept_of_times(self) -> dict[Hashable, Any]:
+        """The same for what depends on the times."""
+        return {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: x for name, x in vars(self).items() if not name.startswith("kept")}
 
     @cached_property
     def text(self) -> str:

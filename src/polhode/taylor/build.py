@@ -8,8 +8,25 @@ from polhode.equations.system import System
 from polhode.numbers.number_types import NumberType
 from polhode.scenes.words import ANGLE_VARIABLES
 from polhode.taylor.heyoka_numbers import EXPRESSIONS
-from polhode.taylor.integrator import Integrator
+from polhode.taylor.integrator import Blueprint, Integrator
 from polhode.taylor.protocols import Corrector, Watcher
+
+
+def blueprint(system: System, number: NumberType, tolerance: Fraction | None = None) -> Blueprint:
+    """What an integrator of a system is built from; ``tolerance``: of a step, eps unless given."""
+    form = system.form
+    plain = form.scene.form == "principal"  # what is left of it is among the names
+    return Blueprint(
+        system.names,
+        lambda state, k: system.field(state, k, EXPRESSIONS),
+        system.coefficients,
+        system.start,
+        number,
+        tolerance,
+        lambda state, k: form.distance(state[: len(form.variables)], k, EXPRESSIONS),
+        (system.outputs, system.still) if plain else None,
+        len(ANGLE_VARIABLES) if "angles" in system.outputs else 0,
+    )
 
 
 def build(
@@ -22,23 +39,7 @@ def build(
 ) -> Integrator:
     """A heyoka integrator of a system that stands at its start at time ``origin``.
 
-    ``tolerance``: of a step, the type's eps unless given.  ``watcher``: looks for events.
-    ``corrector``: puts the state back now and then.  Raises OutOfRange for numbers that the type
-    cannot hold.
+    ``watcher``: looks for events.  ``corrector``: puts the state back now and then.  Raises
+    OutOfRange for numbers that the type cannot hold.
     """
-    form = system.form
-    plain = form.scene.form == "principal"  # what is left of it is among the names
-    return Integrator(
-        system.names,
-        lambda state, k: system.field(state, k, EXPRESSIONS),
-        system.coefficients,
-        system.start,
-        number,
-        tolerance,
-        origin,
-        watcher,
-        lambda state, k: form.distance(state[: len(form.variables)], k, EXPRESSIONS),
-        corrector,
-        (system.outputs, system.still) if plain else None,
-        len(ANGLE_VARIABLES) if "angles" in system.outputs else 0,
-    )
+    return Integrator(blueprint(system, number, tolerance), origin, watcher, corrector)

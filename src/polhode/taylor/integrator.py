@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
 
 import heyoka as hy
 import numpy as np
 
+from polhode.numbers.convert import joined
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row, Rows
@@ -29,6 +33,7 @@ from polhode.taylor.outcomes import Outcome
 from polhode.taylor.pool import Idle
 from polhode.taylor.protocols import Corrector, Mark, Memory, Piece, Watcher
 from polhode.taylor.singular_set import terminal_event
+from polhode.taylor.times import Times
 
 #: Expressions in variables and coefficients: the rates, or a distance.
 Field: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], list[Expression]]
@@ -55,93 +60,111 @@ class Polynomials(NamedTuple):
         return int(self.output.tcs.size) * (48 + x.prec // 8 if isinstance(x, hy.real) else 16)
 
 
-class Integrator:
-    """An integrator of one autonomous system from its start, in one number type.
+@dataclass(frozen=True)
+class Blueprint:
+    """What an integrator of one autonomous system is built from, in one number type.  Immutable.
 
-    ``field``: rates from a list of variables and the coefficients; the start holds at time
-    ``origin``.  Time is kept as an exact offset plus heyoka's own time, which is put back to 0 at
-    each chunk's end: output times are rounded relative to the chunk's start, never to zero.
-    ``watcher`` gives heyoka events and may end the run.  ``distance``, of the variables and the
-    coefficients, ends the run where it falls to :func:`polhode.taylor.singular_set.nearest`.
-    ``corrector`` corrects the state every so many steps.
+    ``field``: rates from a list of variables and the coefficients.  ``distance``, of the variables
+    and the coefficients, ends a run where it falls to :func:`polhode.taylor.singular_set.nearest`.
     ``cyclic``: so many of the last variables are cyclic, see :mod:`polhode.taylor.cyclic`.
-    ``marks``: where each chunk began, for :meth:`again`.  ``equations``: what tells this field and
-    this distance from others of the same names and coefficients; an integrator of the same
-    equations that is idle is then taken up again.
+    ``equations``: what tells this field and this distance from others of the same names and
+    coefficients; an integrator of the same equations that is idle is then taken up again.
+    """
+
+    names: Sequence[str]
+    field: Field
+    coefficients: Mapping[str, Number]
+    start: Sequence[Number]
+    number: NumberType
+    tolerance: Number | None = None
+    distance: Distance | None = None
+    equations: Hashable = None
+    cyclic: int = 0
+
+    @cached_property
+    def state(self) -> Row:
+        """The start as heyoka's numbers, cyclic variables at zero; raises OutOfRange."""
+        first = len(self.start) - self.cyclic
+        values = [*self.start[:first], *[Fraction(0)] * self.cyclic]
+        return array(scalars(values, self.number), self.number)
+
+    @cached_property
+    def constants(self) -> list[HeyokaNumber]:
+        """The coefficients as heyoka's numbers; raises OutOfRange."""
+        return scalars([*self.coefficients.values()], self.number)
+
+    @cached_property
+    def options(self) -> dict[str, Any]:
+        """heyoka's options of an integrator without events."""
+        found = type_options(self.number)
+        if self.tolerance is not None:
+            found["tol"] = scalar(self.tolerance, self.number)
+        return found
+
+    @cached_property
+    def key(self) -> Hashable:
+        """What an idle integrator of these equations is found by; None where none is kept."""
+        if self.equations is None or not self.number.flat:
+            return None
+        named = (*self.names, *self.coefficients, *self.constants)
+        return (self.equations, *named, self.number.name, self.options.get("tol"))
+
+
+class Integrator:
+    """An integrator of one autonomous system from its start at time ``origin``.
+
+    Time is kept as an exact offset plus heyoka's own time, which is put back to 0 at
+    each chunk's end: output times are rounded relative to the chunk's start, never to zero.
+    ``watcher`` gives heyoka events and may end the run.  ``corrector`` corrects the state every so
+    many steps.  ``marks``: where each chunk began, for :meth:`again`.
     """
 
     def __init__(
         self,
-        names: Sequence[str],
-        field: Field,
-        coefficients: Mapping[str, Number],
-        start: Sequence[Number],
-        number: NumberType,
-        tolerance: Number | None = None,
+        plan: Blueprint,
         origin: Fraction = Fraction(0),
         watcher: Watcher | None = None,
-        distance: Distance | None = None,
         corrector: Corrector | None = None,
-        equations: Hashable = None,
-        cyclic: int = 0,
     ) -> None:
-        self.number = number
+        self.number = plan.number
         self.watcher, self.corrector = watcher, corrector
         self.offset = origin
         self.steps = 0
         self._due = 0 if corrector is None else corrector.every
         self._reach = math.inf
-        first = len(start) - cyclic
-        self._cyclic = Cyclic(start[first:], number) if cyclic else None
+        first = len(plan.start) - plan.cyclic
+        self._cyclic = Cyclic(plan.start[first:], plan.number) if plan.cyclic else None
         self.marks: list[Mark] = []
         self._pieces: list[Piece] | None = None
-        state = scalars([*start[:first], *[Fraction(0)] * cyclic], number)
-        values = scalars([*coefficients.values()], number)
-        self._key: Hashable = None
-        if equations is not None and watcher is None and number.flat:
-            tol = None if tolerance is None else scalar(tolerance, number)
-            self._key = (equations, *names, *coefficients, *values, number.name, tol)
+        self._key: Hashable = plan.key if watcher is None else None
         idle = None if self._key is None else _IDLE.take(self._key)
         if idle is None:
-            k = {name: hy.expression(x) for name, x in zip(coefficients, values, strict=True)}
-            idle = self._built(names, field, k, state, tolerance, distance)
+            idle = self._built(plan)
         else:
-            idle.state[:] = state
-            idle.time = scalar(0, number)
+            idle.state[:] = plan.state
+            idle.time = scalar(0, plan.number)
         self.heyoka = idle
         self.state = self.heyoka.state  # a view of its memory
         if watcher is not None:
             watcher.counts_from(origin, self.heyoka)
 
-    def _built(
-        self,
-        names: Sequence[str],
-        field: Field,
-        k: Mapping[str, Expression],
-        state: list[HeyokaNumber],
-        tolerance: Number | None,
-        distance: Distance | None,
-    ) -> HeyokaIntegrator:
-        number, variables = self.number, hy.make_vars(*names)
-        rates = field(variables, k)
+    def _built(self, plan: Blueprint) -> HeyokaIntegrator:
+        variables = hy.make_vars(*plan.names)
+        named = zip(plan.coefficients, plan.constants, strict=True)
+        k = {name: hy.expression(x) for name, x in named}
+        rates = plan.field(variables, k)
         if self._cyclic is not None:
             rates = self._cyclic.slowed(rates)
-        options: dict[str, Any] = {}
-        if tolerance is not None:
-            options["tol"] = scalar(tolerance, number)
-        with disk_cache(number):
+        options = dict(plan.options)
+        with disk_cache(plan.number):
             if self.watcher is not None:
                 options["nt_events"] = self.watcher.attach(variables, rates)
-            away = None if distance is None else distance(variables, k)
+            away = None if plan.distance is None else plan.distance(variables, k)
             if away is not None:
                 self._key = None  # a terminal event leaves traces in an integrator
-                options["t_events"] = [terminal_event(away, number)]
-            return hy.taylor_adaptive(
-                list(zip(variables, rates, strict=True)),
-                array(state, number),
-                **type_options(number),
-                **options,
-            )
+                options["t_events"] = [terminal_event(away, plan.number)]
+            system = list(zip(variables, rates, strict=True))
+            return hy.taylor_adaptive(system, plan.state, **options)
 
     def release(self) -> None:
         """Leave the compiled code to the next run of the same equations; the last call of all."""
@@ -158,10 +181,12 @@ class Integrator:
     def time(self) -> Fraction:
         """The exact time reached."""
         high, low = self.heyoka.dtime
+        if not high:
+            return self.offset
         inside = self._exactly(high) + self._exactly(low) if low else self._exactly(high)
         return self.offset + inside if self.offset else inside
 
-    def chunk(self, times: Sequence[Fraction], steps: int) -> tuple[list[Row], Outcome]:
+    def chunk(self, times: Sequence[Fraction], steps: int) -> tuple[Rows, Outcome]:
         """Take up to ``steps`` steps towards the last time; states at the times that were passed.
 
         ``times``: ahead of the current time, monotone.  Returns rows of the run's numbers, and how
@@ -174,8 +199,8 @@ class Integrator:
         memory = Memory() if self.corrector is None else self.corrector.memory()
         kept = tuple(self.state.tolist())
         self.marks.append(Mark(self.offset, kept, times[-1], steps, self.steps, self._due, memory))
-        ahead = [t - self.offset for t in times] if self.offset else times
-        rows, ended = self._through(scalars(ahead, self.number), steps)
+        grid = Times.of(times, self.number).since(self.offset)
+        rows, ended = self._through(grid, steps)
         if self._stopped and ended not in (Outcome.NON_FINITE, Outcome.SINGULAR):
             ended = Outcome.STOPPED_AT_EVENT
         elif ended is Outcome.STOPPED_AT_EVENT and not self._stopped:
@@ -193,10 +218,10 @@ class Integrator:
         self._tell_offset()
         pieces: list[Piece] = []
         self._pieces = pieces
-        self._through([scalar(mark.end - mark.offset, self.number)], mark.steps)
+        self._through(Times([mark.end], self.number).since(mark.offset), mark.steps)
         return pieces
 
-    def _through(self, grid: list[HeyokaNumber], steps: int) -> tuple[list[Row], Outcome]:
+    def _through(self, grid: Row, steps: int) -> tuple[Rows, Outcome]:
         """A chunk's steps, with its corrections; rows of the run's numbers, and how it ended."""
         if self.corrector is None and self._cyclic is None:
             rows, ended = self._onwards(grid, steps)
@@ -225,7 +250,7 @@ class Integrator:
     def _correct(self, corrector: Corrector) -> bool:
         return corrector.correct(self.state)
 
-    def _advance(self, grid: list[HeyokaNumber], done: int, steps: int) -> tuple[Rows, Outcome]:
+    def _advance(self, grid: Row, done: int, steps: int) -> tuple[Rows, Outcome]:
         """Up to ``steps`` steps; output times that are out of reach are not looked at.
 
         Reach is four times the longest advance so far.  Should an output time be passed all the
@@ -237,13 +262,11 @@ class Integrator:
         begun, kept, before = ta.dtime, self.state.copy(), self.steps
         marks = None if self.watcher is None else self.watcher.marks()
         reach = abs(float(begun[0])) + self._reach
-        beyond = done
-        while beyond < count and abs(grid[beyond]) <= reach:
-            beyond += 1
+        beyond = bisect_right(grid, reach, lo=done, key=abs)
         if beyond == done:
             rows, ended = self._onwards(grid[-1:], steps)
         elif beyond < count - 1:
-            rows, ended = self._onwards([*grid[done:beyond], grid[-1]], steps)
+            rows, ended = self._onwards(joined([grid[done:beyond], grid[-1:]], self.number), steps)
         else:
             rows, ended = self._onwards(grid[done:], steps)
         passed = abs(ta.time)
@@ -257,7 +280,7 @@ class Integrator:
             self._reach = advance
         return rows, ended
 
-    def _onwards(self, times: list[HeyokaNumber], steps: int) -> tuple[Rows, Outcome]:
+    def _onwards(self, times: Row, steps: int) -> tuple[Rows, Outcome]:
         """Up to ``steps`` steps towards the last time; rows at the times passed and outcome."""
         ta = self.heyoka
         if times[0] == ta.time:  # a step ended there: heyoka has not given that row
@@ -280,7 +303,10 @@ class Integrator:
             at_end = ending(result[0]) is Outcome.REACHED_END
             rows = self.state.copy()[None] if at_end else self.state[None][:0]
         else:
-            result = ta.propagate_grid(array([ta.time, *times], self.number), **options)
+            here = [ta.time]
+            flat = self.number.flat
+            grid = np.concatenate([here, times]) if flat else array([*here, *times], self.number)
+            result = ta.propagate_grid(grid, **options)
             rows = result[-1][1:]
         self.steps += int(result[3])
         return rows, ending(result[0])
@@ -294,9 +320,9 @@ class Integrator:
         if self.watcher is not None:
             self.watcher.counts_from(self.offset, self.heyoka)
 
-    def _rows(self, parts: list[Rows]) -> list[Row]:
+    def _rows(self, parts: list[Rows]) -> Rows:
         if self.number.flat:
-            return [row for part in parts for row in part]
+            return joined(parts, self.number) if parts else self.state[None][:0]
         return [numbers(row, self.number) for part in parts for row in part.tolist()]
 
     def _exactly(self, value: HeyokaNumber) -> Fraction:

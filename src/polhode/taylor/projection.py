@@ -22,9 +22,9 @@ expression over zero, nor more than a quarter of the way there.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 
 import heyoka as hy
 import numpy as np
@@ -43,8 +43,66 @@ from polhode.taylor.protocols import Memory, Watcher
 #: Numbers among which nothing cancels by accident.
 _GENERIC = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47)
 
+#: Between two number types: a state into an array, an array to a state, one number.
+_Conversions = tuple[
+    Callable[[Row, Row], None], Callable[[Row], Row], Callable[[HeyokaNumber], HeyokaNumber]
+]
+
 #: Steps that a correction waits for an event beside it to pass, before it is given up.
 _MOST_WAITS = 16
+
+
+class Target:
+    """The integrals of one exact scene, and the way back onto them in a number type.  Immutable."""
+
+    def __init__(self, scene: Scene, number: NumberType) -> None:
+        self.scene, self.number = scene, number
+        self.columns = len(scene.columns)
+        self.limit = 2.0 ** -(number.bits * 2 // 3)
+
+    @cached_property
+    def integrals(self) -> FirstIntegrals:
+        """The exact scene's first integrals."""
+        return first_integrals(self.scene)
+
+    @cached_property
+    def conversions(self) -> _Conversions:
+        """Ways between the number type and the wider one."""
+        return _conversions(self.number, _wider(self.number))
+
+    @cached_property
+    def step(self) -> Callable[..., object]:
+        """The correction, compiled, for this scene's values."""
+        wide, known, held = _wider(self.number), self.integrals, frozenset(kept_at_zero(self.scene))
+        names = tuple(sorted(known.coefficients))
+        constants = [known.coefficients[name] for name in names]
+        constants += exact_values(self.scene, known)
+        step = _newton_step(self.scene.columns, known.onto, known.order, names, held, self.number)
+        used = constants[: step.nparams]
+        pars = heyoka_numbers.array([heyoka_numbers.scalar(x, wide) for x in used], wide)
+        return partial(step, pars=pars)
+
+    @cached_property
+    def unrested(self) -> Mapping[int, HeyokaNumber]:
+        """The columns that the equations keep, with nothing rounded off yet."""
+        return dict.fromkeys(_constant_columns(self.scene), self._zero)
+
+    def array(self, count: int) -> Row:
+        """So many zeros of the wider type."""
+        return heyoka_numbers.array([self._zero] * count, _wider(self.number))
+
+    @cached_property
+    def _zero(self) -> HeyokaNumber:
+        return heyoka_numbers.scalar(ZERO, _wider(self.number))
+
+
+def target(scene: Scene, number: NumberType) -> Target:
+    """A scene's target, from the scene where it is kept."""
+    key = (target, number)
+    found = scene.kept.get(key)
+    if not isinstance(found, Target):
+        found = scene.kept[key] = Target(scene, number)
+    return found
 
 
 class Projector:
@@ -57,22 +115,19 @@ class Projector:
     def __init__(
         self, scene: Scene, number: NumberType, every: int, watcher: Watcher | None = None
     ) -> None:
-        self.scene, self.number, self.every = scene, number, every
-        self.watcher = watcher
-        self.integrals = first_integrals(scene)
-        self.columns = len(scene.columns)
-        self.limit = 2.0 ** -(number.bits * 2 // 3)
+        self.every, self.watcher = every, watcher
+        self.target = target(scene, number)
         self.count = self.waits = 0
         self.largest = self.sum = self.seconds = 0.0
         self._step: Callable[..., object] | None = None
-        self._none: dict[int, HeyokaNumber] = {}
         self._rests: dict[
             int, HeyokaNumber
         ] = {}  # what was rounded off components that stand still
 
     def found(self) -> Projection:
         """What was corrected so far."""
-        return Projection(self.integrals.onto, self.every, self.count, self.largest, self.sum)
+        onto = self.target.integrals.onto
+        return Projection(onto, self.every, self.count, self.largest, self.sum)
 
     def memory(self) -> Memory:
         """What the next correction takes from those before, for ``recall``."""
@@ -81,17 +136,18 @@ class Projector:
     def recall(self, memory: Memory) -> None:
         """Stand where another projector of the same run stood."""
         if self._step is None:
-            self._compile()
+            self._begin()
         self.waits = memory.waits
-        self._rests = self._none | dict(memory.rests)
+        self._rests = {**self.target.unrested, **memory.rests}
 
     def correct(self, state: Row) -> bool:
         """Correct a state where it stands, in heyoka's numbers; False: try again a step later."""
-        step = self._step or self._compile()
-        self._load(self._before, state[: self.columns])
+        step = self._step or self._begin()
+        columns = self.target.columns
+        self._load(self._before, state[:columns])
         step(self._before, outputs=self._after)
         size = float(self._after[-1])
-        if not size < self.limit:  # not finite, or no rounding: not to be mended like this
+        if not size < self.target.limit:  # not finite, or no rounding: not to be mended like this
             return True
         for i, rest in self._rests.items():
             self._after[i] += rest
@@ -101,30 +157,19 @@ class Projector:
             return self.waits == 0
         for i in self._rests:
             self._rests[i] = self._after[i] - self._widened(moved[i])
-        state[: self.columns] = moved
+        state[:columns] = moved
         self.waits = 0
         self.count += 1
         self.sum += size
         self.largest = max(self.largest, size)
         return True
 
-    def _compile(self) -> Callable[..., object]:
-        began = time.perf_counter()
-        wide = _wider(self.number)
-        self._load, self._rounded, self._widened = _conversions(self.number, wide)
-        known, held = self.integrals, frozenset(kept_at_zero(self.scene))
-        names = tuple(sorted(known.coefficients))
-        constants = [known.coefficients[name] for name in names]
-        constants += exact_values(self.scene, known)
-        step = _newton_step(self.scene.columns, known.onto, known.order, names, held, self.number)
-        used = constants[: step.nparams]
-        pars = heyoka_numbers.array([heyoka_numbers.scalar(x, wide) for x in used], wide)
-        self._step = found = partial(step, pars=pars)
-        zero = heyoka_numbers.scalar(ZERO, wide)
-        self._before = heyoka_numbers.array([zero] * self.columns, wide)
-        self._after = heyoka_numbers.array([zero] * (self.columns + 1), wide)
-        self._none = dict.fromkeys(_constant_columns(self.scene), zero)
-        self._rests = dict(self._none)
+    def _begin(self) -> Callable[..., object]:
+        began, target = time.perf_counter(), self.target
+        self._step = found = target.step
+        self._load, self._rounded, self._widened = target.conversions
+        self._before, self._after = target.array(target.columns), target.array(target.columns + 1)
+        self._rests = dict(target.unrested)
         self.seconds += time.perf_counter() - began
         return found
 
@@ -239,11 +284,6 @@ def _wider(number: NumberType) -> NumberType:
     if number.flat:
         return QUAD
     return NumberType("mp", number.bits + 64)
-
-
-_Conversions = tuple[
-    Callable[[Row, Row], None], Callable[[Row], Row], Callable[[HeyokaNumber], HeyokaNumber]
-]
 
 
 def _conversions(number: NumberType, wide: NumberType) -> _Conversions:

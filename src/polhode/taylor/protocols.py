@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import NamedTuple, Protocol
 
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Row
+from polhode.numbers.scalars import Row, Rows
 from polhode.taylor.kinds import Expression, HeyokaEvent, HeyokaIntegrator, HeyokaNumber
 from polhode.taylor.outcomes import Outcome, Projection
 
@@ -85,7 +85,7 @@ class Integrating(Protocol):
     def marks(self) -> list[Mark]:
         """Where each chunk began."""
 
-    def chunk(self, times: Sequence[Fraction], steps: int) -> tuple[list[Row], Outcome]:
+    def chunk(self, times: Sequence[Fraction], steps: int) -> tuple[Rows, Outcome]:
         """Take up to so many steps towards the last time; rows at the times passed, how it ended.
 
         STEP_LIMIT: the steps were taken, and the last time lies ahead.

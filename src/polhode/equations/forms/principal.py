@@ -24,6 +24,8 @@ SOURCE = "3.29–3.30"
 class Principal(Form):
     """The equations of one scene in its body's principal axes."""
 
+    plain = True
+
     def field(
         self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
     ) -> list[Scalar]:

@@ -1,0 +1,134 @@
+"""What every run of a scene in one number type begins with: made once, kept with the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from polhode.equations import equilibrium
+from polhode.equations.form import Form, equations
+from polhode.equations.readout import Readout
+from polhode.equations.system import System, system
+from polhode.numbers.convert import joined, number_value
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import EXACT, Rows
+from polhode.runs.request import rounded_times
+from polhode.scenes.scene import Scene
+from polhode.taylor.times import Times
+
+if TYPE_CHECKING:
+    from polhode.taylor.integrator import Blueprint
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """What depends on a scene, a number type and a tolerance, but not on the output times.
+
+    ``inputs``: the narrower type that start and coefficients are rounded to first, if any.
+    """
+
+    scene: Scene
+    number: NumberType
+    tolerance: Fraction | None = None
+    inputs: NumberType | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields alone: what is made from them is made again."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    @cached_property
+    def unit(self) -> Fraction:
+        """The run's own unit of time."""
+        return Fraction(2) ** self.scene.time_unit
+
+    @cached_property
+    def read(self) -> Readout:
+        """Reads the run's rows."""
+        return Readout(self.scene, self.number)
+
+    @cached_property
+    def form(self) -> Form:
+        """The form of the equations."""
+        return equations(self.scene)
+
+    @cached_property
+    def still(self) -> bool:
+        """Whether the state need not be integrated: it is that of a relative equilibrium."""
+        principal_form = self.scene.form == "principal" and self.inputs is None
+        return principal_form and equilibrium.at_rest(self.scene).state
+
+    @cached_property
+    def singular(self) -> bool:
+        """Whether the start is too near to the singular set of the form."""
+        from polhode.taylor.singular_set import nearest
+
+        away = self.form.distance(self.form.start, self.form.coefficients, EXACT)
+        return away is not None and bool(away <= nearest(self.number))
+
+    @cached_property
+    def whole(self) -> System:
+        """The equations with all that the outputs ask for."""
+        return self.rounded(system(self.scene, self.scene.modelled))
+
+    @cached_property
+    def blueprint(self) -> Blueprint:
+        """What an integrator of the whole is built from."""
+        from polhode.taylor.build import blueprint
+
+        return blueprint(self.whole, self.number, self.tolerance)
+
+    @cached_property
+    def first(self) -> Rows:
+        """The start of the whole as the one row of a run; not to be written to."""
+        return self.rows([[number_value(x, self.number) for x in self.whole.start]])
+
+    def rounded(self, what: System) -> System:
+        """A system with its inputs rounded to the narrower type, where that was asked for."""
+        return what if self.inputs is None else what.rounded(self.inputs)
+
+    def rows(self, rows: Sequence[Rows]) -> Rows:
+        """Rows of the run's numbers, as a run holds them: an array, or a list above extended."""
+        if not self.number.flat:
+            return list(rows)
+        import numpy as np
+
+        kind = np.float64 if self.number.name == "double" else np.longdouble
+        return np.array(rows, dtype=kind) if rows else np.empty((0, len(self.whole.start)), kind)
+
+    def joined(self, parts: Sequence[Rows]) -> Rows:
+        """Several parts' rows in one."""
+        return joined(parts, self.number)
+
+
+def setup(
+    scene: Scene,
+    number: NumberType,
+    tolerance: Fraction | None = None,
+    inputs: NumberType | None = None,
+) -> Setup:
+    """The set-up of such runs, from the scene where it is kept."""
+    key = (setup, number, tolerance, inputs)
+    found = scene.kept.get(key)
+    if not isinstance(found, Setup):
+        found = scene.kept[key] = Setup(scene, number, tolerance, inputs)
+    return found
+
+
+class Asked:
+    """A scene's output times rounded to a run's type: ``exact``, and ``inside`` its own unit."""
+
+    def __init__(self, scene: Scene, number: NumberType) -> None:
+        self.exact = tuple(rounded_times(scene, number))
+        unit = Fraction(2) ** scene.time_unit
+        self.inside = Times(self.exact if unit == 1 else [t / unit for t in self.exact], number)
+
+
+def asked(scene: Scene, number: NumberType) -> Asked:
+    """The output times of a scene's runs, from the scene where they are kept."""
+    found = scene.kept_of_times.get(number)
+    if not isinstance(found, Asked):
+        found = scene.kept_of_times[number] = Asked(scene, number)
+    return found

@@ -1,0 +1,93 @@
+"""Output times of a run: exact, and all at once as the numbers that heyoka takes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, overload
+
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Row
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+class Times(Sequence[Fraction]):
+    """Monotone times in a run's own unit, immutable; a slice of them is of the same kind.
+
+    Raises OutOfRange, when they are asked for as numbers, for what the type cannot hold.
+    """
+
+    def __init__(self, exact: Sequence[Fraction], number: NumberType) -> None:
+        self._exact, self.number = tuple(exact), number
+
+    @classmethod
+    def of(cls, times: Sequence[Fraction], number: NumberType) -> Times:
+        """Such times of any sequence."""
+        return times if isinstance(times, cls) else cls(times, number)
+
+    def __len__(self) -> int:
+        return len(self._exact)
+
+    @overload
+    def __getitem__(self, k: int) -> Fraction: ...
+    @overload
+    def __getitem__(self, k: slice) -> Times: ...
+    def __getitem__(self, k: int | slice) -> Fraction | Times:
+        if not isinstance(k, slice):
+            return self._exact[k]
+        if k == slice(0, None):
+            return self
+        part = Times(self._exact[k], self.number)
+        part.__dict__["grid"] = self.grid[k]
+        return part
+
+    @cached_property
+    def grid(self) -> Row:
+        """The times as heyoka's numbers: an array, or a list above extended."""
+        from polhode.taylor.heyoka_numbers import array, scalars
+
+        found = scalars(self._exact, self.number)
+        return array(found, self.number) if self.number.flat else found
+
+    def since(self, offset: Fraction) -> Row:
+        """What has passed at each time since ``offset``, as heyoka's numbers, each rounded once."""
+        if not offset:
+            return self.grid
+        if self.number.name != "double":
+            return Times([t - offset for t in self._exact], self.number).grid
+        found, doubtful = differences(self.grid, offset)
+        for k in doubtful:
+            found[k] = Times([self._exact[k] - offset], self.number).grid[0]
+        return found
+
+
+def differences(
+    times: np.ndarray[Any, np.dtype[np.float64]], offset: Fraction
+) -> tuple[np.ndarray[Any, np.dtype[np.float64]], list[int]]:
+    """times - offset, rounded once; and which of them are too near to a tie to be sure of.
+
+    The offset is taken as the sum of two doubles, and sums of doubles without an error: that of two
+    is a double and a rest (Knuth, The Art of Computer Programming, vol. 2, 4.2.2).
+    """
+    import numpy as np
+
+    high = float(offset)
+    low = float(offset - Fraction(high))
+    near, rest = _sum(times, -high)
+    small = rest - low
+    found, lost = _sum(near, small)
+    gap = np.spacing(np.abs(found))
+    unsure = np.abs(np.abs(lost) - gap / 2) <= gap * 2.0**-20 + abs(high) * 2.0**-100
+    unsure |= np.frexp(found)[0] == 0.5  # the gap below is half as wide
+    unsure |= np.abs(found) < 2.0**-900
+    return found, np.flatnonzero(unsure | (np.frexp(found)[0] == -0.5)).tolist()
+
+
+def _sum(a: Any, b: Any) -> tuple[Any, Any]:
+    """a + b as a double and what its rounding leaves over."""
+    found = a + b
+    of_b = found - a
+    return found, (a - (found - of_b)) + (b - of_b)
