@@ -52,11 +52,11 @@ def test_a_run_starts_there_and_stays_on_the_level():
 def test_numbers_of_a_level_can_be_varied():
     scene = scene_file.parse(HEAD + LEVEL + 'sign = "-"\n')
     grid = vary.grid({"start.h": ["3", "4"], "start.f": "0:1:3"}, "scene")
-    found = vary.members(scene, grid)
+    found = vary.Members(scene, grid)
     assert [m.integrals.energy for m in found] == [3, 3, 3, 4, 4, 4]
     assert [m.integrals.area for m in found] == [0, Fraction(1, 2), 1] * 2
     with pytest.raises(polhode.BadInput, match=r"start.h.*at least 4569/6800"):
-        vary.members(scene, vary.grid({"start.h": ["0"]}, "scene"))
+        list(vary.Members(scene, vary.grid({"start.h": ["0"]}, "scene")))
 
 
 @pytest.mark.parametrize(
