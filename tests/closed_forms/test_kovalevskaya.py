@@ -7,19 +7,22 @@ that compares a thing with itself is none).
 import functools
 import json
 import random
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 from mpmath import libmp
 
-from polhode.closed_forms.functions import riemann_theta
+import polhode
+from polhode.closed_forms.functions import quadrature, riemann_theta
 from polhode.closed_forms.kovalevskaya import axes as top_axes
 from polhode.closed_forms.kovalevskaya import cayley_klein, generic
 from polhode.closed_forms.kovalevskaya.abel import image
 from polhode.closed_forms.kovalevskaya.curve import curve
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers import exact
+from polhode.numbers.convert import exactly
 from polhode.numbers.private import mpc, mpf, mpmath
 from polhode.scenes.body import OWN_AXES, PrincipalAxes, cross, dot
 from shared import orbit_checks, series
@@ -707,3 +710,14 @@ def test_a_corrupted_attitude_has_no_certificate(name, monkeypatch):
     monkeypatch.setattr(cayley_klein, name, lambda *a: shifted(old(*a)))
     with pytest.raises(ArithmeticError):
         top_of.__wrapped__(*GENERIC["ee-e+"]).attitude([F(2)], 30)
+
+
+def test_angles_where_branch_points_pinch_a_cycle():
+    """They asked for 7e13 nodes, and never ended."""
+    scene = replace(polhode.load("hard/near-axial-pendulum"), outputs=("angles",)).at((1,))
+    (row,) = polhode.reference(scene).angles([1], 20)
+    run = polhode.integrate(scene, "quad")
+    assert max(abs(x - exactly(y)) for x, y in zip(row, run.angles[0], strict=True)) < 1e-20
+    assert len(quadrature.nodes([quadrature.place(mpf("1e-9"), mpf("1e-9") - 1, 1)])) < 1000
+    with pytest.raises(quadrature.TooManyNodes):
+        quadrature.nodes([(0.5 + 1e-14j, 0.5 - 1e-14j)])

@@ -14,6 +14,7 @@ import pytest
 from flint import fmpz, fmpz_poly
 
 import polhode
+from polhode.common.errors import BadInput
 from polhode.enclosures import attitude, conserved, fixed, march, quaternion, turn_series, windings
 from polhode.enclosures.quaternion import Turned, Turns
 from polhode.numbers.convert import exactly
@@ -62,13 +63,18 @@ def test_closed_forms_have_their_attitude_and_angles_inside(name: str) -> None:
 @pytest.mark.campaign
 def test_every_closed_form_has_its_attitude_and_angles_inside() -> None:
     ratios: list[float] = []
+    refused = set()  # next to a degenerate motion, in a line that says so
     for name in library.names():
         scene = library.load(name)
         if scene.gamma is None or not scene.times:
             continue
         reference = polhode.reference(scene)
         if reference.is_closed_form and reference.regime != "rest":
-            ratios += _against_the_closed_form(name, 16)
+            try:
+                ratios += _against_the_closed_form(name, 16)
+            except BadInput:
+                refused.add(name)
+    assert refused <= {"hard/near-appelrot", "hard/near-axial-pendulum"}
     assert max(ratios) <= 1.0
     assert statistics.median(ratios) > 1e-6
 

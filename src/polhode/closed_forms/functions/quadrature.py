@@ -63,7 +63,7 @@ def nodes(singularities: Iterable[Place], *, periodic: bool = True) -> Nodes:
     if periodic:
         speed = min([20.0, *map(_ellipse, points)])
         midpoints = wanted / (2 * speed) + 4 if speed > 0 else math.inf
-        if midpoints <= reach / step:
+        if midpoints <= MOST_NODES and midpoints * step <= reach:
             return _midpoint(_grown(math.ceil(midpoints)), mpmath.prec)
     if reach > MOST_NODES * step:
         raise TooManyNodes

@@ -15,6 +15,7 @@ from typing import Any, Protocol
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, product
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
+from polhode.closed_forms.functions.quadrature import TooManyNodes
 from polhode.closed_forms.functions.riemann_periods import Pair, solved
 from polhode.closed_forms.kovalevskaya.attitude import KovalevskayaAttitude
 from polhode.closed_forms.kovalevskaya.cayley_klein import CayleyKlein, quaternion
@@ -69,7 +70,10 @@ class ThetaAttitude:
             return mpf(0), mpf(0)
         if not self.third:
             return self.panels(t).arguments(t)
-        L1, L2 = self.formula(0).motion.curve.cycles
+        try:
+            L1, L2 = self.formula(0).motion.curve.cycles
+        except TooManyNodes:  # branch points that pinch a cycle: next to a separatrix
+            return self.panels(t).arguments(t)
         time = mpmath.ldexp(t, self.exponent)
         x1, x2 = solved((L1, L2), (mpf(0), time))
         n1, n2 = int(mpmath.nint(x1 / 2)), int(mpmath.nint(x2 / 2))
