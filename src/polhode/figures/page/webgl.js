@@ -176,7 +176,14 @@ class Painter {
       gl.attachShader(program, shader);
     });
     gl.linkProgram(program);
-    return program;
+    // where its inputs are, asked once
+    const names = (kind, info) => Array.from(
+      {length: gl.getProgramParameter(program, kind)}, (_, k) => info.call(gl, program, k).name);
+    const uniforms = names(gl.ACTIVE_UNIFORMS, gl.getActiveUniform);
+    const attributes = names(gl.ACTIVE_ATTRIBUTES, gl.getActiveAttrib);
+    const placed = (list, at) => Object.fromEntries(list.map(x => [x, at.call(gl, program, x)]));
+    return {program, uniform: placed(uniforms, gl.getUniformLocation),
+            attribute: placed(attributes, gl.getAttribLocation)};
   }
 
   buffer(numbers) {
@@ -220,16 +227,17 @@ class Painter {
 
   use(program, model, colour) {
     const gl = this.gl;
-    gl.useProgram(program);
-    const set = (name, value) =>
-      gl.uniformMatrix4fv(gl.getUniformLocation(program, name), false, value);
-    set("model", model); set("view", this.view); set("onto", this.onto);
-    gl.uniform4fv(gl.getUniformLocation(program, "colour"), colour);
+    const {uniform} = program;
+    gl.useProgram(program.program);
+    gl.uniformMatrix4fv(uniform.model, false, model);
+    gl.uniformMatrix4fv(uniform.view, false, this.view);
+    gl.uniformMatrix4fv(uniform.onto, false, this.onto);
+    gl.uniform4fv(uniform.colour, colour);
     gl.depthMask(colour[3] >= 1);
   }
 
   attribute(program, name, buffer, size, stride, offset, divisor) {
-    const gl = this.gl, place = gl.getAttribLocation(program, name);
+    const gl = this.gl, place = program.attribute[name];
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.enableVertexAttribArray(place);
     gl.vertexAttribPointer(place, size, gl.FLOAT, false, stride, offset);
@@ -252,9 +260,9 @@ class Painter {
     const first = Math.max(0, Math.floor(from)), last = Math.min(made.count, Math.ceil(to));
     if (last <= first) return;
     this.use(program, model, colour);
-    gl.uniform2f(gl.getUniformLocation(program, "size"), ...this.size);
-    gl.uniform1f(gl.getUniformLocation(program, "width"), width * this.ratio);
-    gl.uniform2f(gl.getUniformLocation(program, "span"), from - 1, Math.min(to, 1e9) + 0.001);
+    gl.uniform2f(program.uniform.size, ...this.size);
+    gl.uniform1f(program.uniform.width, width * this.ratio);
+    gl.uniform2f(program.uniform.span, from - 1, Math.min(to, 1e9) + 0.001);
     this.attribute(program, "a", made.buffer, 3, 12, 12 * first, 1);
     this.attribute(program, "b", made.buffer, 3, 12, 12 * (first + 1), 1);
     this.attribute(program, "index", made.order, 1, 4, 4 * first, 1);
