@@ -391,6 +391,9 @@ def test_columns_by_name_are_judged_as_a_file_with_that_header_is():
         ).digits
     )
     assert judged.subject.number.name == "double"
+    degrees = {k if k != "wx" else "wx [deg/s]": v for k, v in given.items()}
+    degrees["wx [deg/s]"] = np.degrees(degrees["wx [deg/s]"])
+    assert polhode.compare(degrees, "lagrange/nutation").worst > 13
     given["wy"] = given["wy"] + 1e-6
     assert 6 < polhode.compare(given, "lagrange/nutation").worst < 7.5
     given["wy"] = np.array([math.nan, *given["wy"][1:]])

@@ -43,6 +43,16 @@ def test_a_saved_run_loads_again_with_every_digit_and_callable(tmp_path, number)
     assert [exactly(x) for x in between] == [exactly(x) for x in run(1.25)]
 
 
+def test_a_projected_run_is_made_once_more_as_it_was(tmp_path):
+    run = polhode.integrate("kovalevskaya/generic", at=[600])
+    assert run.projection.count > 0
+    run.save(tmp_path / "run.npz")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        between = polhode.load_run(tmp_path / "run.npz")(599.5)
+    assert list(between) == list(run(599.5))
+
+
 def test_runs_of_every_kind_are_archived(tmp_path):
     path = tmp_path / "run.npz"
     short = polhode.integrate("euler/long", max_steps=50)

@@ -33,6 +33,7 @@ def test_floats_arrays_and_fractions_are_taken_exactly():
     assert scene.times == tuple(Fraction(float(t)) for t in np.linspace(0, 1, 4))
     assert "# the doubles 0.3 in full" in polhode.as_toml(scene)
     assert scene.body.weight == Fraction(0.1) != Fraction(1, 10)
+    assert polhode.top(**FREE, end=np.array(3.0)).times == (0, 3)
 
 
 def test_a_run_in_double_of_doubles_loses_nothing_by_rounding_its_inputs():
@@ -200,6 +201,13 @@ def test_a_top_in_si_units_is_the_same_by_shape_by_mass_and_by_weight():
         ({"samples": 3.5, "end": 1}, "run.samples = 3.5: expected a whole number"),
         ({"events": [3]}, "events[1] = 3: expected an Event, or a mapping of its keys"),
         ({"outputs": [3]}, "run.outputs = 3: expected a text"),
+        ({"outputs": 3}, "run.outputs = 3: expected"),
+        ({"parts": 2.5, "moments": None}, "body.parts = 2.5: expected a list of Part"),
+        ({"normalise": None}, "start.normalise: expected True or False"),
+        ({"normalise": np.zeros(3)}, "start.normalise = [0. 0. 0.]: expected True or False"),
+        ({"name": 3}, "top: name = 3: expected text"),
+        ({"title": np.array(3.0)}, "title = 3.0: expected a text"),
+        ({"omega": np.array(3.0)}, "start.omega = 3: expected an array of 3 numbers"),
     ],
 )
 def test_what_cannot_be_is_refused_by_the_name_of_its_key(given, said):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, SupportsFloat, TypeAlias
 
-from polhode.common.arguments import each
+from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput
 from polhode.scenes import keys, scene_file
 from polhode.scenes.scene import Event, Scene
@@ -67,6 +67,8 @@ def top(
     >>> polhode.top(moments=[1, 1, 0.1], omega=[0, 0, 1]).body.moments[2]
     Fraction(3602879701896397, 36028797018963968)
     """
+    of_kind("top", "name", name, str, "text")
+    of_kind(name, "start.normalise", normalise, bool, "True or False")
     given = {key: value for key, value in locals().items() if value is not None}
     data: dict[str, Any] = {
         section: {key.name: given[key.name] for key in keys.KEYS[section] if key.name in given}
@@ -74,6 +76,9 @@ def top(
     }
     if not normalise:
         del data["start"]["normalise"]
+    if parts is not None:
+        expected = "a list of Part, or of mappings"
+        data["body"]["parts"] = each(name, "body.parts", parts, lambda part: part, expected)
     data["title"] = title
     data["reference"] = {} if reference is None else {"kind": reference}
     data["events"] = each(name, "events", events, lambda x: x, "events")

@@ -98,9 +98,7 @@ class _Value:
             return str(value)
         if isinstance(value, str):
             return json.dumps(value)
-        if getattr(value, "ndim", 0) > 0 or (
-            isinstance(value, Iterable) and not isinstance(value, (Mapping, bytes))
-        ):
+        if _several(value):
             items = [self.text(x) for x in value]
             many = sum(map(len, items)) > 1000
             return "[\n  " + ",\n  ".join(items) + ",\n]" if many else f"[{', '.join(items)}]"
@@ -110,7 +108,7 @@ class _Value:
 
     def number(self, value: Any) -> str:
         try:
-            x = exact_number(value)
+            x = exact_number(value[()] if getattr(value, "ndim", None) == 0 else value)
         except ValueError as fault:
             raise BadInput(self.name, self.key, plain(value), f"a number ({fault})") from None
         if isinstance(x, Irrational):
@@ -119,8 +117,14 @@ class _Value:
         return in_full(x) if is_decimal(x) else json.dumps(in_full(x))
 
 
+def _several(value: Any) -> bool:
+    """Whether a value is a list of values; an array of no dimension is a number."""
+    listed = isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping))
+    return listed and getattr(value, "ndim", 1) > 0
+
+
 def _flat(value: Any) -> Iterable[Any]:
-    if isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping)):
+    if _several(value):
         for item in value:
             yield from _flat(item)
     else:
