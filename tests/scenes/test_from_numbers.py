@@ -125,6 +125,15 @@ def test_omega_and_momentum_go_with_angles_and_quaternion():
         assert polhode.top(moments=[2, 3, 4], **where, **how).omega == (2, 1, 3)
 
 
+def test_a_start_on_a_level_is_there_in_python_too():
+    level = {"h": 2, "f": 1, "gamma": [0, "3/5", "4/5"]}
+    scene = polhode.top(moments=[2, 2, 1], centre=[1, 0, 0], weight=1, **level)
+    assert (scene.integrals.energy, scene.integrals.area) == (2, 1)
+    other = polhode.top(moments=[2, 2, 1], centre=[1, 0, 0], weight=1, sign="-", **level)
+    assert other.integrals.energy == 2
+    assert other.omega != scene.omega
+
+
 def test_normalise_is_there_in_python_too():
     top = polhode.top(moments=[1, 1, 1], omega=[0, 0, 1], gamma=[0.6, 0, 0.8], normalise=True)
     body = polhode.Body.of_moments([1, 1, 1])

@@ -36,6 +36,9 @@ def top(
     angles: AnyVector | None = None,
     quaternion: Iterable[AnyNumber] | None = None,
     normalise: bool = False,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
+    sign: str | None = None,
     end: AnyNumber | None = None,
     samples: int | None = None,
     at: Iterable[AnyNumber] | None = None,
@@ -52,7 +55,8 @@ def top(
     centre of mass), or ``parts``, solids by shape; ``centre``: the centre of mass; ``weight`` = Mg,
     or ``mass`` and ``g``.  The start: ``omega``, ``momentum`` or ``rates``, and ``gamma`` (the
     upward vertical in body axes) with ``psi``, ``angles`` (psi, theta, phi) or a ``quaternion``,
-    scalar first.  ``end`` with ``samples``, or the times ``at``.  See ``polhode guide scene``.
+    scalar first; or gamma on the level ``h``, ``f``, ``sign``.  ``end`` with ``samples``, or the
+    times ``at``.  See ``polhode guide scene``.
 
     Numbers of any kind are taken exactly, a float as the binary number that it is, which
     :func:`polhode.as_toml` shows; the text "0.1" is one tenth.  Raises BadInput, a ValueError.

@@ -17,6 +17,7 @@ from polhode.judging.reference import reference as reference_of
 from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.scene import even_times
+from polhode.studies.only import Only
 
 NAME = "gallery"
 QUESTION = "Which motions of a heavy rigid body are worth knowing, and what do they look like?"
@@ -180,10 +181,15 @@ MOTIONS = (
 )
 
 
-def rows(quick: bool = False, tick: Callable[[str], None] | None = None) -> dict[str, Any]:
+def rows(
+    quick: bool = False, tick: Callable[[str], None] | None = None, only: Only | None = None
+) -> dict[str, Any]:
     """The study's results as a JSON object."""
+    wanted = only or Only()
     found = []
     for shown in MOTIONS[:3] if quick else MOTIONS:
+        if not wanted(shown.case, shown.name):
+            continue
         if tick is not None:
             tick(f"{NAME}: {shown.case}")
         found.append(_row(shown))
