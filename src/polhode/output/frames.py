@@ -41,7 +41,7 @@ def of_run_pandas(run: Trajectory) -> Any:
     pandas = _needed("pandas")
     index = pandas.Index(run.t, name="t")
     found = pandas.DataFrame(columns(run), index=index)
-    found.attrs.update(_about(run))
+    found.attrs.update(_about(run), outcome=run.outcome.value)
     return found
 
 
@@ -49,7 +49,7 @@ def of_run_xarray(run: Trajectory) -> Any:
     """A Dataset: a variable a column along t, in doubles."""
     xarray = _needed("xarray")
     data = {name: ("t", values) for name, values in columns(run).items()}
-    return xarray.Dataset(data, {"t": run.t}, _about(run))
+    return xarray.Dataset(data, {"t": run.t}, _about(run) | {"outcome": run.outcome.value})
 
 
 def of_ensemble_xarray(found: Ensemble) -> Any:
@@ -75,9 +75,7 @@ def of_ensemble_pandas(found: Ensemble) -> Any:
 
 
 def _about(found: Any) -> dict[str, Any]:
-    about = {"scene": found.scene.name, "number": found.number.name, "bits": found.number.bits}
-    outcome = getattr(found, "outcome", None)
-    return about if outcome is None else {**about, "outcome": outcome.value}
+    return {"scene": found.scene.name, "number": found.number.name, "bits": found.number.bits}
 
 
 def _needed(package: str) -> Any:
