@@ -396,3 +396,44 @@ def test_a_step_limit_keeps_the_events_up_to_it():
     assert run.outcome is Outcome.STEP_LIMIT
     assert run.events[0].times
     assert run.events[0].times[-1] <= run.reached
+
+
+@pytest.mark.parametrize("number", ["double", "extended"])
+@pytest.mark.parametrize("way", [1, -1])
+def test_crossings_polished_together_are_those_polished_where_they_are_met(
+    number, way, monkeypatch
+):
+    """An event that would end the run, and never comes, has each crossing polished where it is."""
+    change_policy(monkeypatch, chunk=400)
+    never = Event("never", "q - 100", stop=True)
+    asked = Event("plain", "q"), Event("up", "p*gamma2 - q*gamma1", "rising")
+    at = [0, 200 * way]
+    scene = polhode.load("kovalevskaya/generic")
+    together = polhode.integrate(watched(scene, *asked), number, at=at).events
+    apart = polhode.integrate(watched(scene, *asked, never), number, at=at).events[:2]
+    eps = float(EXTENDED.eps if number == "extended" else DOUBLE.eps)
+    for one, other in zip(together, apart, strict=True):
+        assert len(one.times) == len(other.times) > 2
+        assert one.complete
+        assert other.complete
+        assert one.grazing == other.grazing
+        parted = max(abs(s - t) / abs(t) for s, t in zip(one.times, other.times, strict=True))
+        assert parted <= eps
+        assert np.max(np.abs(one.states - other.states)) <= 30 * eps
+    q = np.abs(together[0].states[:, 1])
+    assert np.max(q) <= eps  # unpolished: ten times that
+
+
+def test_a_second_run_watches_with_the_integrator_of_the_first(monkeypatch):
+    from polhode.taylor import integrator
+    from polhode.taylor.pool import Idle
+
+    monkeypatch.setattr(integrator, "_IDLE", Idle())
+    scene = watched(polhode.load("kovalevskaya/generic"), Event("q", "q"))
+    first = polhode.integrate(scene)
+    monkeypatch.setattr(integrator.Integrator, "_built", None)
+    again = polhode.integrate(scene)
+    assert again == first
+    assert again.events[0].times
+    with pytest.raises(TypeError):
+        polhode.integrate(replace(scene, events=(Event("p", "p"),)))

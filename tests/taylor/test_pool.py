@@ -89,6 +89,14 @@ def test_a_run_that_ended_badly_leaves_nothing(built):
     assert len(built) == 2
 
 
+def test_a_start_at_a_pole_leaves_both_of_its_integrators(built):
+    scene = replace(polhode.load("euler/attitude"), outputs=("angles",))
+    assert scene.starts_at_pole
+    for _ in range(2):
+        polhode.integrate(scene, at=[5])
+        assert len(built) == 2
+
+
 def test_the_oldest_goes_first():
     idle = Idle(most=2)
     for key in "abc":

@@ -110,28 +110,28 @@ def angles_off_the_pole(
 
 
 class AngleFunctions(NamedTuple):
-    """What angles take of numbers of one kind, numpy's or mpmath's."""
+    """What angles take of numbers of one kind: numpy's arrays, or mpmath's numbers."""
 
     hypot: Callable[[Value, Value], Value]
     atan2: Callable[[Value, Value], Value]
     pi: Value
     rint: Callable[[Value], Value]
+    where: Callable[[Value, int, int], Value]  # one of two by a condition
 
 
 def angles(gamma: Sequence[Value], psi_and_phi: Sequence[Value], fn: AngleFunctions) -> list[Value]:
-    """psi theta phi at one time: theta and phi from gamma, phi on the integrated one's branch.
+    """psi theta phi: theta and phi from gamma, phi on the integrated one's branch.
 
-    At a pole psi and phi are None.  A motion that passes
-    exactly through a pole turns phi by pi against the integrated one: psi then turns by pi too.
+    A motion that passes exactly through a pole turns phi by pi against the integrated one: psi then
+    turns by pi too.  At a pole itself psi and phi have no meaning.
     """
     (g1, g2, g3), (psi, phi) = gamma, psi_and_phi
-    across = fn.hypot(g1, g2)
-    theta = fn.atan2(across, g3)
-    if across == 0:
-        return [None, theta, None]
+    theta = fn.atan2(fn.hypot(g1, g2), g3)
     principal = fn.atan2(g1, g2)
     halves = fn.rint((phi - principal) / fn.pi)
-    if halves % 2 == 1:
-        side = 1 if g3 > 0 else -1
-        return [psi - side * fn.pi, theta, principal + (halves + 1) * fn.pi]
-    return [psi, theta, principal + halves * fn.pi]
+    odd = halves % 2
+    return [
+        psi - odd * fn.where(g3 > 0, 1, -1) * fn.pi,
+        theta,
+        principal + (halves + odd) * fn.pi,
+    ]

@@ -56,37 +56,43 @@ class Readout:
             return self._kept(rows)[:, first : first + 4].copy()
         return self._kept([row[first : first + 4] for row in rows])
 
-    def angles(self, rows: Sequence[Row]) -> list[list[Value | None]] | None:
+    def angles(self, rows: Rows) -> list[list[Value | None]] | None:
         """psi theta phi, if asked for; psi and phi None at a pole."""
         if "angles" not in self.scene.outputs:
             return None
-        states = self.states(rows)
-        fn = self._functions
-        from polhode.numbers.private import mpmath, ordinary, own
-
+        if len(rows) == 0:
+            return []
         first = len(self.form.variables) + (
             len(ATTITUDE) if "attitude" in self.scene.modelled else 0
         )
-        if not self.number.flat:
-            states, rows = own(states), own(list(rows))
-        with mpmath.workprec(self.number.bits):
-            found = [
-                # a motion that stays at a pole has no psi and phi among its variables
-                angles(state[3:], row[first : first + 2] if len(row) > first else (0, 0), fn)
-                for state, row in zip(states, rows, strict=True)
-            ]
-        return found if self.number.flat else ordinary(found)
+        states = self.states(rows)
+        # a motion that stays at a pole has no psi and phi among its variables
+        there = len(rows[0]) > first
+        found = self._angles(states, [row[first : first + 2] if there else (0, 0) for row in rows])
+        for row, state in zip(found, states, strict=True):
+            if state[3] == 0 == state[4]:
+                row[0] = row[2] = None
+        return found
 
-    @cached_property
-    def _functions(self) -> AngleFunctions:
+    def _angles(self, states: Rows, integrated: list[Row]) -> list[list[Value | None]]:
+        """psi theta phi beside states and integrated psi and phi."""
         if self.number.flat:
             import numpy as np
 
             pi = 4 * np.arctan(np.ones(1, dtype=self._kind))[0]
-            return AngleFunctions(np.hypot, np.arctan2, pi, np.rint)
-        from polhode.numbers.private import mpmath
+            fn = AngleFunctions(np.hypot, np.arctan2, pi, np.rint, np.where)
+            columns = angles(states[:, 3:].T, self._kept(integrated).T, fn)
+            flat: list[list[Value | None]] = np.stack(columns, axis=1).tolist()
+            return flat
+        from polhode.numbers.private import mpmath, ordinary, own
 
-        return AngleFunctions(mpmath.hypot, mpmath.atan2, mpmath.pi, mpmath.nint)
+        fn = AngleFunctions(
+            mpmath.hypot, mpmath.atan2, mpmath.pi, mpmath.nint, lambda c, a, b: a if c else b
+        )
+        with mpmath.workprec(self.number.bits):
+            pairs = zip(own(states), own(integrated), strict=True)
+            found: list[list[Value | None]] = ordinary([angles(s[3:], w, fn) for s, w in pairs])
+            return found
 
     @property
     def _kind(self) -> type[np.floating[Any]]:

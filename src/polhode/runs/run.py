@@ -57,6 +57,7 @@ class Run:
         self.projection: Projection | None = None
         self._every = project
         self._watch: Watcher | None = None
+        self._working: Integrating | None = None
 
     def afresh(self) -> Run:
         """The same run before its start."""
@@ -87,6 +88,8 @@ class Run:
             raise BadInput(self.scene.name, "number", self.number.name, expected) from None
         if watch is not None:
             self.events = watch.found()
+            if self._working is not None and outcome.done:
+                self._working.release()
         self.seconds = time.perf_counter() - began
         return outcome, rows
 
@@ -143,8 +146,11 @@ class Run:
             self.steps += integrator.steps
             # the end itself, not its rounding relative to where the last chunk began
             done = outcome is Outcome.REACHED_END
-            self.reached = (inside[-1] if done else integrator.time) * made.unit
-            if self._watch is None and outcome.done:  # events are told by their integrator
+            last = inside[-1] if done else integrator.time
+            self.reached = last if made.unit == 1 else last * made.unit
+            if self._watch is not None:
+                self._working = integrator  # its events are told first
+            elif outcome.done:
                 integrator.release()
         if self._watch is not None and self._watch.stop is not None:
             self.reached = self.number.rounded(self._watch.stop) * made.unit
@@ -244,8 +250,10 @@ class Run:
         bridge = self.setup.rounded(system(self.scene, ("attitude",)))
         leading = self._built(bridge, Fraction(0), self._watch, None)
         self._refuse_what_never_moves()
-        found, _ = leading.chunk([moment], 10**6)
+        found, outcome = leading.chunk([moment], 10**6)
         self.steps += leading.steps
+        if self._watch is None and outcome.done:
+            leading.release()
         if self._stopped:
             return whole, moment
         row = found[0]

@@ -18,6 +18,7 @@ from polhode.numbers.scalars import Row, Rows
 from polhode.taylor import policy
 from polhode.taylor.heyoka_numbers import as_fraction, scalar
 from polhode.taylor.kinds import Expression, HeyokaNumber
+from polhode.taylor.times import exact_sum
 
 
 class Cyclic:
@@ -46,6 +47,14 @@ class Cyclic:
 
     def completed(self, rows: Rows) -> Rows:
         """Rows of heyoka's numbers, now with the whole of the cyclic variables."""
+        if self.number.flat:
+            for i, grown in enumerate(self._grown, -len(self._grown)):
+                whole = Fraction(grown, 1 << self._fine)
+                high = self.number.rounded(whole)
+                low = scalar(self.number.rounded(whole - high), self.number)
+                near, rest = exact_sum(scalar(high, self.number), rows[:, i] * self._divisor)
+                rows[:, i] = near + (rest + low)
+            return rows
         for row in rows:
             for i, x in enumerate(row[len(row) - len(self._grown) :], -len(self._grown)):
                 row[i] = scalar(Fraction(self._whole(i, x), 1 << self._fine), self.number)
@@ -53,5 +62,6 @@ class Cyclic:
 
     def _whole(self, i: int, part: HeyokaNumber) -> int:
         """A cyclic variable, of which heyoka has this part, as the offsets are kept."""
-        x = as_fraction(part, self.number)
-        return self._grown[i] + (x.numerator * self._divisor << self._fine) // x.denominator
+        x = part if self.number.flat else as_fraction(part, self.number)
+        above, below = x.as_integer_ratio()
+        return self._grown[i] + (above * self._divisor << self._fine) // below

@@ -24,25 +24,33 @@ from typing import NamedTuple
 import heyoka as hy
 
 from polhode.equations.readout import Readout
+from polhode.numbers.convert import exactly
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row
 from polhode.scenes.scene import Scene
 from polhode.taylor import heyoka_numbers
+from polhode.taylor.event_crossings import (
+    NO_CROSSINGS,
+    Crossings,
+    Seen,
+    crossings,
+    in_order,
+    those,
+)
+from polhode.taylor.event_crossings import marks as plain_marks
 from polhode.taylor.event_expressions import TIME, event_expression
-from polhode.taylor.event_limits import Limits
 from polhode.taylor.event_polish import Mark, Place, is_start, polished, sorted_out
-from polhode.taylor.event_sizes import sign_at_start, size_of
-from polhode.taylor.event_steps import AfterStep, is_entire
+from polhode.taylor.event_rules import rules
+from polhode.taylor.event_steps import AfterStep
 from polhode.taylor.kinds import (
-    CompiledFunction,
     Expression,
     HeyokaEvent,
     HeyokaIntegrator,
     HeyokaNumber,
 )
 from polhode.taylor.outcomes import EventTimes
-from polhode.taylor.protocols import Found
+from polhode.taylor.protocols import Desk, Found
 
 _PROBES = 8  # steps over which an expression that starts at zero must leave it
 
@@ -64,6 +72,9 @@ class Watch:
     ``stop``: the time, in the run's unit, of the event that ended the run.  ``steering``: the
     events do choose the steps, since the state stands still.  Raises BadInput for an expression
     that has no value at t = 0 or is identically zero.
+
+    What is met is noted, and polished when the run is over, all together.  It is polished where it
+    is met in a run that an event may end, where it depends on t, and in types that numpy lacks.
     """
 
     def __init__(
@@ -77,55 +88,65 @@ class Watch:
         self.stop: Fraction | None = None
         self.muted = False
         self.forward = sign(scene.end) >= 0
-        self.start = [sign_at_start(scene, k) for k in range(len(scene.events))]
-        asked = any(e.stop or not is_entire(scene, e) for e in scene.events)
-        self.after_step = AfterStep(lambda: self.stop is not None, number) if asked else None
-        eps = max(number.eps, tolerance or ZERO)
-        self.limits = [
-            Limits(size_of(scene, event), number, eps, steering) for event in scene.events
-        ]
+        self.rules = rules(scene, number, tolerance, steering)
+        self.start, self.limits = self.rules.start, self.rules.limits
+        self.after_step = (
+            AfterStep(lambda: self.stop is not None, number) if self.rules.asked else None
+        )
         self.raw: list[list[_Raw]] = [[] for _ in scene.events]
+        self.seen: list[list[Seen]] = [[] for _ in scene.events]
         # Of the integrator attached last: itself, the exact time from which its own counts, and
         # what it hands to callbacks, with its dense output, a view of its memory.
         self.stepping: HeyokaIntegrator = None
         self.offset = ZERO
         self.heyoka: HeyokaIntegrator = None
         self.row: Row = None
-        self.evaluate: list[CompiledFunction] = []  # expression and time derivative
-        self.with_time: list[bool] = []
+        self.desk = Desk()
+        self.later: list[bool] = []  # which events are polished when the run is over
 
     # -- building -----------------------------------------------------------------------------
 
     def attach(
         self, variables: Sequence[Expression], rates: Sequence[Expression]
-    ) -> list[HeyokaEvent]:
+    ) -> tuple[list[HeyokaEvent], Desk]:
         """heyoka's events of an integrator about to be built, in its variables and its time."""
         events: list[HeyokaEvent] = []
-        self.evaluate, self.with_time = [], []
+        desk = Desk()
         options = heyoka_numbers.type_options(self.number)
         kind = {name: x for name, x in options.items() if name == "fp_type"}
         clock = hy.time + hy.par[1] + hy.par[0]
+
+        def rate(value: Expression) -> Expression:
+            terms = zip(variables, rates, strict=True)
+            return sum((hy.diff(value, x) * dx for x, dx in terms), hy.diff(value, TIME))
+
         for k, event in enumerate(self.scene.events):
             value = event_expression(self.scene, event, self.number, variables)
-            slope = sum(
-                (hy.diff(value, x) * rate for x, rate in zip(variables, rates, strict=True)),
-                hy.diff(value, TIME),
-            )
-            self.with_time.append("t" in hy.get_variables([value]))
+            slope = rate(value)
+            desk.with_time.append("t" in hy.get_variables([value]))
             damping = hy.expression(self.limits[k].damping)
             events += [
-                hy.nt_event(hy.subs(f * damping, {TIME: clock}), _Callback(self, k), **kind)
+                hy.nt_event(hy.subs(f * damping, {TIME: clock}), _Callback(desk, k), **kind)
                 for f in (value, slope)
                 if hy.get_variables([f])  # a constant has no zeros
             ]
             both = hy.subs([value, slope], {TIME: clock})
-            self.evaluate.append(hy.cfunc(both, vars=list(variables), **options))
-        return events
+            desk.evaluate.append(hy.cfunc(both, vars=list(variables), **options))
+        if self.number.flat:
+            derivatives = [*rates, *(rate(x) for x in rates)]
+            desk.motion = hy.cfunc(derivatives, vars=list(variables), **options)
+        return events, desk
+
+    def sit_down(self, desk: Desk) -> None:
+        """Take over the desk of the integrator that a run goes on with."""
+        self.desk, desk.watch = desk, self
+        ends = any(event.stop for event in self.scene.events)
+        self.later = [self.number.flat and not (ends or timed) for timed in desk.with_time]
 
     def counts_from(self, offset: Fraction, heyoka: HeyokaIntegrator) -> None:
         """Take note of the integrator and of where its time begins; tell it, where t is asked."""
         self.offset, self.stepping = offset, heyoka
-        if any(self.with_time):
+        if any(self.desk.with_time):
             high = self.number.rounded(offset)
             for i, part in enumerate((high, self.number.rounded(offset - high))):
                 heyoka.pars[i] = heyoka_numbers.scalar(part, self.number)
@@ -138,6 +159,10 @@ class Watch:
             return
         if ta is not self.heyoka:
             self.heyoka, self.row = ta, ta.d_output
+        if self.later[k]:
+            ta.update_d_output(t)
+            self.seen[k].append((self.offset, t, self.row.copy()))
+            return
         high, low = ta.dtime
         ago = (t - high) - low  # since the step's end: it holds digits that t has no room for
         place = polished(lambda when: self._at(k, when), ago, self.limits[k])
@@ -149,10 +174,10 @@ class Watch:
         """Expression k and its time derivative, at a time relative to the step's end."""
         ta = self.heyoka
         ta.update_d_output(ago, rel_time=True)
-        if self.with_time[k]:
-            value, slope = self.evaluate[k](self.row, pars=ta.pars, time=ta.time + ago)
+        if self.desk.with_time[k]:
+            value, slope = self.desk.evaluate[k](self.row, pars=ta.pars, time=ta.time + ago)
         else:
-            value, slope = self.evaluate[k](self.row)
+            value, slope = self.desk.evaluate[k](self.row)
         return value, slope
 
     def _mark(self, k: int, place: Place) -> None:
@@ -179,8 +204,8 @@ class Watch:
         ta = self.stepping
         after = state.copy()
         after[: len(moved)] = moved
-        for k, both in enumerate(self.evaluate):
-            options = {"pars": ta.pars, "time": ta.time} if self.with_time[k] else {}
+        for k, both in enumerate(self.desk.evaluate):
+            options = {"pars": ta.pars, "time": ta.time} if self.desk.with_time[k] else {}
             value, slope = both(state, **options)
             new_value, new_slope = both(after, **options)
             if abs(new_value - value) > abs(value) / 4:
@@ -192,47 +217,90 @@ class Watch:
 
     def marks(self) -> Found:
         """What was found so far, to be given to ``take_back``."""
-        return Found(tuple(len(raw) for raw in self.raw), self.stop)
+        counts = tuple((len(raw), len(seen)) for raw, seen in zip(self.raw, self.seen, strict=True))
+        return Found(counts, self.stop)
 
     def take_back(self, found: Found) -> None:
         """Forget what was found since."""
         self.stop = found.stop
-        for raw, count in zip(self.raw, found.counts, strict=True):
-            del raw[count:]
+        for k, (raw, seen) in enumerate(found.counts):
+            del self.raw[k][raw:], self.seen[k][seen:]
 
     # -- what was found -----------------------------------------------------------------------
 
     def found(self) -> tuple[EventTimes, ...]:
-        """The events in scene axes and units, in order of integration."""
+        """The events in scene axes and units, in order of integration; ends the watch's work."""
         read, unit = Readout(self.scene, self.number), Fraction(2) ** self.scene.time_unit
         answers = []
         for k, event in enumerate(self.scene.events):
-            marks, complete = self._sorted_out(k)
-            marks = [m for m in marks if event.counts(m.slope)]
+            before = self.start[k] if self.forward else -self.start[k]
+            seen, found = self._crossings(k)
+            plain = None if self.raw[k] else in_order(seen, found, before, self.number)
+            complete, rows, slopes = True, found.rows, found.slopes.tolist()
+            if plain is not None and self.stop is None:
+                double = self.number.name == "double"
+                times = [*map(Fraction, plain.tolist())] if double else [*map(exactly, plain)]
+            else:
+                marks = self._marks(k) + plain_marks(*those(seen, found, found.plain))
+                marks += self._one_by_one(k, those(seen, found, ~found.plain)[0])
+                marks, complete = sorted_out(marks, before, self.stop, self.number, ZERO)
+                times = [self.number.rounded(m.time) for m in marks]
+                rows = [heyoka_numbers.numbers(m.row, self.number) for m in marks]
+                slopes = [m.slope for m in marks]
+            if event.direction != "any":
+                counted = [i for i, slope in enumerate(slopes) if event.counts(slope)]
+                times, slopes = [times[i] for i in counted], [slopes[i] for i in counted]
+                rows = [rows[i] for i in counted]
             answers.append(
                 EventTimes(
                     name=event.name,
-                    times=tuple(self.number.rounded(m.time) * unit for m in marks),
-                    states=read.states([heyoka_numbers.numbers(m.row, self.number) for m in marks]),
-                    grazing=tuple(m.slope == 0 for m in marks),
+                    times=tuple(times if unit == 1 else [t * unit for t in times]),
+                    states=read.states(rows),
+                    grazing=tuple(slope == 0 for slope in slopes),
                     complete=complete,
                 )
             )
         return tuple(answers)
 
-    def _sorted_out(self, k: int) -> tuple[list[Mark], bool]:
-        """Each event once; and whether rising and falling alternate, as they do if none is lost."""
-        marks = [
+    def _crossings(self, k: int) -> tuple[list[Seen], Crossings]:
+        """What was noted of an event and may be a zero, polished."""
+        seen = self.seen[k]
+        if not seen:
+            return [], NO_CROSSINGS
+        found = crossings(seen, self.desk.evaluate[k], self.desk.motion, self.limits[k])
+        return those(seen, found, ~found.none)
+
+    def _marks(self, k: int) -> list[Mark]:
+        """What was polished at once."""
+        return [
             Mark(
                 self._time(raw),
                 raw.row,
                 raw.slope,
-                ZERO if raw.slope else self._exactly(raw.width),
+                self._exactly(raw.width) if raw.slope == 0 else ZERO,
             )
             for raw in self.raw[k]
         ]
-        before = self.start[k] if self.forward else -self.start[k]
-        return sorted_out(marks, before, self.stop, self.number, ZERO)
+
+    def _one_by_one(self, k: int, seen: Sequence[Seen]) -> list[Mark]:
+        """Places that are no plain crossings, each looked at along a step from there."""
+        marks = []
+        self.muted, self.heyoka = True, self.stepping
+        self.row = self.heyoka.d_output
+        for offset, time, row in seen:
+            self.heyoka.time = self.limits[k].zero
+            self.heyoka.state[:] = row
+            self.heyoka.step(write_tc=True)
+            found = polished(lambda when: self._at(k, when), -self.heyoka.time, self.limits[k])
+            if found is not None:
+                self.heyoka.update_d_output(found.time, rel_time=True)
+                high, low = self.heyoka.dtime
+                raw = _Raw(offset, high, low + found.time, self.row.copy(), *found[1:])
+                width = ZERO if raw.slope else self._exactly(raw.width)
+                since = self._time(raw) + self._exactly(time)
+                marks.append(Mark(since, raw.row, raw.slope, width))
+        self.muted = False
+        return marks
 
     def _time(self, raw: _Raw) -> Fraction:
         time = self._exactly(raw.high) + self._exactly(raw.low)
@@ -263,11 +331,12 @@ class Watch:
 class _Callback:
     """heyoka's call where an event is met; heyoka copies its callbacks, this one stays one."""
 
-    def __init__(self, watch: Watch, k: int) -> None:
-        self.watch, self.k = watch, k
+    def __init__(self, desk: Desk, k: int) -> None:
+        self.desk, self.k = desk, k
 
     def __call__(self, ta: HeyokaIntegrator, t: HeyokaNumber, _: int) -> None:
-        self.watch.met(self.k, ta, t)
+        if self.desk.watch is not None:
+            self.desk.watch.met(self.k, ta, t)
 
     def __deepcopy__(self, _: object) -> _Callback:
         return self

@@ -136,40 +136,43 @@ class Integrator:
         self._cyclic = Cyclic(plan.start[first:], plan.number) if plan.cyclic else None
         self.marks: list[Mark] = []
         self._pieces: list[Piece] | None = None
-        self._key: Hashable = plan.key if watcher is None else None
+        self._key: Hashable = plan.key
+        if watcher is not None and self._key is not None:
+            self._key = (self._key, watcher.rules)
         idle = None if self._key is None else _IDLE.take(self._key)
         if idle is None:
-            idle = self._built(plan)
+            self.heyoka, self._desk = self._built(plan)
         else:
-            idle.state[:] = plan.state
-            idle.time = scalar(0, plan.number)
-        self.heyoka = idle
+            self.heyoka, self._desk = idle
+            self.heyoka.state[:] = plan.state
+            self.heyoka.time = scalar(0, plan.number)
         self.state = self.heyoka.state  # a view of its memory
         if watcher is not None:
+            watcher.sit_down(self._desk)
             watcher.counts_from(origin, self.heyoka)
 
-    def _built(self, plan: Blueprint) -> HeyokaIntegrator:
+    def _built(self, plan: Blueprint) -> tuple[HeyokaIntegrator, Any]:
         variables = hy.make_vars(*plan.names)
         named = zip(plan.coefficients, plan.constants, strict=True)
         k = {name: hy.expression(x) for name, x in named}
         rates = plan.field(variables, k)
         if self._cyclic is not None:
             rates = self._cyclic.slowed(rates)
-        options = dict(plan.options)
+        options, desk = dict(plan.options), None
         with disk_cache(plan.number):
             if self.watcher is not None:
-                options["nt_events"] = self.watcher.attach(variables, rates)
+                options["nt_events"], desk = self.watcher.attach(variables, rates)
             away = None if plan.distance is None else plan.distance(variables, k)
             if away is not None:
                 self._key = None  # a terminal event leaves traces in an integrator
                 options["t_events"] = [terminal_event(away, plan.number)]
             system = list(zip(variables, rates, strict=True))
-            return hy.taylor_adaptive(system, plan.state, **options)
+            return hy.taylor_adaptive(system, plan.state, **options), desk
 
     def release(self) -> None:
         """Leave the compiled code to the next run of the same equations; the last call of all."""
         if self._key is not None:
-            _IDLE.put(self._key, self.heyoka)
+            _IDLE.put(self._key, (self.heyoka, self._desk))
         del self.heyoka, self.state
 
     @property

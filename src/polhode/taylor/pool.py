@@ -10,8 +10,13 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Hashable
 from threading import Lock
+from typing import TypeAlias
 
 from polhode.taylor.kinds import HeyokaIntegrator
+from polhode.taylor.protocols import Desk
+
+#: heyoka's integrator, and what belongs to its events, where it looks for any.
+Compiled: TypeAlias = tuple[HeyokaIntegrator, Desk | None]
 
 MOST = 16  # of a few hundred kilobytes each
 
@@ -21,10 +26,10 @@ class Idle:
 
     def __init__(self, most: int = MOST) -> None:
         self._most = most
-        self._kept: OrderedDict[Hashable, list[HeyokaIntegrator]] = OrderedDict()
+        self._kept: OrderedDict[Hashable, list[Compiled]] = OrderedDict()
         self._lock = Lock()
 
-    def take(self, key: Hashable) -> HeyokaIntegrator | None:
+    def take(self, key: Hashable) -> Compiled | None:
         """One that integrates this, from now on the caller's; None where there is none."""
         with self._lock:
             kept = self._kept.get(key)
@@ -35,7 +40,7 @@ class Idle:
                 del self._kept[key]
             return found
 
-    def put(self, key: Hashable, integrator: HeyokaIntegrator) -> None:
+    def put(self, key: Hashable, integrator: Compiled) -> None:
         """Keep one for whoever asks next."""
         with self._lock:
             self._kept.setdefault(key, []).append(integrator)

@@ -6,14 +6,20 @@ watcher; none of the three reaches for one through another.  No heyoka is needed
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple, Protocol
 
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row, Rows
-from polhode.taylor.kinds import Expression, HeyokaEvent, HeyokaIntegrator, HeyokaNumber
+from polhode.taylor.kinds import (
+    CompiledFunction,
+    Expression,
+    HeyokaEvent,
+    HeyokaIntegrator,
+    HeyokaNumber,
+)
 from polhode.taylor.outcomes import Outcome, Projection
 
 
@@ -45,9 +51,9 @@ class Mark(NamedTuple):
 
 
 class Found(NamedTuple):
-    """How many marks a watcher had for each event at some moment, and where it stopped the run."""
+    """How much a watcher had noted of each event at some moment, and where it stopped the run."""
 
-    counts: tuple[int, ...]
+    counts: tuple[tuple[int, int], ...]
     stop: Fraction | None
 
 
@@ -98,6 +104,21 @@ class Integrating(Protocol):
         """Leave the compiled code to the next run of the same equations; the last call of all."""
 
 
+class Desk:
+    """What belongs to an integrator with events, whichever run takes it up: ``watch`` is that of
+    the run.
+
+    ``evaluate``: each expression and its rate, compiled, ``with_time`` where it depends on t;
+    ``motion``: the first and second derivatives of the variables.
+    """
+
+    def __init__(self) -> None:
+        self.watch: Watcher | None = None
+        self.evaluate: list[CompiledFunction] = []
+        self.with_time: list[bool] = []
+        self.motion: CompiledFunction = None
+
+
 class Watcher(Protocol):
     """What looks for events while a run is under way (polhode.taylor.events.Watch)."""
 
@@ -109,10 +130,20 @@ class Watcher(Protocol):
     def after_step(self) -> Callable[[HeyokaIntegrator], bool] | None:
         """heyoka's question after each step, go on? None where no event ends the run."""
 
+    @property
+    def rules(self) -> Hashable:
+        """What tells its events from others; an integrator may watch again for the same."""
+
     def attach(
         self, variables: Sequence[Expression], rates: Sequence[Expression]
-    ) -> list[HeyokaEvent]:
-        """heyoka's events for an integrator about to be built, in its variables."""
+    ) -> tuple[list[HeyokaEvent], Desk]:
+        """heyoka's events for an integrator about to be built, in its variables; and their desk."""
+
+    def sit_down(self, desk: Desk) -> None:
+        """Take over the desk of an integrator's events: what they meet is told to this watcher."""
+
+    def met(self, k: int, ta: HeyokaIntegrator, t: HeyokaNumber) -> None:
+        """heyoka met a zero of expression k or of its rate, at its time t in the last step."""
 
     def counts_from(self, offset: Fraction, heyoka: HeyokaIntegrator) -> None:
         """Take note of heyoka's integrator, and of the exact time at which its own begins."""

@@ -76,9 +76,9 @@ def differences(
 
     high = float(offset)
     low = float(offset - Fraction(high))
-    near, rest = _sum(times, -high)
+    near, rest = exact_sum(times, -high)
     small = rest - low
-    found, lost = _sum(near, small)
+    found, lost = exact_sum(near, small)
     gap = np.spacing(np.abs(found))
     unsure = np.abs(np.abs(lost) - gap / 2) <= gap * 2.0**-20 + abs(high) * 2.0**-100
     unsure |= np.frexp(found)[0] == 0.5  # the gap below is half as wide
@@ -86,7 +86,7 @@ def differences(
     return found, np.flatnonzero(unsure | (np.frexp(found)[0] == -0.5)).tolist()
 
 
-def _sum(a: Any, b: Any) -> tuple[Any, Any]:
+def exact_sum(a: Any, b: Any) -> tuple[Any, Any]:
     """a + b as a double and what its rounding leaves over."""
     found = a + b
     of_b = found - a
