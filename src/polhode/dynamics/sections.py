@@ -35,7 +35,7 @@ OWN = "scene"  # in place of starts
 GRID, CROSSINGS = (9, 8), 500
 MOST_CROSSINGS, MOST_STARTS = 1_000_000, 1_000_000
 LANES = 64  # orbits of a job: where one is over the next takes its lane
-CHUNK = 100.0  # radians of the fastest rate between two projections
+CHUNK = 160.0  # radians of the fastest rate between two projections
 WORTH_A_PROCESS = 200_000  # crossings, of two seconds
 PATIENCE = 1000.0  # units of time without a crossing until an orbit is given up
 
