@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING as _TYPE_CHECKING
 if _TYPE_CHECKING:
     from polhode.common.errors import BadInput
     from polhode.common.provenance import __version__
+    from polhode.dynamics.frequencies import Frequencies, frequencies
     from polhode.dynamics.levels import Levels, levels
     from polhode.dynamics.sections import Section, section
     from polhode.enclosures.certify import certify
@@ -51,6 +52,7 @@ _HOMES = {
     "Ensemble": "runs.sweep",
     "Event": "scenes.scene",
     "EventTimes": "taylor.outcomes",
+    "Frequencies": "dynamics.frequencies",
     "Judgement": "judging.judgement",
     "Levels": "dynamics.levels",
     "Lyapunov": "judging.lyapunov",
@@ -73,6 +75,7 @@ _HOMES = {
     "compare": "judging.judgement",
     "conditioning": "judging.conditioning",
     "field": "equations.plain",
+    "frequencies": "dynamics.frequencies",
     "integrate": "judging.assured",
     "integrate_many": "runs.sweep",
     "levels": "dynamics.levels",
