@@ -69,6 +69,7 @@ def test_which_lines_a_top_has():
     assert all(line.combination["precession"] == 1 for line in lines["axis"])
     assert {line.combination.get("nutation", 0) for line in lines["axis"]} == {-2, -1, 0, 1, 2, 3}
     free = polhode.frequencies("euler/attitude", of=["axis"], end=200).lines["axis"]
+    assert all(line.combination["precession"] == 1 for line in free)
     assert {line.combination.get("polhode", 0) % 2 for line in free} == {0}
 
 
