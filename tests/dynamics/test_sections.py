@@ -194,7 +194,7 @@ def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
     from polhode.dynamics import sections
     from polhode.taylor import crossings
 
-    asked = sections._asked(GENERIC, "momentum", "max", 3, Fraction(1, 2))
+    asked = sections.asked_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
     on = geometry.ground(GENERIC, asked.h, asked.f)
     states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states
     zero = sections.zero_of(GENERIC, on, "momentum")

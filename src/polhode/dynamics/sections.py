@@ -88,8 +88,8 @@ class Section:
         return not self.interrupted and bool((self.counts == self.times.shape[1]).all())
 
 
-class _Asked(NamedTuple):
-    """What a section is of, checked."""
+class Asked(NamedTuple):
+    """A scene's body, a level and a section of it, checked."""
 
     scene: Scene
     h: Exact
@@ -140,12 +140,12 @@ def section(
 
     scene = library.load(scene)
     plan = scene.section
-    asked = _asked(scene, by or plan.by, extremum or plan.extremum, h, f)
+    asked = asked_of(scene, by or plan.by, extremum or plan.extremum, h, f)
     count = whole(scene.name, "crossings", crossings or plan.crossings, 1, MOST_CROSSINGS)
     if starts is None and grid is None and plan.starts:
         starts = plan.starts
     on = geometry.ground(scene, asked.h, asked.f)
-    found = _starts(asked, on, starts, grid)
+    found = starts_of(asked, on, starts, grid)
     zero = zero_of(asked.scene, on, asked.by)
     direction = 0
     if asked.by in (MOMENTUM, HEIGHT):
@@ -177,7 +177,8 @@ def section(
     return _result(asked, on, found.states[rows], crossed, interrupted, kept)
 
 
-def _asked(scene: Scene, by: str, extremum: str, h: Any, f: Any) -> _Asked:
+def asked_of(scene: Scene, by: str, extremum: str, h: Any, f: Any) -> Asked:
+    """What is asked, checked; ``h`` and ``f`` None for the scene's own.  Raises BadInput."""
     if scene.gamma is None:
         raise BadInput(scene.name, "start.gamma", None, "given: a level is one of h and f")
     if extremum not in (MAXIMA, MINIMA):
@@ -194,7 +195,7 @@ def _asked(scene: Scene, by: str, extremum: str, h: Any, f: Any) -> _Asked:
         default if given is None else each(scene.name, key, (given,), exact_number, "a number")[0]
         for key, given, default in (("h", h, own.energy), ("f", f, own.area))
     ]
-    found = _Asked(scene, level[0], level[1], by, extremum)
+    found = Asked(scene, level[0], level[1], by, extremum)
     body = RationalBody.of(scene.body)
     near = fraction_near(found.f, permanent.BODY_BITS)[0]
     least = least_energy(body, permanent.arcs(body), near)
@@ -204,7 +205,7 @@ def _asked(scene: Scene, by: str, extremum: str, h: Any, f: Any) -> _Asked:
     return found
 
 
-def _starts(asked: _Asked, on: Any, starts: Any, grid: tuple[int, int] | None) -> Any:
+def starts_of(asked: Asked, on: Any, starts: Any, grid: tuple[int, int] | None) -> Any:
     """States of the starts; raises BadInput for one that is not on the section."""
     import numpy as np
 
@@ -236,7 +237,7 @@ def _starts(asked: _Asked, on: Any, starts: Any, grid: tuple[int, int] | None) -
     return geometry.Found(np.array(states), np.arange(len(states)))
 
 
-def _own(asked: _Asked, on: Any) -> Any:
+def _own(asked: Asked, on: Any) -> Any:
     """The scene's own start, on the section or not."""
     import numpy as np
 
@@ -249,7 +250,7 @@ def _own(asked: _Asked, on: Any) -> Any:
     return _moving(asked, on, "starts", OWN, np.array([to_double(x) for x in parts]))
 
 
-def _momentum_start(asked: _Asked, on: Any, key: str, row: Sequence[float]) -> Any:
+def _momentum_start(asked: Asked, on: Any, key: str, row: Sequence[float]) -> Any:
     import numpy as np
 
     from polhode.dynamics import section_states as geometry
@@ -285,7 +286,7 @@ def _where(on: Any, l: float, maxima: bool) -> str:
     return f"at this l they lie from L/G = {inside.min():.4g} to {inside.max():.4g}"
 
 
-def _height_start(asked: _Asked, on: Any, key: str, row: Sequence[float]) -> Any:
+def _height_start(asked: Asked, on: Any, key: str, row: Sequence[float]) -> Any:
     import numpy as np
 
     from polhode.dynamics import section_states as geometry
@@ -317,7 +318,7 @@ def _height_start(asked: _Asked, on: Any, key: str, row: Sequence[float]) -> Any
     return _moving(asked, on, key, shown_row, found.states[0])
 
 
-def _moving(asked: _Asked, on: Any, key: str, shown_row: str, state: Any) -> Any:
+def _moving(asked: Asked, on: Any, key: str, shown_row: str, state: Any) -> Any:
     """A start that is no permanent rotation."""
     import numpy as np
 
@@ -344,7 +345,7 @@ def zero_of(scene: Scene, on: Any, by: str) -> Any:
     return SectionZero(by, moments, arm, rows, 2.0**scene.time_unit)  # type: ignore[arg-type]
 
 
-def _refuse_constant(asked: _Asked, zero: Any, states: Any) -> None:
+def _refuse_constant(asked: Asked, zero: Any, states: Any) -> None:
     """Raise BadInput for an expression whose rate vanishes at every start."""
     import numpy as np
 
@@ -369,7 +370,7 @@ def _refuse_constant(asked: _Asked, zero: Any, states: Any) -> None:
         raise BadInput(asked.scene.name, "by", asked.by, expected)
 
 
-def _refuse_never_zero(asked: _Asked, on: Any, zero: Any) -> None:
+def _refuse_never_zero(asked: Asked, on: Any, zero: Any) -> None:
     import numpy as np
 
     from polhode.dynamics import section_states as geometry
@@ -385,7 +386,7 @@ def _refuse_never_zero(asked: _Asked, on: Any, zero: Any) -> None:
     raise BadInput(asked.scene.name, "by", asked.by, expected)
 
 
-def _jobs(asked: _Asked, on: Any, zero: Any, direction: int, count: int, states: Any) -> list[Any]:
+def _jobs(asked: Asked, on: Any, zero: Any, direction: int, count: int, states: Any) -> list[Any]:
     import numpy as np
 
     from polhode.equations.forms import principal
@@ -447,7 +448,7 @@ def _unpacked(held: dict[str, Any]) -> Any:
 
 
 def _result(
-    asked: _Asked, on: Any, states: Any, crossed: Any, interrupted: bool, kept: Kept | None
+    asked: Asked, on: Any, states: Any, crossed: Any, interrupted: bool, kept: Kept | None
 ) -> Section:
     import numpy as np
 
