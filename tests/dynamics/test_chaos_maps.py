@@ -116,6 +116,26 @@ def test_the_same_in_any_company_and_after_a_stop(tmp_path):
     assert (again.fli == plain.fli).all()
 
 
+def test_a_lane_does_not_depend_on_its_neighbours():
+    """Twenty motions of two bodies in turn, beside each alone, bit for bit."""
+    from polhode.dynamics import section_states as geometry
+    from polhode.equations.forms import principal
+    from polhode.taylor import tangents
+
+    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
+    starts = geometry.momentum_states(on, *geometry.cells(5, 5), True).states[:20]
+    one = {name: float(x) for name, x in principal.coefficients(GENERIC.body).items()}
+    values = np.array([[*one.values()], [1.1 * x for x in one.values()]] * 10)
+    first = np.random.default_rng(1).normal(size=starts.shape)
+    job = tangents.TangentJob(tuple(one), values, starts, first, 40.0, 16, 1e-8, (), 6.0)
+    whole = tangents.solve(job).sizes
+    for k in (0, 5, 11, 19):
+        at = slice(k, k + 1)
+        alone = job._replace(coefficients=values[at], starts=starts[at], tangents=first[at])
+        assert (tangents.solve(alone).sizes[0] == whole[k]).all()
+    assert np.abs(np.diff(whole[:, -1])).min() > 0
+
+
 def test_bodies_can_vary():
     """From a Lagrange top across asymmetric bodies: the integrable column alone has no chaos."""
     scene = polhode.load("general/asymmetric-chaotic")

@@ -106,9 +106,9 @@ def chaos_map(
     ``grid``: cells of the section's coordinates (50 x 50), of the level ``h``, ``f`` (the scene's)
     and the section ``by``, ``extremum`` of :func:`polhode.section`.  ``varied``: two numbers of the
     scene file instead, as in ``integrate_many``.  ``end``: the time T (1000 units of the inner
-    time, a power of two of the scene's, about a radian of its start's fastest rate).  ``tol``: of a step; None
-    for eps.  ``workers``: threads.  ``executor``: of concurrent.futures.  ``parts``: a folder for
-    finished jobs.  Raises BadInput.
+    time, a power of two of the scene's, about a radian of its start's fastest rate).  ``tol``: of a
+    step; None for eps.  ``workers``: threads.  ``executor``: of concurrent.futures.  ``parts``: a
+    folder for finished jobs.  Raises BadInput.
 
     >>> import polhode
     >>> found = polhode.chaos_map("general/asymmetric-chaotic", (4, 4), end=1000, h=3, f="1/2")

@@ -10,6 +10,8 @@ from polhode.dynamics.chaos_maps import VERDICTS, ChaosMap
 
 KINDS = ("fli", "megno", "exponent", "verdict")
 LABELS = {"fli": "FLI = max ln|u|", "megno": "MEGNO", "exponent": "exponent (1/unit of time)"}
+#: Above these all is chaotic: the colours are for what is below.
+TOPS = {"fli": 15.0, "megno": 4.0}
 SHADES = ("#cfe3f2", "#f5e6b3", "#b2182b")  # regular, undecided, chaotic
 
 
@@ -45,7 +47,7 @@ def draw(plt: Any, shown: Shown) -> Any:
         ]
         figure.legend(handles=patches, loc="outside right upper", frameon=False, fontsize=8)
     else:
-        top = float(np.quantile(values, 0.99))
+        top = min(float(np.quantile(values, 0.99)), TOPS.get(what, np.inf))
         mesh = axes.pcolormesh(x, y, grid, cmap="viridis", vmax=top, rasterized=True)
         bar = figure.colorbar(mesh, ax=axes, extend="max")
         bar.set_label(LABELS[what])
