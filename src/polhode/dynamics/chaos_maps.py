@@ -40,7 +40,8 @@ LOOK, LEAST_LOOKS = 8.0, 16  # units of time between two looks, at most; looks, 
 LANES = 256
 SEED = 18
 VERDICTS = ("regular", "undecided", "chaotic")
-MOST = 10_000_000
+MOST = 10_000_000  # units of time
+MOST_MOTIONS = 1_000_000
 
 
 @dataclass(frozen=True, repr=False)
@@ -245,9 +246,12 @@ def _varied(scene: Scene, varied: vary.Vary) -> dict[str, Any]:
     grid = vary.grid(varied, scene.name)
     if len(grid.keys) != 2:
         raise BadInput(scene.name, "vary", ", ".join(grid.keys), "two numbers of the scene")
+    if len(grid.rows) > MOST_MOTIONS:
+        expected = f"at most {MOST_MOTIONS}; a coarser grid"
+        raise BadInput(scene.name, "vary", f"{len(grid.rows)} motions", expected)
     if scene.gamma is None:
         raise BadInput(scene.name, "start.gamma", None, "given, for a map")
-    members = vary.members(scene, grid)
+    members = vary.Members(scene, grid)
     unit = 2.0**scene.time_unit
     rows = np.array([[to_double(x) for x in row] for row in grid.rows])
     axes = [np.unique(rows[:, k]) for k in (0, 1)]
