@@ -191,10 +191,10 @@ def test_crossings_are_extrema_of_the_kind_asked_for(by, extremum):
 
 def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
     """Chunks that end on the first crossing, to the last bit, and 1e-14 to either side of it."""
-    from polhode.dynamics import sections
+    from polhode.dynamics import section_starts, sections
     from polhode.taylor import crossings
 
-    asked = sections.asked_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
+    asked = section_starts.asked_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
     on = geometry.ground(GENERIC, asked.h, asked.f)
     states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states
     zero = sections.zero_of(GENERIC, on, "momentum")

@@ -25,7 +25,7 @@ from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
 from polhode.dynamics.jobs import Progress, carried_out
 from polhode.dynamics.kept import Kept
-from polhode.dynamics.sections import asked_of, starts_of
+from polhode.dynamics.section_starts import asked_of, starts_of
 from polhode.equations.section_zero import HEIGHT, MOMENTUM
 from polhode.judging.lyapunov import CHAOTIC
 from polhode.numbers.convert import exact_number, to_double
