@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING as _TYPE_CHECKING
 if _TYPE_CHECKING:
     from polhode.common.errors import BadInput
     from polhode.common.provenance import __version__
+    from polhode.dynamics.chaos_maps import ChaosMap, chaos_map
+    from polhode.dynamics.frequencies import Frequencies, frequencies
     from polhode.dynamics.levels import Levels, levels
     from polhode.dynamics.sections import Section, section
     from polhode.enclosures.certify import certify
@@ -44,6 +46,7 @@ if _TYPE_CHECKING:
 _HOMES = {
     "BadInput": "common.errors",
     "Body": "scenes.body",
+    "ChaosMap": "dynamics.chaos_maps",
     "CertifiedEvents": "enclosures.events",
     "Certified": "judging.certified",
     "Conditioning": "judging.conditioning",
@@ -51,6 +54,7 @@ _HOMES = {
     "Ensemble": "runs.sweep",
     "Event": "scenes.scene",
     "EventTimes": "taylor.outcomes",
+    "Frequencies": "dynamics.frequencies",
     "Judgement": "judging.judgement",
     "Levels": "dynamics.levels",
     "Lyapunov": "judging.lyapunov",
@@ -70,9 +74,11 @@ _HOMES = {
     "as_toml": "scenes.scene_text:toml",
     "certify": "enclosures.certify",
     "certify_events": "enclosures.events",
+    "chaos_map": "dynamics.chaos_maps",
     "compare": "judging.judgement",
     "conditioning": "judging.conditioning",
     "field": "equations.plain",
+    "frequencies": "dynamics.frequencies",
     "integrate": "judging.assured",
     "integrate_many": "runs.sweep",
     "levels": "dynamics.levels",

@@ -13,9 +13,9 @@ from flint import arb
 import polhode
 from polhode.cli import main
 from polhode.dynamics import permanent, reduced
-from polhode.dynamics.permanent import RationalBody
+from polhode.dynamics.arc_parts import RationalBody
 from polhode.numbers.balls import ctx
-from polhode.numbers.polynomials import middle
+from polhode.numbers.polynomials import middle, rational
 from polhode.scenes.body import Body
 
 BODIES = {
@@ -50,9 +50,7 @@ def test_energy_grows_by_omega_times_area(name):
             with ctx.workprec(320):
                 at = inside(arc, segment)
                 step = Fraction(1, 10**25)
-                low, here, high = (
-                    arc.at(arb(permanent.rational(x))) for x in (at - step, at, at + step)
-                )
+                low, here, high = (arc.at(arb(rational(x))) for x in (at - step, at, at + step))
                 slope = (high.h - low.h) / (high.f - low.f)
                 assert abs(float(slope / here.om - 1)) < 1e-44
 
@@ -64,7 +62,7 @@ def test_the_points_are_permanent_rotations_of_their_type(name):
     for arc in permanent.arcs(known):
         for segment in arc.segments:
             with ctx.workprec(320):
-                point = arc.at(arb(permanent.rational(inside(arc, segment))))
+                point = arc.at(arb(rational(inside(arc, segment))))
             gamma = np.array(arc.gamma(point))
             om = float(point.om)
             assert np.abs(field(known, om * gamma, gamma)).max() < 1e-14 * max(1, om * om)

@@ -178,6 +178,35 @@ def test_crossings_of_the_lagrange_top_are_evenly_spaced():
     assert 0 < spread(turn) < 1e-12
 
 
+@pytest.mark.parametrize("by", ["momentum", "height"])
+@pytest.mark.parametrize("extremum", ["max", "min"])
+def test_crossings_are_extrema_of_the_kind_asked_for(by, extremum):
+    found = polhode.section(GENERIC, by=by, extremum=extremum, grid=(4, 4), crossings=30, **LEVEL)
+    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
+    bend = geometry.momentum_slope if by == "momentum" else geometry.height_bend
+    slopes = bend(on, found.states.reshape(-1, 6))
+    assert (slopes < 0).all() if extremum == "max" else (slopes > 0).all()
+    assert found.times[:, 0].min() > 0.1  # a start is no crossing
+
+
+def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
+    """Chunks that end on the first crossing, to the last bit, and 1e-14 to either side of it."""
+    from polhode.dynamics import section_starts, sections
+    from polhode.taylor import crossings
+
+    asked = section_starts.asked_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
+    on = geometry.ground(GENERIC, asked.h, asked.f)
+    states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states
+    zero = sections.zero_of(GENERIC, on, "momentum")
+    (job,) = sections._jobs(asked, on, zero, -1, 4, states)
+    plain = crossings.solve(job)
+    for k in range(len(states)):
+        for moved in (-1e-14, -1e-15, 0, 1e-15, 1e-14):
+            chunk = float(plain.times[k, 0]) * (1 + moved)
+            other = crossings.solve(job._replace(chunk=chunk, starts=states[k : k + 1]))
+            assert np.abs(other.times[0] + other.rests[0] - plain.times[k]).max() < 1e-11
+
+
 def test_no_crossing_is_missed():
     """Against sign changes of D on dense output, on a chaotic orbit."""
     found = polhode.section(GENERIC, starts="scene", crossings=60)
@@ -194,14 +223,16 @@ def test_no_crossing_is_missed():
 # -- the same everywhere ---------------------------------------------------------------------------
 
 
-def test_a_lane_does_not_depend_on_its_neighbours():
+@pytest.mark.parametrize("case", ["general/asymmetric-chaotic", "kovalevskaya/generic"])
+def test_a_lane_does_not_depend_on_its_neighbours(case):
+    """The Kovalevskaya top's orbits have each their own K^2, also one that takes a lane over."""
     starts = [[k / 2, 0.1 * k - 0.55] for k in range(11)]
-    whole = polhode.section(GENERIC, starts=starts, crossings=40, **LEVEL)
+    whole = polhode.section(case, starts=starts, crossings=40, **LEVEL)
     for k in (0, 4, 10):
-        alone = polhode.section(GENERIC, starts=[starts[k]], crossings=40, **LEVEL)
+        alone = polhode.section(case, starts=[starts[k]], crossings=40, **LEVEL)
         assert (alone.states[0] == whole.states[k]).all()
         assert (alone.times[0] == whole.times[k]).all()
-    backward = polhode.section(GENERIC, starts=starts[::-1], crossings=40, **LEVEL)
+    backward = polhode.section(case, starts=starts[::-1], crossings=40, **LEVEL)
     assert (backward.states[::-1] == whole.states).all()
 
 

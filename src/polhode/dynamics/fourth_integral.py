@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 from flint import arb, fmpq_poly
 
-from polhode.dynamics.permanent import BITS, RationalBody
+from polhode.dynamics.arc_parts import BITS, RationalBody
 from polhode.equations.integrals import exact_values, first_integrals
 from polhode.numbers import exact
 from polhode.numbers.balls import ctx

@@ -13,9 +13,10 @@ from flint import arb
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
-from polhode.dynamics import permanent, reduced
+from polhode.dynamics import arc_parts, permanent, reduced
+from polhode.dynamics.arc_parts import FIRST, RationalBody, Segment
 from polhode.dynamics.fourth_integral import FourthIntegral, fourth_integral
-from polhode.dynamics.permanent import FIRST, Arc, RationalBody, Segment
+from polhode.dynamics.permanent import Arc
 from polhode.dynamics.reduced import Doubles, Region, Undecided
 from polhode.numbers.convert import exact_number
 from polhode.numbers.decimals import shown
@@ -113,7 +114,7 @@ class Levels:
     @property
     def cusps(self) -> tuple[Mark, ...]:
         """The cusps, where two permanent rotations meet."""
-        return tuple(mark for mark in self.marks if mark.kind == permanent.CUSP)
+        return tuple(mark for mark in self.marks if mark.kind == arc_parts.CUSP)
 
     def regions(self, f: Any) -> list[tuple[float, Region]]:
         """At one f: the energies of permanent rotations, ascending, and the region above each.
@@ -139,7 +140,7 @@ class Levels:
         arcs = permanent.arcs(body)
         found: list[list[tuple[float, Region]] | None] = []
         for f in at:
-            near = fraction_near(f, permanent.BODY_BITS)[0]
+            near = fraction_near(f, arc_parts.BODY_BITS)[0]
             try:
                 found.append(reduced.regions_between(body, arcs, near, known))
             except Undecided:
@@ -185,7 +186,7 @@ def levels(scene: Scene | str | Path) -> Levels:
 def _here(scene: Scene, body: RationalBody, found: tuple[Arc, ...]) -> tuple[Here, bool]:
     energy, area = scene.integrals.energy, scene.integrals.area
     assert area is not None
-    (h, h_exact), (f, f_exact) = (fraction_near(x, permanent.BODY_BITS) for x in (energy, area))
+    (h, h_exact), (f, f_exact) = (fraction_near(x, arc_parts.BODY_BITS) for x in (energy, area))
     region, remark = None, ""
     try:
         region = reduced.region(body, found, h, f)

@@ -19,102 +19,44 @@ isolated exactly.  om and -om mirror f; here om > 0, f > 0.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
-from flint import arb, fmpq, fmpq_poly
+from flint import arb, fmpq_poly
 
 from polhode.closed_forms.staude.stability import spectrum
+from polhode.dynamics.arc_parts import (
+    BITS,
+    BRANCH,
+    CUSP,
+    DEGENERATE,
+    FIRST,
+    HOPF,
+    SECOND,
+    Point,
+    RationalBody,
+    S,
+    Segment,
+    Special,
+    is_root,
+    morse_index,
+    product,
+    segments_of,
+    through,
+    type_of,
+    value_at,
+)
 from polhode.numbers.balls import ctx
 from polhode.numbers.polynomials import (
     Polynomial,
     Root,
-    fraction_near,
-    middle,
     rational,
     real_roots,
 )
-from polhode.numbers.scalars import Scalar
-from polhode.scenes.body import Body
-
-BITS = 320  # of balls around what is irrational
-BODY_BITS = 1024  # of the numbers of a body that are irrational themselves
-
-CENTRE, MIXED, SADDLE = "centre-centre", "centre-saddle", "saddle-saddle"
-FOCUS, DEGENERATE = "focus-focus", "degenerate"
-CUSP, HOPF, BRANCH = "cusp", "Hamiltonian-Hopf", "branch"
-FIRST, SECOND = "first", "second"
-
-_S: Polynomial = fmpq_poly([0, 1])
-
-
-class RationalBody(NamedTuple):
-    """Moments and T = Mg r0 in principal axes; ``exact``: whether they are the body's own."""
-
-    moments: tuple[Fraction, ...]
-    torque: tuple[Fraction, ...]
-    exact: bool
-
-    @classmethod
-    def of(cls, body: Body) -> RationalBody:
-        """A body's; irrational numbers to :data:`BODY_BITS` bits, zeros and equal ones kept."""
-        torque = body.axes.components(body.torque)
-        pairs = [fraction_near(x, BODY_BITS) for x in (*body.moments, *torque)]
-        numbers = [x for x, _ in pairs]
-        return cls(tuple(numbers[:3]), tuple(numbers[3:]), all(same for _, same in pairs))
-
-    @property
-    def axis(self) -> int | None:
-        """The axis of a body that is symmetric with its centre of mass; None without one."""
-        a, t = self.moments, self.torque
-        for k in (2, 0, 1):
-            i, j = (k + 1) % 3, (k + 2) % 3
-            if a[i] == a[j] and t[i] == t[j] == 0:
-                return k
-        return None
-
-
-class Point(NamedTuple):
-    """Where one arc passes: its parameter (s, or om on the second family), and f, h, om."""
-
-    parameter: arb
-    om: arb
-    f: arb
-    h: arb
-
-
-class Special(NamedTuple):
-    """A cusp (f' = 0), a Hamiltonian-Hopf point (b^2 = 4d), or where a second family leaves."""
-
-    kind: str
-    at: Point
-
-
-class Segment(NamedTuple):
-    """A piece of an arc of one type, between two values of its parameter, None for its open end.
-
-    ``morse``: how many directions on the sphere lower W_f; None where it is degenerate.
-    """
-
-    first: arb | None
-    last: arb | None
-    type: str
-    morse: int | None
-
-
-def type_of(b: fmpq, d: fmpq) -> str:
-    """The type of a rotation by the signs of b, d and b^2 - 4d."""
-    if d == 0:
-        return DEGENERATE
-    if d < 0:
-        return MIXED
-    if b * b < 4 * d:
-        return FOCUS
-    return CENTRE if b > 0 else SADDLE
 
 
 @dataclass(frozen=True)
@@ -139,12 +81,12 @@ class FirstArc:
         """By rising s."""
         with ctx.workprec(BITS):
             marks = [ball for _, ball in self._marks()]
-            return _segments(marks, self.low, self.high, self._type)
+            return segments_of(marks, self.low, self.high, self._type)
 
     def at(self, s: arb) -> Point:
         """Where the arc is at s, in balls of the precision in force."""
         p = _polynomials(self.body)
-        pole, q, n, t = (_value(x, s) for x in (p.pole, p.q, p.n, p.t))
+        pole, q, n, t = (value_at(x, s) for x in (p.pole, p.q, p.n, p.t))
         size = abs(pole)
         root = q.sqrt()
         om = (root / size).sqrt()
@@ -180,7 +122,7 @@ class FirstArc:
         for root in real_roots(p.d):
             if self.inside(root.ball):
                 leaving = [
-                    a for a, t in zip(*self.body[:2], strict=True) if t == 0 and _is(root, a)
+                    a for a, t in zip(*self.body[:2], strict=True) if t == 0 and is_root(root, a)
                 ]
                 found.append((BRANCH if leaving else CUSP, root.ball))
         for root in real_roots(gap):
@@ -193,7 +135,7 @@ class FirstArc:
         b, d = p.b(at), p.d(at)
         q = p.q(at)
         squares = [m(at) ** 2 / q for m in p.m]
-        return type_of(b, d), _morse(self.body, at, squares, d)
+        return type_of(b, d), morse_index(self.body, at, squares, d)
 
 
 @dataclass(frozen=True)
@@ -234,7 +176,7 @@ class SecondArc:
             if self.circle:
                 return (Segment(low, None, DEGENERATE, None),)
             marks = [ball for _, ball in self._marks()]
-            return _segments(marks, low, None, self._type)
+            return segments_of(marks, low, None, self._type)
 
     def at(self, om: arb) -> Point:
         """Where the arc is at om."""
@@ -294,7 +236,7 @@ class SecondArc:
             gamma[self.axis] = rational((1 - self.least * m * m) / below)
             torque = [rational(t * inverse) for t in self.body.torque]
             points.append((rational(inverse * inverse), spectrum(moments, torque, gamma, gamma)))
-        b, d = (_through([(y, found[k]) for y, found in points]) for k in (0, 1))
+        b, d = (through([(y, found[k]) for y, found in points]) for k in (0, 1))
         return b, d
 
     def _marks(self) -> list[tuple[str, arb]]:
@@ -320,7 +262,9 @@ class SecondArc:
         b, d = (x(y) for x in self._spectrum)
         squares = [rational(self._tilts.get(j, Fraction(0))) ** 2 * y for j in range(3)]
         squares[self.axis] = 1 - sum(squares[1:], squares[0])
-        return type_of(b, d), _morse(self.body, rational(self.body.moments[self.axis]), squares, d)
+        return type_of(b, d), morse_index(
+            self.body, rational(self.body.moments[self.axis]), squares, d
+        )
 
 
 Arc = FirstArc | SecondArc
@@ -366,98 +310,16 @@ class _Polynomials(NamedTuple):
 def _polynomials(body: RationalBody) -> _Polynomials:
     moments, torque = ([rational(x) for x in numbers] for numbers in body[:2])
     poles = {a for a, t in zip(*body[:2], strict=True) if t != 0}
-    factors = {a: rational(a) - _S for a in poles}
+    factors = {a: rational(a) - S for a in poles}
     pole = fmpq_poly([1])
     for factor in factors.values():
         pole = pole * factor
     m = tuple(
-        (pole // factors[a]) * t if t != 0 else 0 * _S
+        (pole // factors[a]) * t if t != 0 else 0 * S
         for a, t in zip(body.moments, torque, strict=True)
     )
     q, n, t = (
-        _product(m, by) for by in (m, [a * x for a, x in zip(moments, m, strict=True)], torque)
+        product(m, by) for by in (m, [a * x for a, x in zip(moments, m, strict=True)], torque)
     )
     b, d = spectrum(moments, [x * pole for x in torque], m, m)
     return _Polynomials(pole, m, q, n, t, b, d)
-
-
-def _product(a: Sequence[Scalar], b: Sequence[Scalar]) -> Polynomial:
-    found: Polynomial = 0 * _S
-    for x, y in zip(a, b, strict=True):
-        found = found + x * y
-    return found
-
-
-def _segments(
-    marks: Sequence[arb],
-    low: Fraction | arb | None,
-    high: Fraction | None,
-    found: Callable[[Fraction], tuple[str, int | None]],
-) -> tuple[Segment, ...]:
-    """The pieces between the ends and the marks; each has its type from a point inside it."""
-    ends = [_ball(low), *marks, _ball(high)]
-    return tuple(
-        Segment(first, last, *found(_between(first, last))) for first, last in pairwise(ends)
-    )
-
-
-def _between(first: arb | None, last: arb | None) -> Fraction:
-    """A number between two that lie apart, one of which may be infinite."""
-    low, high = (None if x is None else middle(x) for x in (first, last))
-    if low is None:
-        assert high is not None
-        return high - max(abs(high), Fraction(1))
-    if high is None:
-        return low + max(abs(low), Fraction(1))
-    return (low + high) / 2
-
-
-def _ball(x: Fraction | arb | None) -> arb | None:
-    return arb(rational(x)) if isinstance(x, Fraction) else x
-
-
-def _morse(body: RationalBody, s: fmpq, squares: Sequence[fmpq], d: fmpq) -> int | None:
-    """How many directions across gamma lower W_f, whose second variation there is
-
-        om^2 [s - I + 4 (I gamma)(I gamma)^T/(gamma.I gamma)];
-
-    its determinant has the sign of d.  ``squares``: of gamma's components.
-    """
-    if d == 0:
-        return None
-    if d < 0:
-        return 1
-    moments = [rational(a) for a in body.moments]
-    inertia = sum(
-        (a * x for a, x in zip(moments[1:], squares[1:], strict=True)), moments[0] * squares[0]
-    )
-    second = sum(
-        (a * a * x for a, x in zip(moments[1:], squares[1:], strict=True)),
-        moments[0] ** 2 * squares[0],
-    )
-    trace = 2 * s - sum(moments[1:], moments[0]) + 4 * second / inertia - 3 * inertia
-    return 0 if trace > 0 else 2
-
-
-def _is(root: Root, a: Fraction) -> bool:
-    """Whether an isolated root of a polynomial that vanishes at a is a."""
-    return bool(root.ball.contains(arb(rational(a))))
-
-
-def _value(polynomial: Polynomial, s: arb) -> arb:
-    found = arb(0)
-    for c in reversed(polynomial.coeffs()):
-        found = found * s + c
-    return found
-
-
-def _through(points: Sequence[tuple[fmpq, fmpq]]) -> Polynomial:
-    """The polynomial of least degree through some points (Lagrange)."""
-    found = 0 * _S
-    for k, (x, y) in enumerate(points):
-        term = fmpq_poly([y])
-        for j, (other, _) in enumerate(points):
-            if j != k:
-                term = term * (_S - other) / (x - other)
-        found = found + term
-    return found

@@ -24,7 +24,8 @@ import numpy as np
 import numpy.typing as npt
 from flint import arb, fmpq_poly
 
-from polhode.dynamics.permanent import BITS, Arc, RationalBody
+from polhode.dynamics.arc_parts import BITS, RationalBody
+from polhode.dynamics.permanent import Arc
 from polhode.numbers.balls import ctx
 from polhode.numbers.polynomials import middle, rational, real_roots
 

@@ -244,9 +244,13 @@ class _Lanes:
         target = np.where(self.busy, job.chunk, 0.0)
         ta.propagate_until(target.tolist())
         for _ in range(4):
+            # a step that ends on a crossing may lose it or find it twice: again, and further
             near = self.busy & self._beside(ta.state)
             if not near.any():
                 break
+            ta.state[:, near] = self.state[:, near]
+            ta.set_time(np.where(near, 0.0, target).tolist())
+            self.kept.rows[:] = [row for row in self.kept.rows if not near[row[0]]]
             target = target + near * (job.chunk / 16)
             ta.propagate_until(target.tolist())
         self._keep()

@@ -48,7 +48,8 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Follow the orbits, print or write their crossings."""
     from polhode.common.files import check_writable, is_stdout, write_whole
-    from polhode.dynamics.sections import OWN, read_starts, section
+    from polhode.dynamics.section_starts import OWN, read_starts
+    from polhode.dynamics.sections import section
     from polhode.figures import canvas
     from polhode.output import sections as output
 

@@ -1,0 +1,341 @@
+"""Chaos maps: which motions of a level, or of a family of scenes, are chaotic.
+
+One tangent u a motion, followed to the time T:
+
+    growth = ln|u(T)| - ln|u(T/2)|,      FLI = max ln|u|,
+    MEGNO = (1/T) int Y dt,              Y(t) = 2 ln|u(t)| - (2/t) int_0^t ln|u|
+
+(the mean exponential growth of nearby orbits of P. Cincotta and C. Simo, A&AS 147 (2000) 205).  A
+motion is *chaotic* where growth > 6, the same bound as in :mod:`polhode.judging.lyapunov`;
+*regular* (up to T) where growth < 2.5 and MEGNO < 2.2 and T is 1000 units or more; else
+*undecided*.  Orbits that stick to islands for longer than T are called regular.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from polhode.common.arguments import each, whole
+from polhode.common.errors import BadInput
+from polhode.common.provenance import provenance
+from polhode.dynamics.jobs import Progress, carried_out
+from polhode.dynamics.kept import Kept
+from polhode.dynamics.section_starts import asked_of, starts_of
+from polhode.equations.section_zero import HEIGHT, MOMENTUM
+from polhode.judging.lyapunov import CHAOTIC
+from polhode.numbers.convert import exact_number, to_double
+from polhode.numbers.exact import Exact
+from polhode.scenes import library, vary
+from polhode.scenes.scene import Scene
+
+GRID, END = (50, 50), 1000  # cells; units of the inner time
+TOLERANCE = 1e-8  # no verdict of 2000 was another at eps
+REGULAR_GROWTH, REGULAR_MEGNO, SHORTEST = 2.5, 2.2, 1000.0
+LOOK, LEAST_LOOKS = 8.0, 16  # units of time between two looks, at most; looks, a multiple of this
+LANES = 256
+SEED = 18
+VERDICTS = ("regular", "undecided", "chaotic")
+MOST = 10_000_000  # units of time
+MOST_MOTIONS = 1_000_000
+
+
+@dataclass(frozen=True, repr=False)
+class ChaosMap:
+    """Verdicts of many motions: arrays with a row a motion.
+
+    ``keys``: what the two coordinates are; ``at`` (n, 2): theirs.  ``shape``: cells of the grid,
+    ``cell`` (n,) the cell of each motion, in C order.  ``verdict``: indices into VERDICTS.
+    ``fli``, ``megno``, ``growth``, ``exponent`` (per unit of time) up to ``until``, which is less
+    than ``end`` where a motion was left as chaotic before.
+
+    >>> import polhode
+    >>> found = polhode.chaos_map("lagrange/nutation", grid=(3, 3), end=1000)
+    >>> int((found.verdict == 2).sum())  # no motion of a Lagrange top is chaotic
+    0
+    """
+
+    scene: Scene
+    keys: tuple[str, str]
+    shape: tuple[int, int]
+    at: Any
+    cell: Any
+    verdict: Any
+    fli: Any
+    megno: Any
+    growth: Any
+    exponent: Any
+    until: Any
+    end: float
+    h: Exact | None = None
+    f: Exact | None = None
+    interrupted: bool = False
+    kept: Kept | None = None
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{n} {name}" for name, n in self.counts.items())
+        return f"<ChaosMap of {self.scene.name}: {len(self.verdict)} motions, {told}>"
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many motions have each verdict."""
+        return {name: int((self.verdict == k).sum()) for k, name in enumerate(VERDICTS)}
+
+
+def chaos_map(
+    scene: Scene | str | Path,
+    grid: tuple[int, int] | None = None,
+    varied: vary.Vary | None = None,
+    end: Any = None,
+    by: str | None = None,
+    extremum: str | None = None,
+    h: Any = None,
+    f: Any = None,
+    tol: float | None = TOLERANCE,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    parts: Path | None = None,
+    progress: Progress | None = None,
+) -> ChaosMap:
+    """Judge the motions on a section's grid, or of scenes in which two numbers vary.
+
+    ``grid``: cells of the section's coordinates (50 x 50), of the level ``h``, ``f`` (the scene's)
+    and the section ``by``, ``extremum`` of :func:`polhode.section`.  ``varied``: two numbers of the
+    scene file instead, as in ``integrate_many``.  ``end``: the time T (1000 units of the inner
+    time, a power of two of the scene's, about a radian of its start's fastest rate).  ``tol``: of a
+    step; None for eps.  ``workers``: threads.  ``executor``: of concurrent.futures.  ``parts``: a
+    folder for finished jobs.  Raises BadInput.
+
+    >>> import polhode
+    >>> found = polhode.chaos_map("general/asymmetric-chaotic", (4, 4), end=1000, h=3, f="1/2")
+    >>> found.counts["chaotic"] > 6
+    True
+    """
+    import numpy as np
+
+    from polhode.taylor import tangents
+
+    scene = library.load(scene)
+    unit = 2.0**scene.time_unit
+    default = Fraction(END) * Fraction(2) ** scene.time_unit
+    given = default if end is None else end
+    (last,) = each(scene.name, "end", (given,), exact_number, "a time")
+    length = to_double(last) / unit
+    if not 0 < length < MOST:
+        raise BadInput(scene.name, "end", to_double(last), f"a time above 0, below {MOST * unit:g}")
+    if tol is not None and not 2.0**-52 <= tol <= 1e-3:
+        raise BadInput(scene.name, "tol", tol, "a tolerance from 2.2e-16 to 1e-3")
+    if varied is None:
+        where = _on_section(scene, grid, by, extremum, h, f)
+    else:
+        if grid is not None or h is not None or f is not None:
+            raise BadInput(scene.name, "vary", None, "no grid and no level beside it")
+        where = _varied(scene, varied)
+    looks = LEAST_LOOKS * max(1, int(np.ceil(length / LOOK / LEAST_LOOKS)))
+    starts, moments, torques, names, coefficients = where["motion"]
+    first = tangents_of(starts, moments, torques)
+    early = (looks // 8, looks // 4, looks // 2)
+    jobs = [
+        tangents.TangentJob(
+            names,
+            coefficients[k : k + LANES],
+            starts[k : k + LANES],
+            first[k : k + LANES],
+            length,
+            looks,
+            tol,
+            early,
+            CHAOTIC,
+        )
+        for k in range(0, len(starts), LANES)
+    ]
+    key = repr((scene.text, length, looks, tol, starts.tobytes(), coefficients.tobytes()))
+    kept = None if parts is None else Kept(parts, "map", key)
+    sizes = [len(job.starts) for job in jobs]
+    results, interrupted = carried_out(
+        tangents.solve,
+        jobs,
+        sizes,
+        workers,
+        executor,
+        kept,
+        lambda found: found._asdict(),
+        lambda held: tangents.Followed(**held),
+        progress,
+    )
+    rows = np.concatenate(
+        [np.full(n, found is not None) for n, found in zip(sizes, results, strict=True)]
+    )
+    if not rows.any():
+        raise KeyboardInterrupt
+    done = [found for found in results if found is not None]
+    judged = _judged(
+        np.concatenate([found.sizes for found in done]),
+        np.concatenate([found.last for found in done]),
+        length,
+    )
+    judged["exponent"] = judged["exponent"] / unit
+    judged["until"] = judged["until"] * unit
+    return ChaosMap(
+        scene,
+        where["keys"],
+        where["shape"],
+        where["at"][rows],
+        where["cell"][rows],
+        **judged,
+        end=to_double(last),
+        h=where["h"],
+        f=where["f"],
+        interrupted=interrupted,
+        kept=kept,
+        provenance=provenance(scene.text),
+    )
+
+
+def _on_section(
+    scene: Scene, grid: Any, by: str | None, extremum: str | None, h: Any, f: Any
+) -> dict[str, Any]:
+    """The motions that start in the cells of a section's grid."""
+    import numpy as np
+
+    from polhode.dynamics import section_states as geometry
+    from polhode.equations.forms import principal
+
+    plan = scene.section
+    asked = asked_of(scene, by or plan.by, extremum or plan.extremum, h, f)
+    if asked.by not in (MOMENTUM, HEIGHT):
+        raise BadInput(scene.name, "by", asked.by, "momentum or height, for a map")
+    on = geometry.ground(scene, asked.h, asked.f)
+    shape = tuple(whole(scene.name, "grid", n, 1, 10_000) for n in grid or GRID)
+    found = starts_of(asked, on, None, (shape[0], shape[1]))
+    of = found.of // 2 if asked.by == HEIGHT else found.of
+    angle, cosine = geometry.cells(shape[0], shape[1])
+    k = {n: to_double(x) for n, x in principal.coefficients(scene.body, scene.time_unit).items()}
+    many = (len(found.states), 1)
+    motion = (
+        found.states,
+        np.tile(on.moments, many),
+        np.tile(on.torque, many),
+        tuple(k),
+        np.tile(np.array([*k.values()]), many),
+    )
+    keys = ("azimuth", "u") if asked.by == HEIGHT else ("l", "L/G")
+    at = np.stack([angle[of], cosine[of]], axis=1)
+    return {
+        "keys": keys,
+        "shape": shape,
+        "at": at,
+        "cell": of,
+        "motion": motion,
+        "h": asked.h,
+        "f": asked.f,
+    }
+
+
+def _varied(scene: Scene, varied: vary.Vary) -> dict[str, Any]:
+    """The motions of a scene in which two numbers vary."""
+    import numpy as np
+
+    from polhode.equations.forms import principal
+
+    grid = vary.grid(varied, scene.name)
+    if len(grid.keys) != 2:
+        raise BadInput(scene.name, "vary", ", ".join(grid.keys), "two numbers of the scene")
+    if len(grid.rows) > MOST_MOTIONS:
+        expected = f"at most {MOST_MOTIONS}; a coarser grid"
+        raise BadInput(scene.name, "vary", f"{len(grid.rows)} motions", expected)
+    if scene.gamma is None:
+        raise BadInput(scene.name, "start.gamma", None, "given, for a map")
+    members = vary.Members(scene, grid)
+    unit = 2.0**scene.time_unit
+    rows = np.array([[to_double(x) for x in row] for row in grid.rows])
+    axes = [np.unique(rows[:, k]) for k in (0, 1)]
+    first, second = (np.searchsorted(axis, rows[:, k]) for k, axis in enumerate(axes))
+    cell = first * len(axes[1]) + second
+    starts, moments, torques, every = [], [], [], []
+    for member in members:
+        turned = member.body.axes.components
+        assert member.gamma is not None
+        starts.append([unit * to_double(x) for x in turned(member.omega)])
+        starts[-1] += [to_double(x) for x in turned(member.gamma)]
+        moments.append([to_double(a) for a in member.body.moments])
+        torques.append([unit**2 * to_double(x) for x in turned(member.body.torque)])
+        every.append(principal.coefficients(member.body, scene.time_unit))
+    names = tuple(name for name in principal.NAMES if any(name in k for k in every))
+    values = np.array([[to_double(k.get(name, 0)) for name in names] for k in every])
+    motion = np.array(starts), np.array(moments), np.array(torques), names, values
+    keys = (grid.keys[0], grid.keys[1])
+    return {
+        "keys": keys,
+        "shape": (len(axes[0]), len(axes[1])),
+        "at": rows,
+        "cell": cell,
+        "motion": motion,
+        "h": None,
+        "f": None,
+    }
+
+
+def tangents_of(starts: Any, moments: Any, torques: Any) -> Any:
+    """Unit tangents across the flow and the gradients of h, f and |gamma|^2, else at random."""
+    import numpy as np
+
+    found = np.random.default_rng(SEED).normal(size=starts.shape)
+    w, g = starts[:, :3], starts[:, 3:]
+    G = w * moments
+    zero = np.zeros_like(g)
+    flow = np.concatenate(
+        [(np.cross(g, torques) - np.cross(w, G)) / moments, np.cross(g, w)], axis=1
+    )
+    across = [
+        np.concatenate([G, torques], axis=1),
+        np.concatenate([g * moments, G], axis=1),
+        np.concatenate([zero, g], axis=1),
+        flow,
+    ]
+    basis: list[Any] = []
+    for vector in across:  # Gram and Schmidt, twice
+        for _ in range(2):
+            for other in basis:
+                vector = vector - (vector * other).sum(axis=1)[:, None] * other
+        size = np.sqrt((vector * vector).sum(axis=1))[:, None]
+        basis.append(np.where(size > 1e-12, vector / np.maximum(size, 1e-300), 0.0))
+    for _ in range(2):
+        for other in basis:
+            found = found - (found * other).sum(axis=1)[:, None] * other
+    return found / np.sqrt((found * found).sum(axis=1))[:, None]
+
+
+def _judged(sizes: Any, last: Any, length: float) -> dict[str, Any]:
+    """Growth, FLI, MEGNO, exponent and verdict of ln|u| at evenly spaced looks."""
+    import numpy as np
+
+    n, looks = sizes.shape[0], sizes.shape[1] - 1
+    step = length / looks
+    rows = np.arange(n)
+    growth = sizes[rows, last] - sizes[rows, last // 2]
+    until = last * step
+    time = step * np.arange(looks + 1)
+    area = np.zeros_like(sizes)
+    area[:, 1:] = np.cumsum((sizes[:, 1:] + sizes[:, :-1]) / 2, axis=1) * step
+    y = 2 * sizes
+    y[:, 1:] -= 2 * area[:, 1:] / time[1:]
+    mean = np.zeros_like(sizes)
+    mean[:, 1:] = np.cumsum((y[:, 1:] + y[:, :-1]) / 2, axis=1) * step / time[1:]
+    megno = mean[rows, last]
+    calm = (growth < REGULAR_GROWTH) & (megno < REGULAR_MEGNO) & (until >= SHORTEST * (1 - 1e-9))
+    verdict = np.where(growth > CHAOTIC, 2, np.where(calm, 0, 1))
+    half = np.maximum(last - last // 2, 1) * step
+    return {
+        "verdict": verdict,
+        "fli": np.nanmax(sizes, axis=1),
+        "megno": megno,
+        "growth": growth,
+        "exponent": growth / half,
+        "until": until,
+    }

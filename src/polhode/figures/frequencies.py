@@ -1,0 +1,44 @@
+"""Figure of frequencies: the amplitude spectrum of each signal, its lines marked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from polhode.dynamics.frequencies import Frequencies
+from polhode.dynamics.laskar import POWER
+from polhode.figures.canvas import BODY, SPACE
+
+
+def draw(plt: Any, found: Frequencies) -> Any:
+    """|F| over frequency by a window of (1 + cos)^5, and a circle on each line."""
+    count = len(found.lines)
+    size = (6.4, 0.6 + 1.9 * count)
+    figure, panels = plt.subplots(
+        count, 1, figsize=size, squeeze=False, sharex=True, layout="constrained"
+    )
+    fastest = max(abs(line.frequency) for lines in found.lines.values() for line in lines)
+    span = 1.6 * fastest or 1.0
+    for axes, (name, lines) in zip(panels[:, 0], found.lines.items(), strict=True):
+        frequency, power = spectrum(found.signals[name], found.step)
+        shown = np.abs(frequency) <= span
+        axes.semilogy(frequency[shown], power[shown], color=BODY, lw=0.6, gid=f"spectrum {name}")
+        for line in lines:
+            axes.plot(line.frequency, abs(line.amplitude), "o", color=SPACE, ms=3.5, mfc="none")
+        top = max(abs(line.amplitude) for line in lines) if lines else 1.0
+        axes.set(ylim=(top * 1e-14, top * 5), ylabel=f"|F| of {name}")
+    real = not any(np.any(np.imag(signal)) for signal in found.signals.values())
+    axes.set(xlim=(0 if real else -span, span), xlabel="frequency (rad / unit of time)")
+    return figure
+
+
+def spectrum(samples: Any, step: float) -> tuple[Any, Any]:
+    """Frequencies and moduli of the windowed transform, ascending."""
+    n = len(samples)
+    window = (1 + np.cos(np.pi * np.linspace(-1, 1, n))) ** POWER
+    centred = samples - (samples @ window) / window.sum() if not np.any(samples.imag) else samples
+    padded = 4 * 2 ** int(np.ceil(np.log2(n)))
+    power = np.abs(np.fft.fft(centred * window / window.sum(), padded))
+    frequency = 2 * np.pi * np.fft.fftfreq(padded, step)
+    return np.fft.fftshift(frequency), np.maximum(np.fft.fftshift(power), 1e-300)

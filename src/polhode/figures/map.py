@@ -1,0 +1,71 @@
+"""Figure of a chaos map: a cell a motion."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polhode.dynamics.chaos_maps import VERDICTS, ChaosMap
+
+KINDS = ("fli", "megno", "exponent", "verdict")
+LABELS = {"fli": "FLI = max ln|u|", "megno": "MEGNO", "exponent": "exponent (1/unit of time)"}
+#: Above these all is chaotic: the colours are for what is below.
+TOPS = {"fli": 15.0, "megno": 4.0}
+SHADES = ("#cfe3f2", "#f5e6b3", "#b2182b")  # regular, undecided, chaotic
+
+
+class Shown(NamedTuple):
+    """A map and which of its numbers is drawn."""
+
+    map: ChaosMap
+    what: str
+
+
+def draw(plt: Any, shown: Shown) -> Any:
+    """The cells in colour; white where no motion is on the level."""
+    found, what = shown
+    figure, axes = plt.subplots(figsize=(6.0, 4.4), layout="constrained")
+    cells = np.full(found.shape[0] * found.shape[1], np.nan)
+    values = np.asarray(getattr(found, what), dtype=float)
+    early = found.until < found.end * (1 - 1e-9)
+    if what in ("fli", "megno") and early.any() and not early.all():  # chaotic: off the scale
+        values = np.where(early, max(values.max(), values[~early].max()), values)
+    for value, cell in zip(values, found.cell, strict=True):
+        cells[cell] = value if np.isnan(cells[cell]) else max(cells[cell], value)
+    x, y = (_edges(found, k) for k in (0, 1))
+    grid = cells.reshape(found.shape).T
+    if what == "verdict":
+        from matplotlib.colors import ListedColormap
+        from matplotlib.patches import Patch
+
+        options = {"cmap": ListedColormap(SHADES), "vmin": -0.5, "vmax": 2.5}
+        axes.pcolormesh(x, y, grid, rasterized=True, **options)
+        patches = [
+            Patch(color=shade, label=f"{name}: {found.counts[name]}")
+            for name, shade in zip(VERDICTS, SHADES, strict=True)
+        ]
+        figure.legend(handles=patches, loc="outside right upper", frameon=False, fontsize=8)
+    else:
+        top = min(float(np.quantile(values, 0.99)), TOPS.get(what, np.inf))
+        mesh = axes.pcolormesh(x, y, grid, cmap="viridis", vmax=top, rasterized=True)
+        bar = figure.colorbar(mesh, ax=axes, extend="max")
+        bar.set_label(LABELS[what])
+        bar.outline.set_linewidth(0.6)
+    axes.set(xlabel=found.keys[0], ylabel=found.keys[1])
+    told = ", ".join(f"{n} {name}" for name, n in found.counts.items())
+    axes.set_title(f"up to t = {found.end:g}: {told}", size=9)
+    return figure
+
+
+def _edges(found: ChaosMap, k: int) -> Any:
+    """The edges of the cells along one coordinate."""
+    n = found.shape[k]
+    if found.h is not None:
+        low, high = ((0.0, 2 * np.pi), (-1.0, 1.0))[k]
+        return np.linspace(low, high, n + 1)
+    middle = np.unique(found.at[:, k])
+    if len(middle) == 1:
+        return np.array([middle[0] - 0.5, middle[0] + 0.5])
+    inner = (middle[1:] + middle[:-1]) / 2
+    return np.concatenate([[2 * middle[0] - inner[0]], inner, [2 * middle[-1] - inner[-1]]])

@@ -1,0 +1,40 @@
+"""A chaos map as a JSON object and as arrays; names and shapes are a contract."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from polhode.dynamics.chaos_maps import VERDICTS, ChaosMap
+from polhode.numbers.decimals import shown
+
+_ROWS = ("at", "cell", "verdict", "fli", "megno", "growth", "exponent", "until")
+
+
+def of_map(found: ChaosMap) -> dict[str, Any]:
+    """The object that ``map --json`` prints: lists with an entry a motion."""
+    rows = {name: getattr(found, name).tolist() for name in _ROWS}
+    rows["verdict"] = [VERDICTS[k] for k in rows["verdict"]]
+    return {**_about(found), **rows, "provenance": dict(found.provenance)}
+
+
+def arrays(found: ChaosMap) -> dict[str, Any]:
+    """The arrays of an NPZ file; ``verdict`` 0 regular, 1 undecided, 2 chaotic."""
+    import numpy as np
+
+    from polhode.output import results
+
+    about = results.as_json(_about(found) | {"provenance": dict(found.provenance)})
+    return {name: getattr(found, name) for name in _ROWS} | {"about": np.array(about)}
+
+
+def _about(found: ChaosMap) -> dict[str, Any]:
+    return {
+        "scene": found.scene.name,
+        "h": None if found.h is None else shown(found.h),
+        "f": None if found.f is None else shown(found.f),
+        "end": found.end,
+        "keys": list(found.keys),
+        "shape": list(found.shape),
+        "counts": found.counts,
+        "interrupted": found.interrupted,
+    }

@@ -1,0 +1,182 @@
+"""Chaos maps: verdicts on integrable tops, against lyapunov, and the same everywhere."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.cli import main
+from polhode.dynamics import chaos_maps
+
+GENERIC = polhode.load("general/asymmetric-chaotic")
+LEVEL = {"h": 3, "f": Fraction(1, 2)}
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        *("euler/attitude", "lagrange/nutation", "kovalevskaya/generic"),
+        "goryachev-chaplygin/two-frequencies",
+    ],
+)
+def test_no_motion_of_an_integrable_top_is_chaotic(case):
+    level = {"h": 3, "f": 0 if case.startswith("g") else Fraction(6, 5)}
+    found = polhode.chaos_map(case, (8, 8), **level)
+    assert found.counts["chaotic"] == 0
+    assert found.counts["regular"] > 0.9 * len(found.verdict)
+    assert 0.5 < found.growth.max() < 4.5  # a tangent grows like a power of time
+
+
+def test_verdicts_agree_with_lyapunov_at_the_same_starts():
+    """Of the start in each of eight cells, written as a scene; none may be opposite."""
+    from polhode.dynamics import section_states as geometry
+
+    found = polhode.chaos_map(GENERIC, (4, 2), end=2000, **LEVEL)
+    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
+    states = geometry.momentum_states(on, *geometry.cells(4, 2), True).states
+    assert len(states) == len(found.verdict)
+    seen = set()
+    for verdict, state in zip(found.verdict, states, strict=True):
+        gamma = [Fraction(x) for x in state[3:]]
+        scene = replace(GENERIC, omega=tuple(state[:3]), gamma=tuple(gamma), normalise=True)
+        other = polhode.lyapunov(scene, 2000).verdict
+        seen.add((chaos_maps.VERDICTS[verdict], other))
+    assert ("chaotic", "chaotic") in seen
+    assert ("regular", "regular") in seen
+    assert not {("chaotic", "regular"), ("regular", "chaotic")} & seen
+
+
+def test_megno_of_made_up_growth():
+    """ln|u| = c t has MEGNO c T/2 + ...: Y = c t exactly, its mean c T/2; ln(1 + t) tends to 2."""
+    looks, length = 4096, 1e4
+    t = np.linspace(0, length, looks + 1)
+    sizes = np.array([0.01 * t, np.log1p(t)])
+    judged = chaos_maps._judged(sizes, np.array([looks, looks]), length)
+    assert judged["megno"][0] == pytest.approx(0.01 * length / 2, rel=1e-12)
+    assert 1.9 < judged["megno"][1] < 2.0
+    assert judged["growth"][0] == pytest.approx(50, rel=1e-12)
+    assert judged["growth"][1] == pytest.approx(np.log(2), rel=1e-3)
+    assert judged["exponent"][0] == pytest.approx(0.01, rel=1e-12)
+    assert judged["verdict"].tolist() == [2, 0]
+
+
+def test_tangents_begin_across_what_never_grows_apart():
+    from polhode.dynamics import section_states as geometry
+
+    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
+    states = geometry.momentum_states(on, *geometry.cells(5, 5), True).states
+    many = (len(states), 1)
+    u = chaos_maps.tangents_of(states, np.tile(on.moments, many), np.tile(on.torque, many))
+    step = 1e-6
+    ahead, behind = states + step * u, states - step * u
+
+    def integrals(x):
+        w, g = x[:, :3], x[:, 3:]
+        G = w * on.moments
+        return np.array([(w * G).sum(1) / 2 + g @ on.torque, (g * G).sum(1), (g * g).sum(1)])
+
+    assert np.abs(integrals(ahead) - integrals(behind)).max() / (2 * step) < 1e-8
+    assert np.abs((u * u).sum(axis=1) - 1).max() < 1e-14
+
+
+def test_below_a_thousand_units_nothing_is_called_regular():
+    found = polhode.chaos_map(GENERIC, (6, 6), end=500, **LEVEL)
+    assert found.counts["regular"] == 0
+    assert found.counts["chaotic"] > 5
+
+
+def test_a_chaotic_motion_is_left_early():
+    found = polhode.chaos_map(GENERIC, (6, 6), end=2000, **LEVEL)
+    early = found.until < 2000
+    assert early.sum() > 5
+    assert (found.verdict[early] == 2).all()
+    assert set(found.until) <= {250.0, 500.0, 1000.0, 2000.0}
+
+
+def test_the_same_in_any_company_and_after_a_stop(tmp_path):
+    asked = {"end": 200, "varied": {"start.omega[3]": "0.5:3:40", "start.omega[1]": "0.1:1:8"}}
+    plain = polhode.chaos_map(GENERIC, **asked)
+    assert plain.shape == (40, 8)
+    alone = polhode.chaos_map(
+        GENERIC, end=200, varied={"start.omega[3]": [3], "start.omega[1]": [1]}
+    )
+    assert alone.verdict.shape == (1,)
+    folder = tmp_path / "m.part"
+    polhode.chaos_map(GENERIC, parts=folder, **asked)
+    jobs = sorted(folder.glob("job-*.npz"))
+    assert len(jobs) == 2
+    jobs[1].unlink()
+    again = polhode.chaos_map(GENERIC, parts=folder, workers=1, **asked)
+    assert (again.growth == plain.growth).all()
+    assert (again.fli == plain.fli).all()
+
+
+def test_a_lane_does_not_depend_on_its_neighbours():
+    """Twenty motions of two bodies in turn, beside each alone, bit for bit."""
+    from polhode.dynamics import section_states as geometry
+    from polhode.equations.forms import principal
+    from polhode.taylor import tangents
+
+    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
+    starts = geometry.momentum_states(on, *geometry.cells(5, 5), True).states[:20]
+    one = {name: float(x) for name, x in principal.coefficients(GENERIC.body).items()}
+    values = np.array([[*one.values()], [1.1 * x for x in one.values()]] * 10)
+    first = np.random.default_rng(1).normal(size=starts.shape)
+    job = tangents.TangentJob(tuple(one), values, starts, first, 40.0, 16, 1e-8, (), 6.0)
+    whole = tangents.solve(job).sizes
+    for k in (0, 5, 11, 19):
+        at = slice(k, k + 1)
+        alone = job._replace(coefficients=values[at], starts=starts[at], tangents=first[at])
+        assert (tangents.solve(alone).sizes[0] == whole[k]).all()
+    assert np.abs(np.diff(whole[:, -1])).min() > 0
+
+
+def test_bodies_can_vary():
+    """From a Lagrange top across asymmetric bodies: the integrable column alone has no chaos."""
+    scene = polhode.load("general/asymmetric-chaotic")
+    varied = {"body.moments[1]": ["1.5", "2"], "start.omega[3]": "1:1.3:6"}
+    found = polhode.chaos_map(scene, varied=varied, end=1000)
+    assert found.keys == ("body.moments[1]", "start.omega[3]")
+    assert found.at[0].tolist() == [1.5, 1.0]
+    assert len(found.verdict) == 12
+
+
+def test_map_verb(tmp_path, capsys):
+    held, figure = tmp_path / "m.npz", tmp_path / "m.svg"
+    command = ["map", "lagrange/nutation", "--grid", "4x3", "--end", "1000"]
+    assert main([*command, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["counts"]["chaotic"] == 0
+    assert len(found["megno"]) == len(found["cell"])
+    assert main([*command, "-o", str(held)]) == 0
+    with np.load(held) as arrays:
+        assert arrays["fli"].tolist() == found["fli"]
+    pytest.importorskip("matplotlib")
+    for what in ("fli", "verdict"):
+        assert main([*command, "--what", what, "-o", str(figure)]) == 0
+        assert "0 chaotic" in figure.read_text()
+    assert not list(tmp_path.glob("*.part"))
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ({"end": 0}, "a time above 0"),
+        ({"h": -1}, "the least energy at f"),
+        ({"by": "p"}, "momentum or height, for a map"),
+        ({"tol": 1e-20}, "a tolerance from"),
+        ({"varied": {"start.omega[1]": [1]}}, "two numbers of the scene"),
+        (
+            {"varied": {"start.omega[1]": [1], "start.omega[2]": [1]}, "h": 3},
+            "no grid and no level",
+        ),
+    ],
+)
+def test_what_is_no_map_is_refused(asked, message):
+    with pytest.raises(polhode.BadInput, match=message):
+        polhode.chaos_map(GENERIC, **asked)
