@@ -417,6 +417,7 @@ def test_the_full_study_asks_for_every_peer_and_type():
 def test_a_peers_process_imports_nothing_else_of_polhode():
     code = (
         "import sys, polhode.peers.bare_heyoka, polhode.peers.cyrk, polhode.peers.scipy_python; "
+        "import polhode.peers.splitting; "
         "print(*(m for m in sys.modules if m.partition('.')[0] in ('polhode', 'numpy', 'heyoka')))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -142,7 +142,8 @@ def _table(table: PageTable, names: set[str], folded: bool) -> Iterator[str]:
     sides = table.align or "l" * len(table.header)
     if folded:
         columns = escape(", ".join(table.header[:3]))
-        yield f'<details class="rows"><summary>{len(table.rows)} rows: {columns}, …</summary>'
+        count = "1 row" if len(table.rows) == 1 else f"{len(table.rows)} rows"
+        yield f'<details class="rows"><summary>{count}: {columns}, …</summary>'
     yield '<div class="wide" tabindex="0"><table>'
     yield f"<thead>{_row('th', table.header, sides, names)}</thead>"
     yield "<tbody>"
@@ -196,8 +197,8 @@ body { max-width: 80rem; margin: 0 auto; padding: 1rem; background: #fff; }
 h1 { font-size: 1.6rem; line-height: 1.2; }
 h2 { font-size: 1.3rem; line-height: 1.25; margin-top: 3rem; border-top: 2px solid #0072b2;
      padding-top: .6rem; }
-h3 { font-size: 1.05rem; margin: 2rem 0 .5rem; }
-p, li { max-width: 46rem; overflow-wrap: anywhere; }
+h3 { font-size: 1.05rem; margin: 1.2rem 0 .3rem; }
+p, li, figcaption { max-width: 46rem; overflow-wrap: anywhere; }
 a { color: #005a9c; }
 code { font: .9em ui-monospace, "DejaVu Sans Mono", monospace; background: #f2f2f2;
        padding: 0 .2em; }
@@ -209,7 +210,7 @@ nav ul { padding-left: 1rem; font-size: .85rem; list-style: none; columns: 18rem
 .wide { background: linear-gradient(90deg, #fff 30%, #fff0) left / 3rem 100% local no-repeat,
                     linear-gradient(270deg, #fff 30%, #fff0) right / 3rem 100% local no-repeat,
                     linear-gradient(270deg, #0003, #0000) right / .8rem 100% scroll no-repeat; }
-details.rows > summary { cursor: pointer; color: #005a9c; font-size: .85rem; margin: .5rem 0; }
+details.rows > summary { cursor: pointer; color: #005a9c; font-size: .85rem; margin: .3rem 0; }
 table { border-collapse: collapse; font-size: .75rem; font-variant-numeric: tabular-nums;
         margin: .5rem 0; }
 th, td { padding: .2rem .45rem; border-bottom: 1px solid #ddd; text-align: left;
