@@ -31,7 +31,7 @@ from polhode.judging.digits import errors as state_errors
 from polhode.judging.digits import rate_scale
 from polhode.numbers import number_types
 from polhode.numbers.convert import exactly
-from polhode.runs import sweep as ensemble
+from polhode.runs import sweep_plan
 from polhode.runs import workers as crew
 from polhode.runs.run import Run
 from polhode.runs.setup import asked, setup
@@ -296,14 +296,10 @@ def sweeps() -> None:
     rows = []
     for end in (100, 1000, 10_000):
         scene = heavy(end)
-        plan = ensemble._plan(scene, given, None, None, None, None)
+        plan = sweep_plan.planned(scene, given, None, None, None, None)
         lanes_ = [
-            (
-                np.array([float(x) for x in lane.coefficients]),
-                np.array([float(x) for x in lane.start]),
-                np.array([0.0, end / 2.0**lane.time_unit]),
-            )
-            for lane in plan.lanes
+            (pars, start, np.array([0.0, end / 2.0 ** int(n)]))
+            for pars, start, n in zip(*plan.lanes, plan.time_units, strict=True)
         ]
         variables = hy.make_vars(*scene.columns)
         k = {name: hy.par[i] for i, name in enumerate(plan.names)}
@@ -353,18 +349,16 @@ def sweeps() -> None:
 
 
 def _solved(plan: Any) -> None:
-    size = batches.width(plan.number)
-    order = sorted(plan.lanes, key=lambda lane: -lane.rate)
-    for k in range(0, len(order), size):
+    for group in plan.groups(batches.width(plan.number), 16):
         batches.solve(
             batches.BatchJob(
                 plan.names,
-                6,
                 plan.number,
                 None,
                 plan.max_steps,
                 plan.times,
-                tuple(order[k : k + size]),
+                int(plan.time_units[group[0]]),
+                plan.lanes.some(group),
             )
         )
 

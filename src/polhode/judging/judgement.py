@@ -43,6 +43,7 @@ SPARE_DIGITS = 6  # of the reference beyond what can be told
 FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
 FOLLOWED = 400  # times at which what rounding does to the motion is followed
 MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
+MANY = 1000  # rows of a table that has a first answer
 SHOWN = 11  # times that are printed
 _SHORT = 24  # characters of a time that is printed with all its digits
 
@@ -333,6 +334,7 @@ def compare(
     at: Sequence[Any] | None = None,
     columns: Sequence[str] | None = None,
     known: Conditioning | None = None,
+    first: Callable[[Judgement, int], None] | None = None,
 ) -> Judgement:
     """Judge a run, a trajectory file, columns or an array of states against a reference.
 
@@ -343,6 +345,8 @@ def compare(
     scene whose reference it is; of a run its own scene unless given.  ``number`` (and ``digits`` of
     mp): the type whose rounded values a file's decimals, or the rows, are; rows of doubles are
     known as such.  ``known``: the scene's conditioning, to spare its computation.
+    ``first``: called with a judgement of a few rows of a file of more than a thousand, and how many
+    those are, before the others are judged.
 
     Raises BadInput for what cannot be read or judged.
 
@@ -378,6 +382,10 @@ def compare(
         elif not isinstance(what, Table):
             named = scene.columns if columns is None else columns
             what = table_of_rows(what, at, named, kind)
+        rows_there = len(what.times)
+        if first is not None and rows_there > MANY:
+            some = of_table(what.some(few(rows_there, SHOWN)), scene)
+            first(Judgement(some, against), rows_there)
         found = Judgement(of_table(what, scene), against, known)
     about = found.subject
     if not (about.columns or about.angles or about.attitude):

@@ -6,7 +6,7 @@ import csv
 import io
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -41,6 +41,11 @@ class Table:
 
     def __repr__(self) -> str:
         return f"<Table {self.name}: {', '.join(self.columns)} at {len(self.times)} times>"
+
+    def some(self, which: Sequence[int]) -> Table:
+        """Some of the rows."""
+        columns = {name: tuple(x[k] for k in which) for name, x in self.columns.items()}
+        return replace(self, times=tuple(self.times[k] for k in which), columns=columns)
 
     def rows(self, names: Sequence[str]) -> list[list[Fraction | None]] | None:
         """Rows of these columns, None where a cell or a column is not there; None without any."""

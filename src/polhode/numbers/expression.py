@@ -64,7 +64,10 @@ def decimal(text: str) -> Fraction:
     exponent = int(power or 0)
     if len(digits) > 4000 or abs(exponent) > MAX_EXPONENT:
         raise ExpressionError(f"a decimal has at most 4000 digits and exponent {MAX_EXPONENT}")
-    return int(minus + digits) * Fraction(10) ** (exponent - len(places))
+    exponent -= len(places)
+    if exponent < 0:
+        return Fraction(int(minus + digits), 10**-exponent)
+    return Fraction(int(minus + digits) * 10**exponent)
 
 
 def evaluate(text: str, names: Mapping[str, Scalar], algebra: Algebra | None = None) -> Scalar:

@@ -183,8 +183,9 @@ def _texts(times: Any) -> Any:
     """Times with all digits, each different one written once."""
     import numpy as np
 
-    different = {t: decimal_in_full(t) for t in set(times.tolist())}
-    return np.array([different[t] for t in times.tolist()])
+    known = {id(t): t for t in times.tolist()}  # members of a job share theirs
+    texts = {key: decimal_in_full(t) for key, t in known.items()}
+    return np.array([texts[id(t)] for t in times.tolist()])
 
 
 def _value(x: Exact) -> str:

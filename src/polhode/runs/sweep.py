@@ -182,7 +182,7 @@ class Ensemble(ByValue):
         """
         from polhode.runs.sweep_drift import drifts
 
-        return drifts(self)
+        return drifts(self.members, self.states, lambda k: self[k].drift)
 
     def rows(self, index: int) -> Rows:
         """The states of one member as far as it came."""

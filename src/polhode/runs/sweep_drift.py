@@ -7,6 +7,7 @@ than the states do.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from polhode.equations.integrals import (
     LENGTH,
     MOMENTUM,
     SPIN,
+    Drift,
     FirstIntegrals,
     coefficients,
     first_integrals,
@@ -30,31 +32,33 @@ from polhode.runs.sweep_lanes import blocks
 
 if TYPE_CHECKING:
     from polhode.numbers.scalars import Rows
-    from polhode.runs.sweep import Ensemble
     from polhode.scenes.many import Block, Column, Vector
+    from polhode.scenes.vary import Members
 
 Doubles = npt.NDArray[np.float64]
 
 
-def drifts(found: Ensemble) -> Doubles:
+def drifts(members: Members, states: Rows, one: Callable[[int], Drift]) -> Doubles:
     """Largest drift of h, f, |gamma|² and the fourth of each member, shape (members, 4).
 
-    nan where there is none, or the member has no state.
+    nan where there is none, or the member has no state.  ``states``: (members, times, columns);
+    ``one``: the drift of a member that the columns do not hold.
     """
-    drift = np.full((len(found), 4), np.nan)
-    there = found.states[:, :, 0] == found.states[:, :, 0]
-    for block in blocks(found.members):
+    drift = np.full((len(members), 4), np.nan)
+    there = states[:, :, 0] == states[:, :, 0]
+    for block in blocks(members):
         here = slice(block.first, block.last)
-        alone = block.left if found.number.flat else np.ones(len(block), dtype=bool)
+        alone = block.left if states.dtype != object else np.ones(len(block), dtype=bool)
         for which in _alike(block, ~alone):
             at = block.first + which
             with np.errstate(all="ignore"):
-                rows = _block_drifts(found, block, which, found.states[at], there[at])
+                known = first_integrals(members[block.first + int(which[0])])
+                rows = _block_drifts(known, block, which, states[at], there[at])
             drift[at, : rows.shape[1]] = rows
         for k in np.flatnonzero(alone & there[here].any(axis=1)):
-            told = found[block.first + int(k)].drift
+            told = one(block.first + int(k))
             drift[block.first + k] = [np.nan if x is None else x for x in told]
-    if len(found.columns) == 3:  # h and, if there is one, the fourth
+    if states.shape[2] == 3:  # h and, if there is one, the fourth
         drift[:, 3] = np.where(np.isnan(drift[:, 3]), drift[:, 1], drift[:, 3])
         drift[:, 1] = np.nan
     return drift
@@ -85,14 +89,13 @@ def _is_zero(x: Column) -> Any:
 
 
 def _block_drifts(
-    found: Ensemble,
+    known: FirstIntegrals,
     block: Block,
     which: npt.NDArray[np.int64],
     states: Rows,
     there: npt.NDArray[np.bool_],
 ) -> Doubles:
     """The drifts of members that have the same integrals, columns in the integrals' order."""
-    known = first_integrals(found.members[block.first + int(which[0])])
     moments, torque, omega = (_pairs(x, which) for x in (block.moments, block.torque, block.omega))
     gamma = [] if block.gamma is None else _pairs(block.gamma, which)
     largest = _largest(moments)

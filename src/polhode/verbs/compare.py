@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from polhode.output import results
-from polhode.verbs.terminal import DONE, print_json, say, whole
+from polhode.verbs.terminal import DONE, Progress, print_json, say, whole
+
+if TYPE_CHECKING:
+    from polhode.judging.judgement import Judgement
 
 HELP = "judge a trajectory that some other program computed"
 
@@ -24,9 +28,16 @@ def main(options: Namespace) -> int:
     from polhode.judging.judgement import compare
 
     path, number, digits = Path(options.file), options.number, options.digits
-    judged = compare(path, options.scene, number=number, digits=digits)
-    if options.json:
-        print_json(results.of_judgement(judged))
+    with Progress("compare") as progress:
+
+        def first(brief: Judgement, count: int) -> None:
+            digits = f"{brief.worst:.2f} correct digits" if brief.digits else "no state"
+            progress.say(f"{digits} in {len(brief.times)} of {count} rows, all of them follow")
+
+        judged = compare(path, options.scene, number=number, digits=digits, first=first)
+        told = results.of_judgement(judged) if options.json else str(judged)
+    if isinstance(told, str):
+        say(told)
     else:
-        say(str(judged))
+        print_json(told)
     return DONE

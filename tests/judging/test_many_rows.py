@@ -1,0 +1,138 @@
+"""Many rows judged at once get the digits that they get one by one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.judging import judgement, many_rows
+from polhode.judging.limits import between
+from polhode.judging.rounding import Band
+from polhode.judging.table import table_of_rows
+from polhode.numbers.pairs import Pairs, of_fractions
+
+CASES = ["euler/attitude", "euler/separatrix", "lagrange/nutation", "lagrange/turned-axes"]
+
+
+def rows_of(name: str, count: int, error: float):
+    """A scene, and rows of its state and attitude: doubles, each off by about ``error``."""
+    scene = polhode.load(name).at([Fraction(k, 4) for k in range(count)])
+    states, turns = polhode.reference(scene).columns(of_fractions(scene.times))
+    table = [np.broadcast_to(many_rows.pairs(x).hi, count) for x in (*states, *turns)]
+    noise = np.random.default_rng(7).uniform(-error, error, (len(table), count))
+    return scene, (np.array(table) + noise).T
+
+
+COLUMNS = ("p", "q", "r", "gamma1", "gamma2", "gamma3", "q0", "q1", "q2", "q3")
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("error", [0.0, 1e-13])
+def test_the_same_digits_as_one_by_one(name, error, monkeypatch):
+    scene, rows = rows_of(name, 120, error)
+
+    def judged():
+        return polhode.compare(rows, scene, at=scene.times, columns=COLUMNS)
+
+    quick = judged()
+    assert quick._many is not None
+    monkeypatch.setattr(many_rows, "FEWEST", 10**9)
+    slow = judged()
+    assert slow._many is None
+    assert np.allclose(quick.digits, slow.digits, rtol=0, atol=0.005)
+    assert quick.worst_time == slow.worst_time
+    assert abs(quick.parts["attitude"] - slow.parts["attitude"]) < 0.005
+    assert (15 if error == 0 else 12.5) < quick.worst < (16 if error == 0 else 14)
+
+
+def test_the_state_and_the_attitude_are_evaluated_once(monkeypatch):
+    scene, rows = rows_of("euler/attitude", 150, 1e-12)
+    asked, ask = [], polhode.reference(scene).columns
+    against = polhode.reference(scene)
+    monkeypatch.setattr(against, "columns", lambda t: asked.append(1) or ask(t))
+    found = polhode.compare(rows, against, at=scene.times, columns=COLUMNS)
+    _ = str(found)
+    assert len(asked) == 1
+
+
+def test_a_wrong_row_is_found_among_many():
+    scene, rows = rows_of("lagrange/nutation", 300, 0.0)
+    rows[211, 4] += 1e-7
+    found = polhode.compare(rows, scene, at=scene.times, columns=COLUMNS)
+    assert found._many is not None
+    assert found.worst_time == scene.times[211]
+    assert 6.9 < found.worst < 7.1
+
+
+def test_empty_cells_and_a_quaternion_of_the_other_sign():
+    scene, rows = rows_of("euler/attitude", 120, 1e-10)
+    rows[:, 6:] *= -1
+    table = table_of_rows(rows, scene.times, COLUMNS)
+    gaps = tuple(None if k % 3 else x for k, x in enumerate(table.columns["p"]))
+    table = replace(table, columns=table.columns | {"p": gaps})
+    found = polhode.compare(table, scene)
+    assert found._many is not None
+    assert 9 < found.worst < 11
+    assert 9 < found.parts["attitude"] < 11
+
+
+def test_pairs_that_are_wrong_are_not_believed(monkeypatch):
+    """Where the pairs do not have the digits, rows are judged one by one."""
+    scene, rows = rows_of("euler/attitude", 120, 1e-13)
+    against = polhode.reference(scene)
+    ask = against.columns
+
+    def off(times):
+        states, turns = ask(times)
+        return [Pairs(x.hi * (1 + 1e-15), x.lo) for x in states], turns
+
+    monkeypatch.setattr(against, "columns", off)
+    found = polhode.compare(rows, against, at=scene.times, columns=COLUMNS)
+    assert found._many is None
+    assert 12.5 < found.worst < 14
+
+
+def test_numbers_beyond_doubles_are_judged_one_by_one():
+    scene, rows = rows_of("euler/attitude", 120, 0.0)
+    exact = [[Fraction(float(x)) for x in row[:6]] for row in rows]
+    exact[3][1] = Fraction(10) ** 400
+    found = polhode.compare(exact, scene, at=scene.times, columns=COLUMNS[:6])
+    assert found._many is None
+    assert found.worst == 0
+
+
+def test_what_is_expected_is_followed_at_some_times_only(monkeypatch):
+    scene, rows = rows_of("euler/attitude", 300, 1e-13)
+    whole = polhode.compare(rows, scene, at=scene.times, columns=COLUMNS)
+    monkeypatch.setattr(judgement, "FOLLOWED", 60)
+    thin = polhode.compare(rows, scene, at=scene.times, columns=COLUMNS)
+    assert sum(len(part.times) for part in thin.conditionings) < 90
+    for a, b in zip(whole.expected, thin.expected, strict=True):
+        assert np.allclose(a, b, atol=0.5)
+    assert thin.limit == whole.limit
+
+
+def test_between_known_times():
+    known = {Fraction(0): Band(1.0, 2.0, 3.0), Fraction(2): Band(3.0, 4.0, 5.0), Fraction(3): None}
+    times = [Fraction(t) for t in (0, 1, 2, 3)] + [Fraction(5, 2)]
+    found = between(known, times)
+    assert found == (known[0], Band(2.0, 3.0, 4.0), known[2], None, None)
+
+
+def test_a_first_answer_of_a_few_rows(tmp_path):
+    scene, rows = rows_of("euler/attitude", 1200, 1e-13)
+    lines = ["t," + ",".join(COLUMNS)]
+    for t, row in zip(scene.times, rows, strict=True):
+        lines.append(",".join([str(float(t)), *(repr(float(x)) for x in row)]))
+    path = tmp_path / "x.csv"
+    path.write_text("\n".join(lines) + "\n")
+    told = []
+    found = polhode.compare(path, scene, first=lambda some, count: told.append((some, count)))
+    ((some, count),) = told
+    assert (len(some.times), count) == (11, 1200)
+    assert found.worst <= some.worst < found.worst + 2
+    assert "drift h" in str(found)

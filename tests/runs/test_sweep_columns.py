@@ -1,0 +1,154 @@
+"""A sweep planned in columns is the sweep planned member by member, to the bit."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.equations import integrals
+from polhode.numbers.convert import exactly, to_mpf
+from polhode.runs import sweep_lanes, sweep_plan
+from polhode.scenes import many, scene_file
+from shared.motions import heavy, heavy_file
+
+
+def planned(scene, vary, number=None):
+    return sweep_plan.planned(scene, vary, number, None, None, None)
+
+
+def same_plan(a, b) -> bool:
+    tables = zip((*a.lanes, a.time_units), (*b.lanes, b.time_units), strict=True)
+    return a.names == b.names and all(np.array_equal(x, y) for x, y in tables)
+
+
+SWEEPS = [
+    {"start.omega[3]": "0.1:37:101"},
+    {"start.omega[1]": ["1/3", "-1e-3", 0], "body.weight": "-2:2:7"},
+    {"body.moments[2]": "2:6:11", "body.centre[1]": ["0", "1/7"]},
+    {"start.omega[2]": ["sqrt(2)", "1/3"], "body.weight": [1, "pi", 0]},
+    [{"start.omega[1]": k, "body.weight": f"1/{k}"} for k in (1, 2, 3)],
+    {"start.gamma[1]": ["2/7"], "start.gamma[3]": ["6/7", "-6/7"]},
+]
+
+
+@pytest.mark.parametrize("number", ["double", "extended", "quad"])
+@pytest.mark.parametrize("vary", SWEEPS)
+def test_columns_plan_what_members_plan(vary, number, monkeypatch):
+    scene = heavy()
+    quick = planned(scene, vary, number)
+    asked = []
+    monkeypatch.setattr(many.Columns, "readable", False)
+    one = sweep_lanes._Made.one
+    monkeypatch.setattr(sweep_lanes._Made, "one", lambda made, k: asked.append(k) or one(made, k))
+    assert same_plan(quick, planned(scene, vary, number))
+    assert len(asked) == len(quick.members)
+
+
+def test_most_members_need_no_scene(monkeypatch):
+    asked = []
+    one = sweep_lanes._Made.one
+    monkeypatch.setattr(sweep_lanes._Made, "one", lambda made, k: asked.append(k) or one(made, k))
+    planned(heavy(), {"start.omega[3]": "0.5:1.5:1000", "body.weight": [1, "sqrt(2)", 0]})
+    assert 1000 <= len(asked) < 1020  # those of the irrational weight
+
+
+def test_the_unit_of_time_next_to_a_power_of_two():
+    """Where eight bits round to the next power of two the exponent is the scene's own."""
+    fourth_root = "0.99951135943"  # of 1 - 1/512
+    rates = [f"{fourth_root} + {k}e-10" for k in (-9, -1, 0, 1, 9)] + ["0.999", "1", "1.001"]
+    scene = scene_file.parse(
+        "schema = 1\n[body]\nmoments = [1, 2, 3]\n[start]\nomega = [1, 0, 0]\n[run]\nend = 1\n"
+    )
+    plan = planned(scene, {"start.omega[1]": rates})
+    assert plan.time_units.tolist() == [m.time_unit for m in plan.members]
+    assert len(set(plan.time_units.tolist())) == 2
+
+
+def test_a_bad_member_is_named_among_many():
+    with pytest.raises(polhode.BadInput, match=r"member 5 \(body.moments\[3\] = 6\): body.moments"):
+        planned(heavy(), {"body.moments[3]": [2, 3, 4, 5, 6, 7]})
+
+
+def test_members_of_one_unit_of_time_go_together():
+    plan = planned(heavy(), {"start.omega[3]": "0.1:37:200"})
+    groups = list(plan.groups(8, 1000))
+    assert sorted(np.concatenate(groups).tolist()) == [*range(200)]
+    for group in groups:
+        assert len(set(plan.time_units[group].tolist())) == 1
+        assert (np.diff(plan.rates[group]) <= 0).all()
+
+
+def test_neighbours_of_another_unit_change_no_bit(monkeypatch):
+    """Where a run is cut into stretches depended on the fastest lane beside it."""
+    monkeypatch.setattr("polhode.taylor.batches._UNITS_PER_STEP", 1)
+    from shared.policies import change_policy
+
+    change_policy(monkeypatch, chunk=12)
+    alone = polhode.integrate_many(heavy(), {"start.omega[3]": [1]})
+    both = polhode.integrate_many(heavy(), {"start.omega[3]": [1, 90]})
+    assert np.array_equal(alone.states[0], both.states[0])
+
+
+def test_the_scene_s_form_does_not_turn_states():
+    """States were read out by the scene's form, though all members take the principal one."""
+    scene = heavy_file().replace("[run]", '[run]\nform = "momentum"')
+    inertia = scene.replace("moments = [2, 3, 4]", "inertia = [[2,0.1,0],[0.1,3,0],[0,0,4]]")
+    for text in (scene, inertia):
+        many_ = polhode.integrate_many(scene_file.parse(text), {"start.omega[3]": [1]}, at=[0])
+        assert np.allclose(many_.states[0, 0, :3], [0.3, 0.4, 1], rtol=2**-50, atol=0)
+
+
+@pytest.mark.parametrize(
+    ("scene", "vary", "fourth"),
+    [
+        (heavy(), {"start.omega[3]": ["0.5", 1], "body.weight": ["0", "1/3"]}, [1, 0, 1, 0]),
+        ("lagrange/nutation", {"body.weight": [1, 2, 0]}, [1, 1, 1]),
+        ("kovalevskaya/generic", {"body.moments[3]": [1, "0.5"]}, [1, 0]),
+        ("goryachev-chaplygin/inner-band", {"body.weight": [1, 3]}, [1, 1]),
+        ("lagrange/turned-axes", {"body.weight": [1]}, [1]),
+    ],
+)
+def test_drift_of_all_members_is_the_drift_of_each(scene, vary, fourth):
+    """Against 117 bits, one member after the other: to 1e-9 of a drift of a few eps.
+
+    Turned axes are left to each member's own drift, in 64 bits.
+    """
+    near = 1e-3 if scene == "lagrange/turned-axes" else 1e-9
+    found = polhode.integrate_many(scene, vary, at=[0, 3, 7])
+    assert (~np.isnan(found.drift[:, 3])).tolist() == [bool(x) for x in fourth]
+    for k in range(len(found)):
+        rows = [[to_mpf(exactly(x), 53) for x in row] for row in found.states[k]]
+        true = integrals.drift(found[k].scene, rows, 53)
+        for x, y in zip(found.drift[k], true, strict=True):
+            if y is not None:
+                assert abs(x - y) <= near * y + 1e-25
+    assert 1e-17 < np.nanmax(found.drift) < 1e-14
+
+
+def test_jobs_travel_as_bytes():
+    sent = []
+
+    class Noting:
+        def submit(self, fn, /, *arguments):
+            from concurrent.futures import Future
+
+            sent.append(arguments)
+            future = Future()
+            future.set_result(fn(*arguments))
+            return future
+
+    many_ = polhode.integrate_many(heavy(), {"start.omega[3]": [1, 2]}, executor=Noting())
+    assert many_.done
+    assert all([type(x) for x in arguments] == [bytes] for arguments in sent)
+    assert pickle.loads(sent[0][0])[0].__name__ == "solve"
+
+
+def test_an_ensemble_can_be_pickled_and_compared():
+    found = polhode.integrate_many(heavy(), {"start.omega[3]": "1:2:3"}, at=[1])
+    again = pickle.loads(pickle.dumps(found))
+    assert again == found
+    assert again[1] == found[1]
+    assert found != polhode.integrate_many(heavy(), {"start.omega[3]": "1:3:3"}, at=[1])
