@@ -96,6 +96,22 @@ def test_pairs_that_are_wrong_are_not_believed(monkeypatch):
     assert 12.5 < found.worst < 14
 
 
+def test_what_is_no_number_is_not_taken_for_right(monkeypatch):
+    scene, rows = rows_of("euler/attitude", 120, 1e-13)
+    against = polhode.reference(scene)
+    ask = against.columns
+
+    def broken(times):
+        states, turns = ask(times)
+        states[1].hi[33] = np.nan
+        return states, turns
+
+    monkeypatch.setattr(against, "columns", broken)
+    found = polhode.compare(rows, against, at=scene.times, columns=COLUMNS)
+    assert found._many is None
+    assert 12.5 < found.worst < 14
+
+
 def test_numbers_beyond_doubles_are_judged_one_by_one():
     scene, rows = rows_of("euler/attitude", 120, 0.0)
     exact = [[Fraction(float(x)) for x in row[:6]] for row in rows]
@@ -121,6 +137,7 @@ def test_between_known_times():
     times = [Fraction(t) for t in (0, 1, 2, 3)] + [Fraction(5, 2)]
     found = between(known, times)
     assert found == (known[0], Band(2.0, 3.0, 4.0), known[2], None, None)
+    assert between({Fraction(0): 1.0, Fraction(4): 3.0}, [Fraction(0), Fraction(1)]) == (1.0, 1.5)
 
 
 def test_a_first_answer_of_a_few_rows(tmp_path):
