@@ -47,6 +47,35 @@ def test_columns_plan_what_members_plan(vary, number, monkeypatch):
     assert len(asked) == len(quick.members)
 
 
+TABLES = {
+    "angles and omega": 'angles = [0, "pi/3", "1/5"]\nomega = [0.3, 0.4, 1.1]',
+    "angles and rates": 'angles = [0, "pi/3", "1/5"]\nrates = [0, 1, 5]',
+    "quaternion": "quaternion = [1, 0.1, 0.2, 0.3]\nomega = [0.3, 0.4, 1.1]\nnormalise = true",
+    "level": 'gamma = ["2/7", "3/7", "6/7"]\nh = 3\nf = 2\nsign = "+"',
+}
+
+
+@pytest.mark.parametrize(
+    ("start", "key", "values"),
+    [
+        ("angles and omega", "start.angles[2]", ["1", "1/2"]),
+        ("angles and rates", "start.rates[3]", [5, 6]),
+        ("quaternion", "start.quaternion[2]", ["1/10", "1/5"]),
+        ("level", "start.h", [3, 4]),
+        ("level", "body.weight", [1, 2]),
+    ],
+)
+def test_a_start_of_another_kind_is_left_to_its_scenes(start, key, values):
+    text = (
+        "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n"
+        f"[start]\n{TABLES[start]}\n[run]\nend = 1\n"
+    )
+    found = polhode.integrate_many(scene_file.parse(text), {key: values}, at=[0])
+    for k, member in enumerate(found.members):
+        assert np.allclose(found.states[k, 0], [float(x) for x in member.start], rtol=2**-52)
+    assert not np.allclose(found.states[0], found.states[1], rtol=1e-3)
+
+
 def test_most_members_need_no_scene(monkeypatch):
     asked = []
     one = sweep_lanes._Made.one

@@ -25,6 +25,14 @@ Column = Exact | Rationals
 Vector = tuple[Column, Column, Column]
 Booleans = npt.NDArray[np.bool_]
 
+#: What may be varied here, and what a scene's tables may hold.
+_KEYS = (
+    *("body.moments", "body.centre", "body.weight"),
+    *("start.omega", "start.gamma", "start.psi"),
+)
+_BODY = {"moments", "inertia", "centre", "weight"}
+_START = {"omega", "gamma", "psi", "normalise"}
+
 _NONE: Vector = (Fraction(0), Fraction(0), Fraction(0))
 
 
@@ -61,9 +69,10 @@ class Columns:
     @cached_property
     def readable(self) -> bool:
         """Whether such a scene can be read in columns."""
-        scene, start = self.members.scene, self.data["start"]
-        turned = [key for key in self.keys if key.startswith("body.inertia")]
-        if turned or not scene.body.axes.trivial or "omega" not in start:
+        scene, start, body = self.members.scene, self.data["start"], self.data["body"]
+        known = all(key.partition("[")[0] in _KEYS for key in self.keys)
+        plain = "omega" in start and {*start} <= _START and {*body} <= _BODY
+        if not (known and plain and scene.body.axes.trivial):
             return False
         rational = isinstance(scene.body.weight, Fraction) and all(
             isinstance(x, Fraction) for x in (*scene.body.moments, *scene.body.centre)
