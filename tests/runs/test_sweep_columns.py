@@ -76,6 +76,18 @@ def test_a_start_of_another_kind_is_left_to_its_scenes(start, key, values):
     assert not np.allclose(found.states[0], found.states[1], rtol=1e-3)
 
 
+def test_axes_that_turn_from_member_to_member():
+    """A diagonal inertia matrix, of which an entry off the diagonal is varied."""
+    scene = scene_file.parse(
+        heavy_file().replace("moments = [2, 3, 4]", "inertia = [[2, 0, 0], [0, 3, 0], [0, 0, 4]]")
+    )
+    found = polhode.integrate_many(scene, {"body.inertia[1][2]": [0, "0.5"]}, at=[1])
+    for member in found:
+        single = polhode.integrate(member.scene)
+        assert np.allclose(member.states, single.states, rtol=0, atol=64 * 2.0**-52)
+    assert not np.allclose(found.states[0], found.states[1], rtol=0, atol=1e-3)
+
+
 def test_most_members_need_no_scene(monkeypatch):
     asked = []
     one = sweep_lanes._Made.one
