@@ -1,11 +1,12 @@
 """Events of a run: the zeros of expressions along the motion, located to the run's precision.
 
-heyoka finds the zeros of each expression's Taylor polynomial, step by step.  A callback then
-polishes the time by Newton's method on the dense output, relative to the step's end, and reads the
-state there.  What heyoka is given is scaled down by sqrt(eps), so that an event takes no part in
-choosing the steps (its polynomial is still right to sqrt(eps), which is enough to start from): a
-run with events takes the steps of a run without them, unless an expression varies far faster than
-the motion.  Last bits may differ, where an event shares terms with the equations.
+heyoka finds the zeros of each expression's Taylor polynomial, step by step.  A callback notes the
+state there; when the run is over Newton's method takes all times to their last digits at once
+(polhode.taylor.event_crossings), and looks at what is no plain crossing one by one.  What heyoka is
+given is scaled down by sqrt(eps), so that an event takes no part in choosing the steps (its
+polynomial is still right to sqrt(eps), which is enough to start from): a run with events takes the
+steps of a run without them, unless an expression varies far faster than the motion.  Last bits may
+differ, where an event shares terms with the equations.
 
 *Grazing*: where an expression comes within sqrt(eps) of zero at an extremum, or crosses zero at
 a slope that small, rounding decides whether and how often it vanishes.  The extrema are watched

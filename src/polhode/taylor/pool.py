@@ -10,13 +10,10 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Hashable
 from threading import Lock
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
-from polhode.taylor.kinds import HeyokaIntegrator
-from polhode.taylor.protocols import Desk
-
-#: heyoka's integrator, and what belongs to its events, where it looks for any.
-Compiled: TypeAlias = tuple[HeyokaIntegrator, Desk | None]
+#: heyoka's integrator, with what belongs to its events where it looks for any.
+Compiled: TypeAlias = Any
 
 MOST = 16  # of a few hundred kilobytes each
 
