@@ -32,6 +32,7 @@ def test_no_motion_of_an_integrable_top_is_chaotic(case):
     assert 0.5 < found.growth.max() < 4.5  # a tangent grows like a power of time
 
 
+@pytest.mark.slow
 def test_verdicts_agree_with_lyapunov_at_the_same_starts():
     """Of the start in each of eight cells, written as a scene; none may be opposite."""
     from polhode.dynamics import section_states as geometry

@@ -91,14 +91,14 @@ def on_the_level(scene, name, starts, seed=18):
     [
         ("kovalevskaya/generic", 60),
         ("kovalevskaya/bobylev-steklov", 160),
-        ("kovalevskaya/asymptotic", 120),
+        pytest.param("kovalevskaya/asymptotic", 120, marks=pytest.mark.slow),
         ("class II unreal", 100),
         ("goryachev-chaplygin/two-frequencies", 80),
         ("goryachev-chaplygin/released", 60),
         ("lagrange/nutation", 30),
         ("lagrange/homoclinic", 60),
         ("lagrange/steady-fast", 30),
-        ("euler/attitude", 200),
+        pytest.param("euler/attitude", 200, marks=pytest.mark.slow),
     ],
 )
 def test_critical_values_are_those_that_newton_finds(case, starts):

@@ -73,6 +73,7 @@ def test_which_lines_a_top_has():
     assert {line.combination.get("polhode", 0) % 2 for line in free} == {0}
 
 
+@pytest.mark.slow
 def test_without_a_closed_form_lines_are_named_by_each_other():
     found = polhode.frequencies("general/asymmetric-regular", end=1500, lines=4)
     assert not found.closed_form
