@@ -155,6 +155,13 @@ def test_part_of_a_study_is_printed_and_is_the_committed_row():
         report.part("published", ["no such row"])
 
 
+@pytest.mark.parametrize("name", report.STUDIES)
+def test_every_study_can_make_a_row_alone(name):
+    """A study that is asked for a row that it has not runs nothing and says so."""
+    with pytest.raises(BadInput, match="part of the name of a row"):
+        report.part(name, ["no such row"])
+
+
 def report_folder():
     from pathlib import Path
 

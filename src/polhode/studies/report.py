@@ -23,7 +23,7 @@ from polhode.output.results import as_json
 from polhode.scenes import library
 from polhode.studies.only import Only
 from polhode.studies.page import html
-from polhode.studies.page.blocks import Block, Heading, PageTable, Text, markdown
+from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text, markdown
 
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
 STUDIES = (
@@ -84,8 +84,9 @@ def part(
         likely = nearest(" ".join(texts), [*dict.fromkeys(only.passed)])
         raise BadInput("study", "--only", " ".join(texts), f"part of the name of a row; {likely}")
     parts = _module(name, "page").blocks(found)
-    tables = [block for block in parts if isinstance(block, PageTable) and block.rows]
-    return found, markdown(title(name), tables)
+    shown = [block for block in parts if not isinstance(block, Figure)]
+    tables = [block for block in shown if isinstance(block, PageTable) and block.rows]
+    return found, markdown(title(name), tables or shown)
 
 
 def write_pages(folder: Path, tick: Tick | None = None) -> list[Path]:

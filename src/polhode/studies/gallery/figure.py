@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas import HIDDEN, PAPER, SPACE, as_svg, pyplot
+from polhode.figures.canvas import HIDDEN, PAPER, PLAIN, as_svg, pyplot
 from polhode.figures.globe import facing_most
 
 
@@ -29,6 +29,6 @@ def sphere(row: dict[str, Any]) -> str:
         globe = facing_most(points)
         globe.surface(axes, 45)
         globe.arms(axes, ("X", "Y", "Z"))
-        globe.curve(axes, points, SPACE, HIDDEN[SPACE], "path", lw=1.3)
-        globe.mark(axes, points[0], SPACE)
+        globe.curve(axes, points, PLAIN, HIDDEN[PLAIN], "path", lw=1.3)
+        globe.mark(axes, points[0], PLAIN)
         return as_svg(figure, f"polhode: {row['name']}")
