@@ -169,7 +169,7 @@ WORDS = [
     ),
     *(
         "body.moments[1]=-1,2",
-        "start.omega[1]=0:1:1000000",
+        "start.omega[1]=0:1:100000000",
         "=",
         "=1",
         "start=1",

@@ -91,7 +91,7 @@ def broken(
 
 def of_command(arguments: list[str]) -> tuple[list[str], int | None]:
     """The faults of a command, and its exit code; unless refused, it may write its -o."""
-    out, err = io.StringIO(), io.StringIO()
+    out, err = (io.TextIOWrapper(io.BytesIO(), encoding="utf-8") for _ in range(2))
 
     def outputs(code: int | None) -> set[Path]:
         if code not in CODES - {2}:
@@ -106,18 +106,26 @@ def of_command(arguments: list[str]) -> tuple[list[str], int | None]:
     faults, code = broken(work, outputs)
     if faults:
         return faults, code
+    said, told = (_read(stream) for stream in (out, err))
     if code not in CODES:
         faults.append(f"exit code {code}")
-    if "Traceback" in err.getvalue():
-        faults.append(err.getvalue())
+    if "Traceback" in told:
+        faults.append(told)
     if code == 2:
-        if out.getvalue():
-            faults.append(f"refused, and yet on stdout: {out.getvalue()[:200]!r}")
-        if not REFUSAL.fullmatch(err.getvalue()):
-            faults.append(f"not one line of refusal: {err.getvalue()[:500]!r}")
-    if any(not (c.isprintable() or c == "\n") for c in err.getvalue() + out.getvalue()):
+        if said:
+            faults.append(f"refused, and yet on stdout: {said[:200]!r}")
+        if not REFUSAL.fullmatch(told):
+            faults.append(f"not one line of refusal: {told[:500]!r}")
+    if any(not (c.isprintable() or c == "\n") for c in told + said):
         faults.append("a character that is not for terminals")
     return faults, code
+
+
+def _read(stream: io.TextIOWrapper) -> str:
+    """What was written; of bytes that are no text (a figure), nothing."""
+    stream.flush()
+    held: bytes = stream.buffer.getvalue()  # type: ignore[attr-defined]
+    return "" if b"\0" in held or held.startswith(b"<?xml") else held.decode()
 
 
 def of_call(call: Callable[[], Any]) -> tuple[list[str], bool]:

@@ -257,7 +257,7 @@ class Watch:
                     name=event.name,
                     times=tuple(times if unit == 1 else [t * unit for t in times]),
                     states=read.states(rows),
-                    grazing=tuple(slope == 0 for slope in slopes),
+                    grazing=tuple(bool(slope == 0) for slope in slopes),
                     complete=complete,
                 )
             )
