@@ -74,7 +74,8 @@ def test_every_closed_form_has_its_attitude_and_angles_inside() -> None:
                 ratios += _against_the_closed_form(name, 16)
             except BadInput:
                 refused.add(name)
-    assert refused <= {"hard/near-appelrot", "hard/near-axial-pendulum"}
+    near = {"near-appelrot", "near-axial-pendulum", "near-bobylev-steklov"}
+    assert refused <= {"kovalevskaya/irrational-centre", *(f"hard/{name}" for name in near)}
     assert max(ratios) <= 1.0
     assert statistics.median(ratios) > 1e-6
 

@@ -98,7 +98,7 @@ def main(options: Namespace) -> int:
     elif is_stdout(path):
         return DONE
     told = Counter(found.outcomes)
-    note(f"{scene.name}: {found!r}; " + ", ".join(f"{n} {name}" for name, n in told.items()))
+    note(f"{scene.name}: {found!r}; " + ", ".join(f"{name} in {n}" for name, n in told.items()))
     if found.interrupted:
         if found.kept is not None:
             note(f"polhode: the same command goes on from {found.kept.folder}")

@@ -94,9 +94,12 @@ def main(options: Namespace) -> int:
         print_table(*sweeps.table(found))
     if not options.json:
         left_out = f"; {', '.join(scene.outputs)} left out" if scene.outputs else ""
+        unchecked = ""
+        if options.digits is not None:
+            unchecked = f"; a type for {options.digits} digits, no member checked"
         note(
             f"{scene.name}: {len(found)} members, {found.number.name} ({found.number.bits} bits), "
-            f"not projected{left_out}; "
+            f"not projected{left_out}{unchecked}; "
             + ", ".join(f"{n} {outcome.value}" for outcome, n in found.tally().items())
         )
     for outcome in found.tally():
