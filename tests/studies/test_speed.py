@@ -160,7 +160,7 @@ def test_stale_rows():
 
 #: What the process of a peer needs beside numpy.
 PACKAGES = {"scipy_python": "scipy", "scipy_numba": "numba", "numbalsoda_cfunc": "numbalsoda"}
-PACKAGES |= {"cyrk": "CyRK", "diffrax_dopri8": "diffrax"}
+PACKAGES |= {"cyrk": "CyRK", "diffrax_dopri8": "diffrax", "splitting": "numba"}
 
 
 def missing(package: str) -> bool:

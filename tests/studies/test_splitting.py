@@ -29,6 +29,7 @@ def test_the_weights_fulfil_the_conditions_on_power_sums(order):
 
 
 def solution(kind: str, word: str, tol: float, end: int = 10, start: int = 2):
+    pytest.importorskip("numba")
     scene = random_scene(kind, start, (Fraction(0), Fraction(end)))
     method = Method("", "", word, (tol,))
     problem = Problem.read(_problem(Task(method, scene), method.tolerances))
@@ -60,6 +61,7 @@ def test_the_error_falls_with_the_order(kind, order):
 @pytest.mark.slow
 def test_a_symmetric_free_body_is_followed_without_any_error_of_the_method():
     """Its parts commute: with three steps as with many, an error of rounding alone."""
+    pytest.importorskip("numba")
     body = (2.0, 2.0, 1.0, 0.0, 0.0, 0.0)
     start = (0.3, 0.2, 1.1, 0.6, 0.0, 0.8)
     rows = [
