@@ -106,7 +106,7 @@ def contents(path: Path) -> Any:
             return {name: held[name].tolist() for name in held.files if name not in _TIMED}
     if path.suffix == ".json":
         return timeless(json.loads(path.read_text()))
-    text = path.read_text()
+    text = re.sub(r" in [\d.]+ (second|minute)s?\b", "", path.read_text())
     if path.suffix in (".svg", ".html"):
         text = re.sub(r"<dc:date>.*?</dc:date>|id=\"\w+\"|#\w+", "", text)
     return text
