@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import dis
+import inspect
 import os
 import sys
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from itertools import pairwise
 from random import Random
+from types import CodeType, FrameType
 from typing import Any
 
 import flint
@@ -16,7 +20,8 @@ import mpmath
 import pytest
 
 import polhode
-from polhode.numbers import private
+from polhode.common.deadline import TooLong
+from polhode.numbers import balls, private
 
 FAMILIES = (
     "euler/largest-axis",
@@ -210,3 +215,49 @@ def test_a_precision_ends_with_its_block():
     with ThreadPoolExecutor(1) as pool:  # another thread: the lock is free
         assert pool.submit(private.mpmath.lock.acquire, timeout=10).result()
         pool.submit(private.mpmath.lock.release).result()
+
+
+def after_calls(code: CodeType) -> set[int]:
+    """Where CPython may run a signal's handler; the beginning of a function is the other place."""
+    return {
+        y.offset for x, y in pairwise(dis.get_instructions(code)) if x.opname.startswith("CALL")
+    }
+
+
+@pytest.mark.parametrize("context", [private.mpmath, balls.ctx])
+def test_an_alarm_at_any_moment_leaves_the_lock_to_others(context):
+    """The alarm of `show` came between taking the lock and noting it: other threads waited."""
+
+    def interrupted(step: int) -> bool:
+        left = step
+
+        def trace(frame: FrameType, event: str, _: object) -> Any:
+            nonlocal left
+            if frame.f_code.co_filename not in (private.__file__, balls.__file__):
+                return None
+            frame.f_trace_opcodes = True
+            code = frame.f_code
+            begins = event == "call" and not code.co_flags & inspect.CO_GENERATOR
+            if begins or (event == "opcode" and frame.f_lasti in after_calls(code)):
+                left -= 1
+                if left == 0:
+                    raise TooLong
+            return trace
+
+        sys.settrace(trace)
+        try:
+            with context.workprec(100):
+                pass
+        except TooLong:
+            return True
+        finally:
+            sys.settrace(None)
+        return False
+
+    with ThreadPoolExecutor(1) as pool:
+        step = 1
+        while interrupted(step):
+            assert pool.submit(private.mpmath.lock.acquire, timeout=10).result(), step
+            pool.submit(private.mpmath.lock.release).result()
+            step += 1
+    assert step > 5

@@ -8,40 +8,30 @@ proven stays so) and may cost digits.
 
 from __future__ import annotations
 
-from types import TracebackType
+from collections.abc import Generator
 
 import flint
 
-from polhode.numbers.private import mpmath
+from polhode.numbers.private import Held, mpmath
 
 
-class _Within:
-    """A precision of balls in force."""
-
-    def __init__(self, bits: int) -> None:
-        self._bits, self._before = bits, 0
-
-    def __enter__(self) -> None:
-        mpmath.lock.acquire()
-        self._before = flint.ctx.prec
-        flint.ctx.prec = self._bits
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        fault: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        flint.ctx.prec = self._before
-        mpmath.lock.release()
+def _holding(bits: int) -> Generator[None, None, None]:
+    """The lock and so many bits, as long as this generator lives."""
+    with mpmath.lock:
+        before = flint.ctx.prec
+        try:
+            flint.ctx.prec = bits
+            yield
+        finally:
+            flint.ctx.prec = before
 
 
 class _Context:
     """What is used of ``flint.ctx``."""
 
-    def workprec(self, bits: int) -> _Within:
+    def workprec(self, bits: int) -> Held:
         """``with ctx.workprec(bits)``: balls of so many bits, and no other thread's."""
-        return _Within(bits)
+        return Held(_holding(bits))
 
 
 #: To be imported in place of flint's own ``ctx``.

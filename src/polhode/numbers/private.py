@@ -9,7 +9,7 @@ turns, each at the precision that it asked for.  What leaves polhode is made :fu
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from threading import RLock
 from typing import TYPE_CHECKING, Any
 
@@ -22,26 +22,33 @@ if TYPE_CHECKING:
     from mpmath import mpf as mpf
 
 
-class _Within:
-    """A precision in force; the thread that set it has the context to itself meanwhile."""
+class Held:
+    """``with Held(steps):`` runs a generator to its one yield, and on to its end afterwards.
 
-    __slots__ = ("_before", "_bits", "_context")
+    Ctrl-C or an alarm may raise between any two steps of Python.  What the generator holds it
+    gives back however it ends: by an exception inside, or because nobody knows it any more.
+    """
 
-    def __init__(self, context: Any, bits: int) -> None:
-        self._context, self._bits = context, bits
+    __slots__ = ("_steps",)
+
+    def __init__(self, steps: Generator[None, None, None]) -> None:
+        self._steps = steps
 
     def __enter__(self) -> None:
-        self._context.lock.acquire()
-        self._before = self._context.prec
-        self._context.prec = self._bits
+        try:
+            next(self._steps)
+        except BaseException:
+            self._steps.close()
+            raise
 
     def __exit__(self, *fault: object) -> None:
-        self._context.prec = self._before
-        self._context.lock.release()
+        self._steps.close()
 
 
 class _Private(MPContext):  # type: ignore[misc]
     """An mpmath context that one thread uses at a time."""
+
+    prec: int  # of mpmath's class, a property there
 
     def __init__(self) -> None:
         super().__init__()
@@ -53,17 +60,27 @@ class _Private(MPContext):  # type: ignore[misc]
         """A lock that nobody holds."""
         self.lock = RLock()
 
-    def workprec(self, bits: int) -> _Within:
+    def _holding(self, bits: int) -> Generator[None, None, None]:
+        """The lock and so many bits, as long as this generator lives."""
+        with self.lock:
+            before = self.prec
+            try:
+                self.prec = bits
+                yield
+            finally:
+                self.prec = before
+
+    def workprec(self, bits: int) -> Held:
         """``with mpmath.workprec(bits)``: so many bits, and no other thread, until its end."""
-        return _Within(self, bits)
+        return Held(self._holding(bits))
 
-    def workdps(self, digits: int) -> _Within:
+    def workdps(self, digits: int) -> Held:
         """The same for so many decimal digits."""
-        return _Within(self, libmp.dps_to_prec(digits))
+        return Held(self._holding(libmp.dps_to_prec(digits)))
 
-    def extraprec(self, bits: int) -> _Within:
+    def extraprec(self, bits: int) -> Held:
         """The same for so many bits more than are in force."""
-        return _Within(self, self.prec + bits)
+        return Held(self._holding(self.prec + bits))
 
 
 #: To be imported in place of the package ``mpmath``.
