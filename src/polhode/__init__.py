@@ -27,8 +27,9 @@ if _TYPE_CHECKING:
     from polhode.figures.drawing import Page, plot, view
     from polhode.judging.assured import integrate
     from polhode.judging.certified import Certified
+    from polhode.judging.comparison import compare
     from polhode.judging.conditioning import Conditioning, conditioning
-    from polhode.judging.judgement import Judgement, compare
+    from polhode.judging.judgement import Judgement
     from polhode.judging.lyapunov import Lyapunov, lyapunov
     from polhode.judging.reference import Reference, TwoPrecisions, reference
     from polhode.judging.rolling import Rolling, rolling
@@ -75,7 +76,7 @@ _HOMES = {
     "certify": "enclosures.certify",
     "certify_events": "enclosures.events",
     "chaos_map": "dynamics.chaos_maps",
-    "compare": "judging.judgement",
+    "compare": "judging.comparison",
     "conditioning": "judging.conditioning",
     "field": "equations.plain",
     "frequencies": "dynamics.frequencies",

@@ -12,8 +12,9 @@ from functools import partial
 
 from polhode.checks.printed import PrintedFigure, figures
 from polhode.common.errors import BadInput, nearest
+from polhode.judging.comparison import compare
 from polhode.judging.conditioning import Conditioning, conditioning
-from polhode.judging.judgement import Judgement, compare
+from polhode.judging.judgement import Judgement
 from polhode.judging.reference import Remembered
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers import number_types

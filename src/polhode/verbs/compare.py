@@ -25,7 +25,7 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Judge a trajectory that some other program computed."""
-    from polhode.judging.judgement import compare
+    from polhode.judging.comparison import compare
 
     path, number, digits = Path(options.file), options.number, options.digits
     with Progress("compare") as progress:

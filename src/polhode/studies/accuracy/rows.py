@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Any
 
 from polhode.common.provenance import digest
+from polhode.judging.comparison import compare
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.digits import worst_digits
-from polhode.judging.judgement import compare
 from polhode.judging.reference import Remembered
 from polhode.judging.reference import reference as reference_of
 from polhode.judging.rounding import Band

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from polhode.common.errors import BadInput
 from polhode.equations.form import source
-from polhode.judging.judgement import compare
+from polhode.judging.comparison import compare
 from polhode.judging.reference import Remembered
 from polhode.judging.reference import reference as reference_of
 from polhode.runs.integrate import integrate

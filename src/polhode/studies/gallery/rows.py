@@ -12,7 +12,7 @@ import numpy as np
 from polhode.equations.hodographs import turned
 from polhode.figures.samples import Samples
 from polhode.figures.sphere import apex
-from polhode.judging.judgement import compare
+from polhode.judging.comparison import compare
 from polhode.judging.reference import reference as reference_of
 from polhode.runs.integrate import integrate
 from polhode.scenes import library

@@ -8,8 +8,8 @@ from typing import Any
 
 from polhode.common.provenance import digest
 from polhode.equations.equilibrium import at_rest
+from polhode.judging.comparison import compare
 from polhode.judging.conditioning import Conditioning, conditioning
-from polhode.judging.judgement import compare
 from polhode.judging.reference import Remembered
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers import number_types

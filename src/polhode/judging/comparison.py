@@ -1,0 +1,93 @@
+"""Anything judged: a run, somebody's file, columns, an array of states."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from polhode.common.arguments import of_kind
+from polhode.common.errors import BadInput
+from polhode.common.text import few
+from polhode.judging.certified import Certified
+from polhode.judging.conditioning import Conditioning
+from polhode.judging.judgement import SHOWN, AnyReference, Judgement
+from polhode.judging.reference import Reference, Remembered, TwoPrecisions, reference
+from polhode.judging.subject import of_run, of_table
+from polhode.judging.table import Table, read_table, table_of_columns, table_of_rows
+from polhode.numbers.number_types import NumberType
+from polhode.runs.request import choose_number
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes.scene import Scene
+
+MANY = 1000  # rows of a table that has a first answer
+
+
+def compare(
+    what: Trajectory | Table | str | Path | Sequence[Any] | Mapping[str, Any],
+    against: AnyReference | Scene | str | Path | None = None,
+    *,
+    number: str | NumberType | None = None,
+    digits: int | None = None,
+    at: Sequence[Any] | None = None,
+    columns: Sequence[str] | None = None,
+    known: Conditioning | None = None,
+    first: Callable[[Judgement, int], None] | None = None,
+) -> Judgement:
+    """Judge a run, a trajectory file, columns or an array of states against a reference.
+
+    ``what``: a Trajectory; the path of a CSV file with a column t and any of p q r gamma1 gamma2
+    gamma3 psi theta phi q0 q1 q2 q3; the same columns as a mapping of names to arrays, a pandas
+    DataFrame or an xarray Dataset; or rows of numbers, which hold at the times ``at`` and have
+    the columns ``columns`` (those of the scene unless given).  ``against``: a reference, or the
+    scene whose reference it is; of a run its own scene unless given.  ``number`` (and ``digits`` of
+    mp): the type whose rounded values a file's decimals, or the rows, are; rows of doubles are
+    known as such.  ``known``: the scene's conditioning, to spare its computation.
+    ``first``: called with a judgement of a few rows of a file of more than a thousand, and how many
+    those are, before the others are judged.
+
+    Raises BadInput for what cannot be read or judged.
+
+    >>> import polhode
+    >>> scene = polhode.load("lagrange/nutation").at((1,))
+    >>> rows = [[float(x) for x in polhode.reference(scene).at([1], 20)[0]]]
+    >>> found = polhode.compare(rows, scene, at=[1], number="double")
+    >>> 15.4 < found.worst <= 16, found.limit
+    (True, 'rounding')
+    >>> rows[0][0] += 1e-6  # in p, where the largest |omega| is that at t = 1
+    >>> 6 < polhode.compare(rows, scene, at=[1]).worst < 7
+    True
+    """
+    if against is None:
+        if not isinstance(what, Trajectory):
+            raise BadInput("compare", "against", None, "a reference, or a scene")
+        against = what.scene
+    kinds = (Reference, Certified, TwoPrecisions, Remembered, Scene, str, Path)
+    of_kind("compare", "against", against, kinds, "a reference, or a scene")
+    if isinstance(against, (Scene, str, Path)):
+        against = reference(against)
+    if isinstance(what, Trajectory):
+        found = Judgement(of_run(what), against, known)
+    else:
+        scene = against.scene
+        if digits is not None and number is None:
+            raise BadInput(scene.name, "digits", digits, "number given with it: mp")
+        kind = None if number is None else choose_number(scene, number, digits)
+        if isinstance(what, (str, Path)):
+            what = read_table(Path(what), kind)
+        elif hasattr(what, "keys"):
+            what = table_of_columns(what, kind)
+        elif not isinstance(what, Table):
+            named = scene.columns if columns is None else columns
+            what = table_of_rows(what, at, named, kind)
+        rows_there = len(what.times)
+        if first is not None and rows_there > MANY:
+            some = of_table(what.some(few(rows_there, SHOWN)), scene)
+            first(Judgement(some, against), rows_there)
+        found = Judgement(of_table(what, scene), against, known)
+    about = found.subject
+    if not (about.columns or about.angles or about.attitude):
+        expected = f"columns of {', '.join(found.reference.scene.columns)}, angles or attitude"
+        raise BadInput(about.name, "header", None, expected)
+    _ = found.digits  # what cannot be judged is refused here
+    return found
