@@ -12,6 +12,7 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.dynamics import section_states as geometry
+from polhode.dynamics.kept import Kept
 from polhode.scenes import scene_file
 
 EPS = 2.0**-52
@@ -343,3 +344,17 @@ def test_what_is_no_section_is_refused(asked, message):
 def test_a_permanent_rotation_is_no_start():
     with pytest.raises(polhode.BadInput, match="a permanent rotation, which crosses no section"):
         polhode.section("staude/unstable", starts="scene")
+
+
+def test_no_two_commands_share_a_folder(tmp_path):
+    """The second one is refused while the first is at work, and not after it."""
+    one = Kept(tmp_path / "jobs", "section", "key")
+    one.save(0, {"x": np.zeros(1)})
+    with pytest.raises(polhode.BadInput, match="no other command at work here"):
+        Kept(tmp_path / "jobs", "section", "key")
+    one.release()
+    with Kept(tmp_path / "jobs", "section", "key") as again:
+        assert again.load(0)["x"].shape == (1,)
+        assert again.load(1) is None
+    with pytest.raises(polhode.BadInput, match="the jobs of this very command"):
+        Kept(tmp_path / "jobs", "map", "key")

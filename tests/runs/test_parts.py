@@ -14,8 +14,8 @@ import pytest
 
 import polhode
 from polhode.common.values import same
-from polhode.runs import parts
-from polhode.taylor import batches
+from polhode.runs import kept_folder, parts
+from polhode.taylor import batch_jobs, batches
 from polhode.taylor.outcomes import Outcome
 
 VARY = {"start.omega[3]": "1:4:12", "body.weight": ["1", "sqrt(2)"]}
@@ -47,7 +47,7 @@ def interrupted_sweep(folder: Path, jobs: int, number: str = "double") -> polhod
             return solve(job, stop)
         while not stop():
             time.sleep(0.001)
-        return batches.Solved.none_of(job)
+        return batch_jobs.Solved.none_of(job)
 
     def progress(*_: Any) -> None:
         if next(done) == jobs:
@@ -146,18 +146,18 @@ def test_two_sweeps_do_not_share_a_folder(tmp_path):
 
 
 def test_a_disk_that_fills_ends_the_sweep_and_keeps_what_was_written(tmp_path, monkeypatch):
-    folder, whole, write = tmp_path / "parts", swept(None), parts.write_whole
+    folder, whole, write = tmp_path / "parts", swept(None), kept_folder.write_whole
 
     def full(texts: Any) -> None:
         if any(path.name == "part-00001.npz" for path in texts):
             raise polhode.BadInput("part", "file", None, "a place to write to (No space left)")
         write(texts)
 
-    monkeypatch.setattr(parts, "write_whole", full)
+    monkeypatch.setattr(kept_folder, "write_whole", full)
     with pytest.raises(polhode.BadInput, match="No space left"):
         swept(folder)
     assert [path.name for path in sorted(folder.iterdir())] == ["manifest.json", "part-00000.npz"]
-    monkeypatch.setattr(parts, "write_whole", write)
+    monkeypatch.setattr(kept_folder, "write_whole", write)
     assert alike(swept(folder), whole)
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from concurrent.futures import Executor
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -157,17 +158,18 @@ def chaos_map(
     key = repr((scene.text, length, looks, tol, starts.tobytes(), coefficients.tobytes()))
     kept = None if parts is None else Kept(parts, "map", key)
     sizes = [len(job.starts) for job in jobs]
-    results, interrupted = carried_out(
-        tangents.solve,
-        jobs,
-        sizes,
-        workers,
-        executor,
-        kept,
-        lambda found: found._asdict(),
-        lambda held: tangents.Followed(**held),
-        progress,
-    )
+    with kept or nullcontext():
+        results, interrupted = carried_out(
+            tangents.solve,
+            jobs,
+            sizes,
+            workers,
+            executor,
+            kept,
+            lambda found: found._asdict(),
+            lambda held: tangents.Followed(**held),
+            progress,
+        )
     rows = np.concatenate(
         [np.full(n, found is not None) for n, found in zip(sizes, results, strict=True)]
     )

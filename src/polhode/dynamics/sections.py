@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from concurrent.futures import Executor
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -133,18 +134,19 @@ def section(
     jobs = _jobs(asked, on, zero, direction, count, found.states)
     key = repr((scene.text, str(asked[1:]), count, direction, found.states.tobytes()))
     kept = None if parts is None else Kept(parts, "section", key)
-    results, interrupted = carried_out(
-        taylor.solve,
-        jobs,
-        [len(job.starts) for job in jobs],
-        workers or _workers(len(jobs), count),
-        executor,
-        kept,
-        _packed,
-        _unpacked,
-        progress,
-        processes=True,
-    )
+    with kept or nullcontext():
+        results, interrupted = carried_out(
+            taylor.solve,
+            jobs,
+            [len(job.starts) for job in jobs],
+            workers or _workers(len(jobs), count),
+            executor,
+            kept,
+            _packed,
+            _unpacked,
+            progress,
+            processes=True,
+        )
     rows = np.concatenate(
         [np.full(len(job.starts), r is not None) for job, r in zip(jobs, results, strict=True)]
     )

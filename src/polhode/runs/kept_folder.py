@@ -1,0 +1,119 @@
+"""Finished work of one computation in a folder: what was killed goes on from there.
+
+``manifest.json`` says which computation it is, by a fingerprint of all that decides the results.
+Pieces beside it are whole NPZ files of plain arrays.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Self
+
+from polhode.common.errors import BadInput
+from polhode.common.files import make_folder, write_whole
+from polhode.common.provenance import versions
+
+MANIFEST = "manifest.json"
+_SAME = ("polhode", "heyoka", "numpy")  # packages whose versions must be the same, too
+
+
+class KeptFolder:
+    """The pieces in ``folder``, which is made when there is something to keep.
+
+    ``manifest``: what they belong to.  ``words``: how pieces and computation are called.  Raises
+    BadInput where the folder holds anything else, or another process works in it.
+    """
+
+    def __init__(self, folder: Path, manifest: Mapping[str, str], words: tuple[str, str]) -> None:
+        self.folder, self._words = folder, words
+        self._manifest = {**manifest, "versions": {name: versions()[name] for name in _SAME}}
+        self._lock: Any = None
+        if folder.exists():
+            self._check()
+            self._hold()
+
+    def read(self, path: Path, names: Sequence[str] = ()) -> dict[str, Any] | None:
+        """A piece's arrays, all or those of ``names``.
+
+        None where it is not there, or cannot be read: it is made again.
+        """
+        import numpy as np
+
+        try:
+            with np.load(path, allow_pickle=False) as held:
+                return {name: held[name] for name in names or held.files}
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+            path.unlink(missing_ok=True)
+            return None
+
+    def write(self, name: str, arrays: Mapping[str, Any]) -> None:
+        """One more piece, whole; raises BadInput where that cannot be."""
+        import numpy as np
+
+        if self._lock is None:
+            make_folder(self.folder)
+            write_whole({self.folder / MANIFEST: json.dumps(self._manifest, indent=1) + "\n"})
+            self._hold()
+        held = io.BytesIO()
+        np.savez(held, **arrays)
+        write_whole({self.folder / name: held.getvalue()})
+
+    def pieces(self) -> list[Path]:
+        """The files there are, by name."""
+        return sorted(self.folder.glob("[a-z]*-[0-9]*.npz"))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
+
+    def release(self) -> None:
+        """No more pieces come from here."""
+        if self._lock is not None:
+            self._lock.close()
+            self._lock = None
+
+    def remove(self) -> None:
+        """The whole result is written: the pieces go, the manifest last."""
+        self.release()
+        unfinished = self.folder.glob(".*.npz.*")  # of a process that was killed
+        for path in [*self.pieces(), *unfinished, self.folder / MANIFEST]:
+            path.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # somebody else's files, which stay
+            self.folder.rmdir()
+
+    def _check(self) -> None:
+        try:
+            found = json.loads((self.folder / MANIFEST).read_text())
+        except (OSError, ValueError):
+            if self.folder.is_dir() and not any(self.folder.iterdir()):
+                return
+            found = None
+        if found != self._manifest:
+            pieces, work = self._words
+            expected = f"the {pieces} of this very {work}; remove the folder to start afresh"
+            raise BadInput(str(self.folder), "parts", None, expected)
+
+    def _hold(self) -> None:
+        """Let no other process work here; the system ends this with the process."""
+        path = self.folder / MANIFEST
+        if not path.exists():
+            return
+        self._lock = path.open("rb")
+        try:
+            import fcntl
+        except ImportError:  # a system without such locks
+            return
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            expected = f"no other {self._words[1]} at work here"
+            raise BadInput(str(self.folder), "parts", None, expected) from None
