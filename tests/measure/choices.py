@@ -37,7 +37,7 @@ from polhode.runs.run import Run
 from polhode.runs.setup import asked, setup
 from polhode.scenes import library, scene_file
 from polhode.studies.long_run import rows as long_run
-from polhode.taylor import batches, heyoka_numbers, policy
+from polhode.taylor import batch_jobs, batches, heyoka_numbers, policy
 
 SCENE = (
     "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
@@ -351,7 +351,7 @@ def sweeps() -> None:
 def _solved(plan: Any) -> None:
     for group in plan.groups(batches.width(plan.number), 16):
         batches.solve(
-            batches.BatchJob(
+            batch_jobs.BatchJob(
                 plan.names,
                 plan.number,
                 None,

@@ -11,7 +11,7 @@ from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import Outcome, code
 
 if TYPE_CHECKING:
-    from polhode.taylor.batches import BatchJob, Solved
+    from polhode.taylor.batch_jobs import BatchJob, Solved
 
 
 class Job(NamedTuple):
@@ -50,10 +50,10 @@ def solve(job: Job, stop: Callable[[], bool] | None = None) -> Solved:
     """The members' results, as those of steps are; ``stop`` keeps members from the end."""
     import numpy as np
 
-    from polhode.taylor import batches
+    from polhode.taylor import batch_jobs, batches
 
     steps = job.steps
-    found = batches.Solved.none_of(steps)
+    found = batch_jobs.Solved.none_of(steps)
     found.errors = [None] * steps.lanes.many
     for k, member in enumerate(job.members):
         if stop is not None and stop():

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.taylor.batches import Solved
+    from polhode.taylor.batch_jobs import Solved
 
 #: Called with the fraction of the members that are done, and how many.
 Progress = Callable[[float, int], None]
@@ -312,14 +312,14 @@ def _solve(
     method: str,
 ) -> float:
     """Integrate the members that are not done; the seconds of compiling."""
-    from polhode.taylor import batches
+    from polhode.taylor import batch_jobs, batches
 
     size = batches.width(plan.number)
     wanted = results.left  # whole batches of lanes: the others' results do not depend on them
     groups = [group[wanted[group]] for group in plan.groups(size, _jobs(plan))]
     groups = [group for group in groups if len(group)]
     steps = [
-        batches.BatchJob(
+        batch_jobs.BatchJob(
             plan.names,
             plan.number,
             plan.tolerance,

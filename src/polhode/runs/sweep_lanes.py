@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from polhode.scenes.many import Block, Column, Vector
-    from polhode.taylor.batches import Lanes
+    from polhode.taylor.batch_jobs import Lanes
 
 BLOCK = 1 << 16  # members that are read at once: a bound on what planning holds
 _NEXT_POWER = 1 - 2.0**-9  # from this part of a power of two on, eight bits round to it
@@ -49,7 +49,7 @@ def lanes_of(
     """
     import numpy as np
 
-    from polhode.taylor.batches import Lanes
+    from polhode.taylor.batch_jobs import Lanes
 
     count, columns = len(members), len(members.scene.columns)
     kind: Any = {"double": np.float64, "extended": np.longdouble}.get(number.name, object)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.taylor.batches import Lanes
+    from polhode.taylor.batch_jobs import Lanes
 
 MAX_NUMBERS = 10**8  # in all states together: 0.8 GB of doubles
 

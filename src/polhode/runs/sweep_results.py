@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.taylor.batches import Solved
+    from polhode.taylor.batch_jobs import Solved
 
 
 class Results:
