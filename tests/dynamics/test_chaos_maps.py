@@ -161,7 +161,7 @@ def test_map_verb(tmp_path, capsys):
     for what in ("fli", "verdict"):
         assert main([*command, "--what", what, "-o", str(figure)]) == 0
         assert "0 chaotic" in figure.read_text()
-    assert not list(tmp_path.glob("*.part"))
+    assert not list(tmp_path.glob("*.parts"))
 
 
 @pytest.mark.parametrize(

@@ -242,7 +242,7 @@ def test_an_executor_and_parts_give_the_same(tmp_path):
     plain = polhode.section(GENERIC, **asked)
     with ThreadPoolExecutor(1) as pool:
         assert (polhode.section(GENERIC, executor=pool, **asked).states == plain.states).all()
-    folder = tmp_path / "x.npz.part"
+    folder = tmp_path / "x.npz.parts"
     polhode.section(GENERIC, parts=folder, **asked)
     jobs = sorted(folder.glob("job-*.npz"))
     assert len(jobs) == 2
@@ -290,7 +290,7 @@ def test_section_verb(tmp_path, capsys):
     with np.load(held) as arrays:
         assert arrays["state"].shape == (6, 6, 7)
         assert arrays["time"][0].tolist() == found["times"][0]
-    assert not list(tmp_path.glob("*.part"))
+    assert not list(tmp_path.glob("*.parts"))
     pytest.importorskip("matplotlib")
     assert main([*command, "-o", str(figure)]) == 0
     assert "orbit 6" in figure.read_text()

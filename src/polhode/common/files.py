@@ -8,6 +8,7 @@ stream and stays what it is.
 from __future__ import annotations
 
 import errno
+import io
 import os
 import select
 import stat
@@ -16,6 +17,7 @@ import tempfile
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from polhode.common.errors import BadInput, StdoutFault
 from polhode.common.interrupts import delayed
@@ -107,6 +109,15 @@ def _write_whole(texts: Mapping[Path, str | bytes]) -> None:
     finally:
         for temporary in staged.values():
             Path(temporary).unlink(missing_ok=True)
+
+
+def npz(arrays: Mapping[str, Any], packed: bool = False) -> bytes:
+    """The bytes of an NPZ file."""
+    import numpy as np
+
+    held = io.BytesIO()
+    (np.savez_compressed if packed else np.savez)(held, **arrays)
+    return held.getvalue()
 
 
 def check_writable(

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.common.files import check_writable, read_whole, write_whole
+from polhode.common.files import check_writable, npz, read_whole, write_whole
 from polhode.common.values import same
 from polhode.numbers import expression
 from polhode.numbers.convert import number_value
@@ -70,9 +70,7 @@ def save(run: Trajectory, path: str | Path) -> None:
         held[f"event{k}_states"] = _texts(event.states, run.number)
         held[f"event{k}_grazing"] = np.array(event.grazing, dtype=bool)
     held["about"] = np.array(as_json(about))
-    out = io.BytesIO()
-    np.savez_compressed(out, **held)
-    write_whole({path: out.getvalue()})
+    write_whole({path: npz(held, packed=True)})
 
 
 def load_run(path: str | Path) -> Trajectory:

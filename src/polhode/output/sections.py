@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import io
-from pathlib import Path
 from typing import Any
 
-from polhode.common.files import is_stream, write_whole
 from polhode.dynamics.sections import Section
 from polhode.numbers.decimals import shown
 from polhode.output import results
@@ -58,17 +55,3 @@ def _about(found: Section) -> dict[str, Any]:
         "drift": found.drift,
         "complete": found.complete,
     }
-
-
-def write_arrays(path: Path, held: dict[str, Any]) -> None:
-    """Write arrays as an NPZ file, whole."""
-    import numpy as np
-
-    out = io.BytesIO()
-    np.savez(out, **held)
-    write_whole({path: out.getvalue()})
-
-
-def parts_of(path: Path) -> Path | None:
-    """The folder beside an output that keeps finished jobs; None beside a stream."""
-    return None if is_stream(path) else path.with_name(path.name + ".part")

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import io
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.files import check_writable, is_stream, write_whole
+from polhode.common.files import check_writable, is_stream, npz, write_whole
 from polhode.common.interrupts import delayed
 from polhode.equations.integrals import Drift
 from polhode.numbers import decimals
@@ -60,11 +59,6 @@ def check_path(path: Path, inputs: Sequence[Path | None] = ()) -> None:
         check_writable(path, [".npz", ".csv"], inputs)
 
 
-def parts_of(path: Path) -> Path | None:
-    """The folder beside an output in which a sweep keeps what is done; None beside a stream."""
-    return None if is_stream(path) else path.with_name(path.name + ".parts")
-
-
 def write(path: Path, found: Ensemble) -> None:
     """Write an ensemble whole, by the path's ending; raises BadInput.
 
@@ -80,11 +74,7 @@ def write(path: Path, found: Ensemble) -> None:
 
 def _write(path: Path, found: Ensemble) -> None:
     if path.suffix.lower() == ".npz":
-        import numpy as np
-
-        held = io.BytesIO()
-        np.savez(held, **arrays(found))
-        write_whole({path: held.getvalue()})
+        write_whole({path: npz(arrays(found))})
         return
     results.write_table(path, _rows(found), of_ensemble(found, states=False))
 

@@ -7,7 +7,6 @@ Pieces beside it are whole NPZ files of plain arrays.
 from __future__ import annotations
 
 import contextlib
-import io
 import json
 import zipfile
 from collections.abc import Mapping, Sequence
@@ -15,11 +14,16 @@ from pathlib import Path
 from typing import Any, Self
 
 from polhode.common.errors import BadInput
-from polhode.common.files import make_folder, write_whole
+from polhode.common.files import is_stream, make_folder, npz, write_whole
 from polhode.common.provenance import versions
 
 MANIFEST = "manifest.json"
 _SAME = ("polhode", "heyoka", "numpy")  # packages whose versions must be the same, too
+
+
+def beside(path: Path) -> Path | None:
+    """The folder beside an output in which finished work is kept; None beside a stream."""
+    return None if is_stream(path) else path.with_name(path.name + ".parts")
 
 
 class KeptFolder:
@@ -55,15 +59,11 @@ class KeptFolder:
 
     def write(self, name: str, arrays: Mapping[str, Any]) -> None:
         """One more piece, whole; raises BadInput where that cannot be."""
-        import numpy as np
-
         if self._lock is None:
             make_folder(self.folder)
             write_whole({self.folder / MANIFEST: json.dumps(self._manifest, indent=1) + "\n"})
             self._hold()
-        held = io.BytesIO()
-        np.savez(held, **arrays)
-        write_whole({self.folder / name: held.getvalue()})
+        write_whole({self.folder / name: npz(arrays)})
 
     def pieces(self) -> list[Path]:
         """The files there are, by name."""

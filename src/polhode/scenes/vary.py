@@ -201,6 +201,17 @@ def option(text: str, name: str) -> tuple[str, Sequence[Exact]]:
     return key.strip(), values(listed, key.strip(), name)
 
 
+def options(texts: Sequence[str], name: str) -> dict[str, Sequence[Exact]]:
+    """What all ``--vary`` say together; raises BadInput."""
+    varied: dict[str, Sequence[Exact]] = {}
+    for text in texts:
+        key, found = option(text, name)
+        if key in varied:
+            raise BadInput(name, "--vary", text, f"{key} once")
+        varied[key] = found
+    return varied
+
+
 def values(text: str, key: str, name: str) -> Sequence[Exact]:
     """The numbers of ``FROM:TO:N`` (N of them, evenly spaced, ends included) or of ``a,b,c``."""
     try:

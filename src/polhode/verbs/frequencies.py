@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from pathlib import Path
 
 from polhode.common.errors import BadInput
 from polhode.scenes import library
@@ -13,7 +12,6 @@ from polhode.verbs.terminal import (
     positive,
     print_json,
     print_table,
-    refuse_two_on_stdout,
 )
 
 HELP = "frequency analysis (Laskar) of a motion, from a scene or a trajectory file"
@@ -31,31 +29,24 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Find the lines and print them."""
-    from polhode.common.files import check_writable, is_stdout, write_whole
     from polhode.dynamics.frequencies import LINES, frequencies
     from polhode.figures import canvas
+    from polhode.figures import frequencies as figure
     from polhode.output import frequencies as output
+    from polhode.verbs.answer_file import answer_file
 
-    path = None if options.file is None else Path(options.file)
-    if path is not None:
-        inputs = [library.path_of(options.what_of)]
-        check_writable(path, canvas.SUFFIXES, inputs)
-        refuse_two_on_stdout(path, options.json)
-        canvas.require()
+    inputs = [library.path_of(options.what_of)]
+    file = answer_file(options.file, canvas.SUFFIXES, inputs, options.json)
     of = None if options.of is None else [name.strip() for name in options.of.split(",")]
     if of is not None and "" in of:
         raise BadInput(options.what_of, "--of", options.of, "names of signals, commas between")
     found = frequencies(options.what_of, of, options.end, options.lines or LINES)
-    if path is not None:
-        from polhode.figures import frequencies as figure
-
-        suffix = path.suffix.lower() if path.suffix.lower() in canvas.SUFFIXES else ".svg"
-        title = f"polhode: frequencies of {found.name}"
-        write_whole({path: canvas.drawn(figure.draw, found, suffix, title)})
+    if file is not None:
+        file.draw(figure.draw, found, f"polhode: frequencies of {found.name}")
     if options.json:
         print_json(output.of_frequencies(found))
         return DONE
-    if path is not None and is_stdout(path):
+    if file is not None and file.on_stdout:
         return DONE
     rows = []
     for signal, lines in found.lines.items():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
@@ -11,7 +10,7 @@ from polhode.numbers import expression
 from polhode.numbers.convert import to_double
 from polhode.numbers.expression import ExpressionError
 from polhode.scenes import library
-from polhode.verbs.terminal import DONE, print_json, print_table, refuse_two_on_stdout, say
+from polhode.verbs.terminal import DONE, print_json, print_table, say
 
 if TYPE_CHECKING:
     from polhode.dynamics.levels import Levels
@@ -31,54 +30,30 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Print the special points and the scene's level; draw the diagram."""
-    from polhode.common.files import check_writable, is_stdout
     from polhode.dynamics.levels import levels
+    from polhode.figures import canvas
+    from polhode.figures import levels as figure
     from polhode.output import levels as output
+    from polhode.verbs.answer_file import ARRAYS, answer_file
 
     scene = library.load(options.scene)
     ranges = [
         None if text is None else _range(scene.name, f"--{key}", text)
         for key, text in (("f", options.f), ("h", options.h))
     ]
-    path = None if options.file is None else Path(options.file)
-    if path is not None:
-        from polhode.figures import canvas
-
-        check_writable(path, [*canvas.SUFFIXES, ".npz"], [library.path_of(options.scene)])
-        refuse_two_on_stdout(path, options.json)
-        if path.suffix.lower() != ".npz":
-            canvas.require()
+    kinds, inputs = (*canvas.SUFFIXES, ARRAYS), [library.path_of(options.scene)]
+    file = answer_file(options.file, kinds, inputs, options.json)
     found = levels(scene)
-    if path is not None:
-        _write(path, found, ranges)
+    if file is not None and file.holds_arrays:
+        file.save(output.arrays(found))
+    elif file is not None:
+        shown = figure.Diagram(found, figure.window(found, *ranges))
+        file.draw(figure.draw, shown, f"polhode: levels of {scene.name}")
     if options.json:
         print_json(output.of_levels(found))
-    elif path is None or not is_stdout(path):
+    elif file is None or not file.on_stdout:
         _say(found)
     return DONE
-
-
-def _write(path: Path, found: Levels, ranges: list[tuple[float, float] | None]) -> None:
-    from polhode.common.files import write_whole
-
-    if path.suffix.lower() == ".npz":
-        import io
-
-        import numpy as np
-
-        from polhode.output import levels as output
-
-        held = io.BytesIO()
-        np.savez(held, **output.arrays(found))
-        write_whole({path: held.getvalue()})
-        return
-    from polhode.figures import canvas
-    from polhode.figures import levels as figure
-
-    suffix = path.suffix.lower() if path.suffix.lower() in canvas.SUFFIXES else ".svg"
-    what = figure.Diagram(found, figure.window(found, *ranges))
-    title = f"polhode: levels of {found.scene.name}"
-    write_whole({path: canvas.drawn(figure.draw, what, suffix, title)})
 
 
 def _say(found: Levels) -> None:

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from pathlib import Path
-from typing import Any
 
 from polhode.common.errors import BadInput
 from polhode.scenes import library
-from polhode.verbs.section import read_grid
+from polhode.verbs.section import level_options, read_grid
 from polhode.verbs.terminal import (
     DONE,
-    INTERRUPTED,
     Progress,
+    goes_on,
     note,
     positive,
     print_json,
-    refuse_two_on_stdout,
     say,
 )
 
@@ -32,41 +29,28 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("--end", metavar="T", help="how far: 1000 radians or so unless given")
     parser.add_argument("--by", help="momentum (default) or height: see polhode section")
     parser.add_argument("--extremum", help="max (default) or min")
-    for key in ("h", "f"):
-        parser.add_argument(f"--{key}", metavar="X", help=f"{key} of the level, if not the scene's")
     parser.add_argument("--tol", metavar="X", help="tolerance of a step (1e-8)")
     what = "what a figure shows: fli (default), megno, exponent or verdict"
     parser.add_argument("--what", choices=("fli", "megno", "exponent", "verdict"), help=what)
     parser.add_argument("--workers", type=positive, metavar="N", help="threads (all cores)")
-    output = "FILE.npz, or a figure .svg, .png, .pdf; what was stopped goes on from FILE.part"
-    parser.add_argument("-o", dest="file", metavar="FILE", help=output)
+    level_options(parser)
 
 
 def main(options: Namespace) -> int:
     """Follow the motions; print the counts, write the map."""
-    from polhode.common.files import check_writable, is_stdout, write_whole
     from polhode.dynamics.chaos_maps import TOLERANCE, chaos_map
     from polhode.figures import canvas
+    from polhode.figures import map as figure
     from polhode.output import maps as output
-    from polhode.output import sections
+    from polhode.runs import kept_folder
     from polhode.scenes import vary
+    from polhode.verbs.answer_file import ARRAYS, answer_file
 
     scene = library.load(options.scene)
     grid = None if options.grid is None else read_grid(scene.name, options.grid)
-    varied: dict[str, Any] | None = None
-    if options.vary:
-        varied = {}
-        for text in options.vary:
-            key, values = vary.option(text, scene.name)
-            if key in varied:
-                raise BadInput(scene.name, "--vary", text, f"{key} once")
-            varied[key] = values
-    path = None if options.file is None else Path(options.file)
-    if path is not None:
-        check_writable(path, [".npz", *canvas.SUFFIXES], [library.path_of(options.scene)])
-        refuse_two_on_stdout(path, options.json)
-        if path.suffix.lower() in canvas.SUFFIXES:
-            canvas.require()
+    varied = vary.options(options.vary, scene.name) if options.vary else None
+    kinds, inputs = (ARRAYS, *canvas.SUFFIXES), [library.path_of(options.scene)]
+    file = answer_file(options.file, kinds, inputs, options.json)
     with Progress("map") as progress:
         found = chaos_map(
             scene,
@@ -79,30 +63,25 @@ def main(options: Namespace) -> int:
             options.f,
             TOLERANCE if options.tol is None else _tolerance(scene.name, options.tol),
             options.workers,
-            parts=None if path is None else sections.parts_of(path),
+            parts=None if file is None else kept_folder.beside(file.path),
             progress=lambda fraction, done: progress.say(f"{100 * fraction:.0f} %, {done} motions"),
         )
-    if path is not None and not found.interrupted:
-        if path.suffix.lower() in canvas.SUFFIXES:
-            from polhode.figures import map as figure
-
-            shown = figure.Shown(found, options.what or "fli")
-            title = f"polhode: map of {scene.name}"
-            write_whole({path: canvas.drawn(figure.draw, shown, path.suffix.lower(), title)})
+    if file is not None and not found.interrupted:
+        if file.holds_arrays:
+            file.save(output.arrays(found))
         else:
-            sections.write_arrays(path, output.arrays(found))
+            shown = figure.Shown(found, options.what or "fli")
+            file.draw(figure.draw, shown, f"polhode: map of {scene.name}")
         if found.kept is not None:
             found.kept.remove()
     if options.json:
         print_json(output.of_map(found))
-    elif path is None or not is_stdout(path):
+    elif file is None or not file.on_stdout:
         for name, n in found.counts.items():
             say(f"{name:<10}{n:>8}  {100 * n / len(found.verdict):.1f} %")
     note(f"{scene.name}: {len(found.verdict)} motions, regular means up to t = {found.end:g}")
     if found.interrupted:
-        if found.kept is not None:
-            note(f"polhode: the same command goes on from {found.kept.folder}")
-        return INTERRUPTED
+        return goes_on(found.kept)
     return DONE
 
 

@@ -12,14 +12,13 @@ from polhode.common.errors import BadInput
 from polhode.scenes import library
 from polhode.verbs.terminal import (
     DONE,
-    INTERRUPTED,
     NOT_REACHED,
     Progress,
+    goes_on,
     note,
     positive,
     print_json,
     print_table,
-    refuse_two_on_stdout,
 )
 
 HELP = "crossings of a section by many orbits on one level of energy and area"
@@ -38,32 +37,34 @@ def options(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--starts", metavar="FILE", help=starts)
     parser.add_argument("--crossings", type=positive, metavar="N", help="of each orbit (500)")
+    parser.add_argument("--workers", type=positive, metavar="N", help="processes (as many as pay)")
+    level_options(parser)
+
+
+def level_options(parser: ArgumentParser) -> None:
+    """The level, and the file of what is found on it."""
     for key in ("h", "f"):
         parser.add_argument(f"--{key}", metavar="X", help=f"{key} of the level, if not the scene's")
-    parser.add_argument("--workers", type=positive, metavar="N", help="processes (as many as pay)")
-    output = "FILE.npz, or a figure .svg, .png, .pdf; what was stopped goes on from FILE.part"
+    output = "FILE.npz, or a figure .svg, .png, .pdf; what was stopped goes on from FILE.parts"
     parser.add_argument("-o", dest="file", metavar="FILE", help=output)
 
 
 def main(options: Namespace) -> int:
     """Follow the orbits, print or write their crossings."""
-    from polhode.common.files import check_writable, is_stdout, write_whole
     from polhode.dynamics.section_starts import OWN, read_starts
     from polhode.dynamics.sections import section
     from polhode.figures import canvas
+    from polhode.figures import section as figure
     from polhode.output import sections as output
+    from polhode.runs import kept_folder
+    from polhode.verbs.answer_file import ARRAYS, answer_file
 
     scene = library.load(options.scene)
     grid = None if options.grid is None else read_grid(scene.name, options.grid)
     if grid is not None and options.starts is not None:
         raise BadInput(scene.name, "--starts", options.starts, "either --grid or --starts")
-    path = None if options.file is None else Path(options.file)
-    if path is not None:
-        inputs = [library.path_of(options.scene)]
-        check_writable(path, [".npz", *canvas.SUFFIXES], inputs)
-        refuse_two_on_stdout(path, options.json)
-        if path.suffix.lower() in canvas.SUFFIXES:
-            canvas.require()
+    kinds, inputs = (ARRAYS, *canvas.SUFFIXES), [library.path_of(options.scene)]
+    file = answer_file(options.file, kinds, inputs, options.json)
     given: Any = options.starts
     if given not in (None, OWN):
         given = read_starts(Path(given))
@@ -78,31 +79,26 @@ def main(options: Namespace) -> int:
             options.h,
             options.f,
             options.workers,
-            parts=None if path is None else output.parts_of(path),
+            parts=None if file is None else kept_folder.beside(file.path),
             progress=lambda fraction, done: progress.say(f"{100 * fraction:.0f} %, {done} orbits"),
         )
-    if path is not None and not found.interrupted:
-        if path.suffix.lower() in canvas.SUFFIXES:
-            from polhode.figures import section as figure
-
-            title = f"polhode: section of {scene.name}"
-            write_whole({path: canvas.drawn(figure.draw, found, path.suffix.lower(), title)})
+    if file is not None and not found.interrupted:
+        if file.holds_arrays:
+            file.save(output.arrays(found))
         else:
-            output.write_arrays(path, output.arrays(found))
+            file.draw(figure.draw, found, f"polhode: section of {scene.name}")
         if found.kept is not None:
             found.kept.remove()
     if options.json:
         print_json(output.of_section(found))
-    elif path is None:
+    elif file is None:
         print_table(*table(found))
-    elif is_stdout(path):
+    elif file.on_stdout:
         return DONE
     told = Counter(found.outcomes)
     note(f"{scene.name}: {found!r}; " + ", ".join(f"{name} in {n}" for name, n in told.items()))
     if found.interrupted:
-        if found.kept is not None:
-            note(f"polhode: the same command goes on from {found.kept.folder}")
-        return INTERRUPTED
+        return goes_on(found.kept)
     return DONE if found.complete else NOT_REACHED
 
 

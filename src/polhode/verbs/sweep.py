@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
-from typing import Any
 
-from polhode.common.errors import BadInput
 from polhode.scenes import library
 from polhode.verbs.terminal import (
     DONE,
-    INTERRUPTED,
     NOT_REACHED,
     Progress,
+    goes_on,
     note,
     positive,
     print_json,
@@ -55,18 +53,14 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Integrate many variants of a scene."""
     from polhode.output import sweeps
+    from polhode.runs import kept_folder
     from polhode.runs.sweep import integrate_many
     from polhode.scenes import vary
 
     scene = library.load(options.scene)
     if options.at is not None:
         scene = scene.at(read_times(scene, options.at))
-    varied: dict[str, Any] = {}
-    for text in options.vary:
-        key, values = vary.option(text, scene.name)
-        if key in varied:
-            raise BadInput(scene.name, "--vary", text, f"{key} once")
-        varied[key] = values
+    varied = vary.options(options.vary, scene.name)
     path = None if options.file is None else Path(options.file)
     if path is not None:
         sweeps.check_path(path, [library.path_of(options.scene)])
@@ -81,7 +75,7 @@ def main(options: Namespace) -> int:
             max_steps=options.max_steps,
             method=options.method,
             workers=options.workers,
-            parts=None if path is None else sweeps.parts_of(path),
+            parts=None if path is None else kept_folder.beside(path),
             progress=lambda fraction, done: progress.show(fraction, done, "members"),
         )
     if path is not None:
@@ -108,7 +102,5 @@ def main(options: Namespace) -> int:
             first = found.outcomes.index(outcome)
             note(f"polhode: {found.members[first].name}: {outcome.cause}{advice}")
     if found.interrupted:
-        if found.parts is not None:
-            note(f"polhode: the same command goes on from {found.parts.folder}")
-        return INTERRUPTED
+        return goes_on(found.parts)
     return DONE if found.done else NOT_REACHED

@@ -21,6 +21,7 @@ from polhode.numbers import expression
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 from polhode.output import results
+from polhode.runs.kept_folder import KeptFolder
 from polhode.scenes.scene import Scene
 
 DONE, FAILED, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 1, 2, 3, 130
@@ -138,6 +139,13 @@ def print_table(header: Any, rows: Any) -> None:
 def note(text: str) -> None:
     """A line on stderr."""
     print(printable(text), file=sys.stderr)
+
+
+def goes_on(kept: KeptFolder | None) -> int:
+    """The exit code of work that was interrupted; a line says what is kept of it."""
+    if kept is not None:
+        note(f"polhode: the same command goes on from {kept.folder}")
+    return INTERRUPTED
 
 
 class Progress:
