@@ -182,6 +182,9 @@ def _table(
 ) -> Table:
     found: dict[str, list[Fraction | None]] = {known.name: [] for known in named if known.name}
     printed = 1
+    beside = _beside(path)
+    bits = beside.get("t_bits")
+    held = NumberType("mp", bits) if isinstance(bits, int) and bits > 1 else None
     for line, cells in rows:
         if len(cells) != len(header):
             raise BadInput(f"{path}:{line}", "line", ",".join(cells), f"{len(header)} values")
@@ -197,12 +200,14 @@ def _table(
                 raise BadInput(f"{path}:{line}", name, cell, "a finite decimal number") from None
             if name != "t":
                 printed = max(printed, _significant(cell))
+            elif held:
+                value = held.rounded(value)
             value = number.rounded(value) if number else value
             found[name].append(_radians(value) if degrees else value)
     times = [t for t in found.pop("t") if t is not None]
     ignored = tuple(text for text, known in zip(header, named, strict=True) if known.name is None)
     columns = {name: tuple(values) for name, values in found.items()}
-    return Table(str(path), tuple(times), columns, ignored, printed, number, _projected(path))
+    return Table(str(path), tuple(times), columns, ignored, printed, number, _projected(beside))
 
 
 def _exactly(value: Any) -> Fraction:
@@ -220,13 +225,18 @@ def _degree() -> Fraction:
     return exact.binary(*exact.rounded(exact.pi() / 180, 3700))
 
 
-def _projected(path: Path) -> bool:
-    """Whether the JSON that polhode wrote beside a file says that its integrals were projected."""
+def _beside(path: Path) -> dict[str, Any]:
+    """What the JSON that polhode wrote beside a file says; empty where there is none."""
     try:
         found = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        return False
-    projection = found.get("projection") if isinstance(found, dict) else None
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _projected(beside: dict[str, Any]) -> bool:
+    """Whether the integrals were projected."""
+    projection = beside.get("projection")
     if not isinstance(projection, dict):
         return False
     return bool(projection.get("count")) and "h" in projection.get("onto", ())
