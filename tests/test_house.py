@@ -29,12 +29,12 @@ def test_linters_find_nothing(command):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_the_readme_prints_the_enforced_layers():
-    """Every room of the layer contract stands in the README's table, on the same floor."""
+def test_contributing_prints_the_enforced_layers():
+    """Every room of the layer contract stands in CONTRIBUTING's table, on the same floor."""
     with (TOP / "pyproject.toml").open("rb") as file:
         contracts = tomllib.load(file)["tool"]["importlinter"]["contracts"]
     enforced = [set(re.split(r"[ :|]+", layer)) for layer in contracts[0]["layers"]]
-    rows = re.findall(r"^\| (\d+) \| (.*?) \|", (TOP / "README.md").read_text(), re.M)
+    rows = re.findall(r"^\| (\d+) \| (.*?) \|", (TOP / "CONTRIBUTING.md").read_text(), re.M)
     assert len(rows) == len(enforced)
     for (_, rooms), layer in zip(rows, enforced, strict=True):
         assert set(re.findall(r"`(\w+)/?`", rooms)) == layer

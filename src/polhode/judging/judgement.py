@@ -363,8 +363,19 @@ def _wording(found: Judgement) -> str:
         lines.append(f"drift {found.drift}")
     if found.subject.projected and found.subject.run is not None:
         lines.append(f"projected {found.subject.run.projection}")
-    lines += [f"not judged: {note}" for note in found.notes]
+    lines += [f"not judged: {note}" for note in _together(found.notes)]
     return "\n".join(lines)
+
+
+def _together(notes: tuple[str, ...]) -> list[str]:
+    """Notes, those about columns that are not in the file as one, in the first one's place."""
+    missing = [k for k, note in enumerate(notes) if note.endswith(" is not in the file")]
+    if len(missing) < 2:
+        return list(notes)
+    names = " ".join(notes[k].split()[1] for k in missing)
+    told = [note for k, note in enumerate(notes) if k not in missing[1:]]
+    told[missing[0]] = f"columns {names} are not in the file"
+    return told
 
 
 def _time(t: Fraction, number: NumberType) -> str:
