@@ -122,7 +122,7 @@ def test_every_key_shape_family_and_name_is_told():
 
 
 def test_the_seven_jobs_are_as_short_as_promised(folder):
-    """Six lines of one's own for a convergence plot, eight of a scene, one command, a small page."""
+    """Six lines for a convergence plot, eight of a scene, one command for a small page."""
     (scene,) = (text for language, text, _ in blocks("jobs") if language == "toml")
     assert len(scene.splitlines()) == 8
     (start,) = (x for x in blocks("start") if "cone.toml" in x[2])
@@ -151,7 +151,10 @@ def test_the_options_that_the_guide_names_exist():
     parser = cli._parser()
     verbs = next(a for a in parser._actions if a.dest == "verb").choices
     known = {option for verb in verbs.values() for option in verb._option_string_actions}
-    assert set(re.findall(r"(?<![\w`-])--[a-z][a-z-]+", texts)) <= known | {"--help", "--print-completion"}
+    assert set(re.findall(r"(?<![\w`-])--[a-z][a-z-]+", texts)) <= known | {
+        "--help",
+        "--print-completion",
+    }
 
 
 def test_the_table_of_verbs_is_the_programs(capsys):

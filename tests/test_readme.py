@@ -153,7 +153,6 @@ def test_numbers_from_the_report_are_those_of_the_report() -> None:
 def test_the_table_of_who_is_ahead_counts_every_race() -> None:
     """From the rows themselves: the seconds of polhode and of its fastest peer in each cell."""
     from measure import readme
-
     from polhode.studies import report
 
     cells = report.results(TOP / "reports", "speed")["cells"]

@@ -256,19 +256,17 @@ def test_a_figure_is_drawn_into_axes_that_are_given():
 @pytest.mark.parametrize("width", [400, 1400])
 def test_a_browser_draws_it(tmp_path, width):
     """Body, path and hodographs are there, and nothing is wider than the window."""
-    browser = shutil.which("chromium") or shutil.which("google-chrome")
+    from measure import frames
+
+    browser = frames.browser()
     if browser is None:
         pytest.skip("no browser here")
     from PIL import Image
 
     page, shot = tmp_path / "x.html", tmp_path / "x.png"
     polhode.view(TOP).save(page)
-    switches = (
-        "--headless --no-sandbox --no-first-run --disable-background-networking --disable-quic "
-        "--use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader --ignore-gpu-blocklist "
-        f"--disable-sync --virtual-time-budget=3000 --user-data-dir={tmp_path / 'profile'}"
-    )
-    command = [browser, *switches.split(), f"--window-size={width},1300"]
+    given = ["--virtual-time-budget=3000", f"--user-data-dir={tmp_path / 'profile'}"]
+    command = [browser, *frames.SWITCHES, *given, f"--window-size={width},1300"]
     address = f"{page.as_uri()}#t=9&play=0"
     subprocess.run([*command, f"--screenshot={shot}", address], capture_output=True, timeout=100)
     picture = np.array(Image.open(shot).convert("RGB")).astype(int)
@@ -280,3 +278,17 @@ def test_a_browser_draws_it(tmp_path, width):
     text = dom.stdout.decode()
     assert "t = 9.000" in text
     assert '<p id="fault" hidden="">' in text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [TOP, "euler/largest-axis"])
+def test_a_frame_is_cheap(name):
+    """A few calls of WebGL a thing drawn; the time that they take is measured by that script."""
+    from measure import frames
+
+    if frames.browser() is None:
+        pytest.skip("no browser here")
+    found = frames.cost(polhode.view(name), 1400)
+    assert 200 < found["calls"] < 420
+    assert 5_000 < found["triangles"] < 50_000
+    assert all(width > 600 for width in found["canvas"])

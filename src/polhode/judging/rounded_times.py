@@ -39,7 +39,9 @@ def reading(
         return None
     t = table.times[worst]
     state = np.array([to_double(x) for x in states[worst]])
-    speed = float(np.linalg.norm(field(scene)(0.0, state))) / float(max(np.abs(state).max(), 1e-300))
+    speed = float(np.linalg.norm(field(scene)(0.0, state))) / float(
+        max(np.abs(state).max(), 1e-300)
+    )
     for kind in (DOUBLE, EXTENDED, QUAD):
         moved = abs(to_double(kind.rounded(t) - t)) * speed
         if kind.printed_digits > max(table.printed, DOUBLE.printed_digits):
