@@ -35,10 +35,12 @@ def reading(
     ``worst``: the row whose error, ``error``, is the largest.  ``judged``: a table's fewest digits.
     """
     states = table.rows(scene.columns)
-    if table.number is not None or states is None or None in states[worst]:
+    if table.number is not None or states is None:
         return None
-    t = table.times[worst]
-    state = np.array([to_double(x) for x in states[worst]])
+    t, there = table.times[worst], [x for x in states[worst] if x is not None]
+    if len(there) < len(scene.columns):
+        return None
+    state = np.array([to_double(x) for x in there])
     speed = float(np.linalg.norm(field(scene)(0.0, state))) / float(
         max(np.abs(state).max(), 1e-300)
     )

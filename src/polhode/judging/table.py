@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
@@ -20,6 +20,7 @@ from polhode.numbers import exact, expression
 from polhode.numbers.convert import exact_number, exactly
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
+from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes.words import ANGLES, ATTITUDE, STATE
 
 MAX_BYTES = 1 << 30
@@ -57,8 +58,8 @@ class Table:
 
 
 def table_of_rows(
-    states: Sequence[Any],
-    at: Sequence[Any] | None,
+    states: Iterable[AnyVector],
+    at: Iterable[AnyNumber] | None,
     columns: Sequence[str],
     number: NumberType | None = None,
 ) -> Table:
