@@ -43,7 +43,7 @@ EXAMPLES = [
 
 def long(text: str) -> bool:
     """Whether an example takes long, or prints the last digits of doubles."""
-    return bool(re.match(r"\$ polhode (run|sweep|reference)", text))
+    return bool(re.match(r"\$ polhode (run|sweep|reference|section|map|check)", text))
 
 
 def without_seconds(text: str) -> str:
@@ -121,6 +121,21 @@ def test_every_key_shape_family_and_name_is_told():
     assert "<!--" not in scene + start + told
 
 
+def test_the_seven_jobs_are_as_short_as_promised(folder):
+    """Six lines for a convergence plot, eight of a scene, one command for a small page."""
+    (scene,) = (text for language, text, _ in blocks("jobs") if language == "toml")
+    assert len(scene.splitlines()) == 8
+    (start,) = (x for x in blocks("start") if "cone.toml" in x[2])
+    assert len(start[1].splitlines()) == 8
+    (plot,) = (text for _, kind, text, _ in EXAMPLES if kind == "python" and "savefig" in text)
+    own = plot.partition("\n\n\n")[2]
+    assert len([x for x in own.splitlines() if x and not x.startswith("print")]) == 6
+    commands = re.findall(r"^\$ (.*)$", guide.page("jobs"), re.M)
+    (page,) = (command for command in commands if command.endswith("looping.html"))
+    commanded(page)
+    assert 50_000 < Path("looping.html").stat().st_size < 1_500_000
+
+
 def test_the_verb_prints_pages_and_refuses_what_is_none(capsys):
     assert cli.main(["guide"]) == 0
     assert capsys.readouterr().out.startswith("# polhode's guide")
@@ -128,7 +143,7 @@ def test_the_verb_prints_pages_and_refuses_what_is_none(capsys):
     assert json.loads(capsys.readouterr().out)["topics"] == guide.topics()
     for wrong in ("scen", "../cli", ""):
         assert cli.main(["guide", wrong]) == 2
-        assert "expected scene, start" in capsys.readouterr().err
+        assert "expected jobs, commands, scene" in capsys.readouterr().err
 
 
 def test_the_options_that_the_guide_names_exist():
@@ -136,7 +151,25 @@ def test_the_options_that_the_guide_names_exist():
     parser = cli._parser()
     verbs = next(a for a in parser._actions if a.dest == "verb").choices
     known = {option for verb in verbs.values() for option in verb._option_string_actions}
-    assert set(re.findall(r"(?<![\w`-])--[a-z][a-z-]+", texts)) <= known | {"--help"}
+    assert set(re.findall(r"(?<![\w`-])--[a-z][a-z-]+", texts)) <= known | {
+        "--help",
+        "--print-completion",
+    }
+
+
+def test_the_table_of_verbs_is_the_programs(capsys):
+    """Each verb once, and no option that the verb has not."""
+    verbs = re.findall(r"^\| `polhode (\w+)([^`]*)` \|", guide.page("commands"), re.M)
+    with pytest.raises(SystemExit):
+        cli.main(["--help"])
+    told = capsys.readouterr().out
+    assert [verb for verb, _ in verbs] == re.findall(r"^    (\w+)\b", told, re.M)
+    for verb, usage in verbs:
+        with pytest.raises(SystemExit):
+            cli.main([verb, "--help"])
+        told = capsys.readouterr().out
+        for option in re.findall(r"(?<!\w)--?[a-z][a-z-]*", usage):
+            assert re.search(rf"^  {option}\b", told, re.M), (verb, option)
 
 
 @pytest.mark.slow

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import inspect
+import os
 import re
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+import polhode
 
 TOP = Path(__file__).parents[1]
 
@@ -29,15 +34,107 @@ def test_linters_find_nothing(command):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_the_readme_prints_the_enforced_layers():
-    """Every room of the layer contract stands in the README's table, on the same floor."""
+def test_contributing_prints_the_enforced_layers():
+    """Every room of the layer contract stands in CONTRIBUTING's table, on the same floor."""
     with (TOP / "pyproject.toml").open("rb") as file:
         contracts = tomllib.load(file)["tool"]["importlinter"]["contracts"]
     enforced = [set(re.split(r"[ :|]+", layer)) for layer in contracts[0]["layers"]]
-    rows = re.findall(r"^\| (\d+) \| (.*?) \|", (TOP / "README.md").read_text(), re.M)
+    rows = re.findall(r"^\| (\d+) \| (.*?) \|", (TOP / "CONTRIBUTING.md").read_text(), re.M)
     assert len(rows) == len(enforced)
     for (_, rooms), layer in zip(rows, enforced, strict=True):
         assert set(re.findall(r"`(\w+)/?`", rooms)) == layer
+
+
+def signatures() -> Iterator[tuple[str, object]]:
+    """Every annotation of a public name: of functions, of classes' fields and methods."""
+    for name in polhode.__all__:
+        thing = getattr(polhode, name)
+        if not inspect.isclass(thing):
+            yield from ((name, kind) for kind in getattr(thing, "__annotations__", {}).values())
+            continue
+        for owner in thing.__mro__:
+            if not owner.__module__.startswith("polhode"):
+                continue
+            for key, value in vars(owner).items():
+                if key.startswith("_") and key not in ("__call__", "__getitem__", "__iter__"):
+                    continue
+                held = getattr(value, "fget", None) or getattr(value, "func", value)
+                held = getattr(held, "__func__", held)
+                if callable(held):
+                    kinds = getattr(held, "__annotations__", {}).values()
+                    yield from ((f"{name}.{key}", kind) for kind in kinds)
+        fields = inspect.get_annotations(thing)
+        yield from ((f"{name}.{key}", kind) for key, kind in fields.items() if key[0] != "_")
+
+
+def test_the_front_door_is_typed():
+    """No ``Any`` in what a user gives and gets; two caches of a scene keep what others make."""
+    found = list(signatures())
+    assert len(found) > 400
+    assert {name for name, kind in found if re.search(r"\bAny\b", str(kind))} == {
+        "Scene.kept",
+        "Scene.kept_of_times",
+    }
+
+
+USED = """\
+from fractions import Fraction
+
+import numpy as np
+import polhode
+
+top = polhode.top(moments=[1, 1, 0.5], centre=[0, 0, 1], weight=Fraction(2), angles=[0, "pi/6", 0],
+                  rates=np.array([0.0, 0.0, 8.0]), end=2)
+run = polhode.integrate(top, at=np.linspace(0, 2, 5), tol=1e-12)
+digits: float = polhode.compare(run).worst
+page: polhode.Page = run.view(end="3/2")
+page.save("top.html")
+labels: list[str] = [panel.get_ylabel() for panel in run.plot("angles")]
+label: str = run.plot("omega").get_ylabel()
+p: float = float(polhode.reference(top).at([1, "1/3"], 20)[0][0] - 1)
+kinetic = sum(abs(x) for x in polhode.reference(top).at([1])[0][:3])
+polhode.compare({"t": run.t, "p": run.states[:, 0]}, top)
+polhode.compare([[1.0] * 6], top, at=[1])
+angle = run.angles_at(0.5)
+many: polhode.Ensemble = polhode.integrate_many(top, {"start.rates[3]": "7:9:3"}, at=(0, 1))
+fine: bool = bool(polhode.chaos_map(top, (3, 3), h=3, f="1/2").fli.max() > 0)
+"""
+
+WRONG = {
+    "run.view(end=[1])": "arg-type",
+    "polhode.view(top).save(3)": "arg-type",
+    "polhode.top(moments=5)": "arg-type",
+    "run.view().text + 1": "operator",
+    "polhode.integrate(top, at=3)": "arg-type",
+    'run.plot("omega")[0]': "index",
+    "polhode.reference(top).at([1])[0][0].nonsense": "attr-defined",
+}
+
+
+@pytest.mark.slow
+def test_types_tell_a_user_what_is_wrong(tmp_path):
+    """``mypy --strict`` of a script: nothing in the right one, each fault in the wrong one."""
+    mypy = [Path(sys.executable).parent / "mypy", "--strict", "--config-file", ""]
+    right = tmp_path / "right.py"
+    right.write_text(USED)
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text(USED + "\n".join(WRONG) + "\n")
+    options = ["--ignore-missing-imports", "--follow-imports", "silent", right, wrong]
+    done = subprocess.run(
+        [*mypy, *options],
+        cwd=TOP,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "MYPYPATH": str(TOP / "src")},
+    )
+    lines = [x for x in done.stdout.splitlines() if ": error:" in x]
+    assert [x for x in lines if "right.py" in x] == [], done.stdout
+    first = USED.count("\n") + 1
+    told = {
+        int(number): code
+        for number, code in re.findall(r"wrong\.py:(\d+): error: .*\[([\w-]+)\]", done.stdout)
+    }
+    assert told == dict(enumerate(WRONG.values(), first)), done.stdout
 
 
 def test_nobody_computes_at_a_precision_that_others_share():

@@ -14,9 +14,10 @@ from typing import NamedTuple
 
 import pytest
 
-from polhode import cli
+from polhode.output import guide
 
-README = (Path(__file__).parents[1] / "README.md").read_text()
+TOP = Path(__file__).parents[1]
+README = (TOP / "README.md").read_text(encoding="utf-8")
 
 
 class Block(NamedTuple):
@@ -40,8 +41,9 @@ BLOCKS = blocks()
 SESSIONS = [block for block in BLOCKS if block.text.startswith("$ ")]
 #: A block of Python, and the block of what it prints.
 PYTHON = [(one, other) for one, other in pairwise(BLOCKS) if one.language == "python"]
-#: Lines of a table: `polhode VERB ...` between bars.
-VERBS = re.findall(r"^\| `polhode (\w+)([^`]*)` \|", README, re.M)
+MOST_LINES, MOST_COLUMNS = 110, 120  # two screens
+#: The lines that may be longer: commands to be copied, what programs print, addresses.
+_LONG = re.compile(r"^(    python3|[\w.]+: |motion |<p>|\| )")
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +84,7 @@ def polhode(command: str, folder: Path) -> str:
 
 
 def test_the_readme_shows_what_this_file_looks_for() -> None:
-    assert len(SESSIONS) == 2
+    assert len(SESSIONS) == 1
     assert len(PYTHON) == 1
     assert sum(block.language == "toml" for block in BLOCKS) == 1
     assert len(BLOCKS) == len(SESSIONS) + 2 * len(PYTHON) + 1
@@ -115,23 +117,21 @@ def test_the_first_command_runs_its_main_job(tmp_path: Path) -> None:
     assert (tmp_path / "brick.csv").exists()
 
 
-def test_the_table_of_verbs_is_the_programs(capsys: pytest.CaptureFixture[str]) -> None:
-    """Each verb once, and no option that the verb has not."""
-    with pytest.raises(SystemExit):
-        cli.main(["--help"])
-    told = capsys.readouterr().out
-    assert [verb for verb, _ in VERBS] == re.findall(r"^    (\w+)\b", told, re.M)
-    for verb, usage in VERBS:
-        with pytest.raises(SystemExit):
-            cli.main([verb, "--help"])
-        told = capsys.readouterr().out
-        for option in re.findall(r"(?<!\w)--?[a-z][a-z-]*", usage):
-            assert re.search(rf"^  {option}\b", told, re.M), (verb, option)
+def test_it_fits_on_two_screens_and_links_to_what_there_is() -> None:
+    lines = README.splitlines()
+    assert len(lines) <= MOST_LINES
+    assert [x for x in lines if len(x) > MOST_COLUMNS and not _LONG.match(x)] == []
+    targets = re.findall(r"\]\(((?!http)[^)]+)\)|src=\"([^\"]+)\"", README)
+    assert len(targets) > 15
+    for target in (one or other for one, other in targets):
+        assert (TOP / target).is_file(), target
+    pages = {f"src/polhode/guide/{topic}.md" for topic in guide.topics()}
+    assert pages <= {one for one, _ in targets}
 
 
 def test_every_name_of_python_that_is_named_exists() -> None:
     names = re.findall(r"`polhode((?:\.[a-z_]+)+)\(", README)
-    assert len(names) >= 4
+    assert len(names) >= 2
     for name in names:
         found = importlib.import_module("polhode")
         for part in name[1:].split("."):
@@ -142,7 +142,37 @@ def test_numbers_from_the_report_are_those_of_the_report() -> None:
     """``python tests/measure/readme.py`` puts them in."""
     from measure import readme
 
-    assert readme.put_in(README) == README
+    for path in set(readme.PLACES.values()):
+        text = path.read_text(encoding="utf-8")
+        assert readme.put_in(text, path) == text
     for name, part in readme.parts().items():
         assert len(part) > 100, name
-        assert part in README
+        assert part in readme.PLACES[name].read_text(encoding="utf-8")
+
+
+def test_the_table_of_who_is_ahead_counts_every_race() -> None:
+    """From the rows themselves: the seconds of polhode and of its fastest peer in each cell."""
+    from measure import readme
+    from polhode.studies import report
+
+    cells = report.results(TOP / "reports", "speed")["cells"]
+    rows = re.findall(r"^\| (\d+) \| (.*?) \|$", readme.parts()["ahead"], re.M)
+    assert [int(digits) for digits, _ in rows] == [6, 9, 12]
+    ends = sorted({cell["end"] for cell in cells})
+    for digits, text in rows:
+        *counts, behind = text.split(" | ")
+        slower = []
+        for end, count in zip(ends, counts, strict=True):
+            ahead = raced = 0
+            for cell in (c for c in cells if c["end"] == end):
+                (level,) = (x for x in cell["levels"] if x["digits"] == int(digits))
+                factors = [
+                    m["factor"][0]
+                    for m in level["methods"]
+                    if m["method"] not in ("polhode", "heyoka alone") and m["factor"]
+                ]
+                raced += 1
+                ahead += min(factors, default=2.0) > 1
+                slower += [x for x in [min(factors, default=2.0)] if x <= 1]
+            assert count == f"{ahead} of {raced}"
+        assert re.findall(r" (\d\.\d\d)", behind) == [f"{x:.2f}" for x in sorted(slower)]

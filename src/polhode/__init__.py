@@ -14,35 +14,54 @@ from __future__ import annotations
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
 if _TYPE_CHECKING:
-    from polhode.common.errors import BadInput
-    from polhode.common.provenance import __version__
-    from polhode.dynamics.chaos_maps import ChaosMap, chaos_map
-    from polhode.dynamics.frequencies import Frequencies, frequencies
-    from polhode.dynamics.levels import Levels, levels
-    from polhode.dynamics.sections import Section, section
-    from polhode.enclosures.certify import certify
-    from polhode.enclosures.events import CertifiedEvents, certify_events
-    from polhode.enclosures.result import Enclosure
-    from polhode.equations.plain import field
-    from polhode.figures.drawing import Page, plot, view
-    from polhode.judging.assured import integrate
-    from polhode.judging.certified import Certified
-    from polhode.judging.comparison import compare
-    from polhode.judging.conditioning import Conditioning, conditioning
-    from polhode.judging.judgement import Judgement
-    from polhode.judging.lyapunov import Lyapunov, lyapunov
-    from polhode.judging.reference import Reference, TwoPrecisions, reference
-    from polhode.judging.rolling import Rolling, rolling
-    from polhode.output.archive import load_run
-    from polhode.runs.sweep import Ensemble, integrate_many
-    from polhode.runs.trajectory import Trajectory
-    from polhode.scenes.body import Body
-    from polhode.scenes.from_numbers import top
-    from polhode.scenes.library import load
-    from polhode.scenes.scene import Event, Published, Scene, SectionPlan
+    # `as`: mypy and pyright take these names, and no others, for exported
+    from polhode.common.errors import BadInput as BadInput
+    from polhode.common.page import Page as Page
+    from polhode.common.provenance import __version__ as __version__
+    from polhode.dynamics.chaos_maps import ChaosMap as ChaosMap
+    from polhode.dynamics.chaos_maps import chaos_map as chaos_map
+    from polhode.dynamics.frequencies import Frequencies as Frequencies
+    from polhode.dynamics.frequencies import frequencies as frequencies
+    from polhode.dynamics.levels import Levels as Levels
+    from polhode.dynamics.levels import levels as levels
+    from polhode.dynamics.sections import Section as Section
+    from polhode.dynamics.sections import section as section
+    from polhode.enclosures.certify import certify as certify
+    from polhode.enclosures.events import CertifiedEvents as CertifiedEvents
+    from polhode.enclosures.events import certify_events as certify_events
+    from polhode.enclosures.result import Enclosure as Enclosure
+    from polhode.equations.plain import field as field
+    from polhode.figures.drawing import plot as plot
+    from polhode.figures.drawing import view as view
+    from polhode.judging.assured import integrate as integrate
+    from polhode.judging.certified import Certified as Certified
+    from polhode.judging.comparison import compare as compare
+    from polhode.judging.conditioning import Conditioning as Conditioning
+    from polhode.judging.conditioning import conditioning as conditioning
+    from polhode.judging.judgement import Judgement as Judgement
+    from polhode.judging.lyapunov import Lyapunov as Lyapunov
+    from polhode.judging.lyapunov import lyapunov as lyapunov
+    from polhode.judging.reference import Reference as Reference
+    from polhode.judging.reference import TwoPrecisions as TwoPrecisions
+    from polhode.judging.reference import reference as reference
+    from polhode.judging.rolling import Rolling as Rolling
+    from polhode.judging.rolling import rolling as rolling
+    from polhode.output.archive import load_run as load_run
+    from polhode.runs.sweep import Ensemble as Ensemble
+    from polhode.runs.sweep import integrate_many as integrate_many
+    from polhode.runs.trajectory import Trajectory as Trajectory
+    from polhode.scenes.body import Body as Body
+    from polhode.scenes.from_numbers import top as top
+    from polhode.scenes.library import load as load
+    from polhode.scenes.scene import Event as Event
+    from polhode.scenes.scene import Published as Published
+    from polhode.scenes.scene import Scene as Scene
+    from polhode.scenes.scene import SectionPlan as SectionPlan
     from polhode.scenes.scene_text import toml as as_toml
-    from polhode.scenes.shapes import Part
-    from polhode.taylor.outcomes import EventTimes, Outcome, Projection
+    from polhode.scenes.shapes import Part as Part
+    from polhode.taylor.outcomes import EventTimes as EventTimes
+    from polhode.taylor.outcomes import Outcome as Outcome
+    from polhode.taylor.outcomes import Projection as Projection
 
 _HOMES = {
     "BadInput": "common.errors",
@@ -60,7 +79,7 @@ _HOMES = {
     "Levels": "dynamics.levels",
     "Lyapunov": "judging.lyapunov",
     "Outcome": "taylor.outcomes",
-    "Page": "figures.drawing",
+    "Page": "common.page",
     "Part": "scenes.shapes",
     "Projection": "taylor.outcomes",
     "Published": "scenes.scene",

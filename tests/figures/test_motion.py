@@ -169,21 +169,47 @@ def test_a_film_in_mp4_needs_ffmpeg_and_says_so(tmp_path, monkeypatch, capsys):
     assert "the program ffmpeg" in capsys.readouterr().err
 
 
-def test_a_film_shows_the_motion_to_its_end(tmp_path, monkeypatch):
+def test_an_ffmpeg_that_fails_is_one_line(tmp_path, monkeypatch, capsys):
+    """One that ends at once, and one that is there and cannot be run."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    fake = tmp_path / "ffmpeg"
+    for text in ("#!/bin/sh\necho no such codec >&2; exit 3\n", "#!/nowhere/sh\n"):
+        fake.write_text(text)
+        fake.chmod(0o755)
+        assert main(["plot", TOP, "--what", "motion", "--end", "1", "-o", "x.mp4"]) == 2
+        (line,) = [x for x in capsys.readouterr().err.splitlines() if "drawn to" not in x]
+        assert "a program ffmpeg that films in MP4" in line
+        assert [path.name for path in tmp_path.iterdir()] == ["ffmpeg"]
+
+
+def gif_pictures(path):
     from PIL import Image
 
+    with Image.open(path) as made:
+        for k in range(made.n_frames):
+            made.seek(k)
+            yield np.array(made.convert("RGB")).astype(int)
+
+
+def mp4_pictures(path):
+    """Read again by ffmpeg; each is 360 x 360."""
+    command = ["ffmpeg", "-v", "error", "-i", path, "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    done = subprocess.run(command, capture_output=True, timeout=100, check=True)
+    yield from np.frombuffer(done.stdout, np.uint8).reshape(-1, 360, 360, 3).astype(int)
+
+
+@pytest.mark.parametrize(("suffix", "pictures"), [(".gif", gif_pictures), (".mp4", mp4_pictures)])
+def test_a_film_shows_the_motion_to_its_end(tmp_path, monkeypatch, suffix, pictures):
     from polhode.figures import film
 
+    if suffix == ".mp4" and shutil.which("ffmpeg") is None:
+        pytest.skip("no ffmpeg here")
     monkeypatch.setattr(film, "FRAMES", 6)
-    path = tmp_path / "x.gif"
+    path = tmp_path / f"x{suffix}"
     assert main(["plot", TOP, "--what", "motion", "--end", "4", "-o", str(path)]) == 0
-    with Image.open(path) as made:
-        assert made.n_frames == 6
-        counts = []
-        for k in range(6):
-            made.seek(k)
-            orange = np.array(made.convert("RGB")).astype(int)
-            counts.append(int(np.sum((orange[..., 0] > 180) & (orange[..., 2] < 90))))
+    counts = [int(np.sum((p[..., 0] > 180) & (p[..., 2] < 90))) for p in pictures(path)]
+    assert len(counts) == 6
     assert counts == sorted(counts)  # the path grows
     assert counts[-1] > 5 * counts[0]
 
@@ -230,19 +256,17 @@ def test_a_figure_is_drawn_into_axes_that_are_given():
 @pytest.mark.parametrize("width", [400, 1400])
 def test_a_browser_draws_it(tmp_path, width):
     """Body, path and hodographs are there, and nothing is wider than the window."""
-    browser = shutil.which("chromium") or shutil.which("google-chrome")
+    from measure import frames
+
+    browser = frames.browser()
     if browser is None:
         pytest.skip("no browser here")
     from PIL import Image
 
     page, shot = tmp_path / "x.html", tmp_path / "x.png"
     polhode.view(TOP).save(page)
-    switches = (
-        "--headless --no-sandbox --no-first-run --disable-background-networking --disable-quic "
-        "--use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader --ignore-gpu-blocklist "
-        f"--disable-sync --virtual-time-budget=3000 --user-data-dir={tmp_path / 'profile'}"
-    )
-    command = [browser, *switches.split(), f"--window-size={width},1300"]
+    given = ["--virtual-time-budget=3000", f"--user-data-dir={tmp_path / 'profile'}"]
+    command = [browser, *frames.SWITCHES, *given, f"--window-size={width},1300"]
     address = f"{page.as_uri()}#t=9&play=0"
     subprocess.run([*command, f"--screenshot={shot}", address], capture_output=True, timeout=100)
     picture = np.array(Image.open(shot).convert("RGB")).astype(int)
@@ -254,3 +278,17 @@ def test_a_browser_draws_it(tmp_path, width):
     text = dom.stdout.decode()
     assert "t = 9.000" in text
     assert '<p id="fault" hidden="">' in text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [TOP, "euler/largest-axis"])
+def test_a_frame_is_cheap(name):
+    """A few calls of WebGL a thing drawn; the time that they take is measured by that script."""
+    from measure import frames
+
+    if frames.browser() is None:
+        pytest.skip("no browser here")
+    found = frames.cost(polhode.view(name), 1400)
+    assert 200 < found["calls"] < 420
+    assert 5_000 < found["triangles"] < 50_000
+    assert all(width > 600 for width in found["canvas"])

@@ -98,6 +98,20 @@ def test_a_scalar_last_quaternion_is_named(tmp_path):
     right_once(judged(tmp_path, **rolled), "attitude", "scalar-last")
 
 
+def test_a_quaternion_numbered_from_one_ends_with_its_scalar(tmp_path):
+    """q1 q2 q3 q4 with q4 the scalar is right as it stands, with q1 the scalar it is named."""
+    numbered = ("q1", "q2", "q3", "q4")
+    last = dict(zip(numbered, [COLUMNS[n] for n in ("q1", "q2", "q3", "q0")], strict=True))
+    found = judged(tmp_path, **last)
+    assert found.parts["attitude"] > 15
+    assert found.readings == ()
+    assert "column gamma2 is not in the file" in found.notes
+    told = [line for line in str(found).splitlines() if "not in the file" in line]
+    assert told == ["not judged: columns p q r gamma1 gamma2 gamma3 are not in the file"]
+    first = dict(zip(numbered, [COLUMNS[n] for n in ATTITUDE], strict=True))
+    right_once(judged(tmp_path, **first), "attitude", "q1 the scalar")
+
+
 def test_an_inverse_quaternion_is_named(tmp_path):
     inverse = of(ATTITUDE) | {name: [-x for x in COLUMNS[name]] for name in ATTITUDE[1:]}
     right_once(judged(tmp_path, **inverse), "attitude", "body from space")

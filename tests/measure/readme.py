@@ -1,4 +1,5 @@
-"""The README's numbers that come from the report: ``python tests/measure/readme.py`` puts them in.
+"""Numbers of the README and the guide from the report: ``python tests/measure/readme.py`` puts
+them in.
 
 They stand between two comments each; ``tests/test_readme.py`` compares them with ``reports/``.
 """
@@ -13,18 +14,46 @@ from typing import Any
 
 from polhode.studies import report
 from polhode.studies.long_run.page import far_table
-from polhode.studies.page.blocks import markdown
+from polhode.studies.page.blocks import PageTable, markdown
 from polhode.studies.speed import page as speed
 from polhode.studies.speed.page import lengths
 
 ROOT = Path(__file__).parents[2]
 WIDTH = 104
+#: Where each part stands.
+PLACES = {
+    "ahead": ROOT / "README.md",
+    "speed": ROOT / "src/polhode/guide/measured.md",
+    "far": ROOT / "src/polhode/guide/measured.md",
+}
 
 
 def parts() -> dict[str, str]:
     """The texts by their names."""
     found = {name: report.results(ROOT / "reports", name) for name in ("speed", "long-run")}
-    return {"speed": _speed(found["speed"]), "far": _far(found["long-run"])}
+    return {
+        "ahead": _ahead(found["speed"]["cells"]),
+        "speed": _speed(found["speed"]),
+        "far": _far(found["long-run"]),
+    }
+
+
+def _ahead(cells: Any) -> str:
+    """Who is the fastest where, as a table: a row a number of digits, a column a length."""
+    ends = sorted({cell["end"] for cell in cells})
+    header = ("digits", *(f"t = {end}" for end in ends), "where another is ahead")
+    rows = []
+    for level in lengths.LEVELS:
+        races = {end: lengths.race([c for c in cells if c["end"] == end], level) for end in ends}
+        behind = [x for found in races.values() for x in found if not lengths.ahead(x)]
+        told = "; ".join(f"{x.method} {x.factor:.2f}" for x in sorted(behind)) or "–"
+        counts = (f"{sum(map(lengths.ahead, x))} of {len(x)}" for x in races.values())
+        rows.append((f"{level:g}", *counts, told))
+    return _table(PageTable(header, tuple(rows), "r" * (len(ends) + 1) + "l"))
+
+
+def _table(made: PageTable) -> str:
+    return markdown("", [made]).partition("\n\n")[2].strip()
 
 
 def _speed(found: Any) -> str:
@@ -78,20 +107,23 @@ def _filled(text: str) -> str:
 
 def _far(found: Any) -> str:
     """The table of long runs."""
-    return markdown("", [far_table(found)]).partition("\n\n")[2].strip()
+    return _table(far_table(found))
 
 
-def put_in(text: str) -> str:
-    """The README with today's parts."""
+def put_in(text: str, path: Path) -> str:
+    """The text of a file with today's parts."""
     for name, part in parts().items():
-        pattern = rf"(<!-- {name}: [^>]*-->\n).*?(\n<!-- end -->)"
-        text, count = re.subn(pattern, lambda m, p=part: m[1] + p + m[2], text, flags=re.DOTALL)
+        if PLACES[name] != path:
+            continue
+        pattern = rf"(<!-- {name}: [^>]*-->\n).*?(<!-- end -->)"
+        made = f"{part}\n"
+        text, count = re.subn(pattern, lambda m, p=made: m[1] + p + m[2], text, flags=re.DOTALL)
         if count != 1:
-            raise ValueError(f"README.md has {count} places for {name}")
+            raise ValueError(f"{path.name} has {count} places for {name}")
     return text
 
 
 if __name__ == "__main__":
-    path = ROOT / "README.md"
-    sys.stdout.write(f"{path}\n")
-    path.write_text(put_in(path.read_text(encoding="utf-8")), encoding="utf-8")
+    for path in dict.fromkeys(PLACES.values()):
+        sys.stdout.write(f"{path}\n")
+        path.write_text(put_in(path.read_text(encoding="utf-8"), path), encoding="utf-8")

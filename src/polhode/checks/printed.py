@@ -20,6 +20,7 @@ from polhode.numbers.convert import exactly
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.expression import decimal
 from polhode.numbers.number_types import bits_for
+from polhode.numbers.scalars import Real
 from polhode.scenes.columns import value
 from polhode.scenes.scene import Published, Scene
 from polhode.scenes.words import ANGLES, ATTITUDE, STATE
@@ -121,7 +122,9 @@ def columns_at(
     scene: Scene, reference: Reference | Certified | TwoPrecisions, t: Fraction, digits: int
 ) -> dict[str, Any]:
     """All columns that the scene's figures name, at one time."""
-    found = dict(zip(scene.columns, reference.at([t], digits)[0], strict=True))
+    found: dict[str, Real | None] = dict(
+        zip(scene.columns, reference.at([t], digits)[0], strict=True)
+    )
     used = " ".join(p.quantity for p in scene.published)
     for names, ask in ((ANGLES, reference.angles), (ATTITUDE, reference.attitude)):
         if any(name in used for name in names):

@@ -31,6 +31,7 @@ from polhode.equations.section_zero import HEIGHT, MOMENTUM
 from polhode.judging.lyapunov import CHAOTIC
 from polhode.numbers.convert import exact_number, to_double
 from polhode.numbers.exact import Exact
+from polhode.numbers.scalars import AnyNumber, Doubles, Integers
 from polhode.scenes import library, vary
 from polhode.scenes.scene import Scene
 
@@ -63,20 +64,20 @@ class ChaosMap:
     scene: Scene
     keys: tuple[str, str]
     shape: tuple[int, int]
-    at: Any
-    cell: Any
-    verdict: Any
-    fli: Any
-    megno: Any
-    growth: Any
-    exponent: Any
-    until: Any
+    at: Doubles
+    cell: Integers
+    verdict: Integers
+    fli: Doubles
+    megno: Doubles
+    growth: Doubles
+    exponent: Doubles
+    until: Doubles
     end: float
     h: Exact | None = None
     f: Exact | None = None
     interrupted: bool = False
     kept: Kept | None = None
-    provenance: Mapping[str, Any] = field(default_factory=dict)
+    provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         told = ", ".join(f"{n} {name}" for name, n in self.counts.items())
@@ -92,11 +93,11 @@ def chaos_map(
     scene: Scene | str | Path,
     grid: tuple[int, int] | None = None,
     varied: vary.Vary | None = None,
-    end: Any = None,
+    end: AnyNumber | None = None,
     by: str | None = None,
     extremum: str | None = None,
-    h: Any = None,
-    f: Any = None,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
     tol: float | None = TOLERANCE,
     workers: int | None = None,
     executor: Executor | None = None,

@@ -21,6 +21,7 @@ from polhode.judging.reference import reference
 from polhode.judging.table import Table, read_table
 from polhode.numbers.convert import exact_number, to_double
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.scalars import AnyNumber, Complexes, Doubles
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene, even_times
@@ -78,9 +79,9 @@ class Frequencies:
     lines: Mapping[str, tuple[Line, ...]]
     known: Mapping[str, float]
     closed_form: bool
-    signals: Mapping[str, Any] = field(default_factory=dict)
+    signals: Mapping[str, Doubles | Complexes] = field(default_factory=dict)
     step: float = 0.0
-    provenance: Mapping[str, Any] = field(default_factory=dict)
+    provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<Frequencies of {self.name}: {', '.join(self.lines)} to t = {self.end:g}>"
@@ -89,7 +90,7 @@ class Frequencies:
 def frequencies(
     source: Scene | str | Path | Trajectory,
     of: Sequence[str] | None = None,
-    end: Any = None,
+    end: AnyNumber | None = None,
     lines: int = LINES,
 ) -> Frequencies:
     """Find the lines of a motion's signals by Laskar's frequency analysis.

@@ -23,6 +23,7 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.polynomials import fraction_near, nearest
 from polhode.numbers.private import mpf
+from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 
@@ -106,7 +107,7 @@ class Levels:
     marks: tuple[Mark, ...]
     here: Here
     exact: bool
-    provenance: Mapping[str, Any] = field(default_factory=dict)
+    provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<Levels of {self.scene.name}: {len(self.curves)} curves, {len(self.cusps)} cusps>"
@@ -116,7 +117,7 @@ class Levels:
         """The cusps, where two permanent rotations meet."""
         return tuple(mark for mark in self.marks if mark.kind == arc_parts.CUSP)
 
-    def regions(self, f: Any) -> list[tuple[float, Region]]:
+    def regions(self, f: AnyNumber) -> list[tuple[float, Region]]:
         """At one f: the energies of permanent rotations, ascending, and the region above each.
 
         Raises BadInput for an f at which two of them meet.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import dataclass, field
@@ -20,6 +20,7 @@ from polhode.equations.integrals import first_integrals
 from polhode.equations.section_zero import HEIGHT, MOMENTUM
 from polhode.numbers.convert import to_double, to_extended
 from polhode.numbers.exact import Exact
+from polhode.numbers.scalars import AnyNumber, AnyVector, Doubles, Integers
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 
@@ -53,18 +54,18 @@ class Section:
     f: Exact
     by: str
     extremum: str
-    starts: Any
-    states: Any
-    times: Any
-    rests: Any
-    l: Any
-    ratio: Any
-    counts: Any
+    starts: Doubles
+    states: Doubles
+    times: Doubles
+    rests: Doubles
+    l: Doubles
+    ratio: Doubles
+    counts: Integers
     outcomes: tuple[str, ...]
     drift: float
     interrupted: bool = False
     kept: Kept | None = None
-    provenance: Mapping[str, Any] = field(default_factory=dict)
+    provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         n = len(self.counts)
@@ -82,11 +83,11 @@ def section(
     scene: Scene | str | Path,
     by: str | None = None,
     extremum: str | None = None,
-    starts: Any = None,
+    starts: Iterable[AnyVector] | str | None = None,
     grid: tuple[int, int] | None = None,
     crossings: int | None = None,
-    h: Any = None,
-    f: Any = None,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
     workers: int | None = None,
     executor: Executor | None = None,
     parts: Path | None = None,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -22,6 +22,7 @@ from polhode.numbers.balls import ctx
 from polhode.numbers.convert import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import Outcome
@@ -34,7 +35,7 @@ _SPARE = 6
 
 def certify(
     scene: Scene | str | Path,
-    at: Sequence[Any] | None = None,
+    at: Iterable[AnyNumber] | None = None,
     digits: int = 15,
     integrals: bool = True,
     progress: march.Progress | None = None,

@@ -22,6 +22,7 @@ from polhode.numbers.convert import exact_number, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import Algebra, ExpressionError
+from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
 from polhode.scenes.scene import Event, Scene
 from polhode.scenes.words import STATE
@@ -69,7 +70,7 @@ class CertifiedEvents:
 
 def certify_events(
     scene: Scene | str | Path,
-    end: Any | None = None,
+    end: AnyNumber | None = None,
     digits: int = 15,
     progress: march.Progress | None = None,
     max_steps: int = MAX_STEPS,

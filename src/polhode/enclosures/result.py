@@ -7,13 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.common.values import ByValue
 from polhode.numbers.convert import to_mpf
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.private import ordinary
+from polhode.numbers.scalars import Real
 from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import Outcome
 
@@ -39,7 +40,7 @@ class Part(NamedTuple):
             for row, radii in zip(self.centres, self.radii, strict=True)
         ]
 
-    def midpoints(self, bits: int) -> list[list[Any]]:
+    def midpoints(self, bits: int) -> list[list[Real | None]]:
         """The midpoints as mpf."""
         return [
             [None if x is None else ordinary(to_mpf(x, bits)) for x in row] for row in self.centres
@@ -83,7 +84,7 @@ class Enclosure(ByValue):
     outcome: Outcome = Outcome.REACHED_END
 
     @cached_property
-    def midpoints(self) -> list[list[Any]]:
+    def midpoints(self) -> list[list[Real]]:
         """The midpoints as mpf, exact: rows of six (of three without gamma)."""
         bits = self.noise + 128
         return [[ordinary(to_mpf(x, bits)) for x in row] for row in self.centres]

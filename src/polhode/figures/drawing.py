@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from html import escape
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, overload
+
+import numpy as np
 
 from polhode.common.errors import BadInput, nearest
-from polhode.common.files import check_writable, write_whole
+from polhode.common.page import Page
 from polhode.figures import canvas, motion_page, over_time, samples
 from polhode.figures.samples import Samples
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers.convert import exact_number
 from polhode.numbers.exact import Exact
+from polhode.numbers.scalars import AnyNumber
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.words import Several, Single
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+    from matplotlib.axes import Axes
 
 #: The kinds of figures, and the outputs that a run for them needs.
 OUTPUTS: dict[str, tuple[str, ...]] = {
@@ -34,39 +40,37 @@ OVER_TIME = ("integrals", "error")  # of the whole run: not cut to a window
 FREE_OF_GAMMA = ("omega", "momentum", *OVER_TIME)
 
 
-@dataclass(frozen=True, repr=False)
-class Page:
-    """A motion as a page of HTML: ``text``, to be saved; a notebook shows it in its place.
-
-    >>> import polhode
-    >>> page = polhode.view("lagrange/looping", end=4)
-    >>> page.name, 90_000 < len(page.text) < 200_000
-    ('lagrange/looping', True)
-    """
-
-    name: str
-    text: str
-
-    def __repr__(self) -> str:
-        return f"<Page of {self.name}: {round(len(self.text.encode()) / 1000)} kB>"
-
-    def _repr_html_(self) -> str:
-        frame = "width:100%;height:46rem;border:0"
-        return f'<iframe style="{frame}" srcdoc="{escape(self.text)}"></iframe>'
-
-    def save(self, path: str | Path) -> None:
-        """Write it; the name ends in .html."""
-        check_writable(Path(path), [".html"])
-        write_whole({Path(path): self.text})
-
-
+@overload
+def plot(
+    what_of: Trajectory | Scene | str | Path,
+    what: Several = "angles",
+    axes: object = None,
+    *,
+    end: AnyNumber | None = None,
+) -> npt.NDArray[np.object_]: ...
+@overload
+def plot(
+    what_of: Trajectory | Scene | str | Path,
+    what: Single,
+    axes: object = None,
+    *,
+    end: AnyNumber | None = None,
+) -> Axes: ...
+@overload
 def plot(
     what_of: Trajectory | Scene | str | Path,
     what: str = "angles",
-    axes: Any = None,
+    axes: object = None,
     *,
-    end: Any = None,
-) -> Any:
+    end: AnyNumber | None = None,
+) -> Axes | npt.NDArray[np.object_]: ...
+def plot(
+    what_of: Trajectory | Scene | str | Path,
+    what: str = "angles",
+    axes: object = None,
+    *,
+    end: AnyNumber | None = None,
+) -> Axes | npt.NDArray[np.object_]:
     """Draw a figure with matplotlib; the axes drawn into, an array of them where there are several.
 
     ``what_of``: a scene, or a run, whose scene is integrated anew in its number type at as many
@@ -86,13 +90,14 @@ def plot(
     found = _samples(what_of, what, end)
     figure = import_module(f"polhode.figures.{what}").draw(plt, found, axes)
     made = figure.axes if axes is None else axes
-    import numpy as np
+    several: npt.NDArray[np.object_] = np.ravel(np.asarray(made, dtype=object))
+    if len(several) != 1:
+        return several
+    only: Axes = several[0]
+    return only
 
-    several = np.ravel(np.asarray(made, dtype=object))
-    return several[0] if len(several) == 1 else several
 
-
-def view(what_of: Trajectory | Scene | str | Path, *, end: Any = None) -> Page:
+def view(what_of: Trajectory | Scene | str | Path, *, end: AnyNumber | None = None) -> Page:
     """A motion as one page that moves: no network, nothing else needed; see ``polhode view``.
 
     ``what_of`` and ``end`` as for :func:`polhode.plot`.  Raises BadInput.
@@ -118,7 +123,7 @@ def page_of(found: Samples, command: str, measured: bool = False) -> str:
     )
 
 
-def _samples(what_of: Trajectory | Scene | str | Path, what: str, end: Any) -> Samples:
+def _samples(what_of: Trajectory | Scene | str | Path, what: str, end: AnyNumber | None) -> Samples:
     run = what_of if isinstance(what_of, Trajectory) else None
     scene = run.scene if run is not None else library.load(what_of)  # type: ignore[arg-type]
     last: Exact | None = None

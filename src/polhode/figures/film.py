@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import subprocess
 import tempfile
 from collections.abc import Callable, Iterator
 from io import BytesIO
@@ -88,10 +89,16 @@ def _mp4(frames: Iterator[Any], figure: Any, name: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "film.mp4"
         writer = animation.FFMpegWriter(PER_SECOND, metadata={"title": f"polhode: {name}"})
-        with writer.saving(figure, str(path), DOTS):
-            for _ in frames:
-                writer.grab_frame()
-        return path.read_bytes()
+        try:
+            with writer.saving(figure, str(path), DOTS):
+                for _ in frames:
+                    writer.grab_frame()
+            return path.read_bytes()
+        except (OSError, subprocess.CalledProcessError) as fault:
+            said = getattr(fault, "stderr", None) or str(fault)
+            last = said.strip().splitlines()[-1] if said.strip() else "it failed"
+            expected = f"a program ffmpeg that films in MP4 ({last}); .gif and .html need none"
+            raise BadInput(name, "-o", ".mp4", expected) from None
 
 
 class _Frames:

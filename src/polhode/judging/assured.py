@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.common.arguments import each, steps, whole
 from polhode.common.errors import BadInput
@@ -15,6 +15,7 @@ from polhode.common.text import few
 from polhode.numbers import number_types
 from polhode.numbers.convert import exact_number
 from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NumberType, wider
+from polhode.numbers.scalars import AnyNumber
 from polhode.runs import integrate as runs
 from polhode.runs.march import Progress
 from polhode.runs.request import choose_number
@@ -36,8 +37,8 @@ def integrate(
     number: str | NumberType | None = None,
     *,
     digits: int | None = None,
-    at: Sequence[Any] | None = None,
-    tol: Any = None,
+    at: Iterable[AnyNumber] | None = None,
+    tol: AnyNumber | None = None,
     max_steps: int | None = None,
     inputs: NumberType | None = None,
     project: bool | int | None = None,

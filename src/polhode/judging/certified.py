@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ from polhode.common.arguments import whole
 from polhode.common.errors import BadInput
 from polhode.numbers.convert import exact_number
 from polhode.numbers.exact import Exact
+from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes.scene import Scene
 from polhode.scenes.tops import kind_of_body
 
@@ -40,7 +41,7 @@ class Certified:
         self.scene = scene
         self.regime = kind_of_body(scene.body)
         self.agreement = math.nan
-        self.frequencies: dict[str, Any] = {}
+        self.frequencies: dict[str, Real] = {}
         self._known: dict[tuple[tuple[Exact, ...], int, tuple[str, ...]], Enclosure] = {}
 
     def __eq__(self, other: object) -> bool:
@@ -52,7 +53,7 @@ class Certified:
     def __repr__(self) -> str:
         return f"<Certified of {self.scene.name}: {self.regime}>"
 
-    def at(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+    def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows p q r [gamma1 gamma2 gamma3] as mpf, proven to so many digits.
 
         Raises BadInput where so many cannot be proven.
@@ -61,7 +62,7 @@ class Certified:
         return [list(row) for row in found.midpoints]
 
     def enclosure(
-        self, times: Sequence[Any], digits: int = 50, outputs: tuple[str, ...] = ()
+        self, times: Iterable[AnyNumber], digits: int = 50, outputs: tuple[str, ...] = ()
     ) -> Enclosure:
         """The balls themselves; the last request is also told in ``agreement``."""
         from polhode.enclosures.certify import MOST_DIGITS, certify  # a closed form needs no heyoka
@@ -76,13 +77,14 @@ class Certified:
         self.agreement = self._known[key].proven
         return self._known[key]
 
-    def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+    def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows q0 q1 q2 q3 as mpf, the quaternion body to space, proven to so many digits."""
         found = self._with("attitude", times, digits)
         assert found.attitude is not None
-        return found.attitude.midpoints(found.noise + 128)
+        rows = found.attitude.midpoints(found.noise + 128)
+        return [[x for x in row if x is not None] for row in rows]  # an attitude has no gaps
 
-    def angles(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+    def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
         """Rows psi theta phi in radians, continuous, proven to so many digits.
 
         psi and phi are None at a start at a pole.  Raises BadInput where a motion stays at one, or
@@ -97,7 +99,7 @@ class Certified:
             raise BadInput(self.scene.name, "angles", None, expected)
         return found.angles.midpoints(found.noise + 128)
 
-    def _with(self, output: str, times: Sequence[Any], digits: int) -> Enclosure:
+    def _with(self, output: str, times: Iterable[AnyNumber], digits: int) -> Enclosure:
         if self.scene.gamma is None:
             raise BadInput(self.scene.name, "start.gamma", None, "given, for an attitude")
         agreement = self.agreement

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TypeAlias
 
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
@@ -16,20 +16,35 @@ from polhode.judging.reference import Reference, Remembered, TwoPrecisions, refe
 from polhode.judging.subject import of_run, of_table
 from polhode.judging.table import Table, read_table, table_of_columns, table_of_rows
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.runs.request import choose_number
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+#: Columns by name.
+Columns: TypeAlias = "Mapping[str, AnyVector] | pd.DataFrame | xr.Dataset"
 
 MANY = 1000  # rows of a table that has a first answer
 
 
 def compare(
-    what: Trajectory | Table | str | Path | Sequence[Any] | Mapping[str, Any],
+    what: Trajectory
+    | Table
+    | str
+    | Path
+    | Iterable[AnyVector]
+    | Mapping[str, AnyVector]
+    | pd.DataFrame
+    | xr.Dataset,
     against: AnyReference | Scene | str | Path | None = None,
     *,
     number: str | NumberType | None = None,
     digits: int | None = None,
-    at: Sequence[Any] | None = None,
+    at: Iterable[AnyNumber] | None = None,
     columns: Sequence[str] | None = None,
     known: Conditioning | None = None,
     first: Callable[[Judgement, int], None] | None = None,

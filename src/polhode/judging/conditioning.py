@@ -20,11 +20,10 @@ once.  Rounding the inputs and the time can cost so much, and costs less nearly 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -37,7 +36,7 @@ from polhode.numbers import exact, number_types
 from polhode.numbers.convert import to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import DOUBLE, LOG10_2, NumberType
-from polhode.numbers.scalars import FLOATS
+from polhode.numbers.scalars import FLOATS, AnyNumber
 from polhode.runs.request import choose_number
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -245,7 +244,7 @@ class Conditioning(ByValue):
 
 def conditioning(
     scene: Scene | str | Path,
-    times: Sequence[Any] | None = None,
+    times: Iterable[AnyNumber] | None = None,
     number: NumberType | str = DOUBLE,
     max_steps: int = MAX_STEPS,
 ) -> Conditioning:

@@ -131,7 +131,8 @@ def _of_omega(values: Any, right: _Right) -> Iterator[tuple[str, float]]:
 
 def _of_attitude(values: Any, right: _Right) -> Iterator[tuple[str, float]]:
     yield "", _as_it_stands(values, right)
-    for order, place in ((slice(None), ""), ([3, 0, 1, 2], "scalar-last")):
+    orders = ((slice(None), ""), ([3, 0, 1, 2], "scalar-last"), ([1, 2, 3, 0], "q1 the scalar"))
+    for order, place in orders:
         matrices = _matrices(values[:, order])
         for turned, sense in ((matrices, ""), (matrices.transpose(0, 2, 1), "body from space")):
             words = ", ".join(filter(None, (place, sense))) or "of either sign at each time"

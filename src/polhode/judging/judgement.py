@@ -22,10 +22,12 @@ from polhode.judging.many_rows import ManyRows, digits, many_rows
 from polhode.judging.omega_alone import OmegaAlone, omega_alone
 from polhode.judging.reference import Reference, Remembered, TwoPrecisions, by_sign, rows
 from polhode.judging.rounding import Band
-from polhode.judging.subject import Subject
+from polhode.judging.subject import Subject, of_table
+from polhode.judging.table import Table
 from polhode.numbers.convert import exactly, to_mpf
-from polhode.numbers.decimals import brief, decimal_string, in_full
+from polhode.numbers.decimals import brief, decimal_string, in_full, shortest
 from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import NumberType
 from polhode.scenes.words import STATE
 
 if TYPE_CHECKING:
@@ -212,13 +214,23 @@ class Judgement(ByValue):
     def readings(self) -> tuple[Reading, ...]:
         """Conventions in which parts of a table that is wrong as it stands would be right."""
         from polhode.judging.conventions import WRONG, readings
+        from polhode.judging.rounded_times import reading
 
+        source = self.subject.source
+        if not isinstance(source, Table):
+            return ()
         wrong = {name for name, digits in self.parts.items() if digits < WRONG}
         if self.digits and self.worst < WRONG:
             wrong |= {"omega", "gamma"}
-        if self.subject.run is not None or not wrong:
-            return ()
-        return tuple(readings(self.subject, self.reference, wrong))
+        if wrong or not self.digits:
+            return tuple(readings(self.subject, self.reference, wrong)) if wrong else ()
+        at, scene = self.digits.index(self.worst), self.reference.scene
+
+        def judged(table: Table) -> float:
+            return Judgement(of_table(table, scene), self.reference).worst
+
+        found = reading(source, scene, at, self.worst, 10.0**-self.worst, judged)
+        return () if found is None else (found,)
 
     def __str__(self) -> str:
         return _wording(self)
@@ -331,7 +343,7 @@ def _wording(found: Judgement) -> str:
         header = ["t", "correct digits", f"expected in {found.subject.number.name}"]
         rows = [
             [
-                _time(found.times[k]),
+                _time(found.times[k], found.subject.number),
                 shown_digits(found.digits[k], expected[k]),
                 shown_expected(expected[k]),
             ]
@@ -351,11 +363,22 @@ def _wording(found: Judgement) -> str:
         lines.append(f"drift {found.drift}")
     if found.subject.projected and found.subject.run is not None:
         lines.append(f"projected {found.subject.run.projection}")
-    lines += [f"not judged: {note}" for note in found.notes]
+    lines += [f"not judged: {note}" for note in _together(found.notes)]
     return "\n".join(lines)
 
 
-def _time(t: Fraction) -> str:
-    """Every digit of a time, where they are few."""
-    text = in_full(t)
+def _together(notes: tuple[str, ...]) -> list[str]:
+    """Notes, those about columns that are not in the file as one, in the first one's place."""
+    missing = [k for k, note in enumerate(notes) if note.endswith(" is not in the file")]
+    if len(missing) < 2:
+        return list(notes)
+    names = " ".join(notes[k].split()[1] for k in missing)
+    told = [note for k, note in enumerate(notes) if k not in missing[1:]]
+    told[missing[0]] = f"columns {names} are not in the file"
+    return told
+
+
+def _time(t: Fraction, number: NumberType) -> str:
+    """Every digit of a time, where they are few; of a number of the type as few as tell it."""
+    text = shortest(t, number) if number.rounded(t) == t else in_full(t)
     return text if len(text) <= _SHORT else decimal_string(t, 17)

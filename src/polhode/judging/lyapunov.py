@@ -24,6 +24,7 @@ from polhode.judging.reference import reference
 from polhode.numbers import exact
 from polhode.numbers.convert import exact_number, to_double
 from polhode.numbers.exact import sign
+from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor.leader import six
@@ -73,7 +74,9 @@ class Lyapunov:
         )
 
 
-def lyapunov(scene: Scene | str | Path, end: Any = None, max_steps: int = MAX_STEPS) -> Lyapunov:
+def lyapunov(
+    scene: Scene | str | Path, end: AnyNumber | None = None, max_steps: int = MAX_STEPS
+) -> Lyapunov:
     """Estimate the largest Lyapunov exponent of a scene's motion, and call it regular or chaotic.
 
     ``end``: the time to follow it to; unless given the scene's own end, or 2000 units of the slower

@@ -6,7 +6,7 @@ All answer the same questions; ``kind`` says which it is, and nothing else is ev
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -21,7 +21,9 @@ from polhode.judging.digits import errors, rate_scale, worst_digits
 from polhode.numbers import exact, number_types
 from polhode.numbers.convert import exact_number
 from polhode.numbers.exact import Exact
+from polhode.numbers.pairs import Pairs
 from polhode.numbers.private import mpmath, ordinary
+from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.tops import kind_of_body
@@ -61,25 +63,25 @@ class Reference:
     def __repr__(self) -> str:
         return f"<Reference of {self.scene.name}: {self.kind}, {self.regime}>"
 
-    def at(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+    def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows p q r [gamma1 gamma2 gamma3] as mpf, right to so many digits.
 
         ``times``: ints, Fractions, floats, mpf or decimal strings, taken exactly.
         """
-        rows: list[list[Any]] = self._asked(self._motion.at, times, digits)
+        rows: list[list[Real]] = self._asked(self._motion.at, times, digits)
         return rows
 
-    def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+    def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows q0 q1 q2 q3: the quaternion body to space, scalar first, continuous from q0 >= 0."""
-        rows: list[list[Any]] = self._asked(self._motion.attitude, times, digits)
+        rows: list[list[Real]] = self._asked(self._motion.attitude, times, digits)
         return rows
 
-    def angles(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+    def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
         """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
-        rows: list[list[Any]] = self._asked(self._motion.angles, times, digits)
+        rows: list[list[Real | None]] = self._asked(self._motion.angles, times, digits)
         return rows
 
-    def columns(self, times: Any) -> tuple[list[Any], list[Any] | None] | None:
+    def columns(self, times: Pairs) -> tuple[list[Pairs], list[Pairs] | None] | None:
         """States and quaternions at many times at once, where the closed form gives them so.
 
         ``times`` and answers: :class:`polhode.numbers.pairs.Pairs`, of about 30 digits less those
@@ -91,20 +93,21 @@ class Reference:
         if ask is None:
             return None
 
-        def answer() -> tuple[list[Any], list[Any] | None]:
+        def answer() -> tuple[list[Pairs], list[Pairs] | None]:
             with np.errstate(all="ignore"):
-                found: tuple[list[Any], list[Any] | None] = ask(times)
+                found: tuple[list[Pairs], list[Pairs] | None] = ask(times)
                 return found
 
         with mpmath.workprec(ROUGH):
             return answer()
 
-    def hodographs(self, times: Sequence[Any], digits: int = 50) -> Hodographs:
+    def hodographs(self, times: Iterable[AnyNumber], digits: int = 50) -> Hodographs:
         """Rows of omega in the body and in space, right to so many digits of the largest |w|."""
+        times = _times(self.scene, times)
         rows, attitude = self.at(times, digits), self.attitude(times, digits + 1)
         return hodographs(rows, attitude, number_types.mp(digits + 1))
 
-    def error(self, times: Sequence[Any], digits: int = 50) -> Any:
+    def error(self, times: Iterable[AnyNumber], digits: int = 50) -> Real:
         """An estimate of the error of :meth:`at`, of w over its largest modulus, or of gamma.
 
         A closed form that certifies itself is asked; of any other the answers are held against
@@ -112,11 +115,14 @@ class Reference:
         """
         certify = getattr(self._motion, "error", None)
         if certify is not None:
-            return self._asked(lambda found, wanted: certify(wanted, found), times, digits)
+            own: Real = self._asked(lambda found, wanted: certify(wanted, found), times, digits)
+            return own
+        times = _times(self.scene, times)
         rows, finer = self.at(times, digits), self.at(times, digits + 15)
         bits = number_types.bits_for(digits + 40)
         scale = rate_scale(finer, self.scene, bits)
-        return ordinary(max(errors(rows, finer, scale, bits)))
+        largest: Real = ordinary(max(errors(rows, finer, scale, bits)))
+        return largest
 
     @property
     def conditions(self) -> tuple[str, ...]:
@@ -125,18 +131,19 @@ class Reference:
         return found
 
     @property
-    def curve(self) -> dict[str, Any] | None:
+    def curve(self) -> dict[str, object] | None:
         """The algebraic curve of a Kovalevskaya top: H, K2, its roots e and period matrix tau."""
         curve = getattr(self._motion, "curve", None)
         return None if curve is None else dict(self._told(lambda: curve(50)))
 
     @property
-    def approach(self) -> Any | None:
+    def approach(self) -> Real | None:
         """The rate at which a motion of Hess's tends to a periodic one; None where it does not."""
         approach = getattr(self._motion, "approach", None)
-        return None if approach is None else self._told(lambda: approach(50))
+        found: Real | None = None if approach is None else self._told(lambda: approach(50))
+        return found
 
-    def _asked(self, question: Any, times: Sequence[Any], digits: int) -> Any:
+    def _asked(self, question: Any, times: Iterable[AnyNumber], digits: int) -> Any:
         digits = _digits(self.scene, digits)
         return self._told(lambda: question(_times(self.scene, times), digits))
 
@@ -152,14 +159,15 @@ class Reference:
             raise BadInput(self.scene.name, "reference", self.kind, expected) from None
 
     @property
-    def period(self) -> Any | None:
+    def period(self) -> Real | None:
         """The period of omega in the body, to 50 digits; None where there is none."""
-        return self._told(lambda: self._motion.period(50))
+        found: Real | None = self._told(lambda: self._motion.period(50))
+        return found
 
     @property
-    def frequencies(self) -> dict[str, Any]:
+    def frequencies(self) -> dict[str, Real]:
         """The motion's frequencies by name, radians per unit of time, to 50 digits."""
-        found: dict[str, Any] = self._told(lambda: self._motion.frequencies(50))
+        found: dict[str, Real] = self._told(lambda: self._motion.frequencies(50))
         return found
 
 
@@ -186,7 +194,7 @@ class TwoPrecisions:
         self.scene = scene
         self.regime = kind_of_body(scene.body)
         self.agreement = float("nan")
-        self.frequencies: dict[str, Any] = {}
+        self.frequencies: dict[str, Real] = {}
         self._known: dict[tuple[tuple[Exact, ...], int], tuple[Any, float]] = {}
 
     def __eq__(self, other: object) -> bool:
@@ -198,7 +206,7 @@ class TwoPrecisions:
     def __repr__(self) -> str:
         return f"<TwoPrecisions of {self.scene.name}: {self.regime}>"
 
-    def at(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+    def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows p q r gamma1 gamma2 gamma3 as mpf, to so many digits; see ``agreement``.
 
         Raises BadInput where the two integrations cannot be made to agree to so many digits.
@@ -233,11 +241,13 @@ class TwoPrecisions:
         expected = f"a motion that keeps {digits} digits to t = {float(times[-1]):g}"
         raise BadInput(scene.name, "reference", None, expected)
 
-    def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+    def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Not made: the reference integrates the state alone."""
         raise BadInput(self.scene.name, "reference", None, "a closed form for the attitude")
 
-    angles = attitude
+    def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
+        """Not made, likewise."""
+        raise BadInput(self.scene.name, "reference", None, "a closed form for the angles")
 
 
 class Remembered:
@@ -253,20 +263,20 @@ class Remembered:
         self.is_closed_form, self.is_proven = reference.is_closed_form, reference.is_proven
         self.agreement = reference.agreement
 
-    def at(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+    def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows right to at least so many digits."""
-        key = tuple(times)
+        key = times = tuple(times)
         if key not in self._kept or self._kept[key][0] < digits:
             rows = self._asked.at(times, digits)
             self._kept[key] = digits, rows, self._asked.agreement
         _, rows, self.agreement = self._kept[key]
         return rows
 
-    def attitude(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+    def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows q0 q1 q2 q3, not kept."""
         return self._asked.attitude(times, digits)
 
-    def angles(self, times: Sequence[Any], digits: int = 50) -> list[list[Any]]:
+    def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
         """Rows psi theta phi, not kept."""
         return self._asked.angles(times, digits)
 
@@ -321,7 +331,7 @@ def _digits(scene: Scene, digits: Any) -> int:
     return whole(scene.name, "digits", digits, 1, MOST_ASKED)
 
 
-def _times(scene: Scene, times: Sequence[Any]) -> list[Exact]:
+def _times(scene: Scene, times: Iterable[AnyNumber]) -> list[Exact]:
     """Times taken exactly; raises BadInput beyond 10**100 radians, where digits cost more each."""
     found = [*each(scene.name, "t", times, exact_number, "a list of times")]
     for t in found:

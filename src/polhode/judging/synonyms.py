@@ -19,6 +19,7 @@ _OTHERS = {
     **{f"g{n}": name for n, name in zip("123", STATE[3:], strict=False)},
     **{f"q{axis}": name for axis, name in zip("wxyz", ATTITUDE, strict=False)},
     **{f"q_{axis}": name for axis, name in zip("wxyz", ATTITUDE, strict=False)},
+    "q4": "q0",  # of q1 q2 q3 q4, whose last one mostly is the scalar
     "precession": "psi",
     "nutation": "theta",
     "spin": "phi",

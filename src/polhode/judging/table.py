@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
@@ -20,6 +20,7 @@ from polhode.numbers import exact, expression
 from polhode.numbers.convert import exact_number, exactly
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
+from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes.words import ANGLES, ATTITUDE, STATE
 
 MAX_BYTES = 1 << 30
@@ -57,8 +58,8 @@ class Table:
 
 
 def table_of_rows(
-    states: Sequence[Any],
-    at: Sequence[Any] | None,
+    states: Iterable[AnyVector],
+    at: Iterable[AnyNumber] | None,
     columns: Sequence[str],
     number: NumberType | None = None,
 ) -> Table:
@@ -182,6 +183,9 @@ def _table(
 ) -> Table:
     found: dict[str, list[Fraction | None]] = {known.name: [] for known in named if known.name}
     printed = 1
+    beside = _beside(path)
+    bits = beside.get("t_bits")
+    held = NumberType("mp", bits) if isinstance(bits, int) and bits > 1 else None
     for line, cells in rows:
         if len(cells) != len(header):
             raise BadInput(f"{path}:{line}", "line", ",".join(cells), f"{len(header)} values")
@@ -197,12 +201,14 @@ def _table(
                 raise BadInput(f"{path}:{line}", name, cell, "a finite decimal number") from None
             if name != "t":
                 printed = max(printed, _significant(cell))
+            elif held:
+                value = held.rounded(value)
             value = number.rounded(value) if number else value
             found[name].append(_radians(value) if degrees else value)
     times = [t for t in found.pop("t") if t is not None]
     ignored = tuple(text for text, known in zip(header, named, strict=True) if known.name is None)
     columns = {name: tuple(values) for name, values in found.items()}
-    return Table(str(path), tuple(times), columns, ignored, printed, number, _projected(path))
+    return Table(str(path), tuple(times), columns, ignored, printed, number, _projected(beside))
 
 
 def _exactly(value: Any) -> Fraction:
@@ -220,13 +226,18 @@ def _degree() -> Fraction:
     return exact.binary(*exact.rounded(exact.pi() / 180, 3700))
 
 
-def _projected(path: Path) -> bool:
-    """Whether the JSON that polhode wrote beside a file says that its integrals were projected."""
+def _beside(path: Path) -> dict[str, Any]:
+    """What the JSON that polhode wrote beside a file says; empty where there is none."""
     try:
         found = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        return False
-    projection = found.get("projection") if isinstance(found, dict) else None
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _projected(beside: dict[str, Any]) -> bool:
+    """Whether the integrals were projected."""
+    projection = beside.get("projection")
     if not isinstance(projection, dict):
         return False
     return bool(projection.get("count")) and "h" in projection.get("onto", ())

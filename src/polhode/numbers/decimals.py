@@ -82,6 +82,22 @@ def decimal_in_full(x: Fraction) -> str:
     return ("-" if x < 0 else "") + (f"{head}.{tail}" if tail else head)
 
 
+def shortest(x: Fraction, number: NumberType) -> str:
+    """The shortest decimal that rounds to x, a number of this type; exact where that is short."""
+    if number.name == "double" and 1e-4 <= abs(x) < 1e16:
+        return repr(float(x)).removesuffix(".0")  # Python's are the shortest
+    if is_decimal(x) and len(text := in_full(x)) <= number.printed_digits:
+        return text
+    few, enough = 0, number.printed_digits
+    while enough - few > 1:
+        middle = (few + enough) // 2
+        if number.rounded(Fraction(decimal_string(x, middle))) == x:
+            enough = middle
+        else:
+            few = middle
+    return decimal_string(x, enough)
+
+
 def _integer(n: int) -> str:
     """str(n), also where Python refuses to print that many digits at once."""
     if n.bit_length() < 13_000:

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, TypeAlias
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, SupportsFloat, TypeAlias
 
 from polhode.numbers import exact
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
 #: What a formula is written for: int, Fraction, Irrational, float, numpy's longdouble and arrays,
 #: mpmath's mpf, heyoka's expressions.  They have arithmetic in common and no type: mpmath and
@@ -15,6 +19,40 @@ Scalar: TypeAlias = Any
 
 #: A number as a trajectory holds it: float, numpy.longdouble, or mpf above extended.
 Value: TypeAlias = Any
+
+#: A number as a user may give it: int, Fraction, float, Decimal, numpy's and mpmath's, all taken
+#: exactly; or a text that holds an expression.
+AnyNumber: TypeAlias = SupportsFloat | str
+
+#: Three of them, or four: any sequence, an array.
+AnyVector: TypeAlias = Iterable[AnyNumber]
+
+
+class Real(Protocol):
+    """A number of any precision as a reference gives it: mpmath's mpf, which has no types."""
+
+    def __float__(self) -> float: ...
+    def __abs__(self) -> Real: ...
+    def __neg__(self) -> Real: ...
+    def __add__(self, other: Real | float, /) -> Real: ...
+    def __radd__(self, other: Real | float, /) -> Real: ...
+    def __sub__(self, other: Real | float, /) -> Real: ...
+    def __rsub__(self, other: Real | float, /) -> Real: ...
+    def __mul__(self, other: Real | float, /) -> Real: ...
+    def __rmul__(self, other: Real | float, /) -> Real: ...
+    def __truediv__(self, other: Real | float, /) -> Real: ...
+    def __rtruediv__(self, other: Real | float, /) -> Real: ...
+    def __pow__(self, other: Real | float, /) -> Real: ...
+    def __lt__(self, other: Real | float, /) -> bool: ...
+    def __le__(self, other: Real | float, /) -> bool: ...
+    def __gt__(self, other: Real | float, /) -> bool: ...
+    def __ge__(self, other: Real | float, /) -> bool: ...
+
+
+#: Arrays of a result.
+Doubles: TypeAlias = "npt.NDArray[np.float64]"
+Complexes: TypeAlias = "npt.NDArray[np.complex128]"
+Integers: TypeAlias = "npt.NDArray[np.integer]"
 
 #: A row of such numbers, or of heyoka's: an ndarray, or a list above extended.
 Row: TypeAlias = Any

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,7 @@ from polhode.equations.hodographs import Hodographs
 from polhode.judging.limits import is_lost
 from polhode.numbers import number_types
 from polhode.numbers.convert import exactly
-from polhode.numbers.decimals import decimal_in_full, in_full, is_decimal, strings
+from polhode.numbers.decimals import decimal_in_full, in_full, is_decimal, shortest, strings
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.output.right_digits import right_rows
@@ -222,9 +223,13 @@ def check_paths(path: Path, inputs: Sequence[Path | None] = ()) -> None:
 
 
 def write_trajectory(path: Path, answer: dict[str, Any]) -> None:
-    """A trajectory as CSV, number type, bits, scene and provenance in a JSON file beside it."""
-    header, rows = rows_of(answer)
-    kept = {k: v for k, v in answer.items() if k not in _TABLE}
+    """A trajectory as CSV, number type, bits, scene and provenance in a JSON file beside it.
+
+    There ``t_bits`` tells to how many bits the decimals of t are to be rounded, which are as short
+    as that allows.  A stream has no file beside it: its times have every digit.
+    """
+    header, rows = rows_of(answer, short=not is_stream(path))
+    kept = {"t_bits": answer["bits"]} | {k: v for k, v in answer.items() if k not in _TABLE}
     write_table(path, (header, *rows), kept)
 
 
@@ -267,8 +272,11 @@ def columns_of(scene: Scene) -> list[str]:
     return [*scene.columns, *(column for columns in asked for column in columns)]
 
 
-def rows_of(answer: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
-    """Header and rows of a trajectory's table, strings as printed; empty where undefined."""
+def rows_of(answer: dict[str, Any], *, short: bool = False) -> tuple[list[str], list[list[str]]]:
+    """Header and rows of a trajectory's table, strings as printed; empty where undefined.
+
+    ``short``: of a run; each t is the shortest decimal that rounds to it in the run's type.
+    """
     header = ["t", *answer["columns"]]
     parts = [answer["states"]]
     for name, columns in (("angles", ANGLES), ("attitude", ATTITUDE)):
@@ -278,9 +286,13 @@ def rows_of(answer: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     if "hodographs" in answer:  # in the body it is p q r
         header += SPACE
         parts.append(answer["hodographs"]["space"])
+    times = answer["times"]
+    if short:
+        number = NumberType(answer["number"], answer["bits"])
+        times = [shortest(Fraction(t), number) for t in times]
     return header, [
         [t, *("" if x is None else x for row in rows for x in row)]
-        for t, *rows in zip(answer["times"], *parts, strict=True)
+        for t, *rows in zip(times, *parts, strict=True)
     ]
 
 

@@ -12,7 +12,7 @@ from polhode.common.files import check_writable, is_stream, npz, write_whole
 from polhode.common.interrupts import delayed
 from polhode.equations.integrals import Drift
 from polhode.numbers import decimals
-from polhode.numbers.decimals import decimal_in_full, shown, strings
+from polhode.numbers.decimals import decimal_in_full, shortest, shown, strings
 from polhode.numbers.exact import Exact
 from polhode.output import results
 from polhode.taylor.outcomes import OUTCOMES
@@ -76,7 +76,9 @@ def _write(path: Path, found: Ensemble) -> None:
     if path.suffix.lower() == ".npz":
         write_whole({path: npz(arrays(found))})
         return
-    results.write_table(path, _rows(found), of_ensemble(found, states=False))
+    short = not is_stream(path)
+    beside = ({"t_bits": found.number.bits} if short else {}) | of_ensemble(found, states=False)
+    results.write_table(path, _rows(found, short), beside)
 
 
 def arrays(found: Ensemble) -> dict[str, Any]:
@@ -123,7 +125,7 @@ def table(found: Ensemble) -> tuple[list[str], list[list[str]]]:
     for k, values in enumerate(_values(found)):
         states = found.rows(k)
         last = strings(states[-1:], found.number)
-        t = [decimal_in_full(found.times[len(states) - 1])] if len(states) else [""]
+        t = [shortest(found.times[len(states) - 1], found.number)] if len(states) else [""]
         state = last[0] if last else [""] * len(found.columns)
         outcome = found.outcome(k).value
         lines.append([str(k + 1), *values, outcome, str(found.counts[k]), *t, *state])
@@ -183,9 +185,9 @@ def _value(x: Exact) -> str:
     return decimals.in_full(x) if isinstance(x, Fraction) else shown(x)
 
 
-def _rows(found: Ensemble) -> Iterable[list[str]]:
+def _rows(found: Ensemble, short: bool) -> Iterable[list[str]]:
     yield ["member", *found.varied.keys, "t", *found.columns]
-    times = [decimal_in_full(t) for t in found.times]
+    times = [shortest(t, found.number) if short else decimal_in_full(t) for t in found.times]
     for k, values in enumerate(_values(found)):
         for t, state in zip(times, strings(found.rows(k), found.number), strict=False):
             yield [str(k + 1), *values, t, *state]

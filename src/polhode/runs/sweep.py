@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -18,7 +18,7 @@ from polhode.common.provenance import provenance
 from polhode.common.values import ByValue
 from polhode.numbers.decimals import shown
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Rows
+from polhode.numbers.scalars import AnyNumber, Rows
 from polhode.runs import refined_sweep
 from polhode.runs import workers as crew
 from polhode.runs.parts import Parts
@@ -34,6 +34,8 @@ from polhode.taylor.outcomes import OUTCOMES, Outcome
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
+    import pandas as pd
+    import xarray as xr
 
     from polhode.taylor.batch_jobs import Solved
 
@@ -79,7 +81,7 @@ class Ensemble(ByValue):
     digits: int | None = None
     projected: bool = False
     told: Mapping[int, tuple[float | None, ...]] = field(default_factory=dict)
-    provenance: Mapping[str, Any] = field(default_factory=dict, compare=False)
+    provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
     parts: Parts | None = field(default=None, compare=False)
 
     def __len__(self) -> int:
@@ -116,13 +118,15 @@ class Ensemble(ByValue):
     def _repr_html_(self) -> str:
         return str(upstairs.call("output.notebook:of_ensemble", self))
 
-    def to_xarray(self) -> Any:
+    def to_xarray(self) -> xr.Dataset:
         """An xarray Dataset along member and t (extra ``polhode[frames]``)."""
-        return upstairs.call("output.frames:of_ensemble_xarray", self)
+        dataset: xr.Dataset = upstairs.call("output.frames:of_ensemble_xarray", self)
+        return dataset
 
-    def to_pandas(self) -> Any:
+    def to_pandas(self) -> pd.DataFrame:
         """A pandas DataFrame: a row a member and time (extra ``polhode[frames]``)."""
-        return upstairs.call("output.frames:of_ensemble_pandas", self)
+        frame: pd.DataFrame = upstairs.call("output.frames:of_ensemble_pandas", self)
+        return frame
 
     def _errors(self, index: int) -> tuple[float | None, ...] | None:
         return self.told.get(index % len(self))
@@ -196,8 +200,8 @@ def integrate_many(
     *,
     number: str | NumberType | None = None,
     digits: int | None = None,
-    at: Sequence[Any] | None = None,
-    tol: Any = None,
+    at: Iterable[AnyNumber] | None = None,
+    tol: AnyNumber | None = None,
     max_steps: int | None = None,
     executor: Executor | None = None,
     workers: int | None = None,

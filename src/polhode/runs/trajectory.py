@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, overload
 
 from polhode.common import upstairs
 from polhode.common.values import ByValue
@@ -16,14 +16,20 @@ from polhode.equations.hodographs import Hodographs, hodographs
 from polhode.equations.integrals import Drift, drift
 from polhode.numbers.decimals import decimal_in_full, shown, strings
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Row, Rows, Value
+from polhode.numbers.scalars import AnyNumber, Row, Rows, Value
 from polhode.runs.expected import Expected, by_errors, expected
 from polhode.scenes.scene import Scene
+from polhode.scenes.words import Several, Single
 from polhode.taylor.outcomes import EventTimes, Outcome, Projection
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+    from polhode.common.page import Page
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,14 +68,16 @@ class Trajectory(ByValue):
     angles: Sequence[Sequence[Value | None]] | None = None
     events: tuple[EventTimes, ...] = ()
     projection: Projection | None = None
-    provenance: Mapping[str, Any] = field(default_factory=dict, compare=False)
-    dense: Callable[[Any], Row | Rows] | None = field(default=None, repr=False, compare=False)
+    provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
+    dense: Callable[[AnyNumber | Iterable[AnyNumber]], Row | Rows] | None = field(
+        default=None, repr=False, compare=False
+    )
     method: str = "taylor"
     errors: tuple[float | None, ...] | None = None
     correct_digits: float | None = None
     checked_by: str = ""
 
-    def __call__(self, t: Any) -> Row | Rows:
+    def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> Row | Rows:
         """The state at time t, or the states at several times.
 
         See :class:`polhode.runs.dense.Dense`.
@@ -96,33 +104,59 @@ class Trajectory(ByValue):
 
         return np.array([float(t) for t in self.times])
 
-    def attitude_at(self, t: Any) -> Rows:
+    def attitude_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Rows:
         """The quaternion q0 q1 q2 q3 at time t, or rows of it: the run made once more."""
-        return upstairs.call("runs.again:at_times", self, "attitude", t)
+        rows: Rows = upstairs.call("runs.again:at_times", self, "attitude", t)
+        return rows
 
-    def angles_at(self, t: Any) -> Rows:
+    def angles_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Rows:
         """psi, theta, phi at time t, or rows of them: the run made once more."""
-        return upstairs.call("runs.again:at_times", self, "angles", t)
+        rows: Rows = upstairs.call("runs.again:at_times", self, "angles", t)
+        return rows
 
-    def plot(self, what: str = "angles", axes: Any = None, *, end: Any = None) -> Any:
+    @overload
+    def plot(
+        self, what: Several = "angles", axes: object = None, *, end: AnyNumber | None = None
+    ) -> npt.NDArray[np.object_]: ...
+    @overload
+    def plot(self, what: Single, axes: object = None, *, end: AnyNumber | None = None) -> Axes: ...
+    @overload
+    def plot(
+        self, what: str = "angles", axes: object = None, *, end: AnyNumber | None = None
+    ) -> Axes | npt.NDArray[np.object_]: ...
+    def plot(
+        self, what: str = "angles", axes: object = None, *, end: AnyNumber | None = None
+    ) -> Axes | npt.NDArray[np.object_]:
         """Draw a figure with matplotlib, see :func:`polhode.plot`; the axes drawn into."""
-        return upstairs.call("figures.drawing:plot", self, what, axes, end=end)
+        drawn: Axes | npt.NDArray[np.object_] = upstairs.call(
+            "figures.drawing:plot", self, what, axes, end=end
+        )
+        return drawn
 
-    def view(self, *, end: Any = None) -> Any:
+    def view(self, *, end: AnyNumber | None = None) -> Page:
         """The motion as a page that moves, see :func:`polhode.view`."""
-        return upstairs.call("figures.drawing:view", self, end=end)
+        page: Page = upstairs.call("figures.drawing:view", self, end=end)
+        return page
 
-    def to_pandas(self) -> Any:
+    def to_pandas(self) -> pd.DataFrame:
         """A pandas DataFrame: a row a time, index t (extra ``polhode[frames]``)."""
-        return upstairs.call("output.frames:of_run_pandas", self)
+        frame: pd.DataFrame = upstairs.call("output.frames:of_run_pandas", self)
+        return frame
 
-    def to_xarray(self) -> Any:
+    def to_xarray(self) -> xr.Dataset:
         """An xarray Dataset along t (extra ``polhode[frames]``)."""
-        return upstairs.call("output.frames:of_run_xarray", self)
+        dataset: xr.Dataset = upstairs.call("output.frames:of_run_xarray", self)
+        return dataset
 
     def save(self, path: str | Path) -> None:
         """Write the run to a file .npz, which :func:`polhode.load_run` reads again."""
         upstairs.call("output.archive:save", self, path)
+
+    @property
+    def seconds(self) -> Mapping[str, float]:
+        """Seconds that computing took: of building the integrator and of the run."""
+        found = self.provenance.get("seconds", {})
+        return found if isinstance(found, dict) else {}
 
     @cached_property
     def drift(self) -> Drift:

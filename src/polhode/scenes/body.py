@@ -8,7 +8,7 @@ exactly, and projections onto an axis are formed before the axis is scaled to le
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -19,6 +19,7 @@ from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.convert import exact_number
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
+from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes.shapes import Part, carried, together
 
 Vector = tuple[Exact, Exact, Exact]
@@ -155,18 +156,18 @@ class Body:
 
     @classmethod
     def of_moments(
-        cls, moments: Sequence[Any], centre: Sequence[Any] = (0, 0, 0), weight: Any = 0
+        cls, moments: AnyVector, centre: AnyVector = (0, 0, 0), weight: AnyNumber = 0
     ) -> Body:
         """A body given in principal axes by its moments A, B, C."""
         return cls(
             diagonal(exact_vector(moments, key="moments")),
             exact_vector(centre, key="centre"),
-            weight,
+            weight,  # type: ignore[arg-type]  # taken exactly there
         )
 
     @classmethod
     def about_centre(
-        cls, inertia: Sequence[Sequence[Any]], centre: Sequence[Any], mass: Any, weight: Any = 0
+        cls, inertia: Iterable[AnyVector], centre: AnyVector, mass: AnyNumber, weight: AnyNumber = 0
     ) -> Body:
         """A body given by its inertia matrix about its centre of mass (Huygens and Steiner)."""
         own = cls(inertia)  # type: ignore[arg-type]
@@ -174,10 +175,12 @@ class Body:
         (of_mass,) = each("Body", "mass", (mass,), exact_number, "a number")
         if sign(of_mass) <= 0:
             raise BadInput("Body", "mass", mass, "a mass above 0")
-        return cls(carried(own.inertia, of_mass, place), place, weight)
+        return cls(carried(own.inertia, of_mass, place), place, weight)  # type: ignore[arg-type]
 
     @classmethod
-    def of_parts(cls, parts: Iterable[Part], g: Any = None, weight: Any = None) -> Body:
+    def of_parts(
+        cls, parts: Iterable[Part], g: AnyNumber | None = None, weight: AnyNumber | None = None
+    ) -> Body:
         """A body put together of homogeneous solids; ``g`` times its mass is its weight."""
         solids = tuple(parts)
         if not solids:
@@ -190,7 +193,7 @@ class Body:
         if weight is None:
             (gravity,) = each("Body", "g", (g,), exact_number, "a number")
             weight = mass * gravity
-        return cls(inertia, centre, weight, solids)
+        return cls(inertia, centre, weight, solids)  # type: ignore[arg-type]
 
     def _check_parts(self) -> None:
         """Refuse parts that are not this body's."""

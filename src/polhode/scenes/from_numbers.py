@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, SupportsFloat, TypeAlias
+from typing import Any
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput
+from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import keys, scene_file
 from polhode.scenes.scene import Event, Scene
 from polhode.scenes.scene_text import written
 from polhode.scenes.shapes import Part
-
-#: A number of any kind (int, float, Fraction, numpy's, mpmath's), or the text of an expression.
-AnyNumber: TypeAlias = SupportsFloat | str
-#: Three of them: a list, a tuple, an array.
-AnyVector: TypeAlias = Iterable[AnyNumber]
 
 
 def top(
     *,
     moments: AnyVector | None = None,
     inertia: Iterable[AnyVector] | None = None,
-    parts: Sequence[Part | Mapping[str, Any]] | None = None,
+    parts: Sequence[Part | Mapping[str, object]] | None = None,
     about: str | None = None,
     centre: AnyVector | None = None,
     weight: AnyNumber | None = None,
@@ -44,7 +40,7 @@ def top(
     at: Iterable[AnyNumber] | None = None,
     form: str | None = None,
     outputs: Sequence[str] = (),
-    events: Sequence[Event | Mapping[str, Any]] = (),
+    events: Sequence[Event | Mapping[str, object]] = (),
     reference: str | None = None,
     title: str = "",
     name: str = "top",

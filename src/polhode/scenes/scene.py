@@ -19,6 +19,7 @@ from polhode.numbers import exact
 from polhode.numbers.convert import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.scalars import AnyNumber
 from polhode.scenes.body import Body, Vector, dot, exact_vector, scaled
 from polhode.scenes.columns import check
 from polhode.scenes.words import (
@@ -240,7 +241,7 @@ class Scene:
                 raise self._bad(f"{key}[{k + 1}]", shown(t), expected)
             before = t
 
-    def at(self, times: Iterable[Any]) -> Scene:
+    def at(self, times: Iterable[AnyNumber]) -> Scene:
         """The same scene, asked for at other times, numbers of any kind; raises BadInput."""
         found = replace(self, times=each(self.name, "at", times, exact_number, "a list of times"))
         found.__dict__["kept"] = self.kept

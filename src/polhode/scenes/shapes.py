@@ -159,7 +159,7 @@ class Part:
         return each("Part", key, given, exact_number, "numbers")
 
     @property
-    def lengths(self) -> dict[str, Any]:
+    def lengths(self) -> dict[str, Exact | tuple[Exact, ...]]:
         """Its lengths by name; what may be left out is 0."""
         found = {key: getattr(self, key) for key in _LENGTHS if getattr(self, key) is not None}
         return {"height": ZERO, "inner": ZERO} | found

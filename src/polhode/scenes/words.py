@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal, TypeAlias
+
 #: What ``reference.kind`` may ask for: the first that fits, a closed form by the name of its family
 #: (polhode.closed_forms.families), a proven enclosure, or two integrations.
 REFERENCES = (
@@ -55,3 +57,8 @@ FIXED_POINT, CENTRE = "fixed point", "centre"
 
 #: Which of the two spins on a level of h and f.
 SIGNS = ("+", "-")
+
+
+#: Figures of several panels, and of one.
+Several: TypeAlias = Literal["angles", "hodographs", "sphere", "integrals", "error"]
+Single: TypeAlias = Literal["omega", "momentum", "attitude"]

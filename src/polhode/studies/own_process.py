@@ -53,7 +53,7 @@ def build(job: Job) -> Solve:
         run = integrate(job.scene, job.number, tol=tolerance, project=job.project)
         if not run.outcome.done:
             raise ArithmeticError(run.outcome.cause)
-        return Solution(run.states, run.steps, run.provenance["seconds"]["build"])
+        return Solution(run.states, run.steps, run.seconds["build"])
 
     few = 200 if job.number in ("double", "extended") else 2  # past the first projection
     integrate(job.scene, job.number, max_steps=few, project=job.project)

@@ -98,7 +98,7 @@ def main(options: Namespace) -> int:
     if options.json:
         print_json(answer)
     elif path is None:
-        print_rows(answer)
+        print_rows(answer, short=True)
     if not options.json:
         note(
             f"{scene.name}: {answer['number']} ({answer['bits']} bits), {answer['regime']}; "

@@ -124,9 +124,9 @@ def print_json(value: Any) -> None:
     write_stdout(results.as_json(value))
 
 
-def print_rows(answer: dict[str, Any]) -> None:
-    """The rows of an answer as a table on stdout."""
-    header, rows = results.rows_of(answer)
+def print_rows(answer: dict[str, Any], *, short: bool = False) -> None:
+    """The rows of an answer as a table on stdout; ``short``: see ``rows_of``."""
+    header, rows = results.rows_of(answer, short=short)
     print_table(header, rows)
 
 

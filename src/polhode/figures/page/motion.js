@@ -193,7 +193,7 @@ class BodyView extends View {
       for (const line of this.lines) painter.drawCurve(line, IDENTITY, faint(GREY, 0.28), 1);
     if (shown.path) {
       painter.drawCurve(this.path, IDENTITY, faint(ORANGE, 0.3), 1.6);
-      painter.drawCurve(this.path, IDENTITY, ORANGE, 2.6, 0, now);
+      painter.drawCurve(this.path, IDENTITY, ORANGE, 2.6, now);
     }
     if (shown.sphere) painter.drawSolid(this.globe, IDENTITY, faint(GREY, 0.07));
   }
@@ -251,7 +251,7 @@ class RollingView extends View {
     this.mark([x, y, z], GREEN);
     if (!motion.free) this.arrow([0, 0, 1.25], DARK, 1.8);
     painter.drawCurve(this.space, this.level, faint(ORANGE, 0.3), 1.6);
-    painter.drawCurve(this.space, this.level, ORANGE, 2.6, 0, now);
+    painter.drawCurve(this.space, this.level, ORANGE, 2.6, now);
     painter.drawCurve(this.body, turn, BLUE, 2.2);
     if (motion.free) {
       painter.drawSolid(this.ellipsoid, times(turn, axes), faint(BLUE, 0.5));

@@ -145,10 +145,10 @@ const CURVE_SHADERS = [`#version 300 es
   }`, `#version 300 es
   precision highp float;
   in float at;
-  uniform vec4 colour; uniform vec2 span;
+  uniform vec4 colour; uniform float until;
   out vec4 pixel;
   void main() {
-    if (at < span.x || at > span.y) discard;
+    if (at > until) discard;
     pixel = vec4(colour.rgb * colour.a, colour.a);
   }`];
 
@@ -193,13 +193,30 @@ class Painter {
     return made;
   }
 
-  solid(solid) { return {buffer: this.buffer(solid.numbers), count: solid.numbers.length / 7}; }
+  // What a drawing reads is told once, here: a frame then costs a few calls a thing drawn.
+  solid(solid) {
+    const numbers = this.buffer(solid.numbers), inputs = this.inputs();
+    this.attribute(this.solids, "place", numbers, 3, 28, 0, 0);
+    this.attribute(this.solids, "normal", numbers, 3, 28, 12, 0);
+    this.attribute(this.solids, "tone", numbers, 1, 28, 24, 0);
+    return {inputs, count: solid.numbers.length / 7};
+  }
 
   // A curve through points; its pieces are numbered from 0.
   curve(points) {
-    const count = Math.max(0, points.length - 1);
-    return {buffer: this.buffer(points.flat()), count,
-            order: this.buffer(Array.from({length: count}, (_, k) => k))};
+    const count = Math.max(0, points.length - 1), places = this.buffer(points.flat());
+    const order = this.buffer(Array.from({length: count}, (_, k) => k)), inputs = this.inputs();
+    this.attribute(this.curves, "a", places, 3, 12, 0, 1);
+    this.attribute(this.curves, "b", places, 3, 12, 12, 1);
+    this.attribute(this.curves, "index", order, 1, 4, 0, 1);
+    this.attribute(this.curves, "corner", this.corners, 2, 8, 0, 0);
+    return {inputs, count};
+  }
+
+  inputs() {
+    const made = this.gl.createVertexArray();
+    this.gl.bindVertexArray(made);
+    return made;
   }
 
   // A clear page, seen from (azimuth, elevation, distance), looking at a point.
@@ -247,27 +264,30 @@ class Painter {
   drawSolid(made, model, colour, first = 0, count = made.count) {
     const gl = this.gl, program = this.solids;
     this.use(program, model, colour);
-    this.attribute(program, "place", made.buffer, 3, 28, 0, 0);
-    this.attribute(program, "normal", made.buffer, 3, 28, 12, 0);
-    this.attribute(program, "tone", made.buffer, 1, 28, 24, 0);
-    gl.drawArrays(gl.TRIANGLES, first, count);
+    gl.bindVertexArray(made.inputs);
+    if (colour[3] < 1) {  // what is seen through: the far side first, then the near one
+      gl.enable(gl.CULL_FACE);
+      for (const side of [gl.FRONT, gl.BACK]) {
+        gl.cullFace(side);
+        gl.drawArrays(gl.TRIANGLES, first, count);
+      }
+      gl.disable(gl.CULL_FACE);
+    } else {
+      gl.drawArrays(gl.TRIANGLES, first, count);
+    }
     gl.depthMask(true);
   }
 
-  // The pieces of a curve from number `from` to `to`.
-  drawCurve(made, model, colour, width, from = 0, to = Infinity) {
-    const gl = this.gl, program = this.curves;
-    const first = Math.max(0, Math.floor(from)), last = Math.min(made.count, Math.ceil(to));
-    if (last <= first) return;
+  // The pieces of a curve up to number `to`.
+  drawCurve(made, model, colour, width, to = Infinity) {
+    const gl = this.gl, program = this.curves, last = Math.min(made.count, Math.ceil(to));
+    if (last <= 0) return;
     this.use(program, model, colour);
     gl.uniform2f(program.uniform.size, ...this.size);
     gl.uniform1f(program.uniform.width, width * this.ratio);
-    gl.uniform2f(program.uniform.span, from - 1, Math.min(to, 1e9) + 0.001);
-    this.attribute(program, "a", made.buffer, 3, 12, 12 * first, 1);
-    this.attribute(program, "b", made.buffer, 3, 12, 12 * (first + 1), 1);
-    this.attribute(program, "index", made.order, 1, 4, 4 * first, 1);
-    this.attribute(program, "corner", this.corners, 2, 8, 0, 0);
-    gl.drawArraysInstanced(gl.TRIANGLES, 0, 6, last - first);
+    gl.uniform1f(program.uniform.until, Math.min(to, 1e9) + 0.001);
+    gl.bindVertexArray(made.inputs);
+    gl.drawArraysInstanced(gl.TRIANGLES, 0, 6, last);
     gl.depthMask(true);
   }
 }

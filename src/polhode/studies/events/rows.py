@@ -296,7 +296,7 @@ def _cost(name: str, repeats: int) -> dict[str, Any]:
         for k, watched in enumerate(scenes):
             run = integrate(watched, name)
             steps[k], found[k] = run.steps, sum(len(event.times) for event in run.events)
-            seconds[k] = min(seconds[k], run.provenance["seconds"]["run"])
+            seconds[k] = min(seconds[k], run.seconds["run"])
     micros = [1e6 * s / n for s, n in zip(seconds, steps, strict=True)]
     return {
         "number": name,

@@ -93,7 +93,7 @@ def _runs(scene: Scene, reference: Remembered, number: str, rounds: int) -> list
     runs = {run["form"]: run for run in found if "seconds" in run}
     for _ in range(rounds - 1 if number == "double" else 0):
         for form, run in runs.items():
-            again = integrate(replace(scene, form=form), number).provenance["seconds"]
+            again = integrate(replace(scene, form=form), number).seconds
             for part in ("run", "build"):
                 run["seconds"][part] = min(run["seconds"][part], again[part])
     first = runs["principal"]
@@ -113,7 +113,7 @@ def _run(scene: Scene, reference: Remembered, number: str) -> dict[str, Any]:
     if not run.outcome.done:
         return known | {"reason": run.cause, "reached": float(run.reached)}
     digits = round(compare(run, reference).worst, 2)
-    return known | {"seconds": dict(run.provenance["seconds"]), "correct_digits": digits}
+    return known | {"seconds": dict(run.seconds), "correct_digits": digits}
 
 
 def _reordered(scene: Scene, order: tuple[int, int, int]) -> Scene:

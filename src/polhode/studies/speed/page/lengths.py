@@ -53,17 +53,15 @@ def blocks(cells: Sequence[dict[str, Any]]) -> Iterator[Block]:
 
 def claim(cells: Sequence[dict[str, Any]], level: float) -> str:
     """At one level, in how many cells of each length polhode's median is ahead of every peer."""
-    by_end: dict[int, list[Closest | None]] = {}
-    for cell in cells:
-        if _raced(cell, level):
-            by_end.setdefault(cell["end"], []).append(closest(cell, level))
     told: list[str] = []
     behind: list[Closest] = []
-    for end, found in sorted(by_end.items()):
-        ahead = sum(x is None or x.factor > 1 for x in found)
-        cells_here = f"{ahead} of {len(found)}" + " cells of body and outputs" * (not told)
-        told.append(f"{cells_here} at t = {end}")
-        behind += [x for x in found if x is not None and x.factor <= 1]
+    for end in sorted({cell["end"] for cell in cells}):
+        found = race([cell for cell in cells if cell["end"] == end], level)
+        if found:
+            cells_here = f"{sum(map(ahead, found))} of {len(found)}"
+            cells_here += " cells of body and outputs" * (not told)
+            told.append(f"{cells_here} at t = {end}")
+        behind += [x for x in found if x is not None and not ahead(x)]
     if not told:
         return f"At {level:g} digits no other program was here to compare with."
     text = f"At {level:g} digits polhode's median is ahead of every other program in "
@@ -81,6 +79,16 @@ def closest(cell: dict[str, Any], level: float) -> Closest | None:
     rows = [m for m in _methods(cell, level) if _is_peer(m["method"]) and m["factor"] is not None]
     found = ((*m["factor"], m["method"]) for m in rows)
     return min((Closest(*parts) for parts in found), default=None)
+
+
+def race(cells: Sequence[dict[str, Any]], level: float) -> list[Closest | None]:
+    """Of each cell in which polhode and another program ran, the fastest peer."""
+    return [closest(cell, level) for cell in cells if _raced(cell, level)]
+
+
+def ahead(peer: Closest | None) -> bool:
+    """Whether polhode is faster than the fastest peer of a cell."""
+    return peer is None or peer.factor > 1
 
 
 def _raced(cell: dict[str, Any], level: float) -> bool:
@@ -103,12 +111,10 @@ def _overview(cells: Sequence[dict[str, Any]]) -> PageTable:
 
 
 def _race(cells: Sequence[dict[str, Any]], level: float) -> str:
-    raced = [cell for cell in cells if _raced(cell, level)]
-    if not raced:
+    found = race(cells, level)
+    if not found:
         return "–"
-    found = [closest(cell, level) for cell in raced]
-    ahead = sum(x is None or x.factor > 1 for x in found)
-    told = f"ahead on {ahead} of {len(raced)} bodies"
+    told = f"ahead on {sum(map(ahead, found))} of {len(found)} bodies"
     best = min((x for x in found if x is not None), default=None)
     return told if best is None else f"{told}; {best.method} ×{best.factor:.2f}"
 

@@ -1,0 +1,35 @@
+"""A page of HTML that is a result: saved, or shown by a notebook in its place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+from polhode.common.files import check_writable, write_whole
+
+
+@dataclass(frozen=True, repr=False)
+class Page:
+    """A motion as a page of HTML: ``text``, to be saved; a notebook shows it in its place.
+
+    >>> import polhode
+    >>> page = polhode.view("lagrange/looping", end=4)
+    >>> page.name, 90_000 < len(page.text) < 200_000
+    ('lagrange/looping', True)
+    """
+
+    name: str
+    text: str
+
+    def __repr__(self) -> str:
+        return f"<Page of {self.name}: {round(len(self.text.encode()) / 1000)} kB>"
+
+    def _repr_html_(self) -> str:
+        frame = "width:100%;height:46rem;border:0"
+        return f'<iframe style="{frame}" srcdoc="{escape(self.text)}"></iframe>'
+
+    def save(self, path: str | Path) -> None:
+        """Write it; the name ends in .html."""
+        check_writable(Path(path), [".html"])
+        write_whole({Path(path): self.text})

@@ -1,0 +1,96 @@
+"""What a frame of ``polhode view`` costs its script: ``python tests/measure/frames.py [SCENE...]``.
+
+A browser without a window (Chromium) draws 2000 frames with all calls of WebGL but the drawing
+itself, which is the graphics card's part and is not measured here.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from html import unescape
+from pathlib import Path
+from typing import Any
+
+import polhode
+
+SWITCHES = [
+    *("--headless", "--no-sandbox", "--no-first-run", "--disable-sync", "--disable-quic"),
+    *("--disable-background-networking", "--use-gl=angle", "--use-angle=swiftshader"),
+    *("--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
+]
+BATCHES, FRAMES = 40, 50
+
+_PROBE = """
+<script>(() => {
+  const all = {path: true, sphere: true, omega: true}, found = {calls: 0, triangles: 0};
+  const frame = t => { time = t; for (const view of views) view.draw(t, all); tell(); };
+  const contexts = views.map(view => view.painter.gl), kind = WebGL2RenderingContext.prototype;
+  for (const gl of contexts)
+    for (const name of Object.getOwnPropertyNames(kind)) {
+      if (Object.getOwnPropertyDescriptor(kind, name).get) continue;
+      if (typeof gl[name] !== "function") continue;
+      const call = gl[name].bind(gl);
+      gl[name] = (...given) => {
+        found.calls += 1;
+        if (name === "drawArrays") found.triangles += given[2] / 3;
+        if (name === "drawArraysInstanced") found.triangles += given[2] / 3 * given[3];
+        return call(...given);
+      };
+    }
+  frame(motion.end);
+  for (const gl of contexts) {
+    for (const name of Object.keys(gl)) delete gl[name];
+    gl.drawArrays = gl.drawArraysInstanced = () => {};
+  }
+  const batches = Array.from({length: BATCHES}, (_, b) => {
+    const began = performance.now();
+    for (let k = 0; k < FRAMES; k++)
+      frame(motion.begin + (motion.end - motion.begin) * ((b * FRAMES + k) % 997) / 997);
+    return (performance.now() - began) / FRAMES;
+  }).sort((a, b) => a - b);
+  Object.assign(found, {least: batches[0], median: batches[BATCHES >> 1]});
+  found.canvas = views.map(view => view.canvas.width);
+  const told = document.createElement("pre");
+  told.id = "probe"; told.textContent = JSON.stringify(found);
+  document.body.append(told);
+})();</script></body>""".replace("BATCHES", str(BATCHES)).replace("FRAMES", str(FRAMES))
+
+
+def browser() -> str | None:
+    """A browser that needs no window, where there is one."""
+    return shutil.which("chromium") or shutil.which("google-chrome")
+
+
+def cost(page: polhode.Page, width: int) -> dict[str, Any]:
+    """Milliseconds of script a frame (least and median of the batches), WebGL calls, triangles."""
+    program = browser()
+    if program is None:
+        raise RuntimeError("no browser here")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "page.html"
+        path.write_text(page.text.replace("</body>", _PROBE), encoding="utf-8")
+        given = [f"--user-data-dir={folder}/profile", f"--window-size={width},1300", "--dump-dom"]
+        address = f"{path.as_uri()}#play=0"
+        command = [program, *SWITCHES, *given, address]
+        done = subprocess.run(command, capture_output=True, timeout=200, text=True, check=True)
+    (told,) = re.findall(r'<pre id="probe">(.*?)</pre>', done.stdout)
+    found: dict[str, Any] = json.loads(unescape(told))
+    return found
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:] or [
+        "lagrange/looping",
+        "euler/largest-axis",
+        "general/asymmetric-regular",
+    ]:
+        for width in (400, 1400):
+            x = cost(polhode.view(name), width)
+            told = f"{x['least']:.2f} ms of script a frame ({x['median']:.2f} in the median)"
+            drawn = f"{x['calls']} calls, {x['triangles']:.0f} triangles"
+            sys.stdout.write(f"{name} at {width} px: {told}, {drawn}\n")

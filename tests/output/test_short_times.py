@@ -1,0 +1,106 @@
+"""The t of a CSV: as short as it round-trips, and read again as the time that it was."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import polhode
+from polhode.cli import main
+from polhode.judging.table import read_table
+from polhode.numbers.decimals import decimal_string, shortest
+from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
+
+SCENE = "lagrange/nutation"
+TIMES = ["0", "0.1", "1/3", "10", "20.1", "sqrt(2)*20"]
+TYPES = [DOUBLE, EXTENDED, QUAD, mp(60)]
+
+
+def significant(text: str) -> int:
+    return len(text.lower().partition("e")[0].replace(".", "").strip("-0"))
+
+
+@given(
+    st.fractions(min_value=-(10**9), max_value=10**9, max_denominator=10**9),
+    st.integers(-40, 40),
+    st.sampled_from(TYPES),
+)
+def test_no_shorter_decimal_rounds_to_the_number(x, power, number):
+    held = number.rounded(x * Fraction(10) ** power)
+    text = shortest(held, number)
+    assert number.rounded(Fraction(text)) == held
+    digits = significant(text)
+    alone = held.numerator & (held.numerator - 1)  # below a power of two the next are nearer
+    if digits > 1 and alone and Fraction(text) != held:
+        assert number.rounded(Fraction(decimal_string(held, digits - 1))) != held
+
+
+def test_short_numbers_stand_as_they_are():
+    for x, text in ((100, "100"), (0.5, "0.5"), (-3, "-3"), (0, "0"), (1e5 + 0.25, "100000.25")):
+        assert {shortest(Fraction(x), number) for number in TYPES} == {text}
+    assert shortest(DOUBLE.rounded(Fraction(1, 3)), DOUBLE) == "0.3333333333333333"
+    assert shortest(Fraction(0.1), DOUBLE) == "0.1"
+    assert shortest(EXTENDED.rounded(Fraction(1, 10)), EXTENDED) == "0.1"
+    assert len(shortest(Fraction(0.1), QUAD)) > 30  # another number in quad
+
+
+@pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
+def test_a_file_is_read_as_the_times_of_its_run(tmp_path, number):
+    path = tmp_path / "x.csv"
+    assert main(["run", SCENE, "--at", ",".join(TIMES), "--number", number, "-o", str(path)]) == 0
+    run = polhode.integrate(SCENE, number, at=TIMES)
+    texts = [line.partition(",")[0] for line in path.read_text().splitlines()[1:]]
+    assert texts[0:2] == ["0", "0.1"]
+    assert texts[3:5] == ["10", "20.1"]
+    assert significant(texts[2]) in range(run.number.printed_digits - 2, run.number.printed_digits)
+    assert read_table(path, None).times == run.times
+    # more bits than the file's change no time of it
+    assert read_table(path, mp(90)).times == run.times
+
+
+def test_without_its_json_a_file_says_how_it_is_right(tmp_path, capsys):
+    path = tmp_path / "x.csv"
+    assert main(["run", SCENE, "--at", "0.1,1/3,5000.7", "-o", str(path)]) == 0
+    beside = json.loads(path.with_suffix(".json").read_text())
+    assert beside["t_bits"] == 53
+    with_it = polhode.compare(path, SCENE)
+    assert with_it.readings == ()
+    path.with_suffix(".json").unlink()
+    alone = polhode.compare(path, SCENE)
+    assert alone.worst < with_it.worst - 0.5
+    (told,) = alone.readings
+    assert told.part == "t"
+    assert told.convention == "decimals of double (--number double)"
+    assert told.digits == pytest.approx(with_it.worst, abs=0.05)
+    given = polhode.compare(path, SCENE, number="double")
+    assert given.worst == pytest.approx(told.digits, abs=0.01)
+    capsys.readouterr()
+
+
+def test_an_error_that_is_not_of_t_is_told_as_it_is(tmp_path):
+    """The same short times, states off by something else: no reading is offered."""
+    path = tmp_path / "x.csv"
+    exact = polhode.reference(SCENE).at(["5000.7"], 20)[0]
+    wrong = [float(x) for x in exact]
+    wrong[2] += 1e-12  # r, which is constant
+    path.write_text("t,p,q,r,gamma1,gamma2,gamma3\n5000.7," + ",".join(map(repr, wrong)) + "\n")
+    assert polhode.compare(path, SCENE).readings == ()
+
+
+def test_a_stream_has_every_digit(capfd):
+    assert main(["run", SCENE, "--at", "0.1", "-o", "/dev/stdout"]) == 0
+    t = capfd.readouterr().out.splitlines()[1].partition(",")[0]
+    assert Fraction(t) == Fraction(0.1)
+
+
+def test_a_sweep_is_as_short(tmp_path, capsys):
+    path = tmp_path / "s.csv"
+    command = ["sweep", SCENE, "--vary", "start.omega[3]=2:4:2", "--at", "0.1,0.3"]
+    assert main([*command, "-o", str(path)]) == 0
+    assert [line.split(",")[2] for line in path.read_text().splitlines()[1:]] == ["0.1", "0.3"] * 2
+    assert json.loads(path.with_suffix(".json").read_text())["t_bits"] == 53
+    capsys.readouterr()
