@@ -1,7 +1,8 @@
 """What rounding does to a motion: the inputs', and that of the steps.
 
 **Inputs.**  The scene's numbers are rounded to the type once.  The differences are known, and so
-is what they cause, to first order: v(t) = Phi(t, 0) dx(0) + U(t) dk.
+is what they cause, to first order: v(t) = Phi(t, 0) dx(0) + U(t) dk.  Where a run is projected onto
+the exact scene's first integrals, the part of v across their level is taken away as often.
 
 **Steps.**  A step method that rounds the state once a step adds r to it, independent from step to
 step and from component to component, of variance (eps x_i)²/12: that of rounding a number of
@@ -9,8 +10,8 @@ relative spacing eps.  Their sum has the covariance
 
     C(t) = sum over the steps s of Phi(t, s) diag((eps x_i(s))²/12) Phi(t, s)^T.
 
-Components that the equations themselves keep take no rounding.  Where a run is projected onto its
-first integrals, the part of C across their level is taken away as often as the run does it.
+Components that the equations themselves keep take no rounding.  Of C, too, projection takes the
+part across the level away.
 
 **Together.**  The error of such a run is v(t) plus a normal deviate of covariance C(t), and its
 size has a distribution: half of such runs have less than its median, nine in ten lie between its
@@ -26,14 +27,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
-from polhode.equations.integrals import first_integrals
+from polhode.equations.integrals import FirstIntegrals, first_integrals
 from polhode.numbers import exact
 from polhode.numbers.convert import to_double
 from polhode.numbers.exact import ZERO, Exact, sign
@@ -99,9 +100,13 @@ def kappa(along: Passage) -> Iterator[tuple[float, float]]:
         yield stretch.time, _log10(max(sums[0] / scale, sums[1])) + tangents.exponent * LOG10_2
 
 
-def inputs(along: Passage, number: NumberType) -> Iterator[Scaled]:
-    """At the end of each stretch the error that rounding the inputs to the type causes, in eps."""
+def inputs(along: Passage, number: NumberType, every: int = 0) -> Iterator[Scaled]:
+    """At the end of each stretch the error that rounding the inputs to the type causes, in eps.
+
+    ``every``: steps between two projections, which leave what lies in the level; 0 for none.
+    """
     k = along.plain.coefficients
+    clear = _Clearing(along, every)
     start = [_rounding(x, number) for x in along.plain.start]
     v = Scaled(np.array([*start, *[0.0] * (6 - len(start))]), 0)
     if at_rest(along.scene).state:  # a run keeps its rounded state
@@ -116,6 +121,8 @@ def inputs(along: Passage, number: NumberType) -> Iterator[Scaled]:
     for stretch in along.stretches:
         values = stretch.carried @ v.values
         values = values + np.ldexp(stretch.driven @ drive, -v.exponent)
+        if clear.due(stretch.steps):
+            values = clear.removed(stretch.state) @ values
         v = Scaled(values, v.exponent).normalised()
         yield v
 
@@ -127,8 +134,8 @@ def scatter(along: Passage, every: int) -> Iterator[Scaled]:
     """
     k = {name: to_double(x) for name, x in along.plain.coefficients.items()}
     held, still = kept_at_zero(along.scene), at_rest(along.scene).state
-    across = _Across(along) if every else None
-    found, due = Scaled(np.zeros((6, 6)), 0), float(every)
+    clear = _Clearing(along, every)
+    found = Scaled(np.zeros((6, 6)), 0)
     for stretch in along.stretches:
         x = stretch.state
         rates = principal.field([float(c) for c in x], k, FLOATS)
@@ -136,10 +143,9 @@ def scatter(along: Passage, every: int) -> Iterator[Scaled]:
         once = np.where(moving, x * x, 0.0) * VARIANCE * stretch.steps
         values = stretch.carried @ found.values @ stretch.carried.T
         values += np.diag(np.ldexp(once, -found.exponent))
-        due -= stretch.steps
-        if across is not None and due <= 0:
-            keep = across.removed(x)
-            values, due = keep @ values @ keep.T, float(every)
+        if clear.due(stretch.steps):
+            keep = clear.removed(x)
+            values = keep @ values @ keep.T
         found = Scaled(values, found.exponent).normalised()
         yield found
 
@@ -182,15 +188,30 @@ def _deviates() -> Doubles:
     return np.random.default_rng(1850).standard_normal((_SAMPLES, 6))
 
 
-class _Across:
-    """Takes away what lies across the level of the first integrals."""
+class _Clearing:
+    """Takes away what lies across the level of the first integrals, as often as a run does."""
 
-    def __init__(self, along: Passage) -> None:
-        self._known = first_integrals(along.scene)
-        self._k = {name: to_double(x) for name, x in self._known.coefficients.items()}
+    def __init__(self, along: Passage, every: int) -> None:
+        self._along, self._every, self._left = along, every, float(every)
         self._columns = len(along.plain.start)
         w = along.rate_scale
         self._sizes = np.array([w, w, w, 1.0, 1.0, 1.0])[: self._columns]
+
+    @cached_property
+    def _known(self) -> FirstIntegrals:
+        return first_integrals(self._along.scene)
+
+    @cached_property
+    def _k(self) -> dict[str, float]:
+        return {name: to_double(x) for name, x in self._known.coefficients.items()}
+
+    def due(self, steps: float) -> bool:
+        """Whether so many steps further the run projects."""
+        self._left -= steps
+        if not self._every or self._left > 0:
+            return False
+        self._left = float(self._every)
+        return True
 
     def removed(self, state: Doubles) -> Doubles:
         """The projection onto the level's tangent space at a state, (6, 6)."""
