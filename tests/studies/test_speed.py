@@ -181,7 +181,7 @@ def compiled(tmp_path_factory):
         (contenders.HEYOKA, (15.0, 15.96)),
         *((m, (14.5, 15.96)) for m in contenders.OURS if m.name == "polhode double"),
         *((m, (18.0, 19.27)) for m in contenders.OURS if m.name == "polhode extended"),
-        *((m, (9.0, 15.96)) for m in (*contenders.PEERS, *contenders.SLOW_PEERS)),
+        *((m, (9.0, 15.96)) for m in (*contenders.PEERS, *contenders.SHORT_PEERS)),
     ],
     ids=lambda x: x.name.replace(" ", "-") if isinstance(x, Method) else "",
 )
@@ -407,7 +407,7 @@ def test_the_full_study_asks_for_every_peer_and_type():
             *contenders.OURS,
             contenders.HEYOKA,
             *contenders.PEERS,
-            *contenders.SLOW_PEERS,
+            *contenders.SHORT_PEERS,
         )
     }
     quick = {m.name for motion in contenders.MOTIONS for m in contenders.methods(motion, True)}

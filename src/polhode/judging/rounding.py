@@ -121,7 +121,7 @@ def inputs(along: Passage, number: NumberType, every: int = 0) -> Iterator[Scale
     for stretch in along.stretches:
         values = stretch.carried @ v.values
         values = values + np.ldexp(stretch.driven @ drive, -v.exponent)
-        if clear.due(stretch.steps):
+        if clear.made(stretch.steps):
             values = clear.removed(stretch.state) @ values
         v = Scaled(values, v.exponent).normalised()
         yield v
@@ -140,12 +140,11 @@ def scatter(along: Passage, every: int) -> Iterator[Scaled]:
         x = stretch.state
         rates = principal.field([float(c) for c in x], k, FLOATS)
         moving = [not still and i not in held and r != 0 for i, r in enumerate(rates)]
-        once = np.where(moving, x * x, 0.0) * VARIANCE * stretch.steps
-        values = stretch.carried @ found.values @ stretch.carried.T
-        values += np.diag(np.ldexp(once, -found.exponent))
-        if clear.due(stretch.steps):
+        once = np.diag(np.ldexp(np.where(moving, x * x, 0.0) * VARIANCE, -found.exponent))
+        values = stretch.carried @ found.values @ stretch.carried.T + stretch.steps * once
+        if (count := clear.made(stretch.steps)) > 0:
             keep = clear.removed(x)
-            values = keep @ values @ keep.T
+            values = keep @ (values + (count - 1) * once) @ keep.T + once
         found = Scaled(values, found.exponent).normalised()
         yield found
 
@@ -205,31 +204,34 @@ class _Clearing:
     def _k(self) -> dict[str, float]:
         return {name: to_double(x) for name, x in self._known.coefficients.items()}
 
-    def due(self, steps: float) -> bool:
-        """Whether so many steps further the run projects."""
+    def made(self, steps: float) -> int:
+        """How many projections a run makes in so many steps more."""
         self._left -= steps
         if not self._every or self._left > 0:
-            return False
-        self._left = float(self._every)
-        return True
+            return 0
+        count = 1 + math.floor(-self._left / self._every)
+        self._left += count * self._every
+        return count
 
     def removed(self, state: Doubles) -> Doubles:
-        """The projection onto the level's tangent space at a state, (6, 6)."""
-        x, sizes = state[: self._columns], self._sizes
+        """The projection onto the level's tangent space at a state, (6, 6).
+
+        By the least change of the state in the unit of time of a run, as the run does it.
+        """
+        x = state[: self._columns]
         gradients = []
         for i in range(self._columns):
             step = np.zeros(self._columns)
-            step[i] = _STEP * sizes[i]
+            step[i] = _STEP * self._sizes[i]
             ahead, behind = (
                 np.array(self._known.values([float(c) for c in y], self._k, 0.0))
                 for y in (x + step, x - step)
             )
-            gradients.append((ahead - behind) / (2 * _STEP))
+            gradients.append((ahead - behind) / (2 * step[i]))
         _, strengths, rows = np.linalg.svd(np.array(gradients).T, full_matrices=False)
         rows = rows[strengths > 1e-7 * strengths[0]]
         keep = np.eye(6)
-        inner = np.eye(self._columns) - rows.T @ rows
-        keep[: self._columns, : self._columns] = sizes[:, None] * inner / sizes
+        keep[: self._columns, : self._columns] -= rows.T @ rows
         return keep
 
 

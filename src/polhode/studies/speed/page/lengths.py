@@ -32,8 +32,9 @@ def blocks(cells: Sequence[dict[str, Any]]) -> Iterator[Block]:
         "places. Every method runs at several tolerances; the seconds for so many digits are read "
         "from each start's own curve (below its first point, the first point's), and divided by "
         "polhode's on the same start. Runs are judged at eleven even times, those with two outputs "
-        "at the end; integrators are made before, and a scene's first run does not count. Each "
-        "row alone: `polhode study speed --only 'NAME OF THE ROW'`."
+        "at the end; integrators are made before, and a scene's first run does not count, but that "
+        "a run of more than 0.02 seconds is made once, whoever makes it. Each row alone: `polhode "
+        "study speed --only 'NAME OF THE ROW'`."
     )
     if _peers(cells):
         for level in _levels(cells):
