@@ -368,7 +368,7 @@ def test_polhode_as_it_comes_is_projected_at_eps_alone():
 def test_page_and_figure_are_made_from_the_json_alone():
     found = json.loads(json.dumps(synthetic()))
     text = markdown(page.TITLE, page.blocks(found))
-    assert "Euler top, CyRK DOP853: it takes 0.50 of our time at 6.0 digits" in text
+    assert "Euler top, CyRK DOP853: it takes 0.5 of our time at 6.0 digits" in text
     assert "numbalsoda lsoda: missing (No module)" in text
     assert "| diffrax Dopri8 | 50 (6.0) |" in text
     drawn = figure.svgs(found)

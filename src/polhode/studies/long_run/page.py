@@ -185,8 +185,8 @@ def _beside_inputs(tops: list[dict[str, Any]]) -> Iterator[Block]:
         "is put back on the exact integrals, by the variational equations (known differences, not "
         "a bound): its median over the ensemble, and the median of the run's own error over it. "
         f"It is followed to t = {times[-1]}; the last column is what it would be at t = {end} if "
-        "it went on like t, and the median error there over that: by then next to nothing else is "
-        "left of a projected run's error where that is near one."
+        "it went on like t, and the median error there over that. Where that is near one, a "
+        "projected run's error is by then little else than that of its inputs."
     )
     header = ("top", *(f"t = {t}" for t in times), f"t = {end}, like t")
     yield PageTable(header, tuple(rows), "l" + "r" * (len(times) + 1))

@@ -181,7 +181,8 @@ def cell_row(
             )
         levels.append({"digits": level, "methods": methods})
     starts = len(marks[OURS])
-    return {**cell._asdict(), "starts": starts, "levels": levels, "faults": dict(faults)}
+    about = {**cell._asdict(), "starts": starts, "once_above": PATIENCE}
+    return {**about, "levels": levels, "faults": dict(faults)}
 
 
 @cache

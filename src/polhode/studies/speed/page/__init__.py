@@ -128,7 +128,7 @@ def behind(found: dict[str, Any]) -> list[str]:
 def _behind(row: dict[str, Any]) -> str:
     if row["least_factor"] is not None and row["least_factor"] <= 1:
         return (
-            f"{row['motion']}, {row['method']}: it takes {row['least_factor']:.2f} of our time at "
+            f"{row['motion']}, {row['method']}: it takes {row['least_factor']:.3g} of our time at "
             f"{row['at_digits']:.1f} digits"
         )
     return f"{row['motion']}, {row['method']}: it reaches {row['short']:.2f} digits more"
