@@ -101,7 +101,8 @@ def share(count: Counter) -> float:
 
 
 @pytest.mark.parametrize(
-    ("starts", "least", "apart"), [(3, 0.82, 0.3), pytest.param(8, 0.84, 0.2, marks=pytest.mark.slow)]
+    ("starts", "least", "apart"),
+    [(3, 0.82, 0.3), pytest.param(8, 0.84, 0.2, marks=pytest.mark.slow)],
 )
 def test_of_a_few_tops_nine_in_ten_runs_end_in_the_band(starts, least, apart):
     """Starts of one body a kind, which is compiled once; what one start does leans together.

@@ -144,7 +144,9 @@ def put_back(x: list[F], wanted: list[F], unit: float) -> list[F]:
     for i, one in enumerate(turned):
         by = step / F(unit) if i < 3 else step
         moved = [a + by * b for a, b in zip(x, one, strict=True)]
-        columns.append([float((p - q) / step) for p, q in zip(integrals(moved), there, strict=True)])
+        columns.append(
+            [float((p - q) / step) for p, q in zip(integrals(moved), there, strict=True)]
+        )
     missing = [float((p - q) * 2**60) for p, q in zip(wanted, there, strict=True)]
     change = np.linalg.lstsq(np.array(columns).T, np.array(missing), rcond=None)[0]
     scaled = [float(c) / unit if i < 3 else float(c) for i, c in enumerate(change)]

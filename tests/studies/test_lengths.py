@@ -47,7 +47,9 @@ def test_every_length_and_number_of_outputs_is_asked_for():
 
 
 def test_the_page_says_how_long_a_run_is_that_is_made_once():
-    told = " ".join(block.text for block in lengths.blocks([row(10, 2.0)]) if isinstance(block, Text))
+    told = " ".join(
+        block.text for block in lengths.blocks([row(10, 2.0)]) if isinstance(block, Text)
+    )
     assert f"of more than {cells.PATIENCE:g} seconds is made once" in told
 
 

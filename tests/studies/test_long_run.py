@@ -126,7 +126,9 @@ def test_one_member_followed():
 
 def test_a_projected_member_beside_what_rounding_its_inputs_leaves():
     """Exact inputs leave nothing; the others an error that the run's own is of the size of."""
-    start = long_run.RunStart("lagrange", 2, tuple(map(Fraction, (100, 1000))), (long_run.PROJECTED,))
+    start = long_run.RunStart(
+        "lagrange", 2, tuple(map(Fraction, (100, 1000))), (long_run.PROJECTED,)
+    )
     found = long_run.follow(start)
     assert found.departures == {}
     assert len(found.inputs) == 2

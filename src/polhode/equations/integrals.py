@@ -224,10 +224,7 @@ def departures(scene: Scene, states: Any) -> dict[str, Any]:
     columns = list(states.astype(np.longdouble).T)
     found = _departures(scene, [columns], to_extended)[0]
     one = np.ones(len(states))  # an integral of nothing but zeros is one number
-    return {
-        name: d * one
-        for name, d in zip(first_integrals(scene).onto, found, strict=True)
-    }
+    return {name: d * one for name, d in zip(first_integrals(scene).onto, found, strict=True)}
 
 
 def drift_of_columns(scene: Scene, states: Sequence[Sequence[Fraction]]) -> Drift | None:

@@ -55,7 +55,7 @@ def _inputs(ax: Any, tops: Sequence[Mapping[str, Any]]) -> list[End]:
 
 
 def _walks(ax: Any, tops: Sequence[Mapping[str, Any]]) -> None:
-    """The departure of h in runs that are not projected: standard deviation and size of the mean."""
+    """The departure of h in runs that are not projected: standard deviation, size of the mean."""
     ax.set_xscale("log")
     ax.set_yscale("log")
     ends = []

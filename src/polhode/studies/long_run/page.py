@@ -137,10 +137,7 @@ def _walks(tops: list[dict[str, Any]]) -> Iterator[Block]:
 def bias(tops: list[dict[str, Any]]) -> str:
     """Which means are off zero, in a sentence; Student's t of 15 is beyond 4 once in a thousand."""
     walks = [(top, row) for top in tops for m in top["methods"] for row in m.get("integrals", ())]
-    pulls = {
-        f"{_named(row)} ({top['top']})": _pull(top, row)
-        for top, row in walks
-    }
+    pulls = {f"{_named(row)} ({top['top']})": _pull(top, row) for top, row in walks}
     off = [f"{name}, {pull:+.1f} standard errors" for name, pull in pulls.items() if abs(pull) > 4]
     if off:
         return f"A bias is seen in {'; '.join(off)}."
