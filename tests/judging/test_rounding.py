@@ -196,3 +196,43 @@ def test_a_projection_rounds_the_state_once_more():
     assert np.allclose(after_each, after_all * (2 * n - 1) / n, rtol=1e-9, atol=0)
     assert np.trace(after_all) < n * np.trace(last)
     assert np.allclose(across_taken(n + 1), (n - 1) * last, rtol=1e-9, atol=0)  # not yet
+
+
+def test_a_spin_that_stands_still_is_put_back_on_average_alone():
+    """lagrange/nutation in extended: its rounded spin stays through the first projections.
+
+    So the error grows on as in a run that is not projected, until what was rounded off each time
+    moves the spin by one unit; then it falls back.
+    """
+    scene = replace(polhode.load("lagrange/nutation"), outputs=(), events=()).at((F(20), F(28)))
+    run = polhode.integrate(scene, EXTENDED)
+    truth = polhode.integrate(scene, QUAD).states
+    errors = [digits_of(e, EXTENDED.most_digits) for e in size(run.states, truth, scene)]
+    known = conditioning(scene, number=EXTENDED)
+    every = run.projection.every
+    there, later = known.inputs(EXTENDED, every)
+    assert abs(errors[0] - there) < 0.1
+    assert abs(there - known.inputs(EXTENDED)[0]) < 0.1
+    assert later > there + 0.3
+    band = known.expected(EXTENDED, every)[0]
+    assert band.least < errors[0] < band.most
+
+
+@pytest.mark.parametrize(("start", "wanted"), [(0.3, 0.0), (-0.4, 0.05), (0.1, 0.1)])
+def test_what_is_rounded_off_comes_back_on_average(start, wanted):
+    along = passage(polhode.load("lagrange/nutation").at((F(1),)))
+    rests = rounding._Rests(along, np.array([0, 0, start, 0, 0, 0]))
+    spin = float(along.plain.start[2])
+    gap = 2.0 ** math.floor(math.log2(abs(spin)))
+    found = []
+    for _ in range(400):
+        values = np.array([1.0, 2.0, wanted, 3.0, 4.0, 5.0])
+        rests.keep(values, 0, 1)
+        assert [*values[:2], *values[3:]] == [1, 2, 3, 4, 5]
+        found.append(values[2])
+    assert found[0] == start
+    assert np.allclose((np.array(found) - start) / gap % 1 % 1, 0, atol=1e-9)  # the type's numbers
+    assert abs(np.mean(found) - wanted) < gap / 100
+    values = np.array([0, 0, wanted / 8, 0, 0, 0])
+    rounding._Rests(along, np.array([0, 0, start, 0, 0, 0])).keep(values, 3, 400)
+    assert abs(8 * values[2] - np.mean(found)) < 1e-12

@@ -2,7 +2,8 @@
 
 **Inputs.**  The scene's numbers are rounded to the type once.  The differences are known, and so
 is what they cause, to first order: v(t) = Phi(t, 0) dx(0) + U(t) dk.  Where a run is projected onto
-the exact scene's first integrals, the part of v across their level is taken away as often.
+the exact scene's first integrals, the part of v across their level is taken away as often, as far
+as a constant component of w can take a number between those of the type: on average alone.
 
 **Steps.**  A step method that rounds the state once a step adds r to it, independent from step to
 step and from component to component, of variance (eps x_i)²/12: that of rounding a number of
@@ -42,7 +43,7 @@ from polhode.numbers.number_types import LOG10_2, NumberType
 from polhode.numbers.scalars import FLOATS
 from polhode.taylor.leader import six
 from polhode.taylor.passage import Passage
-from polhode.taylor.projection import kept_at_zero
+from polhode.taylor.projection import constant_columns, kept_at_zero
 from polhode.taylor.variations import Doubles
 
 VARIANCE = 1 / 12  # of a rounding, in squared spacings
@@ -118,11 +119,13 @@ def inputs(along: Passage, number: NumberType, every: int = 0) -> Iterator[Scale
             for name, unit in zip(principal.NAMES, along.units, strict=True)
         ]
     )
+    rests = _Rests(along, v.values)
     for stretch in along.stretches:
         values = stretch.carried @ v.values
         values = values + np.ldexp(stretch.driven @ drive, -v.exponent)
-        if clear.made(stretch.steps):
+        if (count := clear.made(stretch.steps)) > 0:
             values = clear.removed(stretch.state) @ values
+            rests.keep(values, v.exponent, count)
         v = Scaled(values, v.exponent).normalised()
         yield v
 
@@ -233,6 +236,36 @@ class _Clearing:
         keep = np.eye(6)
         keep[: self._columns, : self._columns] -= rows.T @ rows
         return keep
+
+
+class _Rests:
+    """Components of w that the equations keep: a projection can only choose among the type's numbers.
+
+    What it rounds off it adds to the next one, so that on average they are what they should be; the
+    first ones change nothing.  ``start``: what rounding the inputs did to the state, in eps.
+    """
+
+    def __init__(self, along: Passage, start: Doubles) -> None:
+        self._start = start
+        self._gaps = {
+            i: math.ldexp(0.5, math.frexp(x)[1])  # between neighbours, in eps
+            for i in constant_columns(along.scene)
+            if (x := to_double(along.plain.start[i])) != 0
+        }
+        self._left = dict.fromkeys(self._gaps, 0.0)
+
+    def keep(self, values: Doubles, exponent: int, count: int) -> None:
+        """Put the components where so many projections leave them on average.
+
+        ``values``: where they should be, off the exact motion, in eps times 2**exponent.
+        """
+        for i, gap in self._gaps.items():
+            wanted, chosen = math.ldexp(float(values[i]), exponent), []
+            for _ in range(count):
+                off = wanted + self._left[i]
+                chosen.append(self._start[i] + gap * round((off - self._start[i]) / gap))
+                self._left[i] = off - chosen[-1]
+            values[i] = math.ldexp(sum(chosen) / count, -exponent)
 
 
 def _sizes(along: Passage, errors: Doubles) -> Doubles:
