@@ -176,6 +176,23 @@ def test_two_precisions_says_how_far_it_agrees_on_a_chaotic_motion():
     assert 25 <= truth.agreement < 60
 
 
+def test_two_precisions_are_raised_until_they_agree(monkeypatch):
+    """To t = 300 the motion takes some 15 digits: the first pair of runs has too few."""
+    from polhode.judging import reference
+
+    told, real = [], reference.worst_digits
+
+    def counted(*arguments, **options):
+        told.append(real(*arguments, **options))
+        return told[-1]
+
+    monkeypatch.setattr(reference, "worst_digits", counted)
+    truth = polhode.TwoPrecisions(polhode.load("general/asymmetric-chaotic"))
+    truth.at([300], 20)
+    assert len(told) == 2
+    assert told[0] < 20 <= told[1] == truth.agreement
+
+
 @pytest.mark.parametrize("kind", ["auto", "certified"])
 def test_a_scene_without_closed_form_is_judged_by_a_proven_enclosure(kind: str):
     scene = replace(polhode.load("general/asymmetric-chaotic"), reference=kind)

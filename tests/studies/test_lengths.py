@@ -13,7 +13,7 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.scenes.scene import even_times
 from polhode.studies import ensembles, report
 from polhode.studies.only import Only
-from polhode.studies.page.blocks import markdown
+from polhode.studies.page.blocks import Text, markdown
 from polhode.studies.processes import plain_scene
 from polhode.studies.speed import cells, figure
 from polhode.studies.speed.page import lengths
@@ -43,6 +43,14 @@ def test_starts_of_one_body_have_one_body_and_eight_starts():
 def test_every_length_and_number_of_outputs_is_asked_for():
     assert {end for end, _ in cells.LENGTHS} == {10, 100, 1000, 10_000}
     assert {outputs for _, outputs in cells.LENGTHS} == {2, 11, 1001}
+    assert len(cells.LENGTHS) == 12  # each with each
+
+
+def test_the_page_says_how_long_a_run_is_that_is_made_once():
+    told = " ".join(
+        block.text for block in lengths.blocks([row(10, 2.0)]) if isinstance(block, Text)
+    )
+    assert f"of more than {cells.PATIENCE:g} seconds is made once" in told
 
 
 # -- judging ----------------------------------------------------------------------------------

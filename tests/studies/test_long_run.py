@@ -8,7 +8,10 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from polhode.equations.integrals import drift
+from polhode.judging.conditioning import conditioning
 from polhode.judging.reference import reference
+from polhode.runs.integrate import integrate
 from polhode.scenes.body import dot
 from polhode.studies.long_run import far, figure, growth, page
 from polhode.studies.long_run import rows as long_run
@@ -49,6 +52,39 @@ def test_what_cannot_be_fitted_is_not():
     assert growth.medians([[1.0, 5.0], [2.0, 3.0], [9.0, 4.0]]) == [2.0, 4.0]
 
 
+def walks(bias: float, kind: str) -> list[dict]:
+    """A kind of top whose departures are random walks of unit steps, and a drift of so much."""
+    dice = np.random.default_rng(11)
+    members = []
+    for _ in range(16):
+        walk = np.cumsum(dice.normal(size=10_000)) + bias * np.arange(1, 10_001)
+        departures = {"h": [float(walk[int(t) - 1]) for t in TIMES], "spin": [0.0] * len(TIMES)}
+        members.append(long_run.Member({}, departures, None, []))
+    rows = long_run._integrals(TIMES, members, 100.0)
+    return [{"top": kind, "starts": 16, "times": TIMES, "methods": [{"integrals": rows}]}]
+
+
+def test_a_bias_is_told_from_a_random_walk():
+    """A walk's mean is off by its standard error; a hundredth of a step's bias by ten at 10^4."""
+    (fair,) = walks(0.0, "euler")
+    h, spin = fair["methods"][0]["integrals"]
+    assert abs(h["exponent"] - 0.5) < 3 * h["uncertainty"] < 0.3
+    assert abs(h["mean"][-1]) < 3 * h["deviation"][-1] / 4
+    assert h["deviation"][-1] == pytest.approx(100, rel=0.5)
+    assert spin["exponent"] is None
+    assert "no bias is seen" in page.bias([fair])
+    (leaning,) = walks(0.02, "euler")
+    assert leaning["methods"][0]["integrals"][0]["deviation"] == pytest.approx(h["deviation"])
+    assert page.bias([leaning]).startswith("A bias is seen in h (euler), +")
+    (other,) = walks(-0.02, "lagrange")
+    assert "h (lagrange), -" in page.bias([other, fair])
+
+
+def test_the_largest_departure_is_the_drift():
+    found = long_run.Member({}, {"h": [1.0, -3.0], "f": [-2.0, 1.0]}, None, [])
+    assert found.drift == [2.0, 3.0]
+
+
 # starts
 
 
@@ -78,8 +114,29 @@ def test_one_member_followed():
     found = long_run.follow(start)
     assert list(found.errors) == ["double"]
     assert all(1e-18 < error < 1e-12 for error in found.errors["double"])
-    assert all(drift < 1e-14 for drift in found.drift)
+    assert all(0 < drift < 1e-14 for drift in found.drift)
     assert found.projection is None
+    assert found.inputs == []
+    assert [*found.departures] == ["h", "f", "|gamma|^2", "K^2"]
+    run = integrate(start.scene, "double", project=False)
+    told = drift(start.scene, run.states, 53)
+    assert max(found.drift) == max(told)
+    assert max(abs(x) for x in found.departures["h"]) == told.h
+
+
+def test_a_projected_member_beside_what_rounding_its_inputs_leaves():
+    """Exact inputs leave nothing; the others an error that the run's own is of the size of."""
+    start = long_run.RunStart(
+        "lagrange", 2, tuple(map(Fraction, (100, 1000))), (long_run.PROJECTED,)
+    )
+    found = long_run.follow(start)
+    assert found.departures == {}
+    assert len(found.inputs) == 2
+    assert all(1e-17 < x < 1e-13 for x in found.inputs)
+    every = integrate(start.scene, "double").projection.every
+    left = conditioning(start.scene).inputs("double", every)
+    assert found.inputs == [10.0**-x for x in left]
+    assert left != conditioning(start.scene).inputs("double")
 
 
 # the study
@@ -109,6 +166,11 @@ def test_a_small_study(small):
     assert not top["wall"]
     plain = top["methods"][0]
     assert plain["method"] == "double"
+    assert [row["integral"] for row in plain["integrals"]] == ["h", "f", "|gamma|^2", "|G|^2"]
+    laws = {m["method"]: m["error"]["law"] for m in top["methods"]}
+    assert laws == {"double": 1.5, "double projected": 1.0}
+    assert plain["drift"]["law"] == 0.5
+    assert len(top["methods"][1]["inputs"]["median"]) == 3
     assert len(plain["error"]["median"]) == len(plain["drift"]["largest"]) == 3
     assert all(1e-17 < x < 1e-12 for x in plain["error"]["median"])
     (row,) = small["at"]["tops"]
@@ -122,6 +184,10 @@ def test_page_and_figure_are_made_from_the_json_alone(small):
     text = markdown(page.TITLE, page.blocks(small))
     assert "| euler | double | error |" in text
     assert "no wall" in text
+    assert "## Bias against random walk" in text
+    assert "| euler | \\|gamma\\|² |" in text
+    grown = small["tops"][0]["methods"][1]["inputs"]
+    assert f"| {grown['median'][0]:.1e}; ×{grown['error_over_it'][0]:.3g} |" in text
     assert "SciPy DOP853, SciPy LSODA: not run (" in text
     ours = small["tops"][0]["methods"][1]["error"]
     assert f"| polhode | {ours['median'][-1]:.1e} / {ours['largest'][-1]:.1e} |" in text

@@ -232,3 +232,59 @@ def test_a_folder_that_cannot_be_made_is_refused_before_the_work(tmp_path):
 def test_an_unknown_study_is_refused_with_the_nearest_name(tmp_path):
     with pytest.raises(BadInput, match="did you mean 'stability'"):
         report.write_study("stabilty", tmp_path)
+
+
+# -- the verdicts of the committed report ------------------------------------------------------
+
+STEP = 0.01  # digits are kept to two places
+
+
+def judged() -> list[dict[str, Any]]:
+    """The runs of the library and of the hard cases that were judged against what is expected."""
+    cases = [*committed("accuracy")["cases"], *committed("stability")["cases"]]
+    runs = [{"case": case["case"], **run} for case in cases for run in case["runs"]]
+    return [run for run in runs if run.get("correct_digits") is not None and run["expected"]]
+
+
+def misjudged(runs: list[dict[str, Any]]) -> list[str]:
+    """Runs whose verdict the band contradicts.
+
+    *conditioning* and *inputs* are of runs that lose no more than the band allows, *method* of
+    those that lose more.
+    """
+    found = []
+    for run in runs:
+        digits, least = run["correct_digits"], run["expected"][0]
+        word = run["limit"].split()[0]
+        below, inside = digits < least - STEP, digits > least + STEP
+        if (word in ("conditioning", "inputs") and below) or (word == "method" and inside):
+            found.append(f"{run['case']}, {run['number']}: {word}, {digits} of {run['expected']}")
+    return found
+
+
+def test_no_verdict_of_the_library_contradicts_its_band():
+    runs = judged()
+    assert len(runs) > 800
+    words = {run["limit"].split()[0] for run in runs}
+    assert {"conditioning", "inputs", "method", "rounding"} <= words
+    assert misjudged(runs) == []
+
+
+def test_a_verdict_that_contradicts_its_band_is_seen():
+    runs = [dict(run) for run in judged()]
+    beyond = next(r for r in runs if r["limit"].startswith("method") and r["correct_digits"] > 3)
+    within = next(r for r in runs if r["limit"] == "conditioning" and r["expected"][0] > 3)
+    swapped = [beyond | {"limit": "conditioning"}, within | {"limit": "method (of it)"}]
+    close = beyond["expected"][0] - beyond["correct_digits"] <= STEP
+    assert len(misjudged(swapped)) == 2 - close
+
+
+@pytest.mark.parametrize("name", ["accuracy", "stability"])
+def test_nine_in_ten_runs_of_the_library_end_in_the_band(name):
+    """Of runs that have digits left; 85 to 95 % of them, the worst over the output times."""
+    cases = committed(name)["cases"]
+    runs = [run for case in cases for run in case["runs"] if run.get("correct_digits") is not None]
+    runs = [run for run in runs if run["expected"] and run["expected"][2] > 0]
+    inside = sum(e[0] <= run["correct_digits"] <= e[2] for run in runs for e in [run["expected"]])
+    print(name, inside, "of", len(runs))
+    assert 0.85 <= inside / len(runs) <= 0.95

@@ -23,10 +23,13 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.scalars import Functions
 from polhode.peers import field
 from polhode.studies import processes
+from polhode.studies.only import Only
 from polhode.studies.page.blocks import markdown
 from polhode.studies.processes import Method, Task
+from polhode.studies.published import rows as published
 from polhode.studies.speed import cells, contenders, figure, page, refined
 from polhode.studies.speed import rows as speed
+from polhode.studies.speed.elsewhere import READ
 from polhode.studies.speed.work_precision import WorkPoint, against, frontier, seconds_at, wall
 
 SHORT = contenders.SpeedMotion("short", "general/asymmetric-regular", 2, "regular")
@@ -181,7 +184,7 @@ def compiled(tmp_path_factory):
         (contenders.HEYOKA, (15.0, 15.96)),
         *((m, (14.5, 15.96)) for m in contenders.OURS if m.name == "polhode double"),
         *((m, (18.0, 19.27)) for m in contenders.OURS if m.name == "polhode extended"),
-        *((m, (9.0, 15.96)) for m in (*contenders.PEERS, *contenders.SLOW_PEERS)),
+        *((m, (9.0, 15.96)) for m in (*contenders.PEERS, *contenders.SHORT_PEERS)),
     ],
     ids=lambda x: x.name.replace(" ", "-") if isinstance(x, Method) else "",
 )
@@ -365,13 +368,36 @@ def test_polhode_as_it_comes_is_projected_at_eps_alone():
 def test_page_and_figure_are_made_from_the_json_alone():
     found = json.loads(json.dumps(synthetic()))
     text = markdown(page.TITLE, page.blocks(found))
-    assert "Euler top, CyRK DOP853: it takes 0.50 of our time at 6.0 digits" in text
+    assert "Euler top, CyRK DOP853: it takes 0.5 of our time at 6.0 digits" in text
     assert "numbalsoda lsoda: missing (No module)" in text
     assert "| diffrax Dopri8 | 50 (6.0) |" in text
     drawn = figure.svgs(found)
     assert drawn == figure.svgs(found)
     assert list(drawn) == ["speed"]
     assert "Not drawn: missing: numbalsoda lsoda" in text
+
+
+def test_what_was_read_elsewhere_is_marked_and_is_no_method_of_ours():
+    found = json.loads(json.dumps(synthetic() | {"elsewhere": [r._asdict() for r in READ]}))
+    text = markdown(page.TITLE, page.blocks(found))
+    assert "## Read elsewhere, not measured here" in text
+    assert "figure (read)" in text
+    assert "Read elsewhere" not in markdown(page.TITLE, page.blocks(synthetic()))
+    ours = {m.name for motion in contenders.MOTIONS for m in contenders.methods(motion, False)}
+    for row in READ:
+        assert row.program not in ours
+        assert all(row)
+        assert f"| {row.program} |" in text
+
+
+def test_the_figure_that_was_read_of_kynema_is_off_by_what_is_said():
+    """Its benchmark is a published figure of the library too; ours is the closed form's."""
+    found = published.rows(only=Only(("bruels",)))
+    rows = [row for case in found["cases"] for row in case["figures"]]
+    off = [abs(float(row["difference"])) for row in rows if "Kynema" in row["cite"]]
+    assert len(off) == 3
+    told = f"off by {max(off):.1e} from".replace("e-0", "e-")
+    assert any(told in row.figure for row in READ)
 
 
 @pytest.mark.slow
@@ -407,11 +433,19 @@ def test_the_full_study_asks_for_every_peer_and_type():
             *contenders.OURS,
             contenders.HEYOKA,
             *contenders.PEERS,
-            *contenders.SLOW_PEERS,
+            *contenders.SHORT_PEERS,
         )
     }
     quick = {m.name for motion in contenders.MOTIONS for m in contenders.methods(motion, True)}
     assert quick < asked
+
+
+def test_of_the_right_hand_sides_of_scipy_one_is_compiled_on_the_short_motion_alone():
+    """Its steps are taken in Python: both stand side by side where a run is short."""
+    by_kind = {m.kind: {x.name for x in contenders.methods(m, False)} for m in contenders.MOTIONS}
+    both = {"SciPy DOP853, Python", "SciPy DOP853, numba"}
+    assert both < by_kind["short"]
+    assert both & by_kind["regular"] == {"SciPy DOP853, Python"}
 
 
 def test_a_peers_process_imports_nothing_else_of_polhode():

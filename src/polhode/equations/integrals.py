@@ -21,7 +21,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from polhode.numbers import exact
 from polhode.numbers.convert import exactly, to_extended, to_mpf
@@ -201,9 +201,8 @@ def drift(scene: Scene, states: Rows, bits: int) -> Drift:
     import numpy as np
 
     if isinstance(states, np.ndarray) and states.dtype == np.float64:
-        columns = list(states.astype(np.longdouble).T)
-        departures = _departures(scene, [columns], to_extended)[0]
-        return _named(scene, [float(np.max(np.abs(d))) for d in departures])
+        found = departures(scene, states).values()
+        return _named(scene, [float(np.max(np.abs(d))) for d in found])
     from polhode.numbers.private import mpmath
 
     precision = bits + GUARD_BITS
@@ -212,6 +211,20 @@ def drift(scene: Scene, states: Rows, bits: int) -> Drift:
         rows = _departures(scene, wide, lambda x: to_mpf(x, precision))
         worst = [max(abs(row[i]) for row in rows) for i in range(len(rows[0]))]
         return _named(scene, [float(x) for x in worst])
+
+
+def departures(scene: Scene, states: Any) -> dict[str, Any]:
+    """Relative departures of each integral along a run in double, with their signs, by its name.
+
+    ``states``: an ndarray of doubles as in :func:`drift`, whose scales these have.  Each answer is
+    an ndarray of long doubles, one a row.
+    """
+    import numpy as np
+
+    columns = list(states.astype(np.longdouble).T)
+    found = _departures(scene, [columns], to_extended)[0]
+    one = np.ones(len(states))  # an integral of nothing but zeros is one number
+    return {name: d * one for name, d in zip(first_integrals(scene).onto, found, strict=True)}
 
 
 def drift_of_columns(scene: Scene, states: Sequence[Sequence[Fraction]]) -> Drift | None:

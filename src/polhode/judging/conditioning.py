@@ -3,7 +3,7 @@
 Three quantities, and a bound:
 
 *inputs(t)*: the error that rounding this scene's numbers to the type causes; known differences, to
-first order (:mod:`polhode.judging.rounding`).
+first order (:mod:`polhode.judging.rounding`); of projected runs, what projection leaves of it.
 
 *amplification(t)* = max over s <= t of |Phi(t, s)|: what a change of the state on the way is
 multiplied by, w relative to the largest |w| at the output times, gamma as it is.
@@ -85,13 +85,16 @@ class Conditioning(ByValue):
             None if k is None else rounding.amplification(self.along, k) for k in self._places
         )
 
-    def inputs(self, number: NumberType | str | None = None) -> tuple[float | None, ...]:
+    def inputs(
+        self, number: NumberType | str | None = None, every: int = 0
+    ) -> tuple[float | None, ...]:
         """Correct digits that rounding the inputs alone leaves, at each time; None where unknown.
 
-        ``number``: the type asked about, that of the computation unless given.
+        ``number``: the type asked about, that of the computation unless given.  ``every``: steps
+        between two projections, which take away what leads off the exact scene's level; 0 for none.
         """
         kind = self._kind(number)
-        found = self._inputs(kind)
+        found = self._inputs(kind, every)
         return tuple(
             _digits(rounding.size(self.along, found[k]), kind)
             if k is not None
@@ -113,7 +116,7 @@ class Conditioning(ByValue):
         row = policy.of(kind)
         if every is None:
             every = row.project_every if row.projected else 0
-        both = zip(self._inputs(kind), rounding.scatter(self.along, every), strict=True)
+        both = zip(self._inputs(kind, every), rounding.scatter(self.along, every), strict=True)
         wanted = {k for k in self._places if k is not None}
         bands: dict[int, Band] = {}
         for k, (error, spread) in enumerate(both):
@@ -191,14 +194,17 @@ class Conditioning(ByValue):
                 )
         return "\n".join([*lines, *filter(None, (self.lost, self.note))])
 
-    def _inputs(self, number: NumberType) -> list[Scaled]:
-        """What rounding the inputs causes at the end of each stretch, computed once a type."""
-        if number not in self._known_inputs:
-            self._known_inputs[number] = [*rounding.inputs(self.along, number)]
-        return self._known_inputs[number]
+    def _inputs(self, number: NumberType, every: int = 0) -> list[Scaled]:
+        """What rounding the inputs causes at the end of each stretch, computed once a type.
+
+        ``every``: steps between two projections, 0 for none.
+        """
+        if (number, every) not in self._known_inputs:
+            self._known_inputs[number, every] = [*rounding.inputs(self.along, number, every)]
+        return self._known_inputs[number, every]
 
     @cached_property
-    def _known_inputs(self) -> dict[NumberType, list[Scaled]]:
+    def _known_inputs(self) -> dict[tuple[NumberType, int], list[Scaled]]:
         return {}
 
     def _kind(self, number: NumberType | str | None) -> NumberType:

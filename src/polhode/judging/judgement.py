@@ -123,14 +123,21 @@ class Judgement(ByValue):
 
         Of a projected run those that projection leaves; see :func:`polhode.conditioning`.
         """
-        run = self.subject.run
-        every = 0 if run is None or run.projection is None else run.projection.every
-        return self._told(lambda known: known.expected(self.subject.number, every))
+        return self._told(lambda known: known.expected(self.subject.number, self._every))
 
     @cached_property
     def inputs(self) -> tuple[float | None, ...]:
-        """The digits that rounding the scene's numbers to the subject's type leaves."""
-        return self._told(lambda known: known.inputs(self.subject.number))
+        """The digits that rounding the scene's numbers to the subject's type leaves.
+
+        Of a projected run those that are left where projection has taken its part away.
+        """
+        return self._told(lambda known: known.inputs(self.subject.number, self._every))
+
+    @property
+    def _every(self) -> int:
+        """Steps between two projections of the run; 0 where there are none."""
+        run = self.subject.run
+        return 0 if run is None or run.projection is None else run.projection.every
 
     def _told(self, what: Callable[[Conditioning], tuple[Any, ...]]) -> tuple[Any, ...]:
         """What is known of the times judged."""

@@ -1,7 +1,9 @@
 """What rounding does to a motion: the inputs', and that of the steps.
 
 **Inputs.**  The scene's numbers are rounded to the type once.  The differences are known, and so
-is what they cause, to first order: v(t) = Phi(t, 0) dx(0) + U(t) dk.
+is what they cause, to first order: v(t) = Phi(t, 0) dx(0) + U(t) dk.  Where a run is projected onto
+the exact scene's first integrals, the part of v across their level is taken away as often, as far
+as a constant component of w can take a number between those of the type: on average alone.
 
 **Steps.**  A step method that rounds the state once a step adds r to it, independent from step to
 step and from component to component, of variance (eps x_i)²/12: that of rounding a number of
@@ -9,8 +11,8 @@ relative spacing eps.  Their sum has the covariance
 
     C(t) = sum over the steps s of Phi(t, s) diag((eps x_i(s))²/12) Phi(t, s)^T.
 
-Components that the equations themselves keep take no rounding.  Where a run is projected onto its
-first integrals, the part of C across their level is taken away as often as the run does it.
+Components that the equations themselves keep take no rounding.  Of C, too, projection takes the
+part across the level away.
 
 **Together.**  The error of such a run is v(t) plus a normal deviate of covariance C(t), and its
 size has a distribution: half of such runs have less than its median, nine in ten lie between its
@@ -26,14 +28,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
-from polhode.equations.integrals import first_integrals
+from polhode.equations.integrals import FirstIntegrals, first_integrals
 from polhode.numbers import exact
 from polhode.numbers.convert import to_double
 from polhode.numbers.exact import ZERO, Exact, sign
@@ -41,7 +43,7 @@ from polhode.numbers.number_types import LOG10_2, NumberType
 from polhode.numbers.scalars import FLOATS
 from polhode.taylor.leader import six
 from polhode.taylor.passage import Passage
-from polhode.taylor.projection import kept_at_zero
+from polhode.taylor.projection import constant_columns, kept_at_zero
 from polhode.taylor.variations import Doubles
 
 VARIANCE = 1 / 12  # of a rounding, in squared spacings
@@ -99,9 +101,13 @@ def kappa(along: Passage) -> Iterator[tuple[float, float]]:
         yield stretch.time, _log10(max(sums[0] / scale, sums[1])) + tangents.exponent * LOG10_2
 
 
-def inputs(along: Passage, number: NumberType) -> Iterator[Scaled]:
-    """At the end of each stretch the error that rounding the inputs to the type causes, in eps."""
+def inputs(along: Passage, number: NumberType, every: int = 0) -> Iterator[Scaled]:
+    """At the end of each stretch the error that rounding the inputs to the type causes, in eps.
+
+    ``every``: steps between two projections, which leave what lies in the level; 0 for none.
+    """
     k = along.plain.coefficients
+    clear = _Clearing(along, every)
     start = [_rounding(x, number) for x in along.plain.start]
     v = Scaled(np.array([*start, *[0.0] * (6 - len(start))]), 0)
     if at_rest(along.scene).state:  # a run keeps its rounded state
@@ -113,9 +119,13 @@ def inputs(along: Passage, number: NumberType) -> Iterator[Scaled]:
             for name, unit in zip(principal.NAMES, along.units, strict=True)
         ]
     )
+    rests = _Rests(along, v.values)
     for stretch in along.stretches:
         values = stretch.carried @ v.values
         values = values + np.ldexp(stretch.driven @ drive, -v.exponent)
+        if (count := clear.made(stretch.steps)) > 0:
+            values = clear.removed(stretch.state) @ values
+            rests.keep(values, v.exponent, count)
         v = Scaled(values, v.exponent).normalised()
         yield v
 
@@ -127,19 +137,17 @@ def scatter(along: Passage, every: int) -> Iterator[Scaled]:
     """
     k = {name: to_double(x) for name, x in along.plain.coefficients.items()}
     held, still = kept_at_zero(along.scene), at_rest(along.scene).state
-    across = _Across(along) if every else None
-    found, due = Scaled(np.zeros((6, 6)), 0), float(every)
+    clear = _Clearing(along, every)
+    found = Scaled(np.zeros((6, 6)), 0)
     for stretch in along.stretches:
         x = stretch.state
         rates = principal.field([float(c) for c in x], k, FLOATS)
         moving = [not still and i not in held and r != 0 for i, r in enumerate(rates)]
-        once = np.where(moving, x * x, 0.0) * VARIANCE * stretch.steps
-        values = stretch.carried @ found.values @ stretch.carried.T
-        values += np.diag(np.ldexp(once, -found.exponent))
-        due -= stretch.steps
-        if across is not None and due <= 0:
-            keep = across.removed(x)
-            values, due = keep @ values @ keep.T, float(every)
+        once = np.diag(np.ldexp(np.where(moving, x * x, 0.0) * VARIANCE, -found.exponent))
+        values = stretch.carried @ found.values @ stretch.carried.T + stretch.steps * once
+        if (count := clear.made(stretch.steps)) > 0:
+            keep = clear.removed(x)
+            values = keep @ (values + (count - 1) * once) @ keep.T + once
         found = Scaled(values, found.exponent).normalised()
         yield found
 
@@ -182,34 +190,82 @@ def _deviates() -> Doubles:
     return np.random.default_rng(1850).standard_normal((_SAMPLES, 6))
 
 
-class _Across:
-    """Takes away what lies across the level of the first integrals."""
+class _Clearing:
+    """Takes away what lies across the level of the first integrals, as often as a run does."""
 
-    def __init__(self, along: Passage) -> None:
-        self._known = first_integrals(along.scene)
-        self._k = {name: to_double(x) for name, x in self._known.coefficients.items()}
+    def __init__(self, along: Passage, every: int) -> None:
+        self._along, self._every, self._left = along, every, float(every)
         self._columns = len(along.plain.start)
         w = along.rate_scale
         self._sizes = np.array([w, w, w, 1.0, 1.0, 1.0])[: self._columns]
 
+    @cached_property
+    def _known(self) -> FirstIntegrals:
+        return first_integrals(self._along.scene)
+
+    @cached_property
+    def _k(self) -> dict[str, float]:
+        return {name: to_double(x) for name, x in self._known.coefficients.items()}
+
+    def made(self, steps: float) -> int:
+        """How many projections a run makes in so many steps more."""
+        self._left -= steps
+        if not self._every or self._left > 0:
+            return 0
+        count = 1 + math.floor(-self._left / self._every)
+        self._left += count * self._every
+        return count
+
     def removed(self, state: Doubles) -> Doubles:
-        """The projection onto the level's tangent space at a state, (6, 6)."""
-        x, sizes = state[: self._columns], self._sizes
+        """The projection onto the level's tangent space at a state, (6, 6).
+
+        By the least change of the state in the unit of time of a run, as the run does it.
+        """
+        x = state[: self._columns]
         gradients = []
         for i in range(self._columns):
             step = np.zeros(self._columns)
-            step[i] = _STEP * sizes[i]
+            step[i] = _STEP * self._sizes[i]
             ahead, behind = (
                 np.array(self._known.values([float(c) for c in y], self._k, 0.0))
                 for y in (x + step, x - step)
             )
-            gradients.append((ahead - behind) / (2 * _STEP))
+            gradients.append((ahead - behind) / (2 * step[i]))
         _, strengths, rows = np.linalg.svd(np.array(gradients).T, full_matrices=False)
         rows = rows[strengths > 1e-7 * strengths[0]]
         keep = np.eye(6)
-        inner = np.eye(self._columns) - rows.T @ rows
-        keep[: self._columns, : self._columns] = sizes[:, None] * inner / sizes
+        keep[: self._columns, : self._columns] -= rows.T @ rows
         return keep
+
+
+class _Rests:
+    """Components of w that the equations keep: a projection can only choose among the type's numbers.
+
+    What it rounds off it adds to the next one, so that on average they are what they should be; the
+    first ones change nothing.  ``start``: what rounding the inputs did to the state, in eps.
+    """
+
+    def __init__(self, along: Passage, start: Doubles) -> None:
+        self._start = start
+        self._gaps = {
+            i: math.ldexp(0.5, math.frexp(x)[1])  # between neighbours, in eps
+            for i in constant_columns(along.scene)
+            if (x := to_double(along.plain.start[i])) != 0
+        }
+        self._left = dict.fromkeys(self._gaps, 0.0)
+
+    def keep(self, values: Doubles, exponent: int, count: int) -> None:
+        """Put the components where so many projections leave them on average.
+
+        ``values``: where they should be, off the exact motion, in eps times 2**exponent.
+        """
+        for i, gap in self._gaps.items():
+            wanted, chosen = math.ldexp(float(values[i]), exponent), []
+            for _ in range(count):
+                off = wanted + self._left[i]
+                chosen.append(self._start[i] + gap * round((off - self._start[i]) / gap))
+                self._left[i] = off - chosen[-1]
+            values[i] = math.ldexp(sum(chosen) / count, -exponent)
 
 
 def _sizes(along: Passage, errors: Doubles) -> Doubles:

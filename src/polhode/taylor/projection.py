@@ -85,7 +85,7 @@ class Target:
     @cached_property
     def unrested(self) -> Mapping[int, HeyokaNumber]:
         """The columns that the equations keep, with nothing rounded off yet."""
-        return dict.fromkeys(_constant_columns(self.scene), self._zero)
+        return dict.fromkeys(constant_columns(self.scene), self._zero)
 
     def array(self, count: int) -> Row:
         """So many zeros of the wider type."""
@@ -267,7 +267,7 @@ def kept_at_zero(scene: Scene) -> set[int]:
     return held
 
 
-def _constant_columns(scene: Scene) -> list[int]:
+def constant_columns(scene: Scene) -> list[int]:
     """The components of w that the equations themselves keep: the spin of a symmetric body.
 
     Nothing else rounds them, so their own rounding would act in one direction all along the run.

@@ -35,7 +35,8 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "reference and the error of gamma, worst over all output times, never more than the type "
         "holds (double 15.95, extended 19.27, quad 34.02; mp is asked for 50). A run is judged "
         "against the exact scene, so rounding of its inputs is part of its error; the column "
-        "*inputs* shows the digits that rounding leaves by itself in double. Drift is the "
+        "*inputs* shows the digits that this leaves by itself in double, as projection mends it. "
+        "Drift is the "
         "largest departure of the integrals from the exact scene's values, in double; it says "
         "nothing of the error where a run is put back on them: the sum of all corrections, w in "
         "units in which it is of order 1, stands beside it. A dash: not projected, or "
@@ -45,7 +46,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield Text(
         "*Expected*, in double: the digits that nine in ten runs would have that round the state "
         "once a step, from the variational equations: the known error of the rounded inputs and "
-        "the covariance of the steps' rounding, as far as projection leaves it. *Limit*, in "
+        "the covariance of the steps' rounding, as far as projection leaves them. *Limit*, in "
         "double: *rounding*, the type's last digits, or nearly; *inputs*, rounding the "
         "scene's numbers costs them, the steps next to nothing; *conditioning*, the motion "
         "multiplies rounding, and the run has as many digits as expected or more; *method*, it "

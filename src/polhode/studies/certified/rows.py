@@ -17,6 +17,7 @@ from polhode.numbers import number_types
 from polhode.numbers.convert import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.runs.integrate import integrate
+from polhode.runs.workers import cores, in_order
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.studies.only import Only
@@ -55,12 +56,17 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
     """The study's results as a JSON object; only the seconds in it depend on the clock."""
     say = tick or (lambda _: None)
     wanted = only or Only()
-    contained = []
-    for name in QUICK_CONTAINED if quick else library.names():
-        scene = library.load(name)
-        if wanted(name) and scene.times and closed_form(scene) is not None:
-            say(f"{NAME}: {name} in its enclosure")
-            contained.append(contained_in(replace(scene, reference="auto", outputs=())))
+    scenes = [library.load(name) for name in (QUICK_CONTAINED if quick else library.names())]
+    there = [
+        replace(scene, reference="auto", outputs=())
+        for scene in scenes
+        if wanted(scene.name) and scene.times and closed_form(scene) is not None
+    ]
+
+    def begun(scene: Scene) -> None:
+        say(f"{NAME}: {scene.name} in its enclosure")
+
+    contained = [*in_order(contained_in, there, 1 if quick else cores(), begun)]
     growth, cost, judged = [], [], []
     for name in MOTIONS[1:3] if quick else MOTIONS:
         if not wanted(name):

@@ -1,23 +1,23 @@
-"""Figure of the study long-run: growth of error and drift with time, beside Brouwer's law."""
+"""Figure of the study long-run: growth of error and drift with time, beside the laws for them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from polhode.figures.canvas import as_svg, pyplot
 from polhode.figures.direct import GRID, GUIDE, LOOKS, WIDTH, End, label_ends
 
 _MARKS = {"euler": "o", "lagrange": "s", "kovalevskaya": "D"}
-_SLOPES = {"error": ((1.5, "$t^{3/2}$"), (1.0, "$t$")), "drift": ((0.5, "$t^{1/2}$"),)}
+_SLOPES = {"error": (1.5, "$t^{3/2}$"), "drift": (0.5, "$t^{1/2}$")}
 
 
 def svg(found: Mapping[str, Any]) -> str:
     """Medians over the ensembles against time, and above each what the worst start has."""
     plt = pyplot()
-    figure, panels = plt.subplots(2, 1, figsize=(WIDTH, 7.4), sharex=True)
-    figure.subplots_adjust(left=0.13, right=0.68, top=0.98, bottom=0.07, hspace=0.08)
-    for ax, name in zip(panels, ("error", "drift"), strict=True):
+    figure, panels = plt.subplots(3, 1, figsize=(WIDTH, 10.2), sharex=True)
+    figure.subplots_adjust(left=0.13, right=0.68, top=0.98, bottom=0.05, hspace=0.08)
+    for ax, name in zip(panels[:2], ("error", "drift"), strict=True):
         ax.set_xscale("log")
         ax.set_yscale("log")
         ends = [
@@ -27,13 +27,56 @@ def svg(found: Mapping[str, Any]) -> str:
             if name in method
         ]
         ends += _guides(ax, found["tops"][0], name)
+        if name == "error":
+            ends += _inputs(ax, found["tops"])
         starts = found["tops"][0]["starts"]
         ax.set_ylabel(f"{name}: median of {starts} starts, bar to the worst", fontsize=8.5)
         ax.tick_params(labelsize=8.5)
         ax.grid(lw=0.3, color=GRID)
         label_ends(ax, ends)
-    panels[1].set_xlabel("t", fontsize=9)
+    _walks(panels[2], found["tops"])
+    panels[2].set_xlabel("t", fontsize=9)
     return as_svg(figure)
+
+
+def _inputs(ax: Any, tops: Sequence[Mapping[str, Any]]) -> list[End]:
+    """What rounding the inputs leaves of projected runs, as far as it was followed, then like t."""
+    ends = []
+    for top in tops:
+        for method in top["methods"]:
+            if "inputs" in method:
+                middle, end = method["inputs"]["median"], top["times"][-1]
+                times = top["times"][: len(middle)]
+                ax.plot(times, middle, "--", marker=_MARKS[top["top"]], color=GUIDE, ms=2.5, lw=0.8)
+                grown = middle[-1] * end / times[-1]
+                ax.plot((times[-1], end), (middle[-1], grown), ":", color=GUIDE, lw=0.8)
+                ends.append(End(end, grown, "rounded inputs, $t$", GUIDE))
+    return sorted(ends, key=lambda end: end.y)[len(ends) // 2 :][:1]  # they lie side by side
+
+
+def _walks(ax: Any, tops: Sequence[Mapping[str, Any]]) -> None:
+    """The departure of h in runs that are not projected: standard deviation, size of the mean."""
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ends = []
+    for top in tops:
+        for row in top["methods"][0]["integrals"]:
+            if row["integral"] == "h":
+                times, mark, look = top["times"], _MARKS[top["top"]], LOOKS["double"]
+                ax.plot(times, row["deviation"], look.line, marker=mark, color=look.colour, ms=4)
+                sizes = [abs(x) or None for x in row["mean"]]
+                ax.plot(times, sizes, mark, color=look.colour, mfc="none", ms=5)
+                ends.append(End(times[-1], row["deviation"][-1], f"{top['top']}, h", look.colour))
+    if ends:
+        low, high = tops[0]["fitted_since"], tops[0]["times"][-1]
+        height = min(end.y for end in ends) / 6
+        ends.append(End(high, height, "$t^{1/2}$", GUIDE))
+        start = height * (low / high) ** 0.5
+        ax.plot((low, high), (start, height), color=GUIDE, lw=0.8, ls=":")
+    ax.set_ylabel("departure of h: deviation; ○ |mean|", fontsize=8.5)
+    ax.tick_params(labelsize=8.5)
+    ax.grid(lw=0.3, color=GRID)
+    label_ends(ax, ends)
 
 
 def _series(ax: Any, top: Mapping[str, Any], method: str, found: Mapping[str, Any]) -> End:
@@ -46,13 +89,10 @@ def _series(ax: Any, top: Mapping[str, Any], method: str, found: Mapping[str, An
 
 
 def _guides(ax: Any, top: Mapping[str, Any], name: str) -> list[End]:
-    """Grey lines of Brouwer's slopes, above the first curves of either kind."""
-    times = top["times"]
+    """A grey line of Brouwer's slope, above the first curve that is not projected."""
+    times, (slope, label) = top["times"], _SLOPES[name]
     start = next(k for k, t in enumerate(times) if t >= top["fitted_since"])
-    heights = [m[name]["median"][start] for m in top["methods"] if name in m]
-    ends = []
-    for height, (slope, label) in zip(heights, _SLOPES[name], strict=False):
-        line = [height * 3 * (t / times[start]) ** slope for t in (times[start], times[-1])]
-        ax.plot((times[start], times[-1]), line, color=GUIDE, lw=0.8, ls=":")
-        ends.append(End(times[-1], line[1], label, GUIDE))
-    return ends
+    height = top["methods"][0][name]["median"][start]
+    line = [height * 3 * (t / times[start]) ** slope for t in (times[start], times[-1])]
+    ax.plot((times[start], times[-1]), line, color=GUIDE, lw=0.8, ls=":")
+    return [End(times[-1], line[1], label, GUIDE)]

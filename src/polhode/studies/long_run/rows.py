@@ -1,9 +1,14 @@
 """Study ``long-run``: growth of error and drift in double over four decades of time and more.
 
 Brouwer's law (Brouwer 1937): where roundings are independent, errors of the integrals grow like
-t^(1/2) and those of the phase like t^(3/2).  Ensembles of random bodies of the three kinds, each
-with a random start, all numbers decimals of two places that no double holds, are judged against
-closed forms.
+t^(1/2) and those of the phase like t^(3/2).  Where a run is put back on its integrals, no phase
+gathers from their errors: what rounded coefficients do to the frequencies is left, which grows like
+t.  Ensembles of random bodies of the three kinds, each with a random start, all numbers decimals of
+two places that no double holds, are judged against closed forms.
+
+A drift of independent roundings is a random walk: over the ensemble each integral's departure has
+the mean zero within its standard error, and a standard deviation that grows like t^(1/2).  A bias
+of one sign would show in the mean, one that differs from body to body in the exponent.
 """
 
 from __future__ import annotations
@@ -13,7 +18,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from polhode.equations.integrals import drift
+from polhode.equations.integrals import departures
+from polhode.judging.conditioning import conditioning
 from polhode.judging.digits import errors, rate_scale
 from polhode.judging.reference import Reference
 from polhode.judging.reference import reference as reference_of
@@ -30,25 +36,37 @@ QUESTION = (
     "How do error and drift of a double run grow with time, with and without projection, and how "
     "far off are other programs in double at t = 100 000?"
 )
+#: Exponents: Brouwer's, and that of projected runs.
 BROUWER = {"error": 1.5, "drift": 0.5}
+LINEAR = 1.0
 STARTS = 16
 DIGITS = 24  # asked of the closed forms
 FIT_SINCE = 1000.0  # the roundings of the inputs, which grow like t, come first
 PLAIN, PROJECTED = "double", "double projected"
+#: What rounding the inputs leaves of a projected run is followed so far: 35 µs a step.
+INPUTS_UNTIL = 3163
 
 Tick = Callable[[str], None]
 
 
 class Member(NamedTuple):
-    """One start's errors at the times for each method, the drift, and what projection took.
+    """One start's errors at the times for each method, departures, and what projection took.
 
-    ``drift``: of the run that is not projected; after a projection it says nothing about accuracy.
-    ``projection``: the integrals' names, and the largest and the sum of the corrections.
+    ``departures``: of each integral, relative, with its sign, in the run that is not projected;
+    after a projection they say nothing about accuracy.  ``projection``: the integrals' names, and
+    the largest and the sum of the corrections.  ``inputs``: errors that rounding the inputs leaves
+    of a projected run, at the first times.
     """
 
     errors: dict[str, list[float]]
-    drift: list[float]
+    departures: dict[str, list[float]]
     projection: tuple[tuple[str, ...], float, float] | None
+    inputs: list[float]
+
+    @property
+    def drift(self) -> list[float]:
+        """The largest departure of any integral, at each time."""
+        return [max(map(abs, row)) for row in zip(*self.departures.values(), strict=True)]
 
 
 @dataclass(frozen=True)
@@ -119,7 +137,7 @@ def follow(start: RunStart) -> Member:
     reference = reference_of(scene).at(scene.times, DIGITS)
     bits = bits_for(DIGITS) + 32
     scale = rate_scale(reference, scene, bits)
-    made, departures, taken = {}, [], None
+    made, strayed, taken, left = {}, {}, None, []
     for method in start.methods:
         run = integrate(scene, "double", project=method == PROJECTED)
         made[method] = [float(e) for e in errors(run.states, reference, scale, bits)]
@@ -127,12 +145,18 @@ def follow(start: RunStart) -> Member:
             put = run.projection
             assert put is not None
             taken = put.onto, put.largest, put.sum
+            left = _inputs(scene, put.every)
         else:
-            departures = [
-                max(x for x in drift(scene, run.states[k : k + 1], DOUBLE.bits) if x is not None)
-                for k in range(len(run.states))
-            ]
-    return Member(made, departures, taken)
+            found = departures(scene, run.states)
+            strayed = {name: [float(x) for x in column] for name, column in found.items()}
+    return Member(made, strayed, taken, left)
+
+
+def _inputs(scene: Scene, every: int) -> list[float]:
+    """What rounding the inputs leaves of a run that is projected so often, at the first times."""
+    first = [t for t in scene.times if t <= INPUTS_UNTIL]
+    digits = conditioning(scene, first).inputs(DOUBLE, every)
+    return [10.0**-x for x in digits if x is not None]
 
 
 def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> dict[str, Any]:
@@ -147,17 +171,14 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
             ("drift", [m.drift for m in members] if method == PLAIN else []),
         ):
             if series:
-                fitted = growth.exponent(shown, series, since)
                 found[name] = {
                     "median": [_short(x) for x in growth.medians(series)],
                     "largest": [_short(max(column)) for column in zip(*series, strict=True)],
-                    "exponent": None if fitted is None else round(fitted.value, 3),
-                    "uncertainty": None if fitted is None else round(fitted.uncertainty, 3),
-                    "last_decade": None if fitted is None else round(fitted.last_decade, 3),
-                    "last_uncertainty": None
-                    if fitted is None
-                    else round(fitted.last_uncertainty, 3),
+                    **_exponents(growth.exponent(shown, series, since)),
+                    "law": LINEAR if method == PROJECTED else BROUWER[name],
                 }
+        if method == PLAIN:
+            found["integrals"] = _integrals(shown, members, since)
         taken = [m.projection for m in members if m.projection is not None]
         if method == PROJECTED and taken:
             found["projection"] = {
@@ -165,6 +186,7 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
                 "largest": _short(max(largest for _, largest, _ in taken)),
                 "sum": _short(max(total for _, _, total in taken)),
             }
+            found["inputs"] = _beside_inputs(members)
         made.append(found)
     limit = _reference_error(first)
     least = min(x for found in made for x in found["error"]["median"])
@@ -176,6 +198,48 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
         "reference_error": limit,
         "wall": limit is not None and limit > least / 10,
         "methods": made,
+    }
+
+
+def _exponents(fitted: growth.Exponent | None) -> dict[str, float | None]:
+    """An exponent and that of the last decade, each with its standard error; None of nothing."""
+    names = ("exponent", "uncertainty", "last_decade", "last_uncertainty")
+    values = (None,) * 4 if fitted is None else fitted
+    return {k: None if x is None else round(x, 3) for k, x in zip(names, values, strict=True)}
+
+
+def _integrals(
+    times: Sequence[float], members: Sequence[Member], since: float
+) -> list[dict[str, Any]]:
+    """Each integral's departure over the ensemble: mean beside standard deviation."""
+    found = []
+    for name in members[0].departures:
+        series = [m.departures[name] for m in members]
+        fitted = growth.exponent_of_deviation(times, series, since)
+        found.append(
+            {
+                "integral": name,
+                "mean": [_short(x) for x in growth.means(series)],
+                "deviation": [_short(x) for x in growth.deviations(series)],
+                **_exponents(fitted),
+                "law": BROUWER["drift"],
+            }
+        )
+    return found
+
+
+def _beside_inputs(members: Sequence[Member]) -> dict[str, Any]:
+    """What rounding the inputs leaves of projected runs, and their errors over it, at first.
+
+    Medians over the ensemble.
+    """
+    over = [
+        [error / alone for error, alone in zip(m.errors[PROJECTED], m.inputs, strict=False)]
+        for m in members
+    ]
+    return {
+        "median": [_short(x) for x in growth.medians([m.inputs for m in members])],
+        "error_over_it": [_short(x) for x in growth.medians(over)],
     }
 
 

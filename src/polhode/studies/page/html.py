@@ -228,6 +228,9 @@ figcaption { font-size: .85rem; color: #444; margin-top: .3rem; }
   th:first-child, td:first-child { position: sticky; left: 0; background: #fff;
                                    white-space: normal; overflow-wrap: anywhere;
                                    min-width: 7rem; max-width: 8.5rem; }
+  #needs th, #needs td { padding: .2rem .25rem; min-width: 0; }
+  #needs td:first-child { min-width: 4.5rem; }
+  #needs td code { overflow-wrap: anywhere; font-size: .62rem; }
 }
 @page { size: landscape; margin: 1cm; }
 @media print {

@@ -34,7 +34,8 @@ def svg(found: dict[str, Any]) -> str:
     axes.set_ylim(-0.7, len(rows) - 0.3)
     axes.set_xlim(0, 1 + max((row["digits_shown"] for _, row in rows), default=1))
     axes.tick_params(axis="x", labelsize=8)
-    axes.set_xlabel("digits: printed (open), right (filled); red: not all right", fontsize=8.5)
+    told = "digits: printed (open), right (filled); red: not all right"
+    axes.set_xlabel(told, fontsize=8.5, loc="right")
     axes.grid(axis="y", lw=0.3, color=GRID)
     return as_svg(figure)
 
@@ -47,4 +48,4 @@ def _name(case: str, row: dict[str, Any]) -> str:
 
 
 def _short(text: str) -> str:
-    return text if len(text) < 24 else text[:21] + "..."
+    return text if len(text) < 19 else text[:16] + "..."

@@ -27,6 +27,7 @@ from polhode.studies.speed.contenders import (
     methods,
     scene_of,
 )
+from polhode.studies.speed.elsewhere import READ
 from polhode.studies.speed.refined import contests
 from polhode.studies.speed.work_precision import Against, WorkPoint, against, wall
 
@@ -69,6 +70,7 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
         "motions": found,
         "cells": over,
         "refined": contests(quick, _named(tick), wanted),
+        "elsewhere": [] if wanted else [row._asdict() for row in READ],
     }
 
 

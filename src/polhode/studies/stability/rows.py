@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 from polhode.common.provenance import digest
 from polhode.equations.equilibrium import at_rest
@@ -14,6 +14,7 @@ from polhode.judging.reference import Remembered
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers import number_types
 from polhode.runs.integrate import integrate
+from polhode.runs.workers import cores, in_order
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.studies.accuracy.rows import LONGEST, band, projection, rounded
@@ -34,20 +35,24 @@ QUARTERS = 4  # of the way, each of whose ends is one of those states
 Tick = Callable[[str], None]
 
 
+class HardCase(NamedTuple):
+    """What became of a case: its runs, its ways back, and how other units changed it."""
+
+    case: dict[str, Any]
+    back: list[dict[str, Any]]
+    units: list[dict[str, Any]]
+
+
 def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None) -> dict[str, Any]:
     """The study's results as a JSON object; no figure in it depends on the clock."""
     say = tick or (lambda _: None)
-    cases, back, units = [], [], []
     wanted = only or Only()
     chosen = [name for name in hard_cases.names(quick) if wanted(name)]
-    for k, name in enumerate(chosen):
-        say(f"{NAME}: {name}, {k + 1} of {len(chosen)}")
-        scene = library.load(name)
-        known = _conditioning(scene)
-        kept = Remembered(reference_of(scene))
-        cases.append(_case(scene, kept, known))
-        back += _back(scene, kept, known)
-        units += _units(scene)
+
+    def begun(name: str) -> None:
+        say(f"{NAME}: {name}, {chosen.index(name) + 1} of {len(chosen)}")
+
+    found = [*in_order(_hard_case, chosen, 1 if quick else cores(), begun)]
     say(f"{NAME}: rest")
     rest = _rest(chosen if quick or wanted else library.names())
     say(f"{NAME}: limits")
@@ -59,12 +64,20 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
             {"kind": kind, "cases": [name for name in names if name in chosen]}
             for kind, names in hard_cases.KINDS.items()
         ],
-        "cases": cases,
-        "units": units,
+        "cases": [part.case for part in found],
+        "units": [row for part in found for row in part.units],
         "rest": rest,
-        "back": back,
+        "back": [row for part in found for row in part.back],
         "limits": [] if wanted else limits.rows(quick),
     }
+
+
+def _hard_case(name: str) -> HardCase:
+    scene = library.load(name)
+    known = _conditioning(scene)
+    kept = Remembered(reference_of(scene))
+    case = _case(scene, kept, known)
+    return HardCase(case, _back(scene, kept, known), _units(scene))
 
 
 def _conditioning(scene: Scene) -> Conditioning:

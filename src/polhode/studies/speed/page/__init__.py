@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
@@ -37,6 +37,24 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         yield Text(_limits(motion))
         yield _points(motion)
     yield from _absent(found["motions"])
+    yield from _elsewhere(found.get("elsewhere", ()))
+
+
+def _elsewhere(rows: Sequence[dict[str, str]]) -> Iterator[Block]:
+    """What was read of programs that are not run here."""
+    if not rows:
+        return
+    yield Heading("Read elsewhere, not measured here")
+    yield Text(
+        "Programs that are not among the peers, most of them not written for Python, with what "
+        "their own tests, pages or authors say of a rigid body. Each was read in the place named, "
+        "none was measured for this report: machines, problems and measures of error differ, and "
+        "nothing here can be set beside the tables above."
+    )
+    columns = ("program", "language", "problem", "figure", "source")
+    header = ("program", "written in", "problem", "figure (read)", "read where")
+    table = tuple(tuple(row[name] for name in columns) for row in rows)
+    yield PageTable(header, table, "lllll")
 
 
 def _shown(motions: list[dict[str, Any]]) -> str:
@@ -110,7 +128,7 @@ def behind(found: dict[str, Any]) -> list[str]:
 def _behind(row: dict[str, Any]) -> str:
     if row["least_factor"] is not None and row["least_factor"] <= 1:
         return (
-            f"{row['motion']}, {row['method']}: it takes {row['least_factor']:.2f} of our time at "
+            f"{row['motion']}, {row['method']}: it takes {row['least_factor']:.3g} of our time at "
             f"{row['at_digits']:.1f} digits"
         )
     return f"{row['motion']}, {row['method']}: it reaches {row['short']:.2f} digits more"

@@ -26,14 +26,16 @@ def blocks(cells: Sequence[dict[str, Any]]) -> Iterator[Block]:
     if not cells:
         return
     starts = max(cell["starts"] for cell in cells)
+    above = max(cell.get("once_above", 0.0) for cell in cells)
+    once = f"; a run of more than {above:g} seconds is made once, whoever makes it" if above else ""
     yield Heading("Over run length and number of outputs")
     yield Text(
         f"One random body of each kind from {starts} random starts, all numbers decimals of two "
         "places. Every method runs at several tolerances; the seconds for so many digits are read "
         "from each start's own curve (below its first point, the first point's), and divided by "
         "polhode's on the same start. Runs are judged at eleven even times, those with two outputs "
-        "at the end; integrators are made before, and a scene's first run does not count. Each "
-        "row alone: `polhode study speed --only 'NAME OF THE ROW'`."
+        f"at the end; integrators are made before, and a scene's first run does not count{once}. "
+        "Each row alone: `polhode study speed --only 'NAME OF THE ROW'`."
     )
     if _peers(cells):
         for level in _levels(cells):
