@@ -36,7 +36,6 @@ gamma(8) (sum |A_j| sum |V_k| + sum k |V_k|).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -51,8 +50,8 @@ MOST_ALPHA = 1e4
 TINY = 1e-280  # above anything that underflow can have lost
 _KEPT_BITS = 60  # of the largest coefficient of a defect
 _WORD = fmpz(1) << 64
+_offsets: dict[int, Any] = {}
 ROUNDINGS = 8  # of a coefficient of a residual, over k + 1; see the module
-BEYOND = 12  # coefficients of a defect behind the degree that are looked at one by one
 
 
 def gamma(k: int) -> float:
@@ -62,16 +61,14 @@ def gamma(k: int) -> float:
 
 @dataclass(frozen=True)
 class Defects:
-    """Coefficients of d = x~' - h f(x~) as doubles, (W, K, 6), and what they leave out.
+    """Coefficients of d = x~' - h f(x~) as doubles, (W, K, 6), and the floor taken of each row.
 
-    A coefficient is off by at most ``floors`` (W, 6), and by u relatively; those from K on add at
-    most ``rests`` (W, 6) to int |d|.
+    A coefficient is off by at most ``floors`` (W, 6), and by u relatively.
     """
 
     pieces: Pieces
     values: Any
     floors: Any
-    rests: Any
 
 
 @dataclass(frozen=True)
@@ -98,24 +95,30 @@ class Bounds:
 def defects(problem: Problem, pieces: Pieces) -> Defects:
     """d of every step, exact in integers, then as doubles with a stated error."""
     level, fine = pieces.level, problem.constant_bits
+    width = 2 * pieces.near.shape[1] - 1
     lift = fmpz(1) << level
     shift_w, shift_g = fmpz(1) << (fine + CLOCK + level), fmpz(1) << (CLOCK + level)
     constants = [fmpz(c) for c in problem.constants]
+    table = np.zeros((pieces.count, 6, width), dtype=np.int64)
+    powers = np.zeros((pieces.count, 6), dtype=np.int64)
+    floored = np.zeros((pieces.count, 6), dtype=bool)
     scale = problem.noise - 2 * level - CLOCK
-    found = []
     for n, row in enumerate(pieces.rows):
         length = fmpz(pieces.times[n + 1] - pieces.times[n])
         for i, (a, b) in enumerate(CYCLE):
             rate = _rate(row, a, b, [c * length for c in constants[i::3]], lift)
-            found.append(row[i].derivative() * shift_w - rate)
-        for a, b in CYCLE:
             turned = row[3 + a] * row[b] - row[3 + b] * row[a]
-            found.append(row[len(found) % 6].derivative() * shift_g - turned * length)
-    scales = np.tile([scale - fine] * 3 + [scale] * 3, pieces.count)
-    values, floors, rests = doubles(found, scales, pieces.near.shape[1] + BEYOND)
-    shape = (pieces.count, 6)
-    values = values.reshape(*shape, -1).transpose(0, 2, 1)
-    return Defects(pieces, values, floors.reshape(shape), rests.reshape(shape))
+            for k, exact in (
+                (i, row[i].derivative() * shift_w - rate),
+                (3 + i, row[3 + i].derivative() * shift_g - turned * length),
+            ):
+                found, bits = words(exact)
+                table[n, k, : len(found)] = found
+                powers[n, k] = bits + scale - (fine if k < 3 else 0)
+                floored[n, k] = bits > 0
+    values = np.ldexp(table.astype(float), powers[:, :, None])
+    floors = np.where(floored, np.ldexp(1.0, powers), 0.0)
+    return Defects(pieces, values.transpose(0, 2, 1), floors)
 
 
 def _rate(row: Any, a: int, b: int, constants: list[Any], lift: Any) -> Any:
@@ -129,32 +132,21 @@ def _rate(row: Any, a: int, b: int, constants: list[Any], lift: Any) -> Any:
     return found
 
 
-def doubles(polys: Sequence[Any], scales: Any, kept: int) -> tuple[Any, Any, Any]:
-    """Integer polynomials times 2**``scales`` as doubles: coefficients, floors, rests.
+def words(poly: Any) -> tuple[Any, int]:
+    """The coefficients divided by 2**n and floored to words of 64 bits, and n.
 
-    (N, kept), (N,), (N,): each of the first coefficients, divided by 2**n and floored to a word of
-    64 bits, is off by at most the floor, and by u relatively.  The rest bounds the sum over
-    k >= kept of |coefficient k|/(k + 1).  Words are offset to be positive and packed by evaluation
-    at 2**64.
+    They are offset to be positive and packed by evaluation at 2**64.
     """
-    offset = fmpz_poly([1 << 62] * kept)
-    packed, shifts, beyond = [], np.zeros(len(polys), dtype=np.int64), np.zeros(len(polys))
-    tails = np.zeros(len(polys), dtype=np.int64)
-    for n, poly in enumerate(polys):
-        if len(poly) > kept:
-            beyond[n] = (len(poly) - kept) / (kept + 1)
-            tails[n] = poly.right_shift(kept).height_bits()
-            poly = poly.truncate(kept)
-        bits = poly.height_bits() - _KEPT_BITS
-        if bits > 0:
-            shifts[n] = bits
-            poly = poly // (fmpz(1) << bits)
-        packed.append(int((poly + offset)(_WORD)).to_bytes(8 * kept, "little"))
-    words = np.frombuffer(b"".join(packed), dtype="<u8").astype(np.int64) - (1 << 62)
-    powers = shifts + scales
-    values = np.ldexp(words.reshape(-1, kept).astype(float), powers[:, None])
-    floors = np.where(shifts > 0, np.ldexp(1.0, powers), 0.0)
-    return values, floors, UP * np.ldexp(beyond, tails + scales)
+    count = len(poly)
+    if count == 0:
+        return np.zeros(0, dtype=np.int64), 0
+    bits = max(0, poly.height_bits() - _KEPT_BITS)
+    if bits:
+        poly = poly // (fmpz(1) << bits)
+    if count not in _offsets:
+        _offsets[count] = fmpz_poly([1 << 62] * count)
+    packed = int((poly + _offsets[count])(_WORD)).to_bytes(8 * count, "little")
+    return np.frombuffer(packed, dtype="<u8").astype(np.int64) - (1 << 62), bits
 
 
 def jacobian(problem: Problem, near: Any, lengths: Any) -> Any:
@@ -208,7 +200,7 @@ def bounds(problem: Problem, known: Defects, correction: Any, matrices: Any) -> 
     a_norms = _norms(a)
     a_gaps = _jacobian_gaps(problem, pieces, lengths) + gamma(4) * a_norms
     a_sum = UP * (np.sum(a_norms, axis=1) + np.sum(a_gaps, axis=1))
-    weights = 1.0 / np.arange(1, 2 * count)
+    weights = 1.0 / np.arange(1, known.values.shape[1] + 1)
     alpha = UP * np.sum((a_norms + a_gaps) * weights[:count], axis=1)
     growth = exponential(alpha)
     e_sizes = np.max(np.abs(correction), axis=2)
@@ -247,16 +239,14 @@ def _delta(
 ) -> Any:
     """int |d + e' - A e|: in double, plus what the doubles, the floors and the constants miss."""
     pieces = known.pieces
-    count, kept = correction.shape[1], min(known.values.shape[1], 2 * correction.shape[1] - 1)
-    residual = -product(a, correction[..., None], 2 * count - 1)[..., 0]
-    residual[:, :kept] += known.values[:, :kept]
+    count, width = correction.shape[1], known.values.shape[1]
+    residual = known.values - product(a, correction[..., None], width)[..., 0]
     residual[:, : count - 1] += correction[:, 1:] * np.arange(1, count)[:, None]
-    d_sum = np.sum(np.max(np.abs(known.values[:, :kept]), axis=2) * weights[:kept], axis=1)
+    d_sum = np.sum(np.max(np.abs(known.values), axis=2) * weights, axis=1)
     found = np.sum(np.max(np.abs(residual), axis=2) * weights, axis=1)
     slopes = np.sum(np.max(np.abs(correction), axis=2) * np.arange(count), axis=1)
     found = found + gamma(ROUNDINGS) * (d_sum + a_sum * sigma + slopes)
     found = found + a_gap * sigma + np.max(known.floors, axis=1) * np.sum(weights)
-    found = found + np.max(known.rests, axis=1)
     largest = np.sum(np.abs(pieces.near) + pieces.gap[:, :, None], axis=1)  # sup |x~_i|
     missed = np.zeros((pieces.count, 3))
     for i, (p, q) in enumerate(CYCLE):

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, arb_poly, fmpz, fmpz_poly
 
-from polhode.enclosures.bound import BEYOND, TINY, Bounds, doubles
+from polhode.enclosures.bound import TINY, Bounds, words
 from polhode.enclosures.fixed import CLOCK, UP, Problem
 from polhode.enclosures.pieces import Pieces, improved
 from polhode.enclosures.zonotope import Step
@@ -121,18 +121,22 @@ def _start(row: Sequence[Any], level: int, noise: int) -> float:
 def defects(sharp: Pieces, rows: Sequence[Any], level: int, noise: int) -> tuple[Any, Any]:
     """d of every step as doubles, (W, K, 4), and bounds of int |d|, exact in integers first."""
     shift = fmpz(1) << (sharp.level + CLOCK + 1)
-    found = []
+    width = 2 * sharp.near.shape[1] - 1
+    table = np.zeros((sharp.count, 4, width), dtype=np.int64)
+    powers = np.zeros((sharp.count, 4), dtype=np.int64)
+    floored = np.zeros((sharp.count, 4), dtype=bool)
     for n, (v, w) in enumerate(zip(rows, sharp.rows, strict=True)):
         length = fmpz(sharp.times[n + 1] - sharp.times[n])
         for i, terms in enumerate(PRODUCT):
             turned = fmpz_poly([])
             for sign, a, b in terms:
                 turned += v[a] * w[b] * sign
-            found.append(v[i].derivative() * shift - turned * length)
-    scale = noise - level - sharp.level - CLOCK - 1
-    kept = sharp.near.shape[1] + BEYOND
-    values, floors, rests = doubles(found, np.full(len(found), scale), kept)
-    weights = 1.0 / np.arange(1, kept + 1)
-    sizes = np.sum((np.abs(values) + floors[:, None]) * weights, axis=1) + rests
-    missed = np.sum(sizes.reshape(-1, 4), axis=1)  # |.|_2 <= |.|_1
-    return values.reshape(-1, 4, kept).transpose(0, 2, 1), UP * missed + TINY
+            found, bits = words(v[i].derivative() * shift - turned * length)
+            table[n, i, : len(found)] = found
+            powers[n, i] = bits + noise - level - sharp.level - CLOCK - 1
+            floored[n, i] = bits > 0
+    values = np.ldexp(table.astype(float), powers[:, :, None])
+    floors = np.where(floored, np.ldexp(1.0, powers), 0.0)
+    weights = 1.0 / np.arange(1, width + 1)
+    sizes = np.sum(np.abs(values) + floors[:, :, None], axis=1)  # |.|_2 <= |.|_1
+    return values.transpose(0, 2, 1), UP * np.sum(sizes * weights, axis=1) + TINY
