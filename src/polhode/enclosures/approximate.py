@@ -1,7 +1,8 @@
 """An approximation of a window of steps: heyoka's run, a grid of times, Taylor coefficients.
 
-Not trusted: whatever it gives is bounded afterwards.  The steps are theta times the radius of
-convergence, theta**p = 2**-(P + 8), and short enough for exp(int |A|) to stay small.
+Not trusted: whatever it gives is bounded afterwards.  The steps are at most theta times the radius
+of convergence, theta**p = 2**-(P + 8), and short enough for exp(int |A|) to stay small.  Where the
+latter decides, fewer terms than p are enough.
 """
 
 from __future__ import annotations
@@ -19,8 +20,7 @@ from polhode.numbers.convert import to_double
 from polhode.taylor import path
 from polhode.taylor.variations import Variations
 
-MOST_TURN = 3.5  # h |f'(x)| of a step: the majorant alpha is then about twice that
-_FINER = 1.43  # times as much from a noise level of 2**-100 on, where there is room for it
+MOST_TURN = 5.0  # h |f'(x)| of a step: the majorant alpha is then about twice that
 _LEAST_DEGREE = 40
 _LOOKS = 256
 _MOST_STEPS = 3_000_000
@@ -34,7 +34,7 @@ class Window(NamedTuple):
 
 
 def degree(noise: int) -> int:
-    """The degree of the polynomials for a noise level."""
+    """The largest degree of the polynomials for a noise level."""
     return max(_LEAST_DEGREE, math.ceil((0.6 if noise <= 150 else 0.5) * noise))
 
 
@@ -49,22 +49,23 @@ def window(problem: Problem, state: State, end: int, steps: int, pace: float) ->
     run = path.path(start, problem.factors, min(1.05 * pace * steps + 1e-3, left))
     if run is None:
         return None
-    times = _grid(problem, run, state.time, end, steps)
+    times, terms = _grid(problem, run, state.time, end, steps)
     offsets = np.ldexp(np.array(times) - state.time, -CLOCK).astype(float)
     states = run.at(offsets[:-1])
     if not np.all(np.isfinite(states)):
         return None
-    return Window(tuple(times), _series(problem, states, np.diff(offsets), degree(problem.noise)))
+    return Window(tuple(times), _series(problem, states, np.diff(offsets), terms))
 
 
-def _grid(problem: Problem, run: path.Path, begin: int, end: int, steps: int) -> list[int]:
-    """The times of the steps, as far as heyoka's run goes."""
-    p = degree(problem.noise)
-    theta = 2.0 ** (-(problem.noise + 8) / p)
+def _grid(
+    problem: Problem, run: path.Path, begin: int, end: int, steps: int
+) -> tuple[list[int], int]:
+    """The times of the steps, as far as heyoka's run goes, and the degree that they need."""
+    p, bits = degree(problem.noise), problem.noise + 8
+    theta = 2.0 ** (-bits / p)
     speeds = _speeds(problem, run.at(run.ends))
     fastest = np.maximum(speeds[:-1], speeds[1:])
-    turn = MOST_TURN * (_FINER if problem.noise >= 100 else 1.0)
-    longest = np.minimum(theta * run.convergence, turn / np.maximum(fastest, 1e-300))
+    longest = np.minimum(theta * run.convergence, MOST_TURN / np.maximum(fastest, 1e-300))
     ticks = np.maximum(1, np.floor(np.ldexp(np.minimum(longest, 2.0**15), CLOCK))).astype(int)
     ends = run.ends
     reach = begin + math.floor(math.ldexp(float(ends[-1]), CLOCK))
@@ -77,7 +78,9 @@ def _grid(problem: Problem, run: path.Path, begin: int, end: int, steps: int) ->
         if ahead > reach and len(times) > 1 and reach < end:
             break
         times.append(min(ahead, end))
-    return times
+    widest = float(np.max(np.ldexp(ticks.astype(float), -CLOCK) / run.convergence))
+    needed = math.ceil(bits / -math.log2(widest)) if widest < theta else p
+    return times, min(p, max(_LEAST_DEGREE, needed))
 
 
 def _speeds(problem: Problem, states: Any) -> Any:

@@ -25,6 +25,12 @@ This module computes alpha, delta, sigma, rho of every step of a window.  Norms 
 sums over the norms of their coefficients (over k + 1 under an integral): bounds for all tau.
 gamma(k) = 1.01 k u, u = 2**-53, bounds k roundings in any order.  Small quantities (e, d, delta,
 sigma) are in units of 2**-P.
+
+Coefficient k of A V - V' (of d + e' - A e likewise) is found in double.  A row of A has four
+entries that are not zero, so it is a sum of at most 4 (k + 1) products and two or three terms more,
+off by at most gamma(4 (k + 1) + 4) (sum |A_j| |V_(k-j)| + (k + 1) |V_(k+1)|).  Under the integral
+that is divided by k + 1, and 4 + 4/(k + 1) <= 8: all k together are off by at most
+gamma(8) (sum |A_j| sum |V_k| + sum k |V_k|).
 """
 
 from __future__ import annotations
@@ -45,6 +51,7 @@ TINY = 1e-280  # above anything that underflow can have lost
 _KEPT_BITS = 60  # of the largest coefficient of a defect
 _WORD = fmpz(1) << 64
 _offsets: dict[int, Any] = {}
+ROUNDINGS = 8  # of a coefficient of a residual, over k + 1; see the module
 
 
 def gamma(k: int) -> float:
@@ -237,7 +244,8 @@ def _delta(
     residual[:, : count - 1] += correction[:, 1:] * np.arange(1, count)[:, None]
     d_sum = np.sum(np.max(np.abs(known.values), axis=2) * weights, axis=1)
     found = np.sum(np.max(np.abs(residual), axis=2) * weights, axis=1)
-    found = found + gamma(4 * count + 60) * (d_sum + (1.0 + a_sum) * sigma)
+    slopes = np.sum(np.max(np.abs(correction), axis=2) * np.arange(count), axis=1)
+    found = found + gamma(ROUNDINGS) * (d_sum + a_sum * sigma + slopes)
     found = found + a_gap * sigma + np.max(known.floors, axis=1) * np.sum(weights)
     largest = np.sum(np.abs(pieces.near) + pieces.gap[:, :, None], axis=1)  # sup |x~_i|
     missed = np.zeros((pieces.count, 3))
@@ -264,8 +272,9 @@ def _matrix_residual(
     for j in range(terms):
         after[:, j] = np.sum(a_norms[:, max(0, degree - j) :], axis=1)
     found = found + np.sum(after * v_norms, axis=1) / terms
-    rounding = gamma(4 * terms + 60) * (1.0 + a_sum) + np.sum(a_gaps, axis=1)
-    return UP * (found + rounding * sizes)
+    slopes = np.sum(v_norms * np.arange(terms), axis=1)
+    found = found + gamma(ROUNDINGS) * (a_sum * sizes + slopes)
+    return UP * (found + np.sum(a_gaps, axis=1) * sizes)
 
 
 def _jacobian_gaps(problem: Problem, pieces: Pieces, lengths: Any) -> Any:

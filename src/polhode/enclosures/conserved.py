@@ -142,7 +142,8 @@ def shrunk(problem: Problem, state: State, integrals: Sequence[Integral]) -> Sta
         by = round(ticks)
         centre.append(state.centre[i] + by)
         left[i] = math.ldexp(1.0, problem.noise - problem.fine)
-    box = UP * (size @ width + gamma(16) * rounding + left) + TINY
+    lost = gamma(g.shape[1] + 8) * rounding  # products of k, then a difference and products of 6
+    box = UP * (size @ width + lost + left) + TINY
     found = State(state.time, tuple(centre), np.hstack([columns, np.diag(box)]))
     return found if np.sum(found.radii) < np.sum(radii) else state
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-LEAST_TERM = 2.0**-44  # the last coefficient of a matrix V is smaller, if the degree allows
+LEAST_TERM = 2.0**-48  # the last coefficient of a matrix V is smaller, if the degree allows
 _FEWEST = 8
 
 

@@ -20,7 +20,7 @@ from polhode.numbers.balls import ctx
 from polhode.taylor.outcomes import Outcome
 
 _LOST = -34  # a correction above 2**_LOST: the approximation has lost the motion
-_FEWEST, _FIRST = 4, 32
+_FEWEST, _FIRST, _WIDEST = 4, 32, 128
 _MOST_ROUNDS = 60
 
 #: Called now and then with the fraction of the time done and the steps taken.
@@ -80,7 +80,7 @@ def run(
     state = zonotope.beginning(problem)
     rows: list[list[Any]] = []
     end = _last_tick(times)
-    most = 256 if problem.noise <= 150 else 48
+    most = _WIDEST if problem.noise <= 150 else 48
     wide, pace, steps = _FIRST, 0.1, 0
     whole, outcome = state, Outcome.REACHED_END  # the watchers have seen all up to there
     try:
