@@ -648,7 +648,7 @@ def test_theta_quotients_agree_with_the_panels(name):
     top = top_of(*GENERIC[name])
     time = F(21, 2)
     (row,) = top.attitude([time], 25)
-    panels = top._panels(192, (F(0), time))
+    panels = top._attitudes.panels(192, (F(0), time))
     with mpmath.workprec(192):
         found = panels.at(number(time), None)
     with mpmath.workdps(40):
@@ -686,7 +686,7 @@ def test_attitude_of_one_frequency_far_away(name):
     time = F(20)
     assert top.period(15) < 20
     (row,) = top.attitude([time], 15)
-    panels = top._panels(128, (F(0), time))
+    panels = top._attitudes.panels(128, (F(0), time))
     with mpmath.workprec(128):
         found = panels.at(number(time), None)
         grown = panels.arguments(number(time))

@@ -25,6 +25,7 @@ from polhode.numbers.private import mpf
 class Averaged:
     """The four neighbours at one precision: at eps, -eps, 2 eps, -2 eps."""
 
+    starts: Sequence[KovalevskayaStart]
     neighbours: Sequence[Generic]
     speed: Any  # the units of w and G in the estimate
     weight: Any
@@ -37,23 +38,31 @@ class Averaged:
 
     def at(self, t: Any) -> tuple[list[Any], Any]:
         """The state at t and an estimate of its error from the extrapolation."""
-        states = [motion.at(t)[0] for motion in self.neighbours]
-        found, estimate = [], mpf(0)
-        for i, (a, b, c, d) in enumerate(zip(*states, strict=True)):
-            near, far = (a + b) / 2, (c + d) / 2
-            found.append((4 * near - far) / 3)
-            size = self.speed if i < 3 else self.weight
-            estimate = max(estimate, (abs(near - far) / size) ** 2 * 4)
-        return found, estimate
+        sizes = [self.speed] * 3 + [self.weight] * 3
+        return combined([motion.at(t)[0] for motion in self.neighbours], sizes)
+
+
+def combined(rows: Sequence[Sequence[Any]], sizes: Sequence[Any]) -> tuple[list[Any], Any]:
+    """What the neighbours' values tell about the motion between them, and the error's estimate.
+
+    ``sizes``: the unit of each value in the estimate.
+    """
+    found, estimate = [], mpf(0)
+    for (a, b, c, d), size in zip(zip(*rows, strict=True), sizes, strict=True):
+        near, far = (a + b) / 2, (c + d) / 2
+        found.append((4 * near - far) / 3)
+        estimate = max(estimate, (abs(near - far) / size) ** 2 * 4)
+    return found, estimate
 
 
 def averaged(
     start: KovalevskayaStart, bits: int, closeness: int, backend: str | None = None
 ) -> Averaged:
     """The neighbours at eps = 2^-closeness, at ``bits`` bits; raises Unresolved if too few."""
-    neighbours = []
-    for share in (1, -1, 2, -2):
-        moved = start.moved(Fraction(share, 1 << closeness), 4 * closeness + bits)
-        neighbours.append(generic(moved, bits, backend))
+    starts = [
+        start.moved(Fraction(share, 1 << closeness), 4 * closeness + bits)
+        for share in (1, -1, 2, -2)
+    ]
+    neighbours = [generic(moved, bits, backend) for moved in starts]
     speed = mpf(2) ** int(start.log2_scale)
-    return Averaged(neighbours, speed, mpf(2) ** round(start.log2_weight), closeness)
+    return Averaged(starts, neighbours, speed, mpf(2) ** round(start.log2_weight), closeness)

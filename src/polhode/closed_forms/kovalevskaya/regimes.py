@@ -71,6 +71,16 @@ def centre(start: KovalevskayaStart) -> Exact | None:
     return None
 
 
+def passes_poles(start: KovalevskayaStart) -> bool:
+    """Whether an e is k or -k: elsewhere the top's third axis is never vertical.
+
+    There it is vertical along curves on the torus, which a motion crosses again and again.
+    """
+    H, m2, a2, k2 = start.H, start.m2, start.a2, start.k2
+    side = 2 * m2 - H * a2
+    return sign(side * side - k2 * a2 * a2) == 0
+
+
 def _degenerate(start: KovalevskayaStart) -> str | None:
     """The name of a motion on a degenerate curve, k > 0; None where the curve is none.
 
@@ -79,7 +89,7 @@ def _degenerate(start: KovalevskayaStart) -> str | None:
     """
     H, b, m2, a2, k2 = start.H, start.b, start.m2, start.a2, start.k2
     side = 2 * m2 - H * a2  # S(k) = k a^2 - side, S(-k) = -k a^2 - side
-    at_k = sign(side * side - k2 * a2 * a2) == 0
+    at_k = passes_poles(start)
     c, d = b, H * b - 2 * m2  # s^3 + H s^2 + c s + d
     disc = 18 * H * c * d - 4 * H * H * H * d + H * H * c * c - 4 * c * c * c - 27 * d * d
     twice = sign(disc) == 0

@@ -19,12 +19,13 @@ from polhode.closed_forms.functions.quadrature import TooManyNodes
 from polhode.closed_forms.functions.riemann_periods import Pair, solved
 from polhode.closed_forms.kovalevskaya.attitude import KovalevskayaAttitude
 from polhode.closed_forms.kovalevskaya.cayley_klein import CayleyKlein, quaternion
+from polhode.closed_forms.kovalevskaya.counting import Counted
 from polhode.numbers.private import mpc, mpf, mpmath
 
 _TRIALS = 6
 _MORE = 64  # bits more at each trial
 _SLACK = 24  # bits that an answer may miss its certificate by
-_TRACKING = 128  # bits of the way that is tracked
+TRACKING = 128  # bits of the way that is tracked
 _FINEST = -60  # a piece of it, as a power of two
 
 
@@ -47,8 +48,8 @@ class ThetaAttitude:
     exponent: int  # the top's unit of time is 2^-exponent
     rate: Any  # a bound of |w|
     third: int  # 1, -1: the scene's third axis is the top's, or its reverse; 0: neither
-    coarse: Callable[[], CayleyKlein]  # at _TRACKING bits
-    panels: Callable[[Any], KovalevskayaAttitude]  # for turns about another axis
+    coarse: Callable[[], CayleyKlein]  # at ``tracking`` bits
+    tracking: int = TRACKING
     _cycles: dict[int, tuple[float, float]] = field(default_factory=dict)
 
     def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
@@ -69,11 +70,11 @@ class ThetaAttitude:
         if not t:
             return mpf(0), mpf(0)
         if not self.third:
-            return self.panels(t).arguments(t)
+            return self._counted(t)
         try:
             L1, L2 = self.formula(0).motion.curve.cycles
         except TooManyNodes:  # branch points that pinch a cycle: next to a separatrix
-            return self.panels(t).arguments(t)
+            return self._counted(t)
         time = mpmath.ldexp(t, self.exponent)
         x1, x2 = solved((L1, L2), (mpf(0), time))
         n1, n2 = int(mpmath.nint(x1 / 2)), int(mpmath.nint(x2 / 2))
@@ -103,6 +104,23 @@ class ThetaAttitude:
         """Not needed: the arguments' growth is always known."""
         raise NotImplementedError
 
+    def _counted(self, t: Any) -> tuple[Any, Any]:
+        """The growth counted along the motion, about the scene's own third axis."""
+        with mpmath.workprec(self.tracking):
+            return self._pieces.arguments(t)
+
+    @cached_property
+    def _pieces(self) -> Counted:
+        made = self.coarse()
+
+        def at(t: Any) -> Quaternion:
+            if not t:
+                return self.start
+            xi, eta = made.at(mpmath.ldexp(t, self.exponent))
+            return product(quaternion(xi, eta), self.turn)
+
+        return Counted(at, self.rate)
+
     def _over(self, which: int, cycle: Pair) -> tuple[float, float]:
         if which not in self._cycles:
             self._cycles[which] = self._tracked((2 * cycle[0], 2 * cycle[1]))
@@ -113,7 +131,7 @@ class ThetaAttitude:
 
         A piece no longer than |xi_a| + |xi_b| does not go around 0.
         """
-        with mpmath.workprec(_TRACKING):
+        with mpmath.workprec(self.tracking):
             made = self.coarse()
             wide = mpmath.ldexp(self.rate, -self.exponent)
             bound = wide * (abs(way[1]) + self._second * abs(way[0])) / 2

@@ -10,7 +10,6 @@ two neighbours.  Units: any consistent set, angles in radians.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
@@ -18,25 +17,19 @@ from typing import Any
 from polhode.closed_forms.attitude.angles import Attitude
 from polhode.closed_forms.attitude.axes import RowMatrix, placed
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
-from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, of_matrix, product
 from polhode.closed_forms.functions.rounding import number, rounded_up, shortened
 from polhode.closed_forms.kovalevskaya import regimes
-from polhode.closed_forms.kovalevskaya.attitude import MOST_PANELS, KovalevskayaAttitude
+from polhode.closed_forms.kovalevskaya.attitudes import Attitudes
 from polhode.closed_forms.kovalevskaya.axes import top_axes
-from polhode.closed_forms.kovalevskaya.cayley_klein import CayleyKlein, cayley_klein
-from polhode.closed_forms.kovalevskaya.certified import CERTIFIED, Answers, KovalevskayaMotion
+from polhode.closed_forms.kovalevskaya.certified import CERTIFIED, Answers
 from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, cubic_roots
 from polhode.closed_forms.kovalevskaya.generic import Generic
 from polhode.closed_forms.kovalevskaya.one_frequency import special
-from polhode.closed_forms.kovalevskaya.theta_attitude import PeriodicAttitude, ThetaAttitude
-from polhode.numbers.convert import exactly
 from polhode.numbers.exact import Exact
 from polhode.numbers.private import mpf, mpmath
 
 _ZERO = Fraction(0)
-_MOST_MORE = 2_000  # bits that the set-up of an attitude may lose
-_COUNTING = 128  # bits of panels that only count turns
-_TURNING = 16  # bits that the sum over the panels may lose beyond the phase
+_TURNING = 16  # bits that the attitude may lose beyond the phase
 
 
 class KovalevskayaTop(FromAttitude):
@@ -67,10 +60,7 @@ class KovalevskayaTop(FromAttitude):
         self.regime = regimes.regime(self._start)
         self._answers = Answers(self._start, self.regime)
         self._matrices: dict[int, tuple[RowMatrix, mpf]] = {}
-        self._attitudes: dict[int, Attitude] = {}
-        self._formulas: dict[int, CayleyKlein] = {}
-        self._made_panels: dict[int, tuple[KovalevskayaMotion, KovalevskayaAttitude]] = {}
-        self._span: tuple[Exact, Exact] = (_ZERO, _ZERO)  # of the times of attitudes so far
+        self._attitudes = Attitudes(self._answers, self._axes, self._first_quaternion, self._placed)
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
         """Rows p, q, r, gamma1, gamma2, gamma3, one a time.
@@ -154,108 +144,12 @@ class KovalevskayaTop(FromAttitude):
         return solution.curve
 
     def _bits(self, times: Sequence[Exact], digits: int) -> int:
-        """The precision of an attitude; refuses times that are too far for panels."""
-        phase = self._answers.phase(times)
-        if self._by_panels and phase > math.log2(MOST_PANELS) + 1:
-            raise ValueError(self._too_far())
-        self._span = min([self._span[0], *times]), max([self._span[1], *times])
-        return rounded_up(self._answers.base(digits) + phase + _TURNING)
-
-    @property
-    def _by_panels(self) -> bool:
-        """Whether the attitude is integrated step by step over all the time asked for."""
-        return not self._answers.generic and self.period(15) is None
-
-    def _too_far(self) -> str:
-        limit = 2.0 ** (math.log2(MOST_PANELS) - self._start.log2_speed - self._start.exponent)
-        return (
-            "the attitude of this motion is integrated step by step, which is possible here "
-            f"for |t| up to {limit:.3g}"
-        )
+        """The precision of an attitude."""
+        return rounded_up(self._answers.base(digits) + self._answers.phase(times) + _TURNING)
 
     def _attitude(self, bits: int) -> Attitude:
         """The attitude as a function of time, its constants made once a precision."""
-        if bits not in self._attitudes or self._by_panels:
-            if self._answers.generic:
-                self._attitudes[bits] = self._theta_attitude(bits)
-            elif (period := self.period(math.ceil(bits / 3.3) + 4)) is not None:
-                exact_period = exactly(period)
-                panels = self._panels(bits, (-exact_period, exact_period))
-                self._attitudes[bits] = PeriodicAttitude(panels, period)
-            else:
-                self._attitudes[bits] = self._panels(bits, self._span)
-        return self._attitudes[bits]
-
-    def _theta_attitude(self, bits: int) -> ThetaAttitude:
-        """The attitude of generic motion at ``bits`` bits."""
-        with mpmath.workprec(bits):
-            rate = mpmath.ldexp(self._start.fastest(bits), self._start.exponent)
-        return ThetaAttitude(
-            formula=lambda more: self._formula(bits + more),
-            bits=bits,
-            start=self._first_quaternion(bits),
-            turn=self._turn(bits),
-            exponent=self._start.exponent,
-            rate=rate,
-            third=self._axes.third,
-            coarse=lambda: self._formula(128),
-            panels=self._counting_panels,
-        )
-
-    def _formula(self, bits: int) -> CayleyKlein:
-        """The Cayley-Klein parameters at ``bits`` bits, with a set-up that certifies so many."""
-        if bits not in self._formulas:
-            more = 0
-            before: int | None = None  # the size of the defect at fewer bits
-            while True:
-                solution, used = self._answers.solution(bits + CERTIFIED + more, bits)
-                assert isinstance(solution, Generic)
-                first = self._first_quaternion(used)
-                with mpmath.workprec(used):
-                    turn = conjugate(self._turn(used))
-                    found = cayley_klein(self._start, solution, product(first, turn))
-                    missed = found.defect and bits + int(mpmath.mag(found.defect))
-                if not found.defect or missed <= 0:
-                    self._formulas[bits] = found
-                    break
-                size = int(mpmath.mag(found.defect))
-                if more > _MOST_MORE or (before is not None and size > before - 8):
-                    raise ArithmeticError("the attitude's constants do not reproduce the start")
-                more, before = more + missed + 16, size
-        return self._formulas[bits]
-
-    def _turn(self, bits: int) -> Quaternion:
-        """The turn from the scene's axes to the top's."""
-        with mpmath.workprec(bits):
-            return of_matrix(self._axes.matrix(bits))
-
-    def _counting_panels(self, t: Any) -> KovalevskayaAttitude:
-        """Panels up to t, where turns about another axis than the top's must be counted."""
-        time = exactly(t)
-        if self._answers.phase((time,)) > math.log2(MOST_PANELS) + 1:
-            raise ValueError(self._too_far())
-        self._span = min(self._span[0], time), max(self._span[1], time)
-        return self._panels(rounded_up(_COUNTING), self._span)
-
-    def _panels(self, bits: int, span: tuple[Exact, Exact]) -> KovalevskayaAttitude:
-        """The attitude by quadrature over panels, made once a precision."""
-        solution, used, _, _ = self._answers.resolved(span, bits)
-        known = self._made_panels.get(bits)
-        if known is not None and known[0] is solution:
-            return known[1]
-        exponent = self._start.exponent
-
-        def state(t: Any) -> tuple[Sequence[Any], Sequence[Any]]:
-            with mpmath.workprec(used):
-                row = self._placed(solution.at(mpmath.ldexp(t, exponent))[0], used)
-            return row[:3], row[3:]
-
-        start = self._first_quaternion(bits)
-        with mpmath.workprec(bits):
-            rate = mpmath.ldexp(self._start.fastest(bits), exponent)
-            found = KovalevskayaAttitude(state, start, rate)
-        self._made_panels[bits] = solution, found
-        return found
+        return self._attitudes.at(bits)
 
     def _rows(self, times: Sequence[Exact], base: int) -> tuple[list[list[mpf]], mpf]:
         """Rows right to ``base`` bits, and the estimate of their error."""
