@@ -24,6 +24,12 @@ if _TYPE_CHECKING:
     from polhode.dynamics.frequencies import frequencies as frequencies
     from polhode.dynamics.levels import Levels as Levels
     from polhode.dynamics.levels import levels as levels
+    from polhode.dynamics.orbit_families import OrbitFamily as OrbitFamily
+    from polhode.dynamics.orbit_families import orbit_family as orbit_family
+    from polhode.dynamics.orbit_search import OrbitSearch as OrbitSearch
+    from polhode.dynamics.orbit_search import orbit_search as orbit_search
+    from polhode.dynamics.orbits import Orbit as Orbit
+    from polhode.dynamics.orbits import orbit as orbit
     from polhode.dynamics.sections import Section as Section
     from polhode.dynamics.sections import section as section
     from polhode.enclosures.certify import certify as certify
@@ -78,6 +84,9 @@ _HOMES = {
     "Judgement": "judging.judgement",
     "Levels": "dynamics.levels",
     "Lyapunov": "judging.lyapunov",
+    "Orbit": "dynamics.orbits",
+    "OrbitFamily": "dynamics.orbit_families",
+    "OrbitSearch": "dynamics.orbit_search",
     "Outcome": "taylor.outcomes",
     "Page": "common.page",
     "Part": "scenes.shapes",
@@ -105,6 +114,9 @@ _HOMES = {
     "load": "scenes.library",
     "load_run": "output.archive",
     "lyapunov": "judging.lyapunov",
+    "orbit": "dynamics.orbits",
+    "orbit_family": "dynamics.orbit_families",
+    "orbit_search": "dynamics.orbit_search",
     "plot": "figures.drawing",
     "reference": "judging.reference",
     "rolling": "judging.rolling",

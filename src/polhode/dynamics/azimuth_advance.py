@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from polhode.numbers.convert import exactly, to_mpf
+from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.private import mpmath, ordinary
 from polhode.runs.integrate import integrate, undisturbed
@@ -26,7 +27,7 @@ class Advance(NamedTuple):
 
 def advance(scene: Scene, number: NumberType) -> Advance:
     """Of a scene that ends after one period, by one run from 0 to there."""
-    asked = replace(scene, outputs=("angles", "attitude"), events=(), times=(0, scene.end))
+    asked = replace(scene, outputs=("angles", "attitude"), events=(), times=(ZERO, scene.end))
     run = undisturbed(integrate(asked, number, project=False))
     if run.outcome.done and run.angles is not None:
         try:

@@ -59,8 +59,8 @@ class Closed(NamedTuple):
 
 def at_level(on: Surface, reference: Doubles) -> Conditions:
     """h, f and |gamma|^2 of the level; no way along the motion at a reference."""
-    along = on.rates(reference)
-    along = along / np.linalg.norm(along)
+    rates = on.rates(reference)
+    along = rates / np.linalg.norm(rates)
 
     def conditions(state: Doubles, period: float) -> tuple[Doubles, Doubles]:
         values = np.append(on.integrals(state) - on.level, along @ (state - reference))
@@ -71,7 +71,9 @@ def at_level(on: Surface, reference: Doubles) -> Conditions:
     return conditions
 
 
-def bordered(on: Surface, state: Doubles, end: Doubles, monodromy: Doubles, rows: Doubles) -> Doubles:
+def bordered(
+    on: Surface, state: Doubles, end: Doubles, monodromy: Doubles, rows: Doubles
+) -> Doubles:
     """The matrix of the ten equations in x, T and the three multipliers."""
     matrix = np.zeros((10, 10))
     matrix[:6, :6] = monodromy - np.eye(6)
@@ -103,7 +105,7 @@ def closed(on: Surface, state: Doubles, period: float, conditions: Conditions) -
         step = -(inverse @ wanted)[:7]
         size = float(np.linalg.norm(step / _measure(on, state, period)))
         if size < EXACT or (size < CLOSED and size > last / 4):
-            return Closed(state, period, monodromy, inverse, count)
+            return Closed(state + step[:6], period + step[6], monodromy, inverse, count)
         last = size
         state, period = _damped(on, state, period, step, miss, conditions)
         if not guess / 3 < period < 3 * guess:

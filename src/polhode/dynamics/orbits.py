@@ -1,4 +1,4 @@
-"""Periodic orbits of omega and gamma, to any number of digits, with what decides their stability."""
+"""Periodic orbits of omega and gamma to any number of digits, and what tells their stability."""
 
 from __future__ import annotations
 
@@ -156,8 +156,9 @@ def orbit(
     that does not exist, and where Newton's method finds no orbit near the start.
 
     >>> import polhode
-    >>> near = polhode.top(moments=[2, 1.5, 1], omega=["1.001", "0.002", 0], gamma=["4/5", "3/5", 0])
-    >>> found = polhode.orbit(near, h=1, f="1.6")  # on that level: omega = (1, 0, 0), 2 pi
+    >>> body = {"moments": [2, 1.5, 1], "gamma": ["4/5", "3/5", 0]}
+    >>> near = polhode.top(**body, omega=["1.001", "0.002", 0])
+    >>> found = polhode.orbit(near, h=1, f="1.6")  # there omega = (1, 0, 0), period 2 pi
     >>> abs(float(found.period) - 6.283185307179586) < 1e-14, found.kind
     (True, 'elliptic')
     """

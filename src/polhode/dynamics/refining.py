@@ -175,15 +175,17 @@ def _written(
     w = [unit * Fraction(x) for x in omega]
     g = [Fraction(x) for x in gamma]
     length = _binary(exact.sqrt(sum((x * x for x in g), Fraction(0))), bits)
-    inside = [sum((a * b for a, b in zip(row, v, strict=True)), Fraction(0)) for v in (w, g) for row in rows]
+    inside = [
+        sum((a * b for a, b in zip(row, v, strict=True)), Fraction(0))
+        for v in (w, g)
+        for row in rows
+    ]
     again = [wide.rounded(x / (1 if i < 3 else length)) for i, x in enumerate(inside)]
     own = wide.rounded(Fraction(period) / unit)
     step = chord.correction(Flow(on.coefficients, wide), again, own)
     measures = [*on.scale(chord.reference).tolist(), float(own)]
     error = max(float(abs(d)) / m for d, m in zip(step, measures, strict=True))
-    return Refined(
-        tuple(omega), tuple(gamma), period, error, tuple(state), time, kind, count
-    )
+    return Refined(tuple(omega), tuple(gamma), period, error, tuple(state), time, kind, count)
 
 
 def monodromy(on: Surface, state: Fractions, time: Fraction, digits: int) -> Monodromy:
@@ -194,7 +196,9 @@ def monodromy(on: Surface, state: Fractions, time: Fraction, digits: int) -> Mon
     given = [float(x) for x in start] if kind == DOUBLE else start
     matrix = flow.after(given, kind.rounded(time)).derivative
     rows = [[Fraction(x) for x in row] for row in matrix]
-    moments, torque = ([_binary(x, kind.bits) for x in v] for v in (on.exact_moments, on.exact_torque))
+    moments, torque = (
+        [_binary(x, kind.bits) for x in v] for v in (on.exact_moments, on.exact_torque)
+    )
     w, g = start[:3], start[3:]
     momentum = [a * x for a, x in zip(moments, w, strict=True)]
     zero = [Fraction(0)] * 3
@@ -232,7 +236,10 @@ def _determinant(rows: Sequence[Fractions], bits: int) -> Fraction:
         if not row[0]:
             return Fraction(0)
         left = [
-            [_binary(a - other[0] / row[0] * b, bits) for a, b in zip(other[1:], row[1:], strict=True)]
+            [
+                _binary(a - other[0] / row[0] * b, bits)
+                for a, b in zip(other[1:], row[1:], strict=True)
+            ]
             for other in left
         ]
     return found

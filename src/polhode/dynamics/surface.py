@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -21,7 +20,7 @@ from polhode.equations.forms import principal
 from polhode.numbers.convert import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.scalars import FLOATS, Scalar
+from polhode.numbers.scalars import FLOATS, Row, Scalar
 from polhode.scenes.scene import Scene
 from polhode.taylor.flows import Flow
 from polhode.taylor.variations import Doubles
@@ -121,9 +120,7 @@ class Surface:
         return np.array([fastest] * 3 + [1.0] * 3)
 
 
-def integrals(
-    moments: Sequence[Scalar], torque: Sequence[Scalar], state: Sequence[Any]
-) -> list[Scalar]:
+def integrals(moments: Row, torque: Row, state: Row) -> list[Scalar]:
     """h, f and |gamma|^2 of one state, for any scalars."""
     w, g = state[:3], state[3:]
     momentum = [a * x for a, x in zip(moments, w, strict=True)]

@@ -72,7 +72,7 @@ class Flow:
         for i, x in enumerate(scalars([*coefficients.values()], number)):
             self._heyoka.pars[i] = x
 
-    def after(self, start: Sequence[Any], time: Any) -> Reached:
+    def after(self, start: Row, time: Any) -> Reached:
         """Where the flow leads from a start in a time, both rounded to the type.
 
         Raises NotFollowed.  Ctrl-C is heard every few steps.
@@ -106,7 +106,7 @@ class Flow:
             raise NotFollowed(Outcome.NON_FINITE.value)
         return rows
 
-    def _stand(self, start: Sequence[Any]) -> None:
+    def _stand(self, start: Row) -> None:
         ta = self._heyoka
         ta.time = scalar(Fraction(0), self.number)
         for i, x in enumerate(start):
@@ -132,7 +132,9 @@ def _compiled(names: tuple[str, ...], number: NumberType, derivative: bool) -> H
         jacobian = [[hy.diff(rate, variable) for variable in x] for rate in field]
         for k in range(6):
             v = hy.make_vars(*(f"{name}_{k}" for name in STATE))
-            system += [(variable, _product(row, v)) for variable, row in zip(v, jacobian, strict=True)]
+            system += [
+                (variable, _product(row, v)) for variable, row in zip(v, jacobian, strict=True)
+            ]
     zeros: Row = array(scalars([Fraction(0)] * len(system), number), number)
     pars: Row = array(scalars([Fraction(0)] * len(names), number), number)
     options = type_options(number) | ({"compact_mode": True} if derivative else {})
