@@ -20,7 +20,7 @@ from polhode.verbs.terminal import BAD_INPUT, DONE, INTERRUPTED
 
 VERBS = (
     *("list", "show", "run", "reference", "check", "compare", "sweep", "plot", "view"),
-    *("levels", "section", "map", "frequencies", "study", "report", "guide", "about"),
+    *("levels", "section", "map", "orbit", "frequencies", "study", "report", "guide", "about"),
 )
 
 

@@ -28,6 +28,7 @@ MOST_CORRECTIONS = 25
 CLOSED = 1e-9  # a correction of this size that no longer falls is rounding
 EXACT = 1e-14
 SINGULAR = 1e-11  # singular values below this part of the largest count as zero
+WILDEST = 1e11  # entry of a monodromy matrix that double can do something with
 STILL = 1e-6  # of a rate: below it a state is a permanent rotation
 
 #: Four conditions at a state and a period: their values, and their derivatives, four rows of seven.
@@ -60,7 +61,7 @@ class Closed(NamedTuple):
 def at_level(on: Surface, reference: Doubles) -> Conditions:
     """h, f and |gamma|^2 of the level; no way along the motion at a reference."""
     rates = on.rates(reference)
-    along = rates / np.linalg.norm(rates)
+    along: Doubles = rates / float(np.linalg.norm(rates))
 
     def conditions(state: Doubles, period: float) -> tuple[Doubles, Doubles]:
         values = np.append(on.integrals(state) - on.level, along @ (state - reference))
@@ -98,6 +99,8 @@ def closed(on: Surface, state: Doubles, period: float, conditions: Conditions) -
             end, monodromy = on.flow.after(state, period)
         except NotFollowed as fault:
             raise NotClosed(f"its motion could not be followed: {fault}") from None
+        if not np.max(np.abs(monodromy)) < WILDEST:
+            raise NotClosed(f"a period multiplies errors by {np.max(np.abs(monodromy)):.0e}")
         values, rows = conditions(state, period)
         wanted = np.concatenate([end - state, values])
         miss = float(np.linalg.norm(wanted))

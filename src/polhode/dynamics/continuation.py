@@ -2,10 +2,10 @@
 
 Steps of pseudo-arclength: from a closed orbit a step along the family's tangent, then Newton's
 method at right angles to it (H. B. Keller 1977), in the bordered system of
-:mod:`polhode.dynamics.closing`, which needs no parameter: h and f are functions of the state.  Where
-Greene's residue R passes 0 or 1 a further multiplier is 1 or -1: a fold where the parameter turns
-there, else a branch point; a period doubling at 1.  Between two points they are found by regula
-falsi along the arc.  A residue that touches 0 or 1 without passing is not seen.
+:mod:`polhode.dynamics.closing`, which needs no parameter: h and f are functions of the state.
+Where Greene's residue R passes 0 or 1 a further multiplier is 1 or -1: a fold where the parameter
+turns there, else a branch point; a period doubling at 1.  Between two points they are found by
+regula falsi along the arc.  A residue that touches 0 or 1 without passing is not seen.
 """
 
 from __future__ import annotations

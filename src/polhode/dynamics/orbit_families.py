@@ -22,6 +22,7 @@ from polhode.numbers.exact import Exact, sign
 from polhode.scenes.scene import Scene
 
 POINTS = 200
+LOST = "not followed beyond"
 MOST_POINTS = 100_000
 _KNOWN = 1e-9  # about the error of a residue in double, times the matrix's size
 
@@ -85,6 +86,11 @@ class OrbitFamily:
         n = len(self.points)
         orbits = f"{n} orbit" + ("s" if n != 1 else "")
         return f"<OrbitFamily of {self.scene.name}: {orbits} along {self.by}, {self.ended}>"
+
+    @property
+    def complete(self) -> bool:
+        """Whether it was followed as far as it was asked for, or came back."""
+        return not self.interrupted and not self.ended.startswith(LOST)
 
     def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
         """The k-th point's orbit to so many digits, on exactly the level that its doubles name."""
@@ -176,7 +182,7 @@ def _followed(
             if progress is not None:
                 progress(f"{len(members)} orbits, {by} = {member.value * factor:.6g}")
     except NotClosed as fault:
-        ended = f"not followed beyond {by} = {member.value * factor:.6g} ({fault})"
+        ended = f"{LOST} {by} = {member.value * factor:.6g} ({fault})"
     except KeyboardInterrupt:
         ended, interrupted = "interrupted", True
     return OrbitFamily(

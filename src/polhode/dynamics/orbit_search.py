@@ -119,7 +119,7 @@ def orbit_search(
 
 
 def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[Guess]:
-    """Cells whose return is nearer than those of the cells around, by rising number of crossings."""
+    """Starts whose return is nearer than those of the cells around, by rising number of it."""
     scene, unit = on.scene, float(on.unit)
     asked = asked_of(scene, MOMENTUM, MAXIMA, on.h, on.f)
     begun = starts_of(asked, geometry.ground(scene, on.h, on.f), None, grid)

@@ -1,0 +1,43 @@
+"""Figure of a family of periodic orbits: period and residue over h or f, bifurcations marked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from polhode.dynamics.continuation import BRANCH, DOUBLING, FOLD
+from polhode.dynamics.orbit_families import OrbitFamily
+from polhode.figures.canvas import BODY, PLAIN, REST, SPACE
+
+_MARKS = {FOLD: ("s", SPACE), BRANCH: ("D", REST), DOUBLING: ("o", PLAIN)}
+
+
+def draw(plt: Any, found: OrbitFamily) -> Any:
+    """Period above, residue below; elliptic between 0 and 1."""
+    figure, (above, below) = plt.subplots(
+        2, 1, figsize=(4.8, 4.8), sharex=True, layout="constrained"
+    )
+    over = [getattr(point, found.by) for point in found.points]
+    for axes, name in ((above, "period"), (below, "residue")):
+        values = [getattr(point, name) for point in found.points]
+        axes.plot(over, values, "-", color=BODY, lw=0.9, gid=f"family {name}")
+        axes.plot(over, values, ".", color=BODY, ms=2.5)
+        told = set()
+        for one in found.bifurcations:
+            mark, colour = _MARKS[one.what]
+            label = None if one.what in told else one.what
+            told.add(one.what)
+            at = getattr(one.point, found.by), getattr(one.point, name)
+            axes.plot(*at, mark, color=colour, ms=4, mfc="none", label=label)
+        axes.set_ylabel(name)
+    below.set_yscale("symlog", linthresh=2, linscale=1.5)
+    for level in (0, 1):
+        below.axhline(level, color="#999999", lw=0.5, ls=":")
+    below.set_xlabel(f"{found.by}, at {'f' if found.by == 'h' else 'h'} = {_held(found):.6g}")
+    if found.bifurcations:
+        above.legend(frameon=False, fontsize=8)
+    return figure
+
+
+def _held(found: OrbitFamily) -> float:
+    point = found.points[0]
+    return point.f if found.by == "h" else point.h

@@ -1,0 +1,306 @@
+"""Periodic orbits: closed forms of period, start and residue, exact properties, honest errors."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from mpmath import MPContext
+from shared import plain_taylor
+
+import polhode
+from polhode.dynamics import closing, refining
+from polhode.dynamics.closing import at_level, bordered
+from polhode.dynamics.surface import Surface
+from polhode.numbers.convert import exactly
+
+GRIOLI = polhode.load("grioli/precession")
+
+
+def mp_of(digits):
+    mp = MPContext()
+    mp.dps = digits
+    return mp
+
+
+def value(mp, x):
+    """A number of polhode's in a context of ours."""
+    exact = exactly(x)
+    return mp.mpf(exact.numerator) / exact.denominator
+
+
+def perturbed(size, seed):
+    """Grioli's start, every component off by about ``size``."""
+    rng = np.random.default_rng(seed)
+    omega = [x + Fraction(float(d)) for x, d in zip(GRIOLI.omega, size * rng.normal(size=3))]
+    gamma = [x + Fraction(float(d)) for x, d in zip(GRIOLI.gamma, size * rng.normal(size=3))]
+    return polhode.Scene(GRIOLI.body, omega, gamma, name="near Grioli", normalise=True)
+
+
+def grioli_orbit(mp, q):
+    """Closed form (Grioli 1947): the state at which w2 = q, spin 1, near the case's start."""
+    a, b, c = (mp.mpf(x.numerator) / x.denominator for x in GRIOLI.body.moments)
+    e1, e2 = (mp.mpf(4) / 5, mp.mpf(3) / 5), (-mp.mpf(3) / 5, mp.mpf(4) / 5)
+    s = q
+    co = mp.sqrt(1 - s * s)
+    i11, j = a + c - b, (c - a) * e1[0] * e1[1]
+    one, two = -j * co, i11 * co - j * s * s
+    return [
+        *(e1[0] + co * e2[0], s, e1[1] + co * e2[1]),
+        *(one * e1[0] + two * e2[0], s * (i11 + j * co), one * e1[1] + two * e2[1]),
+    ]
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_griolis_orbit_to_thirty_digits_from_a_start_off_by_a_thousandth(seed):
+    mp = mp_of(50)
+    near = perturbed(1e-3, seed)
+    level = GRIOLI.integrals
+    found = polhode.orbit(near, digits=30, h=level.energy, f=level.area)
+    assert 1e-4 < found.moved < 1e-2
+    off = abs(value(mp, found.period) / (2 * mp.pi) - 1)
+    state = [value(mp, x.rounded(200) if hasattr(x, "rounded") else x) for x in found.scene.omega]
+    gamma = [value(mp, Fraction(x)) for x in found_gamma(found, 40)]
+    exact = grioli_orbit(mp, state[1])
+    worst = max(off, *(abs(a - b) for a, b in zip([*state, *gamma], exact, strict=True)))
+    assert 1e-35 < worst < 1e-30
+    assert worst < 5 * found.error < 5e-30
+    assert found.residue == pytest.approx(0.002448416424848809, rel=1e-14)
+    assert found.turns == 1
+
+
+def found_gamma(found, digits):
+    """gamma of the found scene, an irrational unit vector, to many digits."""
+    from polhode.numbers import exact
+
+    return [exact.binary(*exact.rounded(x, 4 * digits)) if x else 0 for x in found.scene.gamma]
+
+
+def test_fifty_digits_and_what_the_monodromy_matrix_keeps_exactly():
+    """grad F M = grad F, M x' = x', det M = 1 at 50 digits; 60 agree with 50."""
+    fifty, sixty = (polhode.orbit(GRIOLI, digits=d) for d in (50, 60))
+    assert 1e-53 < fifty.error < 1e-50
+    assert 1e-56 < fifty.residue_error < 1e-48
+    assert fifty.determinant < 1e-49
+    mp = mp_of(80)
+    off = abs(value(mp, fifty.residue) - value(mp, sixty.residue))
+    assert off < fifty.residue_error
+    assert abs(value(mp, fifty.period) / (2 * mp.pi) - 1) < 1e-50
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_residues_of_rotations_of_a_free_body(axis):
+    """About axis 1: mu = exp(2 pi i sqrt((A-B)(A-C)/(BC))), period 2 pi/w."""
+    mp = mp_of(60)
+    moments = [Fraction(2), Fraction(3, 2), Fraction(1)]
+    omega, gamma = [0, 0, 0], [0, 0, 0]
+    omega[axis], gamma[axis], gamma[(axis + 1) % 3] = 2, Fraction(3, 5), Fraction(4, 5)
+    found = polhode.orbit(polhode.top(moments=moments, omega=omega, gamma=gamma), digits=30)
+    a, b, c = (moments[(axis + k) % 3] for k in range(3))
+    ratio = (a - b) * (a - c) / (b * c)
+    exact = mp.sin(mp.pi * mp.sqrt(mp.mpf(ratio.numerator) / ratio.denominator)) ** 2
+    exact = mp.re(exact)
+    assert abs(value(mp, found.residue) - exact) < found.residue_error < 1e-28
+    assert abs(value(mp, found.period) / mp.pi - 1) < 1e-30
+    assert found.kind == ("hyperbolic" if axis == 1 else "elliptic")
+    one, other = (mp.mpc(value(mp, m.real), value(mp, m.imag)) for m in found.multipliers)
+    assert abs(one * other - 1) < 1e-30
+    if axis != 1:
+        assert abs(abs(one) - 1) < 1e-30
+        assert abs(mp.arg(one) - mp.acos(1 - 2 * exact)) < 1e-28
+    else:
+        root = mp.acosh(1 - 2 * exact)
+        assert abs(one / mp.exp(root) - 1) < 1e-28
+
+
+@pytest.mark.parametrize("u", ["1/3", "-2/5"])
+def test_steady_precession_of_a_symmetric_top(u):
+    """L = A Om u + Mg z0/Om; the residue is sin^2(pi nutation/rotation), nutation^2 = V''/A."""
+    mp = mp_of(50)
+    u = Fraction(u)
+    A, C, P, Om = Fraction(2), Fraction(3, 2), Fraction(1), Fraction(3, 4)
+    L = A * Om * u + P / Om
+    spin = L / C
+    across = mp.sqrt(1 - mp.mpf(u.numerator) ** 2 / u.denominator**2)
+    scene = polhode.top(
+        moments=[A, A, C],
+        centre=[0, 0, 1],
+        weight=P,
+        omega=[f"{Om}*sqrt(1-({u})**2)", 0, spin],
+        gamma=[f"sqrt(1-({u})**2)", 0, u],
+    )
+    found = polhode.orbit(scene, digits=25)
+    f = mp.mpf((A * Om * (1 - u * u) + L * u).numerator) / (A * Om * (1 - u * u) + L * u).denominator
+    l = mp.mpf(L.numerator) / L.denominator
+
+    def potential(theta):
+        v = mp.cos(theta)
+        return (f - l * v) ** 2 / (2 * int(A) * (1 - v * v)) + v
+
+    nutation = mp.sqrt(mp.diff(potential, mp.atan2(across, mp.mpf(u.numerator) / u.denominator), 2) / 2)
+    rate = spin - Om * u
+    rotation = abs(mp.mpf(rate.numerator) / rate.denominator)
+    exact = mp.sin(mp.pi * nutation / rotation) ** 2
+    assert abs(value(mp, found.period) * rotation / (2 * mp.pi) - 1) < 1e-25
+    assert abs(value(mp, found.residue) - exact) < max(1e-24, found.residue_error)
+    turned = 2 * mp.pi * mp.mpf(Om.numerator) / Om.denominator / rotation
+    assert abs(value(mp, found.psi) - turned) < 1e-23  # psi advances by Om T
+
+
+def test_small_swings_of_a_pendulum():
+    """The other swing has period ratio sqrt(C/B): R = sin^2(pi sqrt(C/B)) + O(amplitude^2)."""
+    limit = np.sin(np.pi * np.sqrt(2 / 3)) ** 2
+    off = []
+    for rate in ("0.1", "0.05"):
+        scene = polhode.top(
+            moments=[2, "3/2", 1], centre=[1, 0, 0], weight=1, omega=[0, 0, rate], gamma=[-1, 0, 0]
+        )
+        off.append(float(polhode.orbit(scene).residue) - limit)
+    assert 3.99 < off[0] / off[1] < 4.01
+
+
+def test_the_way_back_by_somebody_elses_integrator():
+    """One period from the written decimals by tests/shared/plain_taylor: the start again."""
+    found = polhode.orbit("general/asymmetric-regular", digits=25)
+    body = found.scene.body
+    gamma = found_gamma(found, 40)
+    start = [*found.scene.omega, *gamma]
+    end = plain_taylor.integrate(
+        body.moments, body.torque, found.scene.omega, gamma, [found.period], 32
+    )[0]
+    off = max(abs(float(a - b)) for a, b in zip(start, end, strict=True))
+    assert 1e-30 < off < 1e-25
+
+
+@pytest.mark.slow
+def test_the_residue_by_differences_of_somebody_elses_flow():
+    """tr M from twelve neighbouring starts at 34 digits: central differences of 1e-10."""
+    found = polhode.orbit("general/asymmetric-regular", digits=25)
+    body = found.scene.body
+    start = [*found.scene.omega, *found_gamma(found, 40)]
+    step = Fraction(1, 10**10)
+    trace = Fraction(0)
+    for i in range(6):
+        ends = []
+        for side in (step, -step):
+            moved = [x + side * (k == i) for k, x in enumerate(start)]
+            ends.append(
+                plain_taylor.integrate(
+                    body.moments, body.torque, moved[:3], moved[3:], [found.period], 34
+                )[0][i]
+            )
+        trace += (ends[0] - ends[1]) / (2 * step)
+    assert abs(float((6 - trace) / 4) - float(found.residue)) < 1e-15
+    assert abs((6 - trace) / 4 - exactly(found.residue)) < Fraction(1, 10**17)
+
+
+def test_which_system_is_regular():
+    """[M - 1, x'] has rank three, its left null vectors are the gradients; bordered it is regular."""
+    found = polhode.orbit("general/asymmetric-regular")
+    on, at = found.surface, found.closed
+    matrix = np.column_stack([at.monodromy - np.eye(6), on.rates(at.state)])
+    sizes = np.linalg.svd(matrix, compute_uv=False)
+    assert sizes[2] > 1e-2 * sizes[0]
+    assert sizes[3] < 1e-13 * sizes[0]
+    assert np.max(np.abs(on.gradients(at.state) @ matrix)) < 1e-13 * sizes[0]
+    rows = at_level(on, at.state)(at.state, at.period)[1]
+    sizes = np.linalg.svd(bordered(on, at.state, at.state, at.monodromy, rows), compute_uv=False)
+    assert sizes[-1] > 1e-3 * sizes[0]
+
+
+def test_action_changes_by_period_and_by_the_advance_of_psi():
+    """dJ = T dh - D df of J = (integral of G·w over a period) - f D, D the advance of psi."""
+    mp = mp_of(40)
+    delta = Fraction(1, 10**8)
+    h, f = GRIOLI.integrals.energy, GRIOLI.integrals.area
+
+    def action(h, f):
+        found = polhode.orbit(GRIOLI, digits=28, h=h, f=f)
+        n = 96  # the trapezoidal rule over a period: exponentially exact
+        scene = found.scene.at([found.period * Fraction(k, n) for k in range(n)])
+        run = polhode.integrate(scene, "quad", project=False)
+        total = mp.mpf(0)
+        for row in run.states:
+            total += sum(value(mp, a) * value(mp, x) ** 2 for a, x in zip(scene.body.moments, row))
+        mean = total / n
+        return mean * value(mp, found.period) - value(mp, f) * value(mp, found.psi), found
+
+    step = value(mp, delta)
+    by_h = (action(h + delta, f)[0] - action(h - delta, f)[0]) / (2 * step)
+    by_f = (action(h, f + delta)[0] - action(h, f - delta)[0]) / (2 * step)
+    assert abs(by_h / (2 * mp.pi) - 1) < 1e-13  # Grioli's: period and advance are one turn
+    assert abs(by_f / (-2 * mp.pi) - 1) < 1e-13
+
+
+def test_the_period_is_the_shortest():
+    """From three periods as the guess."""
+    found = polhode.orbit(GRIOLI, period="18.85")
+    assert float(found.period) == pytest.approx(2 * np.pi, rel=1e-15)
+
+
+def test_the_scene_that_is_written_is_the_orbit(tmp_path, capsys):
+    from polhode.cli import main
+
+    path = tmp_path / "orbit.toml"
+    assert main(["orbit", "grioli/precession", "--digits", "40", "-o", str(path)]) == 0
+    told = capsys.readouterr()
+    assert "period      6.28318530717958647692528676655900576839434\n" in told.out
+    assert "the motion in space closes after 1 period" in told.out
+    scene = polhode.load(path)
+    run = polhode.integrate(scene.at([scene.end]), polhode.numbers.number_types.mp(50), project=False)
+    off = max(
+        abs(exactly(a) - b)
+        for a, b in zip(run.states[0], [*scene.omega, *(Fraction(x) for x in scene.gamma)])
+    )
+    assert 1e-46 < off < 1e-40
+    assert main(["orbit", str(path), "--json"]) == 0
+
+
+def test_an_orbit_that_is_too_unstable_for_double_is_refused():
+    with pytest.raises(polhode.BadInput, match="multiplies errors by"):
+        polhode.orbit("hess/general")
+
+
+@pytest.mark.parametrize(
+    ("case", "options", "told"),
+    [
+        ("staude/stable", {}, "start: expected a motion: this is a permanent rotation"),
+        (GRIOLI, {"h": -5}, "h = -5: expected above -0.8"),
+        (GRIOLI, {"digits": 0}, "digits = 0: expected a whole number, 1 to 4000"),
+        (GRIOLI, {"period": -1}, "period = -1: expected a time above 0"),
+        (GRIOLI, {"period": 3}, "start: expected a start nearer to a periodic orbit"),
+        (GRIOLI, {"returns": 0}, "returns = 0: expected a whole number, 1 to 1000"),
+        ("euler/sphere", {}, "start.gamma: expected given: a level is one of h and f"),
+        ("euler/separatrix", {}, "comes near itself"),
+    ],
+)
+def test_what_is_no_start_is_refused(case, options, told):
+    with pytest.raises(polhode.BadInput) as caught:
+        polhode.orbit(case, **options)
+    assert told in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_still_state_is_no_orbit():
+    """Newton's method that falls on a permanent rotation says so, for every time closes there."""
+    on = Surface(GRIOLI, *GRIOLI.integrals[:2])
+    upright = np.array([0, 0, 0, 0.8, 0, 0.6])
+    with pytest.raises(closing.NotClosed, match="permanent rotation"):
+        closing.closed(on, upright, 3.0, lambda x, t: (np.zeros(4), np.zeros((4, 7))))
+
+
+def test_digits_are_measured_from_the_decimals_that_are_written():
+    """A start that is wrong in its 12th digit is told to be."""
+    on = Surface(GRIOLI, *GRIOLI.integrals[:2])
+    x = np.array([float(v) for v in on.exact_start])
+    found = closing.closed(on, x, 2 * np.pi / float(on.unit), at_level(on, x))
+    fine = refining.refined(on, found, 20)
+    rows = at_level(on, found.state)(found.state, found.period)[1]
+    matrix = bordered(on, found.state, found.state, found.monodromy, rows)
+    chord = refining.Chord(on, found.state, closing.inverse_of(matrix))
+    wrong = [*fine.state]
+    wrong[0] += Fraction(1, 10**12)
+    told = refining._written(chord, wrong, fine.time, fine.number, 20, 1)
+    assert 0.1e-12 < told.error < 10e-12
+    assert fine.error < 1e-21
