@@ -61,7 +61,7 @@ class Closed(NamedTuple):
 def at_level(on: Surface, reference: Doubles) -> Conditions:
     """h, f and |gamma|^2 of the level; no way along the motion at a reference."""
     rates = on.rates(reference)
-    along: Doubles = rates / float(np.linalg.norm(rates))
+    along: Doubles = np.asarray(rates / np.linalg.norm(rates), dtype=np.float64)
 
     def conditions(state: Doubles, period: float) -> tuple[Doubles, Doubles]:
         values = np.append(on.integrals(state) - on.level, along @ (state - reference))

@@ -35,7 +35,7 @@ def near_returns(on: Surface, start: Doubles, most: int) -> Returns:
     """Follow a motion in double until it has come near its start so many times, or too far."""
     scale = on.scale(start)
     dt = STEP / float(scale[0])
-    times: Doubles = np.linspace(0.0, LOOKS * dt, LOOKS + 1)
+    times: Doubles = np.linspace(0.0, LOOKS * dt, LOOKS + 1).astype(np.float64)
     state, begun = start, 0.0
     before, here, largest, nearest = 0.0, 0.0, 0.0, np.inf
     found: list[Return] = []
