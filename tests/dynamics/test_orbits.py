@@ -269,6 +269,36 @@ def test_action_changes_by_period_and_by_the_advance_of_psi():
     assert abs(by_f / (-2 * mp.pi) - 1) < 1e-13
 
 
+def test_in_turned_axes_and_in_other_units():
+    """The same orbit of the same body: its axes turned; time three times as fast, mass fivefold."""
+    turned = polhode.orbit("grioli/turned-axes", digits=20)
+    assert float(turned.residue) == pytest.approx(0.002448416424848809, rel=1e-14)
+    assert float(turned.period) == pytest.approx(2 * np.pi, rel=1e-15)
+    body = GRIOLI.body
+    other = polhode.Body.of_moments([5 * x for x in body.moments], body.centre, 45 * body.weight)
+    start = polhode.Scene(other, [3 * x for x in GRIOLI.omega], GRIOLI.gamma)
+    found = polhode.orbit(start, digits=20)
+    assert float(found.residue) == pytest.approx(0.002448416424848809, rel=1e-14)
+    assert float(found.period) == pytest.approx(2 * np.pi / 3, rel=1e-15)
+    assert found.h == 45 * GRIOLI.integrals.energy
+    for one, factors in ((turned, (1, 1)), (found, (45, 15))):
+        family = polhode.orbit_family(one, "h", float(one.h) * 1.01)
+        last = family.points[-1]
+        assert last.h / 45 * (45 / factors[0]) == pytest.approx(63 / 74 * 1.01, rel=1e-13)
+        assert last.f / factors[1] == pytest.approx(836 / 1369, rel=1e-13)
+        state = last.state
+        there = polhode.Scene(
+            one.scene.body, state[:3], state[3:], times=(last.period,), normalise=True
+        )
+        assert np.max(np.abs(polhode.integrate(there).states[0] - state)) < 1e-12
+
+
+def test_a_start_on_the_orbit_is_returned_as_it_is():
+    found = polhode.orbit(GRIOLI, digits=30)
+    assert found.scene.omega == GRIOLI.omega
+    assert found.scene.gamma[1] == 0
+
+
 def test_the_period_is_the_shortest():
     """From three periods as the guess."""
     found = polhode.orbit(GRIOLI, period="18.85")
@@ -336,10 +366,10 @@ def test_digits_are_measured_from_the_decimals_that_are_written():
     on = Surface(GRIOLI, *GRIOLI.integrals[:2])
     x = np.array([float(v) for v in on.exact_start])
     found = closing.closed(on, x, 2 * np.pi / float(on.unit), at_level(on, x))
-    fine = refining.refined(on, found, 20)
+    fine = refining.refined(on, found, on.exact_start, 20)
     rows = at_level(on, found.state)(found.state, found.period)[1]
     matrix = bordered(on, found.state, found.state, found.monodromy, rows)
-    chord = refining.Chord(on, found.state, closing.inverse_of(matrix))
+    chord = refining.Chord(on, found.state, on.exact_start, closing.inverse_of(matrix))
     wrong = [*fine.state]
     wrong[0] += Fraction(1, 10**12)
     told = refining._written(chord, wrong, fine.time, fine.number, 20, 1)

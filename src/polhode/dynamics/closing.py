@@ -61,7 +61,7 @@ class Closed(NamedTuple):
 def at_level(on: Surface, reference: Doubles) -> Conditions:
     """h, f and |gamma|^2 of the level; no way along the motion at a reference."""
     rates = on.rates(reference)
-    along: Doubles = np.asarray(rates / np.linalg.norm(rates), dtype=np.float64)
+    along = rates / np.linalg.norm(rates)
 
     def conditions(state: Doubles, period: float) -> tuple[Doubles, Doubles]:
         values = np.append(on.integrals(state) - on.level, along @ (state - reference))
@@ -86,7 +86,9 @@ def bordered(
 
 def inverse_of(matrix: Doubles) -> Doubles:
     """The inverse; across directions in which nothing is determined, no step."""
-    found: Doubles = np.linalg.pinv(matrix, rcond=SINGULAR)
+    left, sizes, right = np.linalg.svd(matrix)
+    parts = np.where(sizes > SINGULAR * sizes[0], sizes, np.inf)
+    found: Doubles = (right.T / parts) @ left.T
     return found
 
 

@@ -66,8 +66,8 @@ class OrbitFamily:
 
     >>> import polhode
     >>> found = polhode.orbit_family("grioli/precession", "h", "0.76")
-    >>> found
-    <OrbitFamily of grioli/precession: 11 orbits along h, reached h = 19/25>
+    >>> found.ended
+    'reached h = 19/25'
     >>> [one.what for one in found.bifurcations]
     ['branch point']
     """
@@ -100,7 +100,9 @@ class OrbitFamily:
         held = 1 - BY.index(self.by)
         given[held] = levels[held]
         on = Surface(self.scene, *given)
-        return completed(on, self.members[k].found, digits, self.scene.name, 0.0)
+        known = self.members[k].found
+        anchor = [exactly(x) for x in known.state.tolist()]
+        return completed(on, known, anchor, digits, self.scene.name, 0.0)
 
 
 def orbit_family(

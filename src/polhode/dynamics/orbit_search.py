@@ -24,6 +24,7 @@ from polhode.dynamics.section_starts import MAXIMA, asked_of, starts_of
 from polhode.dynamics.sections import section
 from polhode.dynamics.surface import Surface
 from polhode.equations.section_zero import MOMENTUM
+from polhode.numbers.convert import exactly
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor.flows import NotFollowed
@@ -75,7 +76,9 @@ class OrbitSearch:
 
     def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
         """The k-th orbit to so many digits."""
-        return completed(self.surface, self.closed[k], digits, self.scene.name, 0.0)
+        known = self.closed[k]
+        anchor = [exactly(x) for x in known.state.tolist()]
+        return completed(self.surface, known, anchor, digits, self.scene.name, 0.0)
 
 
 def orbit_search(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -178,7 +178,8 @@ def orbit(
             raise BadInput(scene.name, "period", period, "a time above 0")
         guesses = [Return(to_double(given / on.unit), math.inf)]
     found = _first(on, start, guesses)
-    return completed(on, found, wanted, scene.name, moved_from(on, found, start), progress)
+    moved = moved_from(on, found, start)
+    return completed(on, found, on.exact_start, wanted, scene.name, moved, progress)
 
 
 def _refuse_permanent(scene: Scene) -> None:
@@ -238,11 +239,20 @@ def primitive(on: Surface, found: Closed) -> Closed:
 
 
 def completed(
-    on: Surface, found: Closed, digits: int, name: str, moved: float, progress: Tell | None = None
+    on: Surface,
+    found: Closed,
+    anchor: Sequence[Exact],
+    digits: int,
+    name: str,
+    moved: float,
+    progress: Tell | None = None,
 ) -> Orbit:
-    """An orbit known in double, to all digits, with residue and advance of psi; raises BadInput."""
+    """An orbit known in double, to all digits, with residue and advance of psi; raises BadInput.
+
+    ``anchor``: see :func:`polhode.dynamics.refining.refined`.
+    """
     try:
-        fine = refining.refined(on, found, digits, progress)
+        fine = refining.refined(on, found, anchor, digits, progress)
         if progress is not None:
             progress("the monodromy matrix")
         matrix = refining.monodromy(on, fine.state, fine.time, digits)

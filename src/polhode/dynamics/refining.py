@@ -19,10 +19,13 @@ import numpy as np
 
 from polhode.dynamics.closing import Closed, NotClosed, at_level, bordered, inverse_of
 from polhode.dynamics.surface import Surface, integrals
+from polhode.equations.forms import principal
 from polhode.numbers import exact, number_types
+from polhode.numbers.convert import to_double
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType
+from polhode.numbers.scalars import EXACT
 from polhode.taylor.flows import Flow, NotFollowed
 from polhode.taylor.variations import Doubles
 
@@ -71,12 +74,21 @@ class Monodromy(NamedTuple):
 
 
 def refined(
-    on: Surface, found: Closed, digits: int, tell: Callable[[str], None] | None = None
+    on: Surface,
+    found: Closed,
+    anchor: Sequence[Exact],
+    digits: int,
+    tell: Callable[[str], None] | None = None,
 ) -> Refined:
-    """So many digits of a closed orbit; raises NotClosed."""
-    rows = at_level(on, found.state)(found.state, found.period)[1]
+    """So many digits of a closed orbit; raises NotClosed.
+
+    ``anchor``: a state near the orbit, exact; the orbit's start x is where (x - anchor)·x' = 0 with
+    x' the rates at the anchor, so that it is the same to all digits whatever double makes of it.
+    """
+    near = np.array([to_double(x) for x in anchor])
+    rows = at_level(on, near)(found.state, found.period)[1]
     matrix = bordered(on, found.state, found.state, found.monodromy, rows)
-    chord = Chord(on, found.state, inverse_of(matrix))
+    chord = Chord(on, found.state, tuple(anchor), inverse_of(matrix))
     norms = (float(np.linalg.norm(x, 2)) for x in (chord.inverse, found.monodromy))
     lost = sum(math.log10(max(1.0, norm)) for norm in norms)
     kind = type_for(math.ceil(digits + lost + 0.5))
@@ -90,10 +102,14 @@ def refined(
 
 
 class Chord(NamedTuple):
-    """What corrections are made of: a state near the orbit, the inverse of the system there."""
+    """What corrections are made of: a state near the orbit, the inverse of the system there.
+
+    ``anchor``: see :func:`refined`.
+    """
 
     on: Surface
     reference: Doubles
+    anchor: tuple[Exact, ...]
     inverse: Doubles
 
     def correction(self, flow: Flow, state: Fractions, time: Fraction) -> list[Fraction]:
@@ -108,13 +124,15 @@ class Chord(NamedTuple):
             for v in (on.exact_moments, on.exact_torque, (*on.exact_level, Fraction(1)))
         )
         values = integrals(moments, torque, state)
-        rates = on.rates(self.reference)
-        along = (rates / np.linalg.norm(rates)).tolist()
-        way = zip(along, state, self.reference.tolist(), strict=True)
+        anchor = [_binary(x, bits) for x in self.anchor]
+        numbers = {name: _binary(x, bits) for name, x in on.coefficients.items()}
+        rates = principal.field(anchor, numbers, EXACT)
+        length = Fraction(math.hypot(*map(float, rates)))
+        way = zip(rates, state, anchor, strict=True)
         wanted = [
             *(a - b for a, b in zip(end, state, strict=True)),
             *(a - b for a, b in zip(values, level, strict=True)),
-            sum((Fraction(a) * (x - Fraction(r)) for a, x, r in way), Fraction(0)),
+            sum((a * (x - r) for a, x, r in way), Fraction(0)) / length,
         ]
         size = max(map(abs, wanted))
         if not size:

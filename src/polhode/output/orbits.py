@@ -87,19 +87,19 @@ def arrays(found: OrbitFamily | OrbitSearch) -> dict[str, Any]:
 
 def residue(found: Orbit) -> str:
     """A residue with the digits that are known of it."""
-    return _known(exactly(found.residue), found.residue_error)
+    return _known(exactly(found.residue), found.residue_error, found.digits)
 
 
 def multipliers(found: Orbit) -> list[tuple[str, str]]:
     """Real and imaginary part of both, with the digits that are known."""
-    pairs = []
+    pairs, most = [], found.digits
     for one in found.multipliers:
         real, imaginary = exactly(one.real), exactly(one.imag)
         size = max(1.0, abs(float(real)))
         # mu - 1/mu divides the error of mu + 1/mu = 2 - 4R; near +-1 its root is taken
         apart = abs(complex(one) - 1 / complex(one))
         error = 4 * found.residue_error * size / max(apart, math.sqrt(found.residue_error))
-        pairs.append((_known(real, error), _known(imaginary, error) if imaginary else "0"))
+        pairs.append((_known(real, error, most), _known(imaginary, error, most)))
     return pairs
 
 
@@ -118,12 +118,12 @@ def _placed(x: Exact, digits: int) -> str:
     return refining.decimal(near, Fraction(1), digits)
 
 
-def _known(x: Fraction, error: float) -> str:
-    """x as far as an error leaves digits; 0 where it leaves none."""
+def _known(x: Fraction, error: float, most: int) -> str:
+    """x as far as an error leaves digits, and no more than so many; 0 where it leaves none."""
     if not x:
         return "0"
     left = math.floor(exact.log10(abs(x)) - math.log10(error))
-    return decimal_string(x, left) if left >= 1 else "0"
+    return decimal_string(x, min(left, most)) if left >= 1 else "0"
 
 
 def _point(point: FamilyPoint) -> dict[str, Any]:
