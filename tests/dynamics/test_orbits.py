@@ -9,8 +9,9 @@ import pytest
 from mpmath import MPContext
 
 import polhode
-from polhode.dynamics import closing, refining
+from polhode.dynamics import closing, orbits, refining
 from polhode.dynamics.closing import at_level, bordered
+from polhode.dynamics.near_returns import Return
 from polhode.dynamics.surface import Surface
 from polhode.numbers import exact, number_types
 from polhode.numbers.convert import exactly
@@ -37,7 +38,9 @@ def perturbed(size, seed):
     omega, gamma = (
         [x + Fraction(float(size * rng.normal())) for x in v] for v in (GRIOLI.omega, GRIOLI.gamma)
     )
-    return polhode.Scene(GRIOLI.body, omega, gamma, name="near Grioli", normalise=True)
+    return polhode.Scene(
+        GRIOLI.body, omega, gamma, Fraction(1, 3), name="near Grioli", normalise=True
+    )
 
 
 def grioli_orbit(mp, q):
@@ -71,7 +74,8 @@ def test_griolis_orbit_to_thirty_digits_from_a_start_off_by_a_thousandth(seed):
     assert 1e-35 < worst < 1e-30
     assert worst < 5 * found.error < 5e-30
     assert found.residue == pytest.approx(0.002448416424848809, rel=1e-14)
-    assert found.turns == 1
+    assert found.turns == 1  # of psi, from 1/3 on
+    assert found.scene.psi == Fraction(1, 3)
 
 
 def gamma_of(scene, digits):
@@ -345,6 +349,17 @@ def test_what_is_no_start_is_refused(case, options, told):
         polhode.orbit(case, **options)
     assert told in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_an_orbit_far_from_the_start_is_not_the_one_asked_for():
+    """A return that missed by 1e-9 has its orbit there, not a thousandth away."""
+    near = perturbed(1e-3, 0)
+    on = Surface(near, *near.integrals[:2])
+    start = np.array([float(x) for x in on.exact_start])
+    time = 2 * np.pi / float(on.unit)
+    with pytest.raises(polhode.BadInput, match="it led 0.00.* away from the start"):
+        orbits._first(on, start, [Return(time, 1e-9)])
+    assert orbits._first(on, start, [Return(time, 1e-3)]).residue > 0
 
 
 def test_a_motion_that_does_not_come_near_itself(monkeypatch):
