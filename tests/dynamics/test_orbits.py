@@ -357,7 +357,7 @@ def test_an_orbit_far_from_the_start_is_not_the_one_asked_for():
     on = Surface(near, *near.integrals[:2])
     start = np.array([float(x) for x in on.exact_start])
     time = 2 * np.pi / float(on.unit)
-    with pytest.raises(polhode.BadInput, match="it led 0.00.* away from the start"):
+    with pytest.raises(polhode.BadInput, match=r"it led 0\.00.* away from the start"):
         orbits._first(on, start, [Return(time, 1e-9)])
     assert orbits._first(on, start, [Return(time, 1e-3)]).residue > 0
 

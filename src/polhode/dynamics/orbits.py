@@ -24,7 +24,7 @@ from polhode.dynamics.surface import Surface
 from polhode.equations.section_zero import MOMENTUM
 from polhode.numbers import exact
 from polhode.numbers.convert import exact_number, exactly, to_double, to_mpf
-from polhode.numbers.decimals import decimal_string, is_decimal
+from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import MAX_DIGITS, bits_for
 from polhode.numbers.private import mpmath, ordinary
@@ -307,7 +307,7 @@ def _scene(near: Scene, name: str, fine: Refined) -> Scene:
         "omega": [Literal(x) for x in fine.omega],
         "gamma": [Literal(x) for x in fine.gamma],
         "normalise": True,
-        "psi": near.psi if is_decimal(near.psi) else _short(near.psi, len(fine.period)),
+        "psi": near.psi if isinstance(near.psi, Fraction) else _short(near.psi, len(fine.period)),
     }
     data: dict[str, Any] = {"title": f"A periodic orbit near {name}", "run": {}, **tables}
     data["run"] = {"end": Literal(fine.period), "samples": 101}
