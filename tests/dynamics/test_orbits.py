@@ -78,6 +78,24 @@ def test_griolis_orbit_to_thirty_digits_from_a_start_off_by_a_thousandth(seed):
     assert found.scene.psi == Fraction(1, 3)
 
 
+def test_another_orbit_of_griolis_whose_residue_is_known():
+    """Moments 3, 2, 1, T = 2 pi (5/2)^(1/4); R by an earlier program at 160 and 237 bits alike."""
+    mp = mp_of(50)
+    near = polhode.top(
+        moments=[3, 2, 1],
+        centre=[1, 0, 1],
+        weight=1,
+        omega=["0.0005", 0, "1.1247"],
+        gamma=["-0.3162", "0.0003", "0.9487"],
+        normalise=True,
+    )
+    found = polhode.orbit(near, digits=30, h="2*sqrt(2/5)", f="sqrt(9/5*sqrt(2/5))")
+    known = mp.mpf("0.07633098281651145408432311840734126483")
+    assert abs(value(mp, found.residue) - known) < found.residue_error < 1e-28
+    exact = 2 * mp.pi * mp.mpf("2.5") ** 0.25
+    assert abs(value(mp, found.period) / exact - 1) < 1e-30
+
+
 def gamma_of(scene, digits):
     """gamma of a found scene, an irrational unit vector, to many digits."""
     return [exact.binary(*exact.rounded(x, 4 * digits)) if x else 0 for x in scene.gamma]
