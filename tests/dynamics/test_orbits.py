@@ -102,13 +102,13 @@ def gamma_of(scene, digits):
 
 
 def test_what_the_monodromy_matrix_keeps_exactly():
-    """grad F M = grad F, M x' = x', det M = 1, at 40 digits; of the period as many are right."""
-    found = polhode.orbit(GRIOLI, digits=40)
-    assert 1e-43 < found.error < 1e-40
-    assert 1e-46 < found.residue_error < 1e-39
-    assert found.determinant < 1e-40
+    """grad F M = grad F, M x' = x', det M = 1, at 30 digits; of the period as many are right."""
+    found = polhode.orbit(GRIOLI, digits=30)
+    assert 1e-33 < found.error < 1e-30
+    assert 1e-36 < found.residue_error < 1e-29
+    assert found.determinant < 1e-31
     mp = mp_of(60)
-    assert abs(value(mp, found.period) / (2 * mp.pi) - 1) < 1e-40
+    assert abs(value(mp, found.period) / (2 * mp.pi) - 1) < 1e-30
 
 
 @pytest.mark.slow
@@ -117,6 +117,8 @@ def test_sixty_digits_agree_with_fifty():
     mp = mp_of(80)
     assert abs(value(mp, fifty.residue) - value(mp, sixty.residue)) < fifty.residue_error < 1e-48
     assert abs(value(mp, sixty.period) / (2 * mp.pi) - 1) < 1e-60
+    assert fifty.determinant < 1e-49
+    assert 1e-53 < fifty.error < 1e-50
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -134,7 +136,7 @@ def test_residues_of_rotations_of_a_free_body(axis):
     assert abs(value(mp, found.residue) - exact) < found.residue_error < 1e-28
     assert abs(value(mp, found.period) / mp.pi - 1) < 1e-30
     assert found.kind == ("hyperbolic" if axis == 1 else "elliptic")
-    one, other = (mp.mpc(value(mp, m.real), value(mp, m.imag)) for m in found.multipliers)
+    one, other = (mp.mpc(*(value(mp, x) for x in parts)) for parts in found.multipliers)
     assert abs(one * other - 1) < 1e-30
     if axis != 1:
         assert abs(abs(one) - 1) < 1e-30
@@ -180,7 +182,8 @@ def test_steady_precession_of_a_symmetric_top(u):
     assert abs(value(mp, found.period) * rotation / (2 * mp.pi) - 1) < 1e-25
     assert abs(value(mp, found.residue) - exact) < max(1e-24, found.residue_error)
     turned = 2 * mp.pi * mp.mpf(Om.numerator) / Om.denominator / rotation
-    assert abs(value(mp, found.psi) - turned) < 1e-23  # psi advances by Om T
+    assert abs(value(mp, found.psi) - turned) < 1e-23  # psi advances by Om T,
+    assert found.turns is None  # which closes after 35 and 142 periods: too many to be looked for
 
 
 @pytest.mark.parametrize("rate", ["0.3", "1.5"])
@@ -266,6 +269,7 @@ def test_which_system_is_regular():
     assert sizes[-1] > 1e-3 * sizes[0]
 
 
+@pytest.mark.slow
 def test_action_changes_by_period_and_by_the_advance_of_psi():
     """dJ = T dh - D df of J = (integral of G·w over a period) - f D, D the advance of psi."""
     mp = mp_of(40)
@@ -331,17 +335,17 @@ def test_the_scene_that_is_written_is_the_orbit(tmp_path, capsys):
     from polhode.cli import main
 
     path = tmp_path / "orbit.toml"
-    assert main(["orbit", "grioli/precession", "--digits", "40", "-o", str(path)]) == 0
+    assert main(["orbit", "grioli/precession", "--digits", "30", "-o", str(path)]) == 0
     told = capsys.readouterr()
-    assert "period      6.28318530717958647692528676655900576839434\n" in told.out
+    assert "period      6.283185307179586476925286766559\n" in told.out
     assert "the motion in space closes after 1 period" in told.out
     scene = polhode.load(path)
-    run = polhode.integrate(scene.at([scene.end]), number_types.mp(50), project=False)
+    run = polhode.integrate(scene.at([scene.end]), number_types.mp(36), project=False)
     off = max(
         abs(exactly(a) - b)
         for a, b in zip(run.states[0], [*scene.omega, *gamma_of(scene, 60)], strict=True)
     )
-    assert 1e-46 < off < 1e-40
+    assert 1e-36 < off < 1e-30
     assert main(["orbit", str(path), "--json"]) == 0
 
 

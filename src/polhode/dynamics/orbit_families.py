@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from polhode.dynamics.surface import Surface
 from polhode.numbers.convert import exact_number, exactly, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.scalars import AnyNumber
 from polhode.scenes.scene import Scene
 
 POINTS = 200
@@ -80,7 +81,7 @@ class OrbitFamily:
     interrupted: bool
     members: tuple[Member, ...]
     surface: Surface
-    provenance: Mapping[str, Any] = field(default_factory=dict)
+    provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         n = len(self.points)
@@ -108,9 +109,9 @@ class OrbitFamily:
 def orbit_family(
     start: Orbit | Scene | str | Path,
     by: str,
-    to: Any,
+    to: AnyNumber,
     *,
-    first: Any = None,
+    first: AnyNumber | None = None,
     points: int = POINTS,
     progress: Tell | None = None,
 ) -> OrbitFamily:
@@ -137,7 +138,8 @@ def orbit_family(
             raise BadInput(start.name, "first", first, "none: the orbit given is the first")
         found = start
     else:
-        found = orbit(start, **{by: first}, progress=progress)
+        h, f = (first, None) if by == "h" else (None, first)
+        found = orbit(start, h=h, f=f, progress=progress)
     on = found.surface
     name = on.scene.name
     most = whole(name, "points", points, 2, MOST_POINTS)

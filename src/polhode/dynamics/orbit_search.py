@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from polhode.dynamics.sections import section
 from polhode.dynamics.surface import Surface
 from polhode.equations.section_zero import MOMENTUM
 from polhode.numbers.convert import exactly
+from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor.flows import NotFollowed
@@ -67,7 +68,7 @@ class OrbitSearch:
     interrupted: bool
     closed: tuple[Closed, ...]
     surface: Surface
-    provenance: Mapping[str, Any] = field(default_factory=dict)
+    provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         n = len(self.orbits)
@@ -85,8 +86,8 @@ def orbit_search(
     scene: Scene | str | Path,
     grid: tuple[int, int] | None = None,
     crossings: int | None = None,
-    h: Any = None,
-    f: Any = None,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
     progress: Tell | None = None,
 ) -> OrbitSearch:
     """Search a level for periodic orbits.

@@ -28,6 +28,7 @@ from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import MAX_DIGITS, bits_for
 from polhode.numbers.private import mpmath, ordinary
+from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes import library, scene_file, vary
 from polhode.scenes.reading import Literal
 from polhode.scenes.scene import Scene
@@ -83,16 +84,16 @@ class Orbit:
     digits: int
     period: Exact
     error: float
-    residue: Any
+    residue: Real
     residue_error: float
     determinant: float
-    psi: Any
+    psi: Real | None
     psi_whole: bool
     moved: float
     corrections: tuple[int, int]
     surface: Surface
     closed: Closed
-    provenance: Mapping[str, Any] = field(default_factory=dict)
+    provenance: Mapping[str, object] = field(default_factory=dict)
 
     @property
     def kind(self) -> str:
@@ -100,16 +101,16 @@ class Orbit:
         return kind_of(float(self.residue), self.residue_error)
 
     @property
-    def multipliers(self) -> tuple[Any, Any]:
-        """The two that are not 1 always: on the unit circle, or real; their product is 1."""
+    def multipliers(self) -> tuple[tuple[Real, Real], tuple[Real, Real]]:
+        """Real and imaginary part of the two that are not 1 always; their product is 1."""
         with mpmath.workprec(bits_for(self.digits) + 20):
             half = 1 - 2 * to_mpf(exactly(self.residue), bits_for(self.digits) + 20)
             if abs(half) <= 1:
-                first = mpmath.mpc(half, mpmath.sqrt(1 - half * half))
-                return ordinary(first), ordinary(first.conjugate())
+                side = mpmath.sqrt(1 - half * half)
+                return ordinary((half, side)), ordinary((half, -side))
             size = abs(half) + mpmath.sqrt(half * half - 1)
             first = size if half > 0 else -size
-            return ordinary(first), ordinary(1 / first)
+            return ordinary((first, 0 * first)), ordinary((1 / first, 0 * first))
 
     @property
     def turns(self) -> Fraction | None:
@@ -139,9 +140,9 @@ MOST_PERIODS = 24  # after which a motion in space is looked for to close
 def orbit(
     scene: Scene | str | Path,
     digits: int = DIGITS,
-    h: Any = None,
-    f: Any = None,
-    period: Any = None,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
+    period: AnyNumber | None = None,
     returns: int | None = None,
     progress: Tell | None = None,
 ) -> Orbit:

@@ -93,11 +93,11 @@ def residue(found: Orbit) -> str:
 def multipliers(found: Orbit) -> list[tuple[str, str]]:
     """Real and imaginary part of both, with the digits that are known."""
     pairs, most = [], found.digits
-    for one in found.multipliers:
-        real, imaginary = exactly(one.real), exactly(one.imag)
-        size = max(1.0, abs(float(real)))
+    for parts in found.multipliers:
+        real, imaginary = map(exactly, parts)
+        one, size = complex(*map(float, parts)), max(1.0, abs(float(real)))
         # mu - 1/mu divides the error of mu + 1/mu = 2 - 4R; near +-1 its root is taken
-        apart = abs(complex(one) - 1 / complex(one))
+        apart = abs(one - 1 / one)
         error = 4 * found.residue_error * size / max(apart, math.sqrt(found.residue_error))
         pairs.append((_known(real, error, most), _known(imaginary, error, most)))
     return pairs
