@@ -319,6 +319,16 @@ def test_in_turned_axes_and_in_other_units():
         assert np.max(np.abs(polhode.integrate(there).states[0] - state)) < 1e-12
 
 
+def test_a_type_that_is_too_narrow_is_left_for_a_wider_one(monkeypatch):
+    """The error of the decimals decides, not what was foreseen."""
+    monkeypatch.setattr(refining, "type_for", lambda digits, least=0: number_types.EXTENDED)
+    found = polhode.orbit(perturbed(1e-3, 0), digits=22)
+    assert 1e-26 < found.error < 1e-22
+    monkeypatch.setattr(refining, "MOST_TYPES", 1)
+    with pytest.raises(polhode.BadInput, match="22 digits are not to be had"):
+        polhode.orbit(perturbed(1e-3, 0), digits=22)
+
+
 def test_a_start_on_the_orbit_is_returned_as_it_is():
     found = polhode.orbit(GRIOLI, digits=30)
     assert found.scene.omega == GRIOLI.omega
