@@ -22,7 +22,7 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.scenes.scene import Scene
 
 EPS = 2.0**-52
-LOOK = 4.0  # units of the inner time between two looks at the tangent
+LOOK = 8.0  # units of the inner time between two looks at the tangent
 LANES = 64  # orbits of a job, in the order of their lengths
 LOST = math.log(1 / EPS)  # of ln G
 

@@ -82,7 +82,7 @@ class Section:
         """Correct digits to be expected of each crossing's state, nan past the last one: (n, m).
 
         What one rounding is multiplied by on the way from the start, by one tangent along each
-        orbit, which takes about as long as the section itself; computed when first asked for.
+        orbit, which takes as long as the section itself, or longer; computed when first asked for.
 
         >>> import polhode
         >>> scene = polhode.load("general/asymmetric-chaotic")
