@@ -1,15 +1,16 @@
 """How many digits a crossing has: what the motion makes of a rounding on the way to it.
 
-One tangent u along each orbit, across the flow and the gradients of h, f and |gamma|^2, to which the
-orbit is put back:
+One tangent u along each orbit, across the flow and the gradients of h, f and |gamma|^2, on whose
+values the orbit is kept:
 
     G(t) = max over s <= t' <= t of |u(t')| / |u(s)|,    digits(t) = -log10(eps G(t))
 
 from 0 to those of a double: what one rounding on the way is multiplied by.  A run makes many, and
 the tangent has one direction of two: found were from two digits fewer to one more, of the state at
-the crossing (its time is as good or better).  On a chaotic orbit G grows exponentially and from some
-crossing on no digit is left: later ones are those of a neighbour, right for pictures and statistics,
-and not this orbit's.  w counts in radians of the inner unit of time, gamma as it is.
+the crossing.  On a chaotic orbit G grows exponentially, and from some crossing on no digit is left:
+later ones are those of a neighbour, right for pictures and statistics and not this orbit's.  w
+counts in radians of the inner unit of time, gamma as it is; G is taken at looks, each crossing's
+at the next one.
 """
 
 from __future__ import annotations
@@ -68,7 +69,7 @@ def digits(scene: Scene, starts: Any, times: Any, workers: int | None = None) ->
     results, interrupted = carried_out(tangents.solve, jobs, sizes, workers)
     if interrupted:
         raise KeyboardInterrupt
-    for group, job, result in zip(groups, jobs, results, strict=True):
+    for group, result in zip(groups, results, strict=True):
         assert result is not None
         least = np.minimum.accumulate(np.where(np.isfinite(result.sizes), result.sizes, np.inf), 1)
         grown = np.where(np.isfinite(result.sizes), result.sizes - least, LOST)
@@ -81,7 +82,7 @@ def digits(scene: Scene, starts: Any, times: Any, workers: int | None = None) ->
 
 
 def none_left_from(digits: Any) -> Any:
-    """The number of the first crossing with less than one digit, from 1 on; 0 where all have one."""
+    """The number, from 1 on, of the first crossing with less than one digit; 0: all have one."""
     import numpy as np
 
     gone = digits < 1

@@ -96,7 +96,7 @@ class Section:
 
     @property
     def none_left_from(self) -> Any:
-        """Of each orbit the number, from 1 on, of its first crossing without a digit; 0: of none."""
+        """The number, from 1 on, of each orbit's first crossing without a digit; 0: of none."""
         return crossing_digits.none_left_from(self.digits)
 
     @property
@@ -205,6 +205,7 @@ def _refuse_constant(asked: Asked, zero: Any, states: Any) -> None:
 
     from polhode.equations.forms import principal
     from polhode.taylor import crossings as taylor
+    from polhode.taylor.on_level import ARRAYS
 
     if asked.by in (MOMENTUM, HEIGHT):
         return
@@ -216,7 +217,7 @@ def _refuse_constant(asked: Asked, zero: Any, states: Any) -> None:
     try:
         with np.errstate(all="ignore"):
             speed = taylor.slope(zero, moved, taylor.rates(k, moved))
-            value = np.real(zero.value(list(moved), taylor.ARRAYS))
+            value = np.real(zero.value(list(moved), ARRAYS))
     except (ArithmeticError, AttributeError, TypeError):  # no name in it
         speed = value = np.zeros(1)
     if not np.any(np.abs(speed) > 1e-12 * np.maximum(1e-300, np.abs(value))):
@@ -229,10 +230,11 @@ def _refuse_never_zero(asked: Asked, on: Any, zero: Any) -> None:
 
     from polhode.dynamics import section_states as geometry
     from polhode.taylor import crossings as taylor
+    from polhode.taylor.on_level import ARRAYS
 
     grid = geometry.cells(60, 60)
     states = [geometry.momentum_states(on, *grid, kind).states for kind in (True, False)]
-    values = np.real(zero.value(list(np.concatenate(states).T), taylor.ARRAYS))
+    values = np.real(zero.value(list(np.concatenate(states).T), ARRAYS))
     expected = (
         "an expression that becomes zero; at the extrema of |G| on this level it is from "
         f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g}, and no orbit crosses 0"
@@ -244,7 +246,8 @@ def _jobs(asked: Asked, on: Any, zero: Any, direction: int, count: int, states: 
     import numpy as np
 
     from polhode.equations.forms import principal
-    from polhode.taylor.crossings import CrossingJob, Level
+    from polhode.taylor.crossings import CrossingJob
+    from polhode.taylor.on_level import Level
 
     scene = asked.scene
     known = level_of(scene, asked.h, asked.f)
@@ -266,7 +269,7 @@ def _jobs(asked: Asked, on: Any, zero: Any, direction: int, count: int, states: 
 def level_of(scene: Scene, h: Exact, f: Exact) -> Any:
     """The integrals of a level, as those of a scene on it."""
     from polhode.equations import integrals
-    from polhode.taylor.crossings import Level
+    from polhode.taylor.on_level import Level
 
     known = first_integrals(scene)
     if integrals.CHAPLYGIN in known.onto and f != 0:

@@ -97,7 +97,7 @@ def main(options: Namespace) -> int:
         return DONE
     told = Counter(found.outcomes)
     note(f"{scene.name}: {found!r}; " + ", ".join(f"{name} in {n}" for name, n in told.items()))
-    if path is None or path.suffix.lower() not in canvas.SUFFIXES:
+    if not found.interrupted and (file is None or file.holds_arrays):
         note(f"{scene.name}: {lost(found)}")
     if found.interrupted:
         return goes_on(found.kept)

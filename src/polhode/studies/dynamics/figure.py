@@ -19,7 +19,7 @@ _TICKS = np.arange(3) * np.pi, ["0", "π", "2π"]
 def svgs(found: dict[str, Any]) -> dict[str, str]:
     """The study's figures by name, from its JSON object."""
     plt, drawn = pyplot(), {}
-    with plt.rc_context(PAPER):
+    with plt.rc_context(PAPER | {"path.simplify": False}):  # dots are lines of no length
         if found["levels"]:
             drawn["dynamics-levels"] = as_svg(_levels(plt, found["levels"]))
         if found["sections"]:
@@ -36,6 +36,7 @@ def _levels(plt: Any, rows: list[dict[str, Any]]) -> Any:
     )
     seen: set[tuple[int, ...]] = set()
     types: set[str] = set()
+    kinds: set[str] = set()
     for axes, row in zip(panels.flat, rows, strict=False):
         (f0, f1), (h0, h1) = row["window"]
         seen |= _shades(axes, row["columns"], h1)
@@ -48,6 +49,7 @@ def _levels(plt: Any, rows: list[dict[str, Any]]) -> Any:
             types.add(kind)
         for kind, f, h in row["marks"]:
             look = {"color": "#000000", "ms": 3.6, "mfc": "#ffffff", "mew": 0.8}
+            kinds.add(kind)
             axes.plot(np.copysign(f, row["f"] or 1.0), h, MARKS[kind], **look)
         axes.plot(row["f"], row["h"], "o", color=SPACE, ms=4)
         axes.set(xlim=(f0, f1), ylim=(h0, h1))
@@ -65,6 +67,9 @@ def _levels(plt: Any, rows: list[dict[str, Any]]) -> Any:
         Line2D([], [], linestyle=LINES[kind][0], color=LINES[kind][1], label=kind)
         for kind in sorted(types)
     ]
+    look: dict[str, Any] = {"linestyle": "", "color": "#000000", "ms": 3.6}
+    look |= {"mfc": "#ffffff", "mew": 0.8}
+    lines += [Line2D([], [], marker=MARKS[kind], label=kind, **look) for kind in sorted(kinds)]
     patches = [
         Patch(color=SHADES.get(region, OTHER), label=name(region))
         for region in sorted(seen, key=lambda region: (len(region), region))
@@ -112,10 +117,12 @@ def _sections(plt: Any, rows: list[dict[str, Any]]) -> Any:
         field = np.concatenate([field[-1:], field, field[:1]])
         values = np.unique(row["values"])
         levels = values[np.diff(values, prepend=-np.inf) > 1e-9 * max(abs(values))]
-        axes.contour(x, y, field.T, levels=levels, colors="#9a9a9a", linewidths=0.5)
-        order = np.argsort(np.argsort(row["values"], kind="stable"), kind="stable")
+        axes.contour(
+            x, y, field.T, levels=levels, colors="#9a9a9a", linewidths=0.5, linestyles="solid"
+        )
+        order = np.searchsorted(levels, np.array(row["values"]) - 1e-9 * max(abs(values)))
         for k, (l, ratio) in enumerate(zip(row["l"], row["ratio"], strict=True)):
-            gap = np.full(len(l), np.nan)  # a dot is a line of no length
+            gap = np.full(len(l), np.nan)
             at = np.stack([l, l, gap], 1).ravel(), np.stack([ratio, ratio, gap], 1).ravel()
             colour = COLOURS[order[k] % len(COLOURS)]
             axes.plot(*at, color=colour, lw=1.5, solid_capstyle="round")
@@ -154,7 +161,7 @@ def _map(plt: Any, row: dict[str, Any]) -> Any:
         at = float(parts[0]) / float(parts[1]) if len(parts) == 2 else float(parts[0])
         axes.axvline(at, color="#333333", lw=0.6, ls=(0, (2, 2)))
         side = "left" if at < x.mean() - 0.4 else "right" if at > x.mean() + 0.4 else "center"
-        where = {"xytext": (0, 3), "textcoords": "offset points", "fontsize": 8, "ha": side}
+        where = {"xytext": (0, 3), "textcoords": "offset points", "fontsize": 7.5, "ha": side}
         axes.annotate(column["what"], (at, tall[-1]), va="bottom", annotation_clip=False, **where)
     axes.set(xlim=(wide[0], wide[-1]), ylim=(tall[0], tall[-1]))
     axes.set(xlabel="third moment C (A = B = 2)", ylabel="r at the start")

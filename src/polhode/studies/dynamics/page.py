@@ -57,14 +57,14 @@ def _levels(rows: list[dict[str, Any]]) -> Iterator[Block]:
     yield Heading("Levels of energy and area")
     yield Text(
         "Lines are permanent rotations, thick ones stable by Liapunov; they divide the plane of "
-        "f and h into regions whose levels have one topology. Types, cusps and Hamilton–Hopf points "
-        "are closed forms, decided exactly; nothing is integrated. The dot is the case's own level."
+        "f and h into regions whose levels have one topology. Types, cusps and Hamiltonian-Hopf "
+        "points are decided exactly; nothing is integrated. The dot is the case's own level."
     )
     shown = f"The plane of f and h of {len(rows)} bodies, regions by topology"
     yield Figure("dynamics-levels", shown)
     yield PageTable(
         (
-            *("body", "case", "pieces", "stable", "cusps", "Hamilton–Hopf", "branches"),
+            *("body", "case", "pieces", "stable", "cusps", "Hamiltonian-Hopf", "branches"),
             *("case's f", "h", "its level", "fourth integral", "critical values", "seconds"),
         ),
         tuple(

@@ -153,7 +153,9 @@ def _levels(body: LevelsOf) -> dict[str, Any]:
         "curves": [
             [curve.type, curve.morse, _thinned(curve.points, shown)] for curve in found.curves
         ],
-        "marks": [[mark.kind, _short(float(mark.f)), _short(float(mark.h))] for mark in found.marks],
+        "marks": [
+            [mark.kind, _short(float(mark.f)), _short(float(mark.h))] for mark in found.marks
+        ],
     }
 
 
@@ -193,7 +195,9 @@ def _section(top: SectionOf, grid: tuple[int, int]) -> dict[str, Any]:
         "spread": float(spread.max()),
         "spread_in_eps": round(float(spread.max()) / (scale * EPS), 2),
         "scale": scale,
-        "digits": [round(float(x), 1) for x in (found.digits.min(), np.median(found.digits[:, -1]))],
+        "digits": [
+            round(float(x), 1) for x in (found.digits.min(), np.median(found.digits[:, -1]))
+        ],
         "values": [_short(float(v[0])) for v in values],
         "l": [[round(float(x), 4) for x in row[shown]] for row in found.l],
         "ratio": [[round(float(x), 4) for x in row[shown]] for row in found.ratio],
