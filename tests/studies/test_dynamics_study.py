@@ -52,6 +52,7 @@ def test_the_map_holds_the_three_integrable_bodies():
     assert {0.5, 1.0, 2.0} <= set(row["x"])
 
 
+@pytest.mark.slow
 def test_other_programs_make_the_same_crossings():
     pytest.importorskip("scipy")
     told = [r for r in cost.rows(True, Only(), lambda _: None) if r["outcome"] == "done"]
@@ -72,7 +73,7 @@ def test_a_program_that_is_missing_keeps_its_row(monkeypatch):
     assert "else is not installed" in markdown("x", page._cost([row]))
 
 
-def test_page_and_figures_are_made_from_the_json_alone():
+def test_the_page_is_made_from_the_json_alone():
     found = report.results(COMMITTED, "dynamics")
     assert found is not None
     assert len(found["levels"]) == 6
@@ -80,9 +81,16 @@ def test_page_and_figures_are_made_from_the_json_alone():
     text = markdown(page.TITLE, page.blocks(found))
     for row in [*found["levels"], *found["sections"]]:
         assert f"| {row['what']} | {row['case']} |" in text
-    assert figure.svgs(found) == figure.svgs(json.loads(as_json(found)))
-    assert {*figure.svgs(found)} == {"dynamics-levels", "dynamics-sections", "dynamics-map"}
     assert "0 of 93 motions of integrable bodies" in page.finding(found)
+
+
+@pytest.mark.slow
+def test_figures_are_made_from_the_json_alone():
+    found = report.results(COMMITTED, "dynamics")
+    assert found is not None
+    drawn = figure.svgs(found)
+    assert drawn == figure.svgs(json.loads(as_json(found)))
+    assert {*drawn} == {"dynamics-levels", "dynamics-sections", "dynamics-map"}
 
 
 def test_stretches_of_a_column_are_bars():

@@ -229,7 +229,6 @@ def _refuse_never_zero(asked: Asked, on: Any, zero: Any) -> None:
     import numpy as np
 
     from polhode.dynamics import section_states as geometry
-    from polhode.taylor import crossings as taylor
     from polhode.taylor.on_level import ARRAYS
 
     grid = geometry.cells(60, 60)

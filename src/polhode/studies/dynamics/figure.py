@@ -67,9 +67,9 @@ def _levels(plt: Any, rows: list[dict[str, Any]]) -> Any:
         Line2D([], [], linestyle=LINES[kind][0], color=LINES[kind][1], label=kind)
         for kind in sorted(types)
     ]
-    look: dict[str, Any] = {"linestyle": "", "color": "#000000", "ms": 3.6}
-    look |= {"mfc": "#ffffff", "mew": 0.8}
-    lines += [Line2D([], [], marker=MARKS[kind], label=kind, **look) for kind in sorted(kinds)]
+    signs: dict[str, Any] = {"linestyle": "", "color": "#000000", "ms": 3.6}
+    signs |= {"mfc": "#ffffff", "mew": 0.8}
+    lines += [Line2D([], [], marker=MARKS[kind], label=kind, **signs) for kind in sorted(kinds)]
     patches = [
         Patch(color=SHADES.get(region, OTHER), label=name(region))
         for region in sorted(seen, key=lambda region: (len(region), region))
