@@ -20,6 +20,7 @@ from typing import Any
 
 from polhode.numbers.convert import to_double
 from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.scalars import Doubles, Integers
 from polhode.scenes.scene import Scene
 
 EPS = 2.0**-52
@@ -28,7 +29,7 @@ LANES = 64  # orbits of a job, in the order of their lengths
 LOST = math.log(1 / EPS)  # of ln G
 
 
-def digits(scene: Scene, starts: Any, times: Any, workers: int | None = None) -> Any:
+def digits(scene: Scene, starts: Any, times: Any, workers: int | None = None) -> Doubles:
     """Correct digits to be expected of each crossing, nan where there is none: (n, m).
 
     ``starts`` (n, 6): states in principal axes and the run's unit of time; ``times`` (n, m): of the
@@ -41,7 +42,7 @@ def digits(scene: Scene, starts: Any, times: Any, workers: int | None = None) ->
     from polhode.equations.forms import principal
     from polhode.taylor import tangents
 
-    found = np.full(times.shape, np.nan)
+    found: Doubles = np.full(times.shape, np.nan)
     made = np.isfinite(times)
     last = np.where(made, times, 0.0).max(axis=1, initial=0.0)
     orbits = np.argsort(last, kind="stable")
@@ -81,9 +82,10 @@ def digits(scene: Scene, starts: Any, times: Any, workers: int | None = None) ->
     return found
 
 
-def none_left_from(digits: Any) -> Any:
+def none_left_from(digits: Any) -> Integers:
     """The number, from 1 on, of the first crossing with less than one digit; 0: all have one."""
     import numpy as np
 
     gone = digits < 1
-    return np.where(gone.any(axis=1), gone.argmax(axis=1) + 1, 0)
+    found: Integers = np.where(gone.any(axis=1), gone.argmax(axis=1) + 1, 0)
+    return found

@@ -78,7 +78,7 @@ class Section:
         return f"<Section of {self.scene.name} by {self.by}: {orbits}, {made} crossings>"
 
     @cached_property
-    def digits(self) -> Any:
+    def digits(self) -> Doubles:
         """Correct digits to be expected of each crossing's state, nan past the last one: (n, m).
 
         What one rounding is multiplied by on the way from the start, by one tangent along each
@@ -95,7 +95,7 @@ class Section:
         return crossing_digits.digits(self.scene, starts, self.times / unit)
 
     @property
-    def none_left_from(self) -> Any:
+    def none_left_from(self) -> Integers:
         """The number, from 1 on, of each orbit's first crossing without a digit; 0: of none."""
         return crossing_digits.none_left_from(self.digits)
 
