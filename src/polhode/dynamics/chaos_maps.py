@@ -284,11 +284,15 @@ def _varied(scene: Scene, varied: vary.Vary) -> dict[str, Any]:
     }
 
 
-def tangents_of(starts: Any, moments: Any, torques: Any) -> Any:
-    """Unit tangents across the flow and the gradients of h, f and |gamma|^2, else at random."""
+def tangents_of(starts: Any, moments: Any, torques: Any, alike: bool = False) -> Any:
+    """Unit tangents across the flow and the gradients of h, f and |gamma|^2, else at random.
+
+    ``alike``: the random part is the same for all, so that none depends on the others.
+    """
     import numpy as np
 
-    found = np.random.default_rng(SEED).normal(size=starts.shape)
+    shape = starts.shape[1:] if alike else starts.shape
+    found = np.random.default_rng(SEED).normal(size=shape) + 0 * starts
     w, g = starts[:, :3], starts[:, 3:]
     G = w * moments
     zero = np.zeros_like(g)

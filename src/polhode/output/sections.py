@@ -18,11 +18,14 @@ def of_section(found: Section) -> dict[str, Any]:
     return {
         **_about(found),
         "starts": found.starts.tolist(),
+        "start_states": found.start_states.tolist(),
         "l": rows(found.l),
         "L_over_G": rows(found.ratio),
         "times": rows(found.times),
         "rests": rows(found.rests),
         "states": rows(found.states),
+        "digits": [[round(x, 2) for x in row] for row in rows(found.digits)],
+        "none_left_from": [n or None for n in found.none_left_from.tolist()],
         "outcomes": list(found.outcomes),
         "provenance": dict(found.provenance),
     }
@@ -34,11 +37,14 @@ def arrays(found: Section) -> dict[str, Any]:
 
     return {
         "start": found.starts,
+        "start_state": found.start_states,
         "state": np.swapaxes(found.states, 1, 2),
         "time": found.times,
         "rest": found.rests,
         "l": found.l,
         "L_over_G": found.ratio,
+        "digits": found.digits,
+        "none_left_from": found.none_left_from,
         "count": found.counts,
         "outcome": np.array(found.outcomes),
         "about": np.array(results.as_json(_about(found) | {"provenance": dict(found.provenance)})),

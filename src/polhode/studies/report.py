@@ -28,7 +28,7 @@ from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text,
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
 STUDIES = (
     *("needs", "accuracy", "certified", "speed", "stability", "long-run", "forms", "events"),
-    *("published", "gallery"),
+    *("dynamics", "published", "gallery"),
 )
 PAGE = "report.html"
 #: The study that the page of all begins with.

@@ -1,9 +1,10 @@
 """Crossings of a section by many orbits of one body: batches of doubles with an event.
 
 heyoka's batch integrator gives each crossing's time and state; two steps of Newton's method in
-numpy then put all of them on the section.  Between chunks of time the clock starts again from 0,
-so that a time is a chunk's start and a small rest, and the states are put back on the first
-integrals.  What a lane gives does not depend on its neighbours.
+numpy then put all of them on the section, and one more puts them on the first integrals without
+leaving it.  Between chunks of time the clock starts again from 0, so that a time is a chunk's start
+and a small rest, and the states are put back on the integrals there, too.  What a lane gives does
+not depend on its neighbours.
 """
 
 from __future__ import annotations
@@ -15,41 +16,27 @@ import heyoka as hy
 import numpy as np
 
 from polhode.equations.forms import principal
-from polhode.equations.integrals import FirstIntegrals
 from polhode.equations.section_zero import SectionZero
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.words import STATE
 from polhode.taylor.batches import width
 from polhode.taylor.heyoka_numbers import EXPRESSIONS
 from polhode.taylor.kinds import HeyokaIntegrator
+from polhode.taylor.on_level import ARRAYS, TINY, Level, Put
 from polhode.taylor.pool import Idle
-from polhode.taylor.projection import least_norm
 from polhode.taylor.variations import Doubles
-
-ARRAYS = Functions(0.0, np.sin, np.cos, np.sqrt)
 
 DONE, NONE_LEFT, NON_FINITE, STOPPED = "all crossings", "no more crossings", "not finite", "stopped"
 
 _BESIDE = 1e-6  # of a unit of time: a lane so near to a crossing runs on before it is touched
 _BEGIN = 1e-9  # of a chunk: a crossing before it is the start itself
-_TINY = 1e-30  # of a complex step
+_BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
 _DIRECTIONS = {
     -1: hy.event_direction.negative,
     0: hy.event_direction.any,
     1: hy.event_direction.positive,
 }
-
-
-class Level(NamedTuple):
-    """The integrals to which states are put back, with their coefficients as longdoubles.
-
-    ``targets``: of h, f and |gamma|^2 (shared); the fourth is each orbit's own.
-    """
-
-    integrals: FirstIntegrals
-    coefficients: Mapping[str, Any]
-    targets: tuple[Any, ...]
 
 
 class CrossingJob(NamedTuple):
@@ -114,7 +101,7 @@ def rates(coefficients: Mapping[str, float], state: Any) -> Any:
 
 def slope(zero: SectionZero, state: Any, velocity: Any) -> Any:
     """The derivative of a section's function along the motion, by a complex step."""
-    return np.imag(zero.value(list(state + _TINY * 1j * velocity), ARRAYS)) / _TINY
+    return np.imag(zero.value(list(state + TINY * 1j * velocity), ARRAYS)) / TINY
 
 
 def polished(
@@ -124,49 +111,13 @@ def polished(
     with np.errstate(all="ignore"):
         for _ in range(2):
             velocity = rates(coefficients, state)
-            curve = np.imag(rates(coefficients, state + _TINY * 1j * velocity)) / _TINY
+            curve = np.imag(rates(coefficients, state + TINY * 1j * velocity)) / TINY
             value = np.real(zero.value(list(state), ARRAYS))
             step = -value / slope(zero, state, velocity)
             step = np.where(np.abs(step) < 1e-3, step, 0.0)  # a grazing contact stays
             state = state + step * (velocity + step / 2 * curve)
             time = time + step
         return state, time, slope(zero, state, rates(coefficients, state))
-
-
-class Put:
-    """Puts columns of states back on their level by one least-norm step of Newton's method."""
-
-    def __init__(self, level: Level, starts: Any) -> None:
-        self.level = level
-        self.drift = 0.0
-        own = self._values(starts.astype(np.longdouble))
-        shared = len(level.targets)
-        self.targets = np.array([x + 0 * own[0] for x in level.targets] + own[shared:])
-        h, f = np.abs(self.targets[:2].astype(float))
-        around = np.abs(np.array(own[:1], dtype=float))[0]
-        energy = np.maximum(h, around) + 1e-300
-        self.scales = np.array([energy, np.maximum(f, np.sqrt(energy)), 1 + 0 * energy])
-
-    def begin(self, lanes: Any, starts: Any) -> None:
-        """Other orbits begin in some lanes."""
-        fresh = Put(self.level, starts)
-        self.targets[:, lanes], self.scales[:, lanes] = fresh.targets, fresh.scales
-
-    def back(self, state: Any) -> Any:
-        """The states put back; as they are where the step is no rounding."""
-        values = self._values(state.astype(np.longdouble))
-        residuals = (self.targets - np.array(values)).astype(float)
-        with np.errstate(all="ignore"):
-            off = np.abs(residuals[:3]) / self.scales
-            self.drift = max(self.drift, float(np.max(off, initial=0.0, where=np.isfinite(off))))
-            moved = state[:, None, :] + _TINY * 1j * np.eye(6)[:, :, None]
-            rows = [np.imag(value) / _TINY for value in self._values(moved)]
-            step = np.array(least_norm(rows, list(residuals), 1 + 2.0**-18, 2.0**-256, 0.0))
-            size = np.sqrt((step * step).sum(axis=0))
-        return np.where(size < 1e-8, state + step, state)
-
-    def _values(self, state: Any) -> list[Any]:
-        return self.level.integrals.values(list(state), self.level.coefficients, 0 * state[0])
 
 
 class _Kept:
@@ -286,14 +237,18 @@ class _Lanes:
             orbits, origins, taus = (np.array([row[i] for row in self.rows]) for i in range(3))
             raw = np.array([row[3] for row in self.rows]).T
             raw, taus, by = polished(self.k, job.zero, raw, taus)
+            whole = Put(job.level, job.starts.T)
+            for first in range(0, len(taus), _BLOCK):
+                at = slice(first, first + _BLOCK)
+                raw[:, at] = whole.of(orbits[at]).within(job.zero, raw[:, at])
             order = np.lexsort((taus, origins, orbits))  # a seam of steps may swap two
             orbits, origins, taus = orbits[order], origins[order], taus[order]
             nth = np.arange(len(orbits)) - np.searchsorted(orbits, orbits)
             time = origins + taus
             kept = (nth < most) & (time <= job.end)
-            at = orbits[kept], nth[kept]
-            times[at], rests[at] = time[kept], (taus - (time - origins))[kept]
-            slopes[at], states[at] = by[order][kept], raw[:, order][:, kept].T
+            places = orbits[kept], nth[kept]
+            times[places], rests[places] = time[kept], (taus - (time - origins))[kept]
+            slopes[places], states[places] = by[order][kept], raw[:, order][:, kept].T
             found = np.bincount(orbits[kept], minlength=n)
         return Crossed(states, times, rests, slopes, found, tuple(self.outcomes), self.put.drift)
 

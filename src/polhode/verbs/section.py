@@ -97,6 +97,8 @@ def main(options: Namespace) -> int:
         return DONE
     told = Counter(found.outcomes)
     note(f"{scene.name}: {found!r}; " + ", ".join(f"{name} in {n}" for name, n in told.items()))
+    if not found.interrupted and (file is None or file.holds_arrays):
+        note(f"{scene.name}: {lost(found)}")
     if found.interrupted:
         return goes_on(found.kept)
     return DONE if found.complete else NOT_REACHED
@@ -116,5 +118,21 @@ def table(found: Any) -> tuple[list[str], list[list[str]]]:
     for orbit, n in enumerate(found.counts):
         for m in range(n):
             numbers = (found.times[orbit, m], found.l[orbit, m], found.ratio[orbit, m])
-            rows.append([str(orbit + 1), str(m + 1), *(f"{x:#.15g}" for x in numbers)])
-    return ["orbit", "crossing", "t", "l", "L/G"], rows
+            digits = f"{found.digits[orbit, m]:.1f}"
+            rows.append([str(orbit + 1), str(m + 1), *(f"{x:#.15g}" for x in numbers), digits])
+    return ["orbit", "crossing", "t", "l", "L/G", "digits"], rows
+
+
+def lost(found: Any) -> str:
+    """In how many orbits no digit is left at the end, and from which crossing on."""
+    first = found.none_left_from
+    if not found.counts.any():
+        return "no crossing"
+    if not first.any():
+        import numpy as np
+
+        least = float(np.nanmin(found.digits))
+        return f"every crossing has {least:.1f} digits or more"
+    gone = sorted(first[first > 0].tolist())
+    where = f"{gone[0]}" if gone[0] == gone[-1] else f"{gone[0]} to {gone[-1]}"
+    return f"no digit is left from crossing {where} on in {len(gone)} of {len(first)} orbits"
