@@ -24,7 +24,7 @@ from polhode.numbers.convert import to_double
 SUFFIXES = (".gif", ".mp4")
 FRAMES, PER_SECOND = 120, 20
 SIZE, DOTS = 3.6, 100  # inches, and dots an inch
-COLOURS = 64  # of a GIF
+COLOURS = 32  # of a GIF
 
 
 def require(suffix: str) -> None:
@@ -67,10 +67,10 @@ def _gif(frames: Iterator[Any]) -> bytes:
         canvas: Any = FigureCanvasAgg(figure)
         figure.set_dpi(DOTS)
         canvas.draw()
-        picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-        pictures.append(
-            picture.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-        )
+        pictures.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
+    # the last one has every colour; with one palette what stands still costs nothing
+    palette = pictures[-1].quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
+    pictures = [x.quantize(palette=palette, dither=Image.Dither.NONE) for x in pictures]
     out = BytesIO()
     pictures[0].save(
         out,

@@ -56,8 +56,8 @@ class Ensemble(ByValue):
     >>> many = polhode.integrate_many("lagrange/nutation", {"start.omega[3]": "2:4:3"}, at=[0, 1])
     >>> many
     <Ensemble of lagrange/nutation: 3 members in double, 2 times to t = 1, all reached the end>
-    >>> many.states.shape, len(many), many[2].outcome.value
-    ((3, 2, 6), 3, 'reached end')
+    >>> many.states.shape, many.t.tolist(), many[2].outcome.value
+    ((3, 2, 6), [0.0, 1.0], 'reached end')
 
     ``varied``: keys and exact values, a row a member.  ``states``: shape (members, times, columns),
     columns p q r [gamma1 gamma2 gamma3]; float64, longdouble, or objects (mpf) above extended; not
@@ -117,6 +117,13 @@ class Ensemble(ByValue):
 
     def _repr_html_(self) -> str:
         return str(upstairs.call("output.notebook:of_ensemble", self))
+
+    @property
+    def t(self) -> npt.NDArray[np.float64]:
+        """The times as doubles, the nearest ones."""
+        import numpy as np
+
+        return np.array([float(t) for t in self.times])
 
     def to_xarray(self) -> xr.Dataset:
         """An xarray Dataset along member and t (extra ``polhode[frames]``)."""
