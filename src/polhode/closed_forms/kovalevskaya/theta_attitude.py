@@ -65,7 +65,7 @@ class ThetaAttitude:
                     return product(quaternion(xi, eta), self.turn)
         raise ArithmeticError("the attitude does not pass its certificate")
 
-    def arguments(self, t: Any) -> tuple[Any, Any] | None:
+    def arguments(self, t: Any) -> tuple[Any, Any]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
         if not t:
             return mpf(0), mpf(0)
