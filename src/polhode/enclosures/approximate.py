@@ -21,6 +21,7 @@ from polhode.taylor import path
 from polhode.taylor.variations import Variations
 
 MOST_TURN = 5.0  # h |f'(x)| of a step: the majorant alpha is then about twice that
+_COARSE, _LESS = 64, 0.7  # less below this noise level, where exp(2 alpha) soon is too much
 _LEAST_DEGREE = 40
 _LOOKS = 256
 _MOST_STEPS = 3_000_000
@@ -65,7 +66,8 @@ def _grid(
     theta = 2.0 ** (-bits / p)
     speeds = _speeds(problem, run.at(run.ends))
     fastest = np.maximum(speeds[:-1], speeds[1:])
-    longest = np.minimum(theta * run.convergence, MOST_TURN / np.maximum(fastest, 1e-300))
+    turn = MOST_TURN * (_LESS if problem.noise < _COARSE else 1.0)
+    longest = np.minimum(theta * run.convergence, turn / np.maximum(fastest, 1e-300))
     ticks = np.maximum(1, np.floor(np.ldexp(np.minimum(longest, 2.0**15), CLOCK))).astype(int)
     ends = run.ends
     reach = begin + math.floor(math.ldexp(float(ends[-1]), CLOCK))

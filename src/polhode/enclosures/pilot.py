@@ -18,7 +18,7 @@ from polhode.numbers.exact import Exact
 BITS_A_DIGIT = math.log2(10)
 _STEPS_A_UNIT = 3.0  # of the proof, in its unit of time
 _SECONDS_A_STEP = 9e-8  # over the square of the noise level, for P of 80 to 230
-_LOST_A_STEP = 2.0  # log2 of what the bounds of one step claim too much
+_LOST_A_STEP = 3.0  # log2 of what the bounds of one step claim too much
 _OF_OUTPUTS = {"attitude": 6.0, "angles": 9.0}  # the same of a turn, and of angles near a pole
 
 

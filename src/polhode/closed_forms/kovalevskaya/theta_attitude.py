@@ -65,20 +65,27 @@ class ThetaAttitude:
                     return product(quaternion(xi, eta), self.turn)
         raise ArithmeticError("the attitude does not pass its certificate")
 
-    def arguments(self, t: Any) -> tuple[Any, Any] | None:
+    def arguments(self, t: Any) -> tuple[Any, Any]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
         if not t:
             return mpf(0), mpf(0)
         if not self.third:
             return self._counted(t)
         try:
-            L1, L2 = self.formula(0).motion.curve.cycles
-        except TooManyNodes:  # branch points that pinch a cycle: next to a separatrix
+            return self._closed(t)
+        except (TooManyNodes, ArithmeticError):  # a pinched cycle: next to a separatrix
             return self._counted(t)
+
+    def _closed(self, t: Any) -> tuple[Any, Any]:
+        """The growth by the turns over both cycles and a short way between."""
+        L1, L2 = self.formula(0).motion.curve.cycles
         time = mpmath.ldexp(t, self.exponent)
         x1, x2 = solved((L1, L2), (mpf(0), time))
         n1, n2 = int(mpmath.nint(x1 / 2)), int(mpmath.nint(x2 / 2))
         rest = -2 * (n1 * L1[0] + n2 * L2[0]), time - 2 * (n1 * L1[1] + n2 * L2[1])
+        around = [(2 * cycle[0], 2 * cycle[1]) for n, cycle in ((n1, L1), (n2, L2)) if n]
+        if self._far((mpf(0), time)) <= sum(map(self._far, [rest, *around])):
+            n1, n2, rest = 0, 0, (mpf(0), time)  # next to a separatrix cycles are long
         grown = list(self._tracked(rest))
         for n, cycle in ((n1, L1), (n2, L2)):
             if n:
@@ -121,6 +128,10 @@ class ThetaAttitude:
 
         return Counted(at, self.rate)
 
+    def _far(self, way: Pair) -> Any:
+        """How much tracking a straight way in u takes."""
+        return abs(way[1]) + self._second * abs(way[0])
+
     def _over(self, which: int, cycle: Pair) -> tuple[float, float]:
         if which not in self._cycles:
             self._cycles[which] = self._tracked((2 * cycle[0], 2 * cycle[1]))
@@ -134,7 +145,7 @@ class ThetaAttitude:
         with mpmath.workprec(self.tracking):
             made = self.coarse()
             wide = mpmath.ldexp(self.rate, -self.exponent)
-            bound = wide * (abs(way[1]) + self._second * abs(way[0])) / 2
+            bound = wide * self._far(way) / 2
             known: dict[Any, tuple[Any, Any]] = {}
 
             def ends(x: Any) -> tuple[Any, Any]:
