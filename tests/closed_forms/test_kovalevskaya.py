@@ -503,11 +503,81 @@ def test_attitude_from_a_pole():
             assert min(abs(turn - bt), abs(turn + bt)) < mpf(10) ** -24
 
 
-def test_attitude_refuses_times_too_far():
-    """Where it is integrated step by step: motions on a degenerate curve that have no period."""
-    omega, gamma, _ = DEGENERATE["isolated node"]
-    with pytest.raises(ValueError, match="step by step"):
-        top_of(omega, gamma).attitude([F(10**9)], 15)
+def attitude_off(name, time, digits):
+    """Of the quaternion, from a Taylor run."""
+    omega, gamma = (DEGENERATE | SPECIAL)[name][:2]
+    top = top_of(omega, gamma)
+    first, found = top.attitude([F(0), time], digits)
+    (row,) = true_rows(omega, gamma, [time], digits + 4, quaternion=first)
+    with mpmath.workdps(digits + 20):
+        return max(abs(x - y) for x, y in zip(found, row[6:10], strict=True))
+
+
+@pytest.mark.parametrize("name", ["rotation", "separatrix z", "separatrix y", "upright"])
+def test_attitude_of_what_is_or_becomes_a_permanent_rotation(name):
+    for time in (F(6), F(-5)):
+        error = attitude_off(name, time, 25)
+        assert error < mpf("1e-25")
+        assert error > mpf("1e-50") or name == "upright"
+    top = top_of(*SPECIAL[name][:2])
+    # Past the edge of 20 digits and before that of 35, and far away.
+    far = [F(45), F(-45), F(10**9), F(-(10**9))]
+    one, other = top.attitude(far, 20), top.attitude(far, 35)
+    assert distance(one, other) < mpf("1e-20")
+    assert distance(one, other) > mpf("1e-45") or name == "upright"
+    after, before = (row[0] for row in top.angles(far[2:], 20))
+    # Of the rotation w.gamma t; about y the third axis passes both poles, with a jump of pi each.
+    with mpmath.workdps(40):
+        grown = {"rotation": 2 * 10**9, "separatrix y": 2 * mpmath.pi}.get(name, 0)
+        assert abs(after - before - grown) < mpf("1e-20")
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("name", DEGENERATE)
+def test_attitude_on_a_degenerate_curve(name):
+    for time in (F(4), F(-3)):
+        error = attitude_off(name, time, 30)
+        assert mpf("1e-60") < error < mpf("1e-30")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["isolated node", "double root of S"])
+def test_a_degenerate_motion_turns_as_counted_by_panels(name):
+    """The first passes poles, where psi and phi jump by pi: counted upwards by both."""
+    top = top_of(*DEGENERATE[name][:2])
+    times = [F(10), F(-15, 2)]
+    panels = top._attitudes.panels(192, (times[1], times[0]))
+    for time, (psi, _, phi) in zip(times, top.angles(times, 20), strict=True):
+        with mpmath.workprec(192):
+            one, other = panels.arguments(number(time))
+            begin = mpmath.atan2(*(number(x) for x in fractions(DEGENERATE[name][1])[:2]))
+            assert abs(psi - number(PSI) - one - other) < mpf("1e-9")
+            assert abs(phi - begin - one + other) < mpf("1e-9")
+
+
+@pytest.mark.slow
+def test_far_attitudes_on_a_degenerate_curve():
+    """At t = 1e4: two precisions, whose neighbours are not the same."""
+    top = top_of(*DEGENERATE["isolated node"][:2])
+    far = [F(10**4), F(-(10**4))]
+    one, other = top.attitude(far, 20), top.attitude(far, 35)
+    assert mpf("1e-50") < distance(one, other) < mpf("1e-20")
+
+
+def test_turns_about_another_axis_than_the_tops_are_counted():
+    omega, gamma = (fractions(row) for row in GENERIC["ee-e+"])
+    moments, torque, omega, gamma = (
+        (row[2], row[0], row[1]) for row in (BODY, TORQUE, omega, gamma)
+    )
+    top = KovalevskayaTop(moments, torque, omega, gamma, PSI)
+    first = top.attitude([F(0)], 30)[0]
+    for time in (F(5), F(-4)):
+        (row,) = orbit_checks.taylor((moments, torque, omega, gamma), [time], 25, first)
+        psi = top.angles([time], 20)[0][0]
+        with mpmath.workdps(30):
+            assert abs(psi - number(PSI) - row[10] - row[11]) < 1e-12
+    with pytest.raises(ValueError, match=r"must be counted.* \|t\| up to"):
+        top.angles([F(10**6)], 20)
 
 
 def test_what_is_no_kovalevskaya_top():

@@ -116,21 +116,41 @@ class Family(NamedTuple):
 
     ``name``: the word of ``reference.kind`` in a scene file.  ``fits``: whether a PrincipalScene
     belongs, by exact arithmetic alone.  ``closed_form``: the class, a Maker.  ``misfit``: the
-    Misfit of a PrincipalScene that does not belong; a family without one is refused by its name.
+    Misfit of a PrincipalScene, None of one that belongs.
     """
 
     name: str
     fits: str
     closed_form: str
-    misfit: str | None = None
+    misfit: str
 
 
 #: In the order in which a scene is tried; the first that fits is its reference.
 FAMILIES = (
-    Family("euler", "euler.conditions:fits", "euler.top:EulerTop"),
-    Family("lagrange", "lagrange.axes:fits", "lagrange.top:LagrangeTop"),
-    Family("kovalevskaya", "kovalevskaya.axes:fits", "kovalevskaya.top:KovalevskayaTop"),
-    Family("pendulum", "pendulum.conditions:fits", "pendulum.top:Pendulum"),
+    Family(
+        "euler",
+        "euler.conditions:fits",
+        "euler.top:EulerTop",
+        "euler.conditions:misfit",
+    ),
+    Family(
+        "lagrange",
+        "lagrange.axes:fits",
+        "lagrange.top:LagrangeTop",
+        "lagrange.conditions:misfit",
+    ),
+    Family(
+        "kovalevskaya",
+        "kovalevskaya.axes:fits",
+        "kovalevskaya.top:KovalevskayaTop",
+        "kovalevskaya.conditions:misfit",
+    ),
+    Family(
+        "pendulum",
+        "pendulum.conditions:fits",
+        "pendulum.top:Pendulum",
+        "pendulum.conditions:misfit",
+    ),
     Family(
         "staude",
         "staude.conditions:fits",
@@ -202,7 +222,7 @@ def closed_forms(scene: Scene, kind: str = "auto") -> Iterator[tuple[str, Closed
 def misfit(scene: Scene, kind: str) -> Misfit | None:
     """Why a scene does not belong to the family of that name, where that family can say it."""
     for family in FAMILIES:
-        if family.name == kind and family.misfit is not None:
+        if family.name == kind:
             found: Misfit | None = _code(family.misfit)(in_principal_axes(scene))
             return found
     return None
@@ -212,10 +232,9 @@ def near(scene: Scene, within: Fraction = _NEAR) -> list[tuple[str, Misfit]]:
     """The families that a scene misses by no more than ``within``, each with its Misfit."""
     found, principal = [], in_principal_axes(scene)
     for family in FAMILIES:
-        if family.misfit is not None:
-            missed: Misfit | None = _code(family.misfit)(principal)
-            if missed is not None and missed.off is not None and missed.off <= within:
-                found.append((family.name, missed))
+        missed: Misfit | None = _code(family.misfit)(principal)
+        if missed is not None and missed.off is not None and missed.off <= within:
+            found.append((family.name, missed))
     return found
 
 

@@ -13,17 +13,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.functions.fourier import OddSines, cosines
-from polhode.closed_forms.functions.jacobi import SeriesFunctions
+from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
 from polhode.closed_forms.goryachev_chaplygin.clocks import Halves
 from polhode.closed_forms.goryachev_chaplygin.variables import v_roots
-from polhode.numbers.private import mpmath
+from polhode.numbers.private import mpf, mpmath
 
 _SAMPLES = 64  # tried first
+_STEPS = 30
+_WIDE, _PLACES = 20.0, 1 << 15  # |y| up to which S~ is bent in doubles, and places of its table
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,34 @@ class Tending:
         L = self.k * (self.vo - v) * (v + 2 * self.w) * (v + self.ve + self.vo)
         tanh = 2 * self.k * self.a * v * sine / (abs(v - self.w) * mpmath.sqrt(dl * L))
         return mpmath.asinh(tanh / sech)
+
+    def phase(self, total: Any) -> Any:
+        """y where S~ with its linear part is ``total``: it grows with y."""
+        found, mean = mpf(self._guess(float(total))), self.means[0]
+        for _ in range(_STEPS):
+            step = (mean * found + self.bounded(found)[0] - total) / self.at(found, MP).slope
+            found -= step
+            if abs(step) < mpmath.ldexp(1, -mpmath.prec // 2 - 8):
+                return found
+        raise ArithmeticError("a phase was not found")
+
+    def _guess(self, total: float) -> float:
+        """The same in doubles, nearly: from a table, outside of which S~ is linear."""
+        import numpy as np
+
+        places, values = self._table
+        slope = 4 / float(self.gw)
+        if not values[0] < total < values[-1]:
+            end = 0 if total <= values[0] else -1
+            return float(places[end] + (total - values[end]) / slope)
+        return float(np.interp(total, values, places))
+
+    @cached_property
+    def _table(self) -> tuple[Any, Any]:
+        import numpy as np
+
+        small, places = self.floats(), np.linspace(-_WIDE, _WIDE, _PLACES)
+        return places, small.means[0] * places + small.bounded(places)[0]
 
     def floats(self) -> Tending:
         """The same in doubles, for arrays."""

@@ -128,20 +128,33 @@ def settling(torus: Torus) -> Any:
 
 
 def _of_tending(path: Separated, sg: int) -> Turning:
-    """Panels while v is on its way, then the series of the motion that it tends to."""
+    """Panels while v is on its way, then the series of the motion that it tends to.
+
+    Panels lie along x, where y is one root of S~(y) = S(x) - const.
+    """
     torus, v = path.torus, path.torus.v
     assert isinstance(v, Tending)
-    panels = _of_panels(path, sg)
     edge, far = settling(torus), 2 * _reach()
     limits = {side: _series_beside(path, v.at(side * far, MP)) for side in (1, -1)}
+    start, mean = torus.phases(mpf(0))[0], torus.u.means[0]
+    ends = {side: torus.phases(side * edge)[0] for side in (1, -1)}
+
+    def rate(s: Any) -> Any:
+        x = start + s
+        y = v.phase(mean * x + torus.u.bounded(x)[0] - torus.constants[0])
+        one = torus.u.at(x, MP)
+        return sg * _flow(path, one, v.at(y, MP)) * one.slope
+
+    along, other = torus.rates
+    panels = Panels(rate, mpf(_PANEL) / 2 / max(1, other / along))
 
     def angle(t: Any) -> Any:
+        x = torus.phases(t)[0]
         if abs(t) <= edge:
-            return panels.at(t)
+            return panels.at(x - start)
         side = 1 if t > 0 else -1
-        series = limits[int(mpmath.sign(torus.phases(side * edge)[1]))]
-        first, last = torus.phases(side * edge)[0], torus.phases(t)[0]
-        return panels.at(side * edge) + sg * (series.at(last / 2) - series.at(first / 2))
+        more = limits[side].at(x / 2) - limits[side].at(ends[side] / 2)
+        return panels.at(ends[side] - start) + sg * more
 
     return angle
 

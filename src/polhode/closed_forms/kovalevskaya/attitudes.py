@@ -167,7 +167,7 @@ class Attitudes:
             self._neighbours[key] = _certified(make, bits)
         return self._neighbours[key]
 
-    def _turns(self, bits: int, t: Any) -> tuple[Any, Any]:
+    def _turns(self, bits: int, t: Any) -> tuple[Any, Any] | None:
         """The growth of both arguments from 0 to t.
 
         A neighbour is nearer than 2^-(bits/4) all the way: it turns as the motion does, unless that

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+from polhode.closed_forms.attitude.normal_form import Condition, Placed, equal, shortfall
+from polhode.closed_forms.families import Misfit
 from polhode.closed_forms.principal_scene import PrincipalScene
-from polhode.numbers.exact import sign
+from polhode.numbers.exact import ZERO, sign, sqrt
 from polhode.scenes.body import Vector, cross, dot, is_zero
 
 
@@ -20,6 +24,19 @@ def fits(scene: PrincipalScene) -> bool:
     n = axis_of(torque, omega, gamma)
     turned = momentum(moments, n)
     return is_zero(cross(n, turned)) and sign(dot(n, gamma)) == 0 and sign(dot(n, torque)) == 0
+
+
+def conditions(scene: Placed) -> Iterator[Condition]:
+    """Those of a swing about axis 3."""
+    yield equal("z0 = 0", scene.torque[2], ZERO, sqrt(dot(scene.torque, scene.torque)))
+    yield equal("gamma3 = 0", scene.gamma[2], ZERO, sqrt(dot(scene.gamma, scene.gamma)))
+    yield equal("p = 0", scene.omega[0], ZERO, scene.speed)
+    yield equal("q = 0", scene.omega[1], ZERO, scene.speed)
+
+
+def misfit(scene: PrincipalScene) -> Misfit | None:
+    """The condition that fails; None where the scene is a pendulum's."""
+    return None if fits(scene) else shortfall(conditions, scene)
 
 
 def axis_of(torque: Vector, omega: Vector, gamma: Vector) -> Vector:

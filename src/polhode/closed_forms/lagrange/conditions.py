@@ -1,0 +1,26 @@
+"""The conditions of a Lagrange top: which of them a body does not meet, and by how much."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from polhode.closed_forms.attitude.normal_form import Condition, Placed, equal, shortfall
+from polhode.closed_forms.families import Misfit
+from polhode.closed_forms.lagrange.axes import fits
+from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.numbers.exact import ZERO, sqrt
+from polhode.scenes.body import dot
+
+
+def conditions(scene: Placed) -> Iterator[Condition]:
+    """Those of the body, its axes in the top's order."""
+    A, B, _ = scene.moments
+    size = sqrt(dot(scene.torque, scene.torque))
+    yield equal("A = B", A, B)
+    yield equal("x0 = 0", scene.torque[0], ZERO, size)
+    yield equal("y0 = 0", scene.torque[1], ZERO, size)
+
+
+def misfit(scene: PrincipalScene) -> Misfit | None:
+    """The condition that fails; None where the body is a Lagrange top."""
+    return None if fits(scene) else shortfall(conditions, scene)
