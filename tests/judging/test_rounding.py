@@ -218,9 +218,12 @@ def test_a_spin_that_stands_still_is_put_back_on_average_alone():
     assert band.least < errors[0] < band.most
 
 
-@pytest.mark.parametrize(("start", "wanted"), [(0.3, 0.0), (-0.4, 0.05), (0.1, 0.1)])
-def test_what_is_rounded_off_comes_back_on_average(start, wanted):
-    along = passage(polhode.load("lagrange/nutation").at((F(1),)))
+@pytest.mark.parametrize(
+    ("spin", "start", "wanted"), [(F(3, 2), 0.3, 0.0), (-5, -0.4, 0.05), (F(1, 7), 0.01, 0.02)]
+)
+def test_what_is_rounded_off_comes_back_on_average(spin, start, wanted):
+    body = Body.of_moments((2, 2, 1), (0, 0, 1), 1)
+    along = passage(Scene(body, (F(1, 5), 0, spin), (F(3, 5), 0, F(4, 5)), times=(F(1),)))
     rests = rounding._Rests(along, np.array([0, 0, start, 0, 0, 0]))
     spin = float(along.plain.start[2])
     gap = 2.0 ** math.floor(math.log2(abs(spin)))

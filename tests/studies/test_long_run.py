@@ -8,11 +8,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from polhode.equations.integrals import drift
+from polhode.equations.integrals import departures, drift
 from polhode.judging.conditioning import conditioning
 from polhode.judging.reference import reference
 from polhode.runs.integrate import integrate
 from polhode.scenes.body import dot
+from polhode.studies.ensembles import random_scene
 from polhode.studies.long_run import far, figure, growth, page
 from polhode.studies.long_run import rows as long_run
 from polhode.studies.only import Only
@@ -78,6 +79,30 @@ def test_a_bias_is_told_from_a_random_walk():
     assert page.bias([leaning]).startswith("A bias is seen in h (euler), +")
     (other,) = walks(-0.02, "lagrange")
     assert "h (lagrange), -" in page.bias([other, fair])
+
+
+def test_mean_and_deviation_are_those_of_a_sample():
+    members = [[1.0, 5.0], [2.0, 5.0], [6.0, 5.0]]
+    assert growth.means(members) == [3.0, 5.0]
+    assert growth.deviations(members) == pytest.approx([7**0.5, 0])
+
+
+def test_departures_have_signs():
+    """A free body that turns faster by a part in 1e10, or slower, or whose vertical is longer."""
+    scene = random_scene("euler", 0, (Fraction(1),))
+    start = np.array([float(x) for x in scene.start])
+    rows = np.array([start, start, start])
+    rows[0, :3] *= 1 + 1e-10
+    rows[1, :3] *= 1 - 1e-10
+    rows[2, 3:] *= 1 + 1e-10
+    found = {name: [float(x) for x in column] for name, column in departures(scene, rows).items()}
+    for name, sizes in (
+        ("h", (2, -2, 0)),
+        ("|G|^2", (2, -2, 0)),
+        ("|gamma|^2", (0, 0, 2)),
+    ):
+        assert np.allclose(np.array(found[name]) / 1e-10, sizes, atol=1e-4), name
+    assert found["f"][0] == pytest.approx(-found["f"][1], rel=1e-4)
 
 
 def test_the_largest_departure_is_the_drift():
