@@ -24,6 +24,8 @@ if _TYPE_CHECKING:
     from polhode.dynamics.frequencies import frequencies as frequencies
     from polhode.dynamics.levels import Levels as Levels
     from polhode.dynamics.levels import levels as levels
+    from polhode.dynamics.reduce_many import Reductions as Reductions
+    from polhode.dynamics.reduce_many import reduce_many as reduce_many
     from polhode.dynamics.sections import Section as Section
     from polhode.dynamics.sections import section as section
     from polhode.enclosures.certify import certify as certify
@@ -83,6 +85,7 @@ _HOMES = {
     "Part": "scenes.shapes",
     "Projection": "taylor.outcomes",
     "Published": "scenes.scene",
+    "Reductions": "dynamics.reduce_many",
     "Reference": "judging.reference",
     "Rolling": "judging.rolling",
     "Scene": "scenes.scene",
@@ -106,6 +109,7 @@ _HOMES = {
     "load_run": "output.archive",
     "lyapunov": "judging.lyapunov",
     "plot": "figures.drawing",
+    "reduce_many": "dynamics.reduce_many",
     "reference": "judging.reference",
     "rolling": "judging.rolling",
     "top": "scenes.from_numbers",
