@@ -30,6 +30,8 @@ if _TYPE_CHECKING:
     from polhode.dynamics.orbit_search import orbit_search as orbit_search
     from polhode.dynamics.orbits import Orbit as Orbit
     from polhode.dynamics.orbits import orbit as orbit
+    from polhode.dynamics.reduce_many import Reductions as Reductions
+    from polhode.dynamics.reduce_many import reduce_many as reduce_many
     from polhode.dynamics.sections import Section as Section
     from polhode.dynamics.sections import section as section
     from polhode.enclosures.certify import certify as certify
@@ -92,6 +94,7 @@ _HOMES = {
     "Part": "scenes.shapes",
     "Projection": "taylor.outcomes",
     "Published": "scenes.scene",
+    "Reductions": "dynamics.reduce_many",
     "Reference": "judging.reference",
     "Rolling": "judging.rolling",
     "Scene": "scenes.scene",
@@ -118,6 +121,7 @@ _HOMES = {
     "orbit_family": "dynamics.orbit_families",
     "orbit_search": "dynamics.orbit_search",
     "plot": "figures.drawing",
+    "reduce_many": "dynamics.reduce_many",
     "reference": "judging.reference",
     "rolling": "judging.rolling",
     "top": "scenes.from_numbers",
@@ -135,7 +139,9 @@ def __getattr__(name: str) -> object:
     if name not in _HOMES:
         raise AttributeError(f"module 'polhode' has no attribute {name!r}")
     home, _, own = _HOMES[name].partition(":")
-    return getattr(import_module(f"polhode.{home}"), own or name)
+    found: object = getattr(import_module(f"polhode.{home}"), own or name)
+    globals()[name] = found  # the next time it is found without this
+    return found
 
 
 def __dir__() -> list[str]:
