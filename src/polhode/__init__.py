@@ -24,12 +24,14 @@ if _TYPE_CHECKING:
     from polhode.dynamics.frequencies import frequencies as frequencies
     from polhode.dynamics.levels import Levels as Levels
     from polhode.dynamics.levels import levels as levels
-    from polhode.dynamics.orbit_families import OrbitFamily as OrbitFamily
     from polhode.dynamics.orbit_families import orbit_family as orbit_family
+    from polhode.dynamics.orbit_families import OrbitFamily as OrbitFamily
     from polhode.dynamics.orbit_search import OrbitSearch as OrbitSearch
     from polhode.dynamics.orbit_search import orbit_search as orbit_search
-    from polhode.dynamics.orbits import Orbit as Orbit
     from polhode.dynamics.orbits import orbit as orbit
+    from polhode.dynamics.orbits import Orbit as Orbit
+    from polhode.dynamics.reduce_many import Reductions as Reductions
+    from polhode.dynamics.reduce_many import reduce_many as reduce_many
     from polhode.dynamics.sections import Section as Section
     from polhode.dynamics.sections import section as section
     from polhode.enclosures.certify import certify as certify
@@ -92,6 +94,7 @@ _HOMES = {
     "Part": "scenes.shapes",
     "Projection": "taylor.outcomes",
     "Published": "scenes.scene",
+    "Reductions": "dynamics.reduce_many",
     "Reference": "judging.reference",
     "Rolling": "judging.rolling",
     "Scene": "scenes.scene",
@@ -118,6 +121,7 @@ _HOMES = {
     "orbit_family": "dynamics.orbit_families",
     "orbit_search": "dynamics.orbit_search",
     "plot": "figures.drawing",
+    "reduce_many": "dynamics.reduce_many",
     "reference": "judging.reference",
     "rolling": "judging.rolling",
     "top": "scenes.from_numbers",

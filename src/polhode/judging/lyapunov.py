@@ -38,6 +38,7 @@ SHORTEST = 100  # below this no verdict rests on growth
 BLOCKS, LOOKS = 32, 8  # blocks over the whole time, looks at the tangent in each
 REGULAR, CHAOTIC = 2.0, 6.0  # growth of ln |tangent| in the second half: below, above
 NEIGHBOURS, APART = 7, 1e-6  # of a chaotic motion: their number, their relative distance
+TANGENT = 0.6, -0.5, 0.4, 0.3, 0.2, -0.3  # along no axis
 _DOUBLES_TRUE = 12 * math.log(10)  # ln of the growth up to which a double follows the motion
 
 
@@ -107,7 +108,7 @@ def lyapunov(
         last = -last
     plain = system(replace(scene, form="principal"), ())
     start = six(plain.start)
-    tangent = np.array([[0.6], [-0.5], [0.4], [0.3], [0.2], [-0.3]])  # along no axis
+    tangent = np.array(TANGENT)[:, None]
     if len(plain.start) == 3:
         tangent[3:] = 0
     still, closed = at_rest(scene).state, reference(scene).is_closed_form
@@ -132,11 +133,11 @@ def lyapunov(
             # as far as it is this motion
             return lyapunov(scene, last * looks / (BLOCKS * LOOKS) * unit, max_steps)
     reached = abs(last) * (len(sizes) - 1) / (BLOCKS * LOOKS)
-    exponent, error, growth = _fitted(sizes, reached)
+    exponent, error, growth = fitted(sizes, reached)
     verdict, reason = _judged(still, closed, growth, exponent, error, reached / slow)
     if verdict == "chaotic":
         moved = (start * (1 + APART * k) for k in range(1, NEIGHBOURS + 1))
-        ends = [_fitted([*followed(x, math.copysign(reached, last))], reached)[0] for x in moved]
+        ends = [fitted([*followed(x, math.copysign(reached, last))], reached)[0] for x in moved]
         error = float(np.std([exponent, *ends], ddof=1))
     found = math.copysign(reached * unit, last)
     return Lyapunov(scene, exponent / unit, error / unit, growth, found, verdict, reason)
@@ -159,7 +160,7 @@ def _judged(
     return "undecided", "follow it for longer"
 
 
-def _fitted(sizes: list[float], length: float) -> tuple[float, float, float]:
+def fitted(sizes: list[float], length: float) -> tuple[float, float, float]:
     """Mean slope of ln |tangent| over the second half, its uncertainty, and the growth there.
 
     The largest size in each block stands for it, for the tangent swings with the motion.

@@ -77,13 +77,17 @@ def planned(
     digits: int | None,
     tol: Any,
     max_steps: int | None,
+    kept: bool = True,
 ) -> Plan:
-    """The plan of a sweep, see :func:`polhode.integrate_many`; raises BadInput."""
+    """The plan of a sweep, see :func:`polhode.integrate_many`; raises BadInput.
+
+    ``kept``: whether the states of all members are held at once.
+    """
     if scene.events:
         expected = "none in a sweep: a step size of its own for each event; run members singly"
         raise BadInput(scene.name, "events", scene.events[0].name, expected)
     varied = vary.grid(given, scene.name)
-    numbers = len(varied.rows) * len(scene.times) * len(scene.columns)
+    numbers = (len(varied.rows) if kept else 1) * len(scene.times) * len(scene.columns)
     if numbers > MAX_NUMBERS:
         what = f"{len(varied.rows)} members at {len(scene.times)} times"
         expected = f"at most {MAX_NUMBERS} numbers of states; fewer samples, or split the sweep"

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from polhode.common.interrupts import delayed
 from polhode.equations.readout import Readout
 from polhode.numbers.convert import number_value
+from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Rows
 from polhode.runs.parts import Part, Parts
 from polhode.runs.sweep_plan import Plan
+from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import Outcome, code
 
 if TYPE_CHECKING:
@@ -34,7 +36,7 @@ class Results:
         self.plan, self.parts = plan, parts
         count = len(plan.members)
         self._not_run = code(Outcome.NOT_RUN)
-        self.states = _empty(plan, count)
+        self.states = _empty(plan.number, (count, len(plan.times), len(plan.members.scene.columns)))
         self.outcomes = np.full(count, self._not_run, dtype=np.uint8)
         self.steps = np.zeros(count, dtype=np.int64)
         self.reached = np.full(count, Fraction(0), dtype=object)
@@ -59,7 +61,7 @@ class Results:
         if not len(members):
             return 0
         with delayed():  # a moment: no finished member is lost over it
-            states = _states(self.plan, members, solved.states[done])
+            states = reader(self.plan, members).states(solved.states[done])
             errors = {}
             for k, told in zip(group.tolist(), solved.errors or (), strict=False):
                 if told is not None:
@@ -99,49 +101,74 @@ class Results:
             self._new = []
 
 
-def _empty(plan: Plan, count: int) -> Rows:
-    """States of so many members, none of them a number."""
+@dataclass(frozen=True, eq=False)
+class Reader:
+    """Reads rows of some members in scene axes and units: plain data, to be sent anywhere.
+
+    ``bodies``: members that have a body and a unit of time in common, with a scene of them; none
+    where axes need no turn, and ``units`` (exponents of the units of time) are all there is to it.
+    """
+
+    number: NumberType
+    columns: int
+    units: npt.NDArray[np.int64]
+    bodies: tuple[tuple[npt.NDArray[np.int64], Scene], ...]
+
+    def states(self, rows: Rows) -> Rows:
+        """States, not a number where a member did not come.
+
+        ``rows``: (members, times, columns) in principal axes and the run's units.
+        """
+        import numpy as np
+
+        if self.number.flat and not self.bodies:
+            states = rows.copy()
+            states[:, :, :3] = np.ldexp(states[:, :, :3], -self.units[:, None, None])
+            return states
+        states = _empty(self.number, (*rows.shape[:2], self.columns))
+        first = rows[:, :, 0]
+        if self.number.flat:
+            there = ~np.isnan(first)
+        else:
+            there = np.array([[x is not None for x in row] for row in first])
+        for alike, member in self.bodies:  # one readout reads all of them
+            at = np.zeros_like(there)
+            at[alike] = there[alike]
+            if not at.any():
+                continue
+            found = list(rows[at])
+            if not self.number.flat:
+                found = [[number_value(x, self.number) for x in row] for row in found]
+            read = Readout(member, self.number).states(found)
+            for k, row in zip(np.argwhere(at), read, strict=True):
+                states[tuple(k)] = row
+        return states
+
+
+def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
+    """What reads the rows of some members of a sweep."""
     import numpy as np
 
-    shape = (count, len(plan.times), len(plan.members.scene.columns))
-    if plan.number.name == "double":
+    units, columns = plan.time_units[members], len(plan.members.scene.columns)
+    if plan.number.flat and plan.axes_stay and plan.members.scene.body.axes.trivial:
+        return Reader(plan.number, columns, units, ())
+    bodies = np.stack([*plan.bodies(members), units], axis=1)
+    _, first, alike = np.unique(bodies, axis=0, return_index=True, return_inverse=True)
+    sets = tuple(
+        (np.flatnonzero(alike == n), replace(plan.members[int(members[k])], form="principal"))
+        for n, k in enumerate(first)
+    )
+    return Reader(plan.number, columns, units, sets)
+
+
+def _empty(number: NumberType, shape: tuple[int, ...]) -> Rows:
+    """States of this shape, none of them a number."""
+    import numpy as np
+
+    if number.name == "double":
         return np.full(shape, np.nan)
-    if plan.number.name == "extended":
+    if number.name == "extended":
         return np.full(shape, np.nan, dtype=np.longdouble)
     from polhode.numbers.private import mpmath, ordinary
 
     return np.full(shape, ordinary(mpmath.nan), dtype=object)
-
-
-def _states(plan: Plan, members: npt.NDArray[np.int64], rows: Rows) -> Rows:
-    """States in scene axes and units, not a number where a member did not come.
-
-    ``rows``: (members, times, columns) in principal axes and the run's units.
-    """
-    import numpy as np
-
-    if plan.number.flat and plan.axes_stay and plan.members.scene.body.axes.trivial:
-        states = rows.copy()
-        states[:, :, :3] = np.ldexp(states[:, :, :3], -plan.time_units[members, None, None])
-        return states
-    states = _empty(plan, len(members))
-    first = rows[:, :, 0]
-    if plan.number.flat:
-        there = ~np.isnan(first)
-    else:
-        there = np.array([[x is not None for x in row] for row in first])
-    # one readout reads all members that have a body and a unit of time in common
-    bodies = np.stack([*plan.bodies(members), plan.time_units[members]], axis=1)
-    _, alike = np.unique(bodies, axis=0, return_inverse=True)
-    for n in range(alike.max() + 1):
-        at = there & (alike == n)[:, None]
-        if not at.any():
-            continue
-        member = replace(plan.members[int(members[alike == n][0])], form="principal")
-        found = list(rows[at])
-        if not plan.number.flat:
-            found = [[number_value(x, plan.number) for x in row] for row in found]
-        read = Readout(member, plan.number).states(found)
-        for k, row in zip(np.argwhere(at), read, strict=True):
-            states[tuple(k)] = row
-    return states
