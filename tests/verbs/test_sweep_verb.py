@@ -182,3 +182,62 @@ def test_ctrl_c_writes_what_is_finished(scene, tmp_path):
     assert set(outcomes) == {"reached end", "not run"}
     assert all(re.fullmatch(TOLD, line) for line in out.splitlines())
     assert waited < 30
+
+
+# -- numbers kept instead of states ---------------------------------------------------------------
+
+KEEP = ["--vary", "body.weight=0:1:2", "--keep", "largest theta", "--keep", "first nutation"]
+
+
+def test_numbers_of_each_member(scene, capsys, tmp_path):
+    """The same numbers as a table, JSON, CSV and NPZ, and as Python has them."""
+    found = polhode.reduce_many(scene, {"body.weight": [0, 1]}, ["largest theta", "first nutation"])
+    code, out, err = run(capsys, scene, *KEEP)
+    header, *lines = out.splitlines()
+    assert code == 0
+    assert header.split()[:4] == ["member", "body.weight", "outcome", "steps"]
+    assert len(lines) == 2
+    assert err == "heavy.toml: 2 members, double (53 bits), not projected; 2 reached end\n"
+    answer = json.loads(run(capsys, scene, *KEEP, "--json")[1])
+    assert answer["keep"] == ["largest theta", "first nutation"]
+    assert set(answer["members"][0]) == {"values", "outcome", "steps", "numbers"}
+    for k, member in enumerate(answer["members"]):
+        assert list(member["numbers"]) == list(found.names)
+        assert [float(x) for x in member["numbers"].values()] == [found[n][k] for n in found.names]
+    assert run(capsys, scene, *KEEP, "-o", "x.csv")[:2] == (0, "")
+    rows = [line.split(",") for line in (tmp_path / "x.csv").read_text().splitlines()]
+    assert rows[0] == ["member", "body.weight", "outcome", "steps", *found.names]
+    assert [float(x) for x in rows[2][4:]] == [found[n][1] for n in found.names]
+    assert json.loads((tmp_path / "x.json").read_text())["keep"] == answer["keep"]
+    assert run(capsys, scene, *KEEP, "-o", "x.npz")[:2] == (0, "")
+    with np.load(tmp_path / "x.npz", allow_pickle=False) as held:
+        assert held["names"].tolist() == list(found.names)
+        assert np.array_equal(held["largest theta"], found["largest theta"])
+        assert held["values"].tolist() == [[0], [1]]
+        assert held["outcomes"].tolist() == ["reached end"] * 2
+    assert {p.name for p in tmp_path.iterdir()} == {"heavy.toml", "x.csv", "x.json", "x.npz"}
+
+
+def test_a_number_that_is_not_there_is_null(scene, capsys):
+    varied = ["--vary", "body.weight=1,1e6", "--max-steps", "300", "--keep", "final"]
+    code, out, err = run(capsys, scene, *varied, "--json")
+    first, last = json.loads(out)["members"]
+    assert code == 3
+    assert first["numbers"]["final p"] is not None
+    assert set(last["numbers"].values()) == {None}
+    assert "member 2 (body.weight = 1000000): the end needs more steps than the limit" in err
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        (["--keep", "final", "--digits", "20"], "--digits = 20: expected --number, beside --keep"),
+        (["--keep", "largest"], "final, largest X, smallest X, first EVENT or lyapunov"),
+        (["--keep", "final", "--number", "quad"], "double or extended, where numbers are kept"),
+    ],
+)
+def test_what_cannot_be_kept(scene, capsys, more, message):
+    code, out, err = run(capsys, scene, "--vary", "body.weight=0:1:2", *more)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert message in err

@@ -46,7 +46,8 @@ class Reductions(ByValue):
     ((3,), ('largest theta', 't of largest theta', 'final p'))
 
     ``numbers``: arrays (members,) by name, float64 or longdouble; nan of members that did not
-    reach the end, and of a first event that does not come.  ``endings``: indices into
+    reach the end, and of a first event that does not come.  ``parts``: the folder of finished jobs,
+    to be removed.  ``endings``: indices into
     ``polhode.taylor.outcomes.OUTCOMES``; ``counts``: steps.
     """
 
@@ -59,7 +60,7 @@ class Reductions(ByValue):
     endings: npt.NDArray[np.uint8]
     counts: npt.NDArray[np.int64]
     provenance: Mapping[str, Any] = field(default_factory=dict, compare=False)
-    kept: Kept | None = field(default=None, compare=False)
+    parts: Kept | None = field(default=None, compare=False)
 
     def __len__(self) -> int:
         return len(self.members)
@@ -116,7 +117,8 @@ def reduce_many(
 
     ``keep``: "final" (the last state), "largest X" and "smallest X" (an expression in p q r gamma1
     gamma2 gamma3 t theta: its extreme over the output times, and where it is first reached), "first
-    NAME" (time after 0 and state of the scene's event NAME, which needs no output times),
+    NAME" (time after 0 and state of an event: the scene's, or nutation, equator; output times do
+    not matter),
     "lyapunov" (the largest exponent to the last time, its uncertainty and growth, as
     :func:`polhode.lyapunov` has them).  The first three are the same to the bit as from the states
     of :func:`polhode.integrate_many`.  ``number``: double or extended; events and exponents

@@ -20,7 +20,7 @@ from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.numbers.scalars import Rows
 from polhode.scenes.scene import Event, Scene
-from polhode.scenes.words import STATE
+from polhode.scenes.words import READY_MADE, STATE
 from polhode.taylor.event_steps import is_entire
 
 FINAL, LARGEST, SMALLEST, FIRST, LYAPUNOV = "final", "largest", "smallest", "first", "lyapunov"
@@ -54,22 +54,21 @@ def asked(scene: Scene, keep: Any) -> tuple[Reduction, ...]:
     if isinstance(keep, str):
         keep = (keep,)
 
-    def read(text: Any) -> Reduction:
+    texts = each(scene.name, "keep", keep, lambda text: text, _EXPECTED)
+    for text in texts:
         of_kind(scene.name, "keep", text, str, _EXPECTED)
-        return _read(scene, text)
-
-    found = tuple(dict.fromkeys(each(scene.name, "keep", keep, read, _EXPECTED)))
+    found = tuple(dict.fromkeys(_read(scene, text) for text in texts))
     if not found:
         raise BadInput(scene.name, "keep", None, _EXPECTED)
     return found
 
 
 def event_of(scene: Scene, name: str) -> Event:
-    """A scene's event by its name; raises BadInput."""
-    events = {event.name: event for event in scene.events}
+    """An event by its name: the scene's, or one known by name; raises BadInput."""
+    events = {known: Event(known) for known in READY_MADE}
+    events |= {event.name: event for event in scene.events}
     if name not in events:
-        known = nearest(name, [*events]) if events else "none, for the scene has no events"
-        raise BadInput(scene.name, f"keep: {FIRST}", name, f"an event of the scene: {known}")
+        raise BadInput(scene.name, f"keep: {FIRST}", name, f"an event: {nearest(name, [*events])}")
     event = events[name]
     if event.expression is None or not is_entire(scene, event):
         expected = "an event with an expression, without roots and division by what varies"

@@ -19,6 +19,7 @@ from polhode.taylor.outcomes import OUTCOMES
 
 if TYPE_CHECKING:
     from polhode.runs.sweep import Ensemble
+    from polhode.scenes.vary import Grid
 
 
 def of_ensemble(found: Ensemble, states: bool = True) -> dict[str, Any]:
@@ -33,14 +34,14 @@ def of_ensemble(found: Ensemble, states: bool = True) -> dict[str, Any]:
 
 
 def _members(found: Ensemble, states: bool) -> Iterator[dict[str, Any]]:
-    each = zip(_values(found), found.outcomes, found.arrived, found.steps, strict=True)
+    each = zip(values(found.varied), found.outcomes, found.arrived, found.steps, strict=True)
     reached: dict[Fraction, str] = {}
-    for k, (values, outcome, t, steps) in enumerate(each):
+    for k, (varied, outcome, t, steps) in enumerate(each):
         if t not in reached:
             reached[t] = decimal_in_full(t)
         drift = (None if x != x else x for x in found.drift[k].tolist())
         member: dict[str, Any] = {
-            "values": values,
+            "values": varied,
             "outcome": outcome.value,
             "reached": reached[t],
             "steps": steps,
@@ -108,8 +109,8 @@ def arrays(found: Ensemble) -> dict[str, Any]:
         "times": np.array(times),
         "states": states,
         "varied": np.array(found.varied.keys),
-        "values": _spread(found, lambda x: float(x)),
-        "values_exact": _spread(found, _value),
+        "values": spread(found.varied, lambda x: float(x)),
+        "values_exact": spread(found.varied, value_text),
         "outcomes": np.array([outcome.value for outcome in OUTCOMES])[found.endings],
         "reached": _texts(found.arrived),
         "steps": found.counts,
@@ -122,13 +123,13 @@ def table(found: Ensemble) -> tuple[list[str], list[list[str]]]:
     """Header and a line for each member: what is varied, how it ended, its last state."""
     header = ["member", *found.varied.keys, "outcome", "steps", "t", *found.columns]
     lines = []
-    for k, values in enumerate(_values(found)):
+    for k, varied in enumerate(values(found.varied)):
         states = found.rows(k)
         last = strings(states[-1:], found.number)
         t = [shortest(found.times[len(states) - 1], found.number)] if len(states) else [""]
         state = last[0] if last else [""] * len(found.columns)
         outcome = found.outcome(k).value
-        lines.append([str(k + 1), *values, outcome, str(found.counts[k]), *t, *state])
+        lines.append([str(k + 1), *varied, outcome, str(found.counts[k]), *t, *state])
     return header, lines
 
 
@@ -148,20 +149,20 @@ def _common(found: Ensemble) -> dict[str, Any]:
     }
 
 
-def _values(found: Ensemble) -> Iterator[list[str]]:
+def values(varied: Grid) -> Iterator[list[str]]:
     """Of each member what is varied, as text."""
-    rows = found.varied.rows
+    rows = varied.rows
     if not rows.product:
-        yield from ([_value(x) for x in row] for row in rows)
+        yield from ([value_text(x) for x in row] for row in rows)
         return
-    yield from map(list, itertools.product(*([_value(x) for x in c] for c in rows.columns)))
+    yield from map(list, itertools.product(*([value_text(x) for x in c] for c in rows.columns)))
 
 
-def _spread(found: Ensemble, read: Callable[[Exact], Any]) -> Any:
+def spread(varied: Grid, read: Callable[[Exact], Any]) -> Any:
     """What is varied as an array (members, keys), each different value read once."""
     import numpy as np
 
-    rows, member = found.varied.rows, np.arange(len(found))
+    rows, member = varied.rows, np.arange(len(varied.rows))
     return np.stack(
         [
             np.array([read(x) for x in column])[member // repeat % len(column)]
@@ -180,7 +181,7 @@ def _texts(times: Any) -> Any:
     return np.array([texts[id(t)] for t in times.tolist()])
 
 
-def _value(x: Exact) -> str:
+def value_text(x: Exact) -> str:
     """A varied value: every digit of a decimal, else a fraction; an irrational to 17 digits."""
     return decimals.in_full(x) if isinstance(x, Fraction) else shown(x)
 
@@ -188,6 +189,6 @@ def _value(x: Exact) -> str:
 def _rows(found: Ensemble, short: bool) -> Iterable[list[str]]:
     yield ["member", *found.varied.keys, "t", *found.columns]
     times = [shortest(t, found.number) if short else decimal_in_full(t) for t in found.times]
-    for k, values in enumerate(_values(found)):
+    for k, varied in enumerate(values(found.varied)):
         for t, state in zip(times, strings(found.rows(k), found.number), strict=False):
-            yield [str(k + 1), *values, t, *state]
+            yield [str(k + 1), *varied, t, *state]

@@ -141,16 +141,14 @@ class _Lanes:
         self.motion[lane], self.done[lane] = k, 0
         self.state[:, lane] = job.starts[k]
         unit = 2.0**job.time_unit
-        pars[:, lane] = 0.0
-        pars[:3, lane] = 1 / unit, unit, 0.0
-        pars[3 : 3 + len(job.names), lane] = job.coefficients[k]
-        if job.turns is not None:
-            pars[3 + len(job.names) :, lane] = job.turns[k]
+        turn = [] if job.turns is None else job.turns[k]
+        numbers = [1 / unit, unit, 0.0, *job.coefficients[k], *turn]
+        pars[:, lane] = numbers[: len(pars)]  # no more of them than the equations need
 
     def stretch(self) -> None:
         """Go on by one stretch of time, and begin other motions where some are over."""
         job, ta, met = self.job, self.ta, self.met
-        ta.pars[2] = self.done * self.length
+        ta.pars[2:3] = self.origin = self.done * self.length
         before = self._values(0.0)
         near = np.abs(before) < _AT_START * job.size
         met.clear()
@@ -179,7 +177,7 @@ class _Lanes:
         found.steps[k] += int(result[3])
         ended = ending(result[0])
         if ended is Outcome.REACHED_END and np.isfinite(met.times[lane]) and fits:
-            found.times[k] = self.ta.pars[2, lane] + met.times[lane]
+            found.times[k] = self.origin[lane] + met.times[lane]
             found.states[k] = met.states[:, lane]
         else:
             self.done[lane] += 1
@@ -228,7 +226,6 @@ def _compiled(
     named = dict(zip(columns, (x for vector in vectors for x in vector), strict=True))
     crossing = expression.evaluate(zero, {**named, "t": unit * TIME}, Algebra(_constant, _WORDS))
     field = principal.field(variables, k, heyoka_numbers.EXPRESSIONS)
-    count = 3 + len(names) + (len(_TURN) if turned else 0)
     lanes = width(DOUBLE)
     event = hy.nt_event_batch(
         hy.subs(crossing / hy.expression(size), {TIME: hy.time + since}),
@@ -237,7 +234,6 @@ def _compiled(
     ta = hy.taylor_adaptive_batch(
         list(zip(variables, field, strict=True)),
         np.zeros((len(columns), lanes)),
-        pars=np.zeros((count, lanes)),
         nt_events=[event],
     )
     value = hy.cfunc([hy.subs(crossing, {TIME: TIME + since})], vars=[*variables, TIME])

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+from polhode.common.errors import BadInput
 from polhode.scenes import library
+from polhode.scenes.scene import Scene
+from polhode.taylor.outcomes import code
 from polhode.verbs.terminal import (
     DONE,
     NOT_REACHED,
@@ -19,6 +24,10 @@ from polhode.verbs.terminal import (
     refuse_two_on_stdout,
     whole,
 )
+
+if TYPE_CHECKING:
+    from polhode.dynamics.reduce_many import Reductions
+    from polhode.runs.sweep import Ensemble
 
 HELP = "many tops at once: numbers of a scene varied; bare steps, not projected"
 
@@ -46,6 +55,14 @@ def options(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--max-steps", type=positive, metavar="N", help="limit on a member's steps")
     parser.add_argument("--workers", type=positive, metavar="N", help="threads (all cores)")
+    parser.add_argument(
+        "--keep",
+        metavar="WHAT",
+        action="append",
+        help="numbers of each member instead of its states: final, 'largest X', 'smallest X' (X an "
+        "expression in the columns, t, theta, over the output times), 'first EVENT', lyapunov; "
+        "several",
+    )
     output = "write FILE.npz or FILE.csv; a killed sweep, given again, goes on from FILE.npz.parts"
     parser.add_argument("-o", dest="file", metavar="FILE", help=output)
 
@@ -53,8 +70,7 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Integrate many variants of a scene."""
     from polhode.output import sweeps
-    from polhode.runs import kept_folder
-    from polhode.runs.sweep import integrate_many
+    from polhode.runs.sweep import Ensemble
     from polhode.scenes import vary
 
     scene = library.load(options.scene)
@@ -66,28 +82,24 @@ def main(options: Namespace) -> int:
         sweeps.check_path(path, [library.path_of(options.scene)])
         refuse_two_on_stdout(path, options.json)
     with Progress("sweep") as progress:
-        found = integrate_many(
-            scene,
-            varied,
-            number=options.number,
-            digits=options.digits,
-            tol=options.tol,
-            max_steps=options.max_steps,
-            method=options.method,
-            workers=options.workers,
-            parts=None if path is None else kept_folder.beside(path),
-            progress=lambda fraction, done: progress.show(fraction, done, "members"),
-        )
+
+        def tell(fraction: float, done: int) -> None:
+            progress.show(fraction, done, "members")
+
+        found = _found(options, scene, varied, path, tell)
     if path is not None:
-        sweeps.write(path, found)
+        _write(path, found)
         if found.parts is not None and not found.interrupted:
             found.parts.remove()
-    if options.json:
-        print_json(sweeps.of_ensemble(found))
-    elif path is None:
-        print_table(*sweeps.table(found))
-    if not options.json:
+    if isinstance(found, Ensemble):
         left_out = f"; {', '.join(scene.outputs)} left out" if scene.outputs else ""
+    else:
+        left_out = ""
+    if options.json:
+        print_json(_answer(found))
+    elif path is None:
+        print_table(*_table(found))
+    if not options.json:
         unchecked = ""
         if options.digits is not None:
             unchecked = f"; a type for {options.digits} digits, no member checked"
@@ -99,8 +111,63 @@ def main(options: Namespace) -> int:
     for outcome in found.tally():
         if not outcome.done:
             advice = f"; {outcome.advice}" if outcome.advice else ""
-            first = found.outcomes.index(outcome)
+            first = found.endings.tolist().index(code(outcome))
             note(f"polhode: {found.members[first].name}: {outcome.cause}{advice}")
     if found.interrupted:
         return goes_on(found.parts)
     return DONE if found.done else NOT_REACHED
+
+
+def _found(
+    options: Namespace,
+    scene: Scene,
+    varied: dict[str, Any],
+    path: Path | None,
+    tell: Callable[[float, int], None],
+) -> Ensemble | Reductions:
+    """The members' states, or what is kept of each."""
+    from polhode.dynamics.reduce_many import reduce_many
+    from polhode.runs import kept_folder
+    from polhode.runs.sweep import integrate_many
+
+    parts = None if path is None else kept_folder.beside(path)
+    shared: dict[str, Any] = {
+        "number": options.number,
+        "tol": options.tol,
+        "max_steps": options.max_steps,
+        "workers": options.workers,
+        "parts": parts,
+        "progress": tell,
+    }
+    if options.keep is None:
+        method, digits = options.method, options.digits
+        return integrate_many(scene, varied, digits=digits, method=method, **shared)
+    if options.digits is not None:
+        raise BadInput(scene.name, "--digits", options.digits, "--number, beside --keep")
+    return reduce_many(scene, varied, options.keep, **shared)
+
+
+def _write(path: Path, found: Ensemble | Reductions) -> None:
+    from polhode.output import reductions, sweeps
+    from polhode.runs.sweep import Ensemble
+
+    if isinstance(found, Ensemble):
+        sweeps.write(path, found)
+    else:
+        reductions.write(path, found)
+
+
+def _answer(found: Ensemble | Reductions) -> dict[str, Any]:
+    from polhode.output import reductions, sweeps
+    from polhode.runs.sweep import Ensemble
+
+    if isinstance(found, Ensemble):
+        return sweeps.of_ensemble(found)
+    return reductions.of_reductions(found)
+
+
+def _table(found: Ensemble | Reductions) -> tuple[list[str], list[list[str]]]:
+    from polhode.output import reductions, sweeps
+    from polhode.runs.sweep import Ensemble
+
+    return sweeps.table(found) if isinstance(found, Ensemble) else reductions.table(found)

@@ -1,0 +1,238 @@
+"""Sweeps reduced to numbers: the same as from states and runs that are kept, held by nobody."""
+
+from __future__ import annotations
+
+import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.dynamics import reduce_many as module
+from polhode.scenes import scene_file
+from polhode.taylor import first_crossings
+from polhode.taylor.outcomes import Outcome
+from shared.motions import heavy
+
+VARIED = {"start.omega[3]": "0.5:4:5", "body.weight": ["1/2", 1, 3]}
+EVENTS = (
+    polhode.Event("half", "gamma3 - 1/2", "falling"),
+    polhode.Event("rises", "p*gamma2 - q*gamma1", "rising"),
+    polhode.Event("late", "t*gamma1 - 2"),
+    polhode.Event("never", "gamma3 - 7"),
+)
+TURNED = (
+    "schema = 1\n[body]\ninertia = [[3, 0.5, 0.1], [0.5, 2.5, 0], [0.1, 0, 4]]\n"
+    "centre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\nomega = [0.3, 0.4, 1.1]\n"
+    'gamma = ["2/7", "3/7", "6/7"]\n[run]\nend = {end}\nsamples = 9\n'
+)
+EPS = 2.0**-52
+
+
+def theta(states):
+    return np.arctan2(np.hypot(states[..., 3], states[..., 4]), states[..., 5])
+
+
+@pytest.mark.parametrize("number", ["double", "extended"])
+@pytest.mark.parametrize("turned", [False, True])
+def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned):
+    scene = scene_file.parse(TURNED.format(end=9)) if turned else heavy("9")
+    varied = {"start.omega[1]": [1, 100], "body.inertia[1][2]": ["0.5", 0]} if turned else VARIED
+    keep = ["final", "largest theta", "smallest p*gamma1 - q/3", "largest sin(t)*r"]
+    found = polhode.reduce_many(scene, varied, keep, number=number)
+    many = polhode.integrate_many(scene, varied, number=number)
+    states, times = many.states, np.array([float(t) for t in many.times], many.states.dtype)
+    assert found.done
+    assert np.array_equal(np.array([found[f"final {x}"] for x in many.columns]).T, states[:, -1])
+    p, q, r, g = (states[:, :, i] for i in range(4))
+    for name, values in (
+        ("largest theta", theta(states)),
+        ("smallest p*gamma1 - q/3", -(p * g - q / 3)),
+        ("largest sin(t)*r", np.sin(times) * r),
+    ):
+        best, at = values.max(axis=1), values.argmax(axis=1)
+        assert np.array_equal(np.abs(found[name]), np.abs(best))
+        assert np.array_equal(found[f"t of {name}"], times[at])
+        assert found[name].dtype == states.dtype
+
+
+@pytest.mark.parametrize("end", ["11", "-11"])
+@pytest.mark.parametrize("turned", [False, True])
+def test_first_events_are_the_first_of_each_run(end, turned, monkeypatch):
+    """Times and states to a few eps (times of a double end at eps t; errors grow with t)."""
+    monkeypatch.setattr(first_crossings, "STRETCH", 3.0)  # more than one stretch
+    scene = scene_file.parse(TURNED.format(end=end)) if turned else heavy(end)
+    varied = {"start.omega[1]": [1, 20], "body.inertia[1][2]": ["0.5", 0]} if turned else VARIED
+    scene = replace(scene, events=EVENTS)
+    keep = [f"first {event.name}" for event in EVENTS]
+    found = polhode.reduce_many(scene, varied, keep)
+    many = polhode.integrate_many(replace(scene, events=()), varied)
+    seen = set()
+    for k in (0, 3) if turned else (0, 5, 14):
+        member = many.members[k]
+        run = polhode.integrate(replace(member, times=scene.times, events=EVENTS), project=False)
+        fast = max(float(abs(x)) for x in member.omega)
+        for event, name in zip(run.events, keep, strict=True):
+            t = found[f"t of {name}"][k]
+            assert bool(event.times) is not bool(np.isnan(t))
+            if event.times:
+                seen.add(name)
+                assert abs(float(event.times[0]) - t) < 16 * EPS * (1 + abs(t))
+                state = np.array([found[f"{x} at {name}"][k] for x in run.columns])
+                error = np.abs(state - event.states[0]).max()
+                assert error < 400 * EPS * fast * (1 + fast * abs(t))
+    assert seen == set(keep[:3])
+
+
+def test_a_zero_at_the_start_is_no_event():
+    scene = replace(heavy("9"), events=(polhode.Event("back", "gamma1 - 2/7"),))
+    found = polhode.reduce_many(scene, VARIED, "first back")
+    assert (found["t of first back"] > 0.1).sum() == 14
+    assert np.isnan(found["t of first back"]).sum() == 1
+    member = replace(found.members[14], times=scene.times, events=scene.events)
+    (event,) = polhode.integrate(member, project=False).events
+    assert abs(float(event.times[0]) - found["t of first back"][14]) < 16 * EPS * 9
+
+
+@pytest.mark.parametrize("lost", [1, 2])
+def test_a_crossing_that_lanes_lose_is_found_by_a_run_of_its_own(lost, monkeypatch):
+    """heyoka's first and second crossing of each lane dropped: the signs at the ends tell."""
+    scene = replace(heavy("6"), events=(polhode.Event("level", "gamma3 - 1/2"),))
+    true = polhode.reduce_many(scene, VARIED, "first level")["t of first level"]
+    monkeypatch.setattr(first_crossings, "STRETCH", 0.5)  # so short that one crossing is in it
+    whole, seen = first_crossings._Met.__call__, {}
+
+    def dropping(self, ta, time, sign, lane):
+        key = id(self), lane
+        seen[key] = seen.get(key, 0) + 1
+        if seen[key] != lost:
+            whole(self, ta, time, sign, lane)
+
+    monkeypatch.setattr(first_crossings._Met, "__call__", dropping)
+    first_crossings._compiled.cache_clear()
+    first_crossings._mine.__dict__.clear()
+    singles = []
+    alone = module.solve.__globals__["integrate"]
+    monkeypatch.setitem(
+        module.solve.__globals__,
+        "integrate",
+        lambda *a, **k: singles.append(1) or alone(*a, **k),
+    )
+    found = polhode.reduce_many(scene, VARIED, "first level", workers=1)["t of first level"]
+    first_crossings._compiled.cache_clear()
+    assert seen
+    assert singles
+    assert np.allclose(found, true, rtol=0, atol=100 * EPS, equal_nan=True)
+
+
+def test_exponents_are_those_of_lyapunov():
+    """Regular motions: two tangents alike part by rounding, which grows as they do."""
+    scene = heavy("200")
+    found = polhode.reduce_many(scene, {"start.omega[3]": [3, 5, 80]}, "lyapunov")
+    assert found.members[0].time_unit != found.members[2].time_unit
+    for k in range(3):
+        one = polhode.lyapunov(found.members[k], 200)
+        assert abs(found["lyapunov"][k] - one.exponent) < 1e-9 * one.uncertainty
+        assert found["lyapunov uncertainty"][k] == pytest.approx(one.uncertainty, rel=1e-8)
+        assert found["lyapunov growth"][k] == pytest.approx(one.growth, abs=1e-8)
+
+
+@pytest.mark.slow
+def test_the_exponents_of_chaotic_motions():
+    scene = polhode.load("general/asymmetric-chaotic").at([3000])
+    found = polhode.reduce_many(scene, {"start.omega[1]": "0.1:0.4:8"}, "lyapunov")
+    one = polhode.lyapunov(scene, 3000)
+    assert one.verdict == "chaotic"
+    assert abs(np.median(found["lyapunov"]) - one.exponent) < 4 * one.uncertainty
+    assert (found["lyapunov growth"] > 6).all()
+
+
+def test_a_member_that_fails_has_no_numbers_and_harms_no_neighbour():
+    scene = replace(heavy("9"), events=EVENTS)
+    keep = ["final", "first half", "lyapunov"]
+    varied = {"body.weight": [1, 10**6]}
+    found = polhode.reduce_many(scene, varied, keep, max_steps=300)
+    alone = polhode.reduce_many(scene, {"body.weight": [1]}, keep)
+    assert found.tally() == {Outcome.REACHED_END: 1, Outcome.STEP_LIMIT: 1}
+    assert not found.done
+    for name in found.names:
+        assert np.isnan(found[name][1])
+        assert found[name][0] == alone[name][0] or np.isnan(alone[name][0])
+
+
+def test_no_more_states_are_held_than_a_job_has(monkeypatch):
+    monkeypatch.setattr(module, "MOST_AT_ONCE", 1 << 16)
+    scene = heavy("2").at([k / 1000 for k in range(2001)])
+    varied = {"start.omega[3]": "1:3:96"}
+    polhode.reduce_many(scene, {"start.omega[3]": "1:3:8"}, "largest theta", workers=1)
+    tracemalloc.start()
+    found = polhode.reduce_many(scene, varied, "largest theta", workers=1)
+    held = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert found.done
+    assert held < 96 * 2001 * 48 / 3  # bytes of all states: 9 MB
+
+
+def test_what_was_interrupted_goes_on_to_the_same_bits(tmp_path):
+    scene = heavy("9")
+    varied = {"start.omega[3]": "1:3:800"}
+    keep = ["final", "first nutation"]
+    whole = polhode.reduce_many(scene, varied, keep)
+
+    told = []
+
+    def disturb(fraction, _):
+        told.append(fraction)
+        if len(told) == 3:
+            raise KeyboardInterrupt
+
+    first = polhode.reduce_many(
+        scene, varied, keep, workers=1, parts=tmp_path / "p", progress=disturb
+    )
+    assert first.interrupted
+    assert 0 < first.tally()[Outcome.REACHED_END] < 800
+    done = []
+    again = polhode.reduce_many(
+        scene, varied, keep, parts=tmp_path / "p", progress=lambda _, n: done.append(n)
+    )
+    assert again == whole
+    assert again.parts is not None
+    with pytest.raises(polhode.BadInput, match="the jobs of this very command"):
+        polhode.reduce_many(scene, varied, "final", parts=tmp_path / "p")
+    again.parts.remove()
+    assert not (tmp_path / "p").exists()
+
+
+def test_an_executor_gives_the_same_bits():
+    keep = ["final", "first nutation", "lyapunov", "largest theta"]
+    with ThreadPoolExecutor(2) as pool:
+        found = polhode.reduce_many(heavy("9"), VARIED, keep, executor=pool)
+    assert found == polhode.reduce_many(heavy("9"), VARIED, keep, workers=1)
+
+
+@pytest.mark.parametrize(
+    ("keep", "number", "said"),
+    [
+        ("greatest theta", None, "final, largest X, smallest X, first EVENT or lyapunov"),
+        ("largest", None, "final, largest X"),
+        ([], None, "final, largest X"),
+        ([3], None, "final, largest X"),
+        ("largest psi", None, "unknown name 'psi'"),
+        ("smallest 1/0", None, "division by zero"),
+        ("first flip", None, "an event with an expression"),
+        ("first root", None, "without roots and division"),
+        ("first halves", None, "did you mean 'half'"),
+        ("final", "quad", "double or extended"),
+        ("lyapunov", "extended", "double, for lyapunov"),
+        ("first half", "extended", "double, for first half"),
+    ],
+)
+def test_what_cannot_be_kept_is_refused_in_one_line(keep, number, said):
+    root = polhode.Event("root", "sqrt(gamma3 + 2) - 1")
+    scene = replace(heavy("9"), events=(*EVENTS, root))
+    with pytest.raises(polhode.BadInput) as told:
+        polhode.reduce_many(scene, VARIED, keep, number=number)
+    assert said in str(told.value)
+    assert "\n" not in str(told.value)
