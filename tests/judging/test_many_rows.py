@@ -153,3 +153,13 @@ def test_a_first_answer_of_a_few_rows(tmp_path):
     assert (len(some.times), count) == (11, 1200)
     assert found.worst <= some.worst < found.worst + 2
     assert "drift h" in str(found)
+
+
+def test_a_file_of_the_attitude_alone():
+    scene, rows = rows_of("euler/attitude", 120, 1e-12)
+    quick = polhode.compare(rows[:, 6:], scene, at=scene.times, columns=COLUMNS[6:])
+    few = polhode.compare(rows[:50, 6:], scene, at=scene.times[:50], columns=COLUMNS[6:])
+    assert quick._many is not None
+    assert few._many is None
+    assert quick.digits == ()
+    assert 11.9 < quick.parts["attitude"] <= few.parts["attitude"] < 12.6

@@ -21,7 +21,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.numbers import exact
 from polhode.numbers.convert import exactly, to_extended, to_mpf
@@ -30,6 +30,9 @@ from polhode.numbers.scalars import Row, Rows, Scalar, combination
 from polhode.scenes import tops
 from polhode.scenes.body import Vector, dot, scaled
 from polhode.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    from polhode.numbers.pairs import Pairs
 
 GUARD_BITS = 64
 ENERGY, AREA, LENGTH = "h", "f", "|gamma|^2"
@@ -227,18 +230,17 @@ def departures(scene: Scene, states: Any) -> dict[str, Any]:
     return {name: d * one for name, d in zip(first_integrals(scene).onto, found, strict=True)}
 
 
-def drift_of_columns(scene: Scene, states: Sequence[Sequence[Fraction]]) -> Drift | None:
-    """The same of rows of rationals, in pairs of doubles, all rows at once.
+def drift_of_columns(scene: Scene, columns: Sequence[Pairs]) -> Drift | None:
+    """The same of columns of pairs of doubles, all rows at once.
 
-    None where a number is beyond their range.
+    None where a number on the way is beyond their range.
     """
     import numpy as np
 
-    from polhode.numbers.pairs import of_exact, of_fractions
+    from polhode.numbers.pairs import of_exact
 
     with np.errstate(all="ignore"):
         try:
-            columns = [of_fractions(column) for column in zip(*states, strict=True)]
             departures = _departures(scene, [columns], of_exact)[0]
         except OverflowError:
             return None

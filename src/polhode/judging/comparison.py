@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from polhode.common.arguments import of_kind
+from polhode.common.arguments import of_kind, whole
 from polhode.common.errors import BadInput
 from polhode.common.text import few
 from polhode.judging.certified import Certified
@@ -48,6 +48,7 @@ def compare(
     columns: Sequence[str] | None = None,
     known: Conditioning | None = None,
     first: Callable[[Judgement, int], None] | None = None,
+    workers: int = 1,
 ) -> Judgement:
     """Judge a run, a trajectory file, columns or an array of states against a reference.
 
@@ -59,7 +60,9 @@ def compare(
     mp): the type whose rounded values a file's decimals, or the rows, are; rows of doubles are
     known as such.  ``known``: the scene's conditioning, to spare its computation.
     ``first``: called with a judgement of a few rows of a file of more than a thousand, and how many
-    those are, before the others are judged.
+    those are, before the others are judged.  ``workers``: processes that a closed form whose rows
+    cost seconds may be asked by (a script that wants more than one is guarded by
+    ``if __name__ == "__main__"``).
 
     Raises BadInput for what cannot be read or judged.
 
@@ -77,12 +80,13 @@ def compare(
         if not isinstance(what, Trajectory):
             raise BadInput("compare", "against", None, "a reference, or a scene")
         against = what.scene
+    workers = whole("compare", "workers", workers, 1)
     kinds = (Reference, Certified, TwoPrecisions, Remembered, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
     if isinstance(against, (Scene, str, Path)):
         against = reference(against)
     if isinstance(what, Trajectory):
-        found = Judgement(of_run(what), against, known)
+        found = Judgement(of_run(what), against, known, workers)
     else:
         scene = against.scene
         if digits is not None and number is None:
@@ -99,7 +103,7 @@ def compare(
         if first is not None and rows_there > MANY:
             some = of_table(what.some(few(rows_there, SHOWN)), scene)
             first(Judgement(some, against), rows_there)
-        found = Judgement(of_table(what, scene), against, known)
+        found = Judgement(of_table(what, scene), against, known, workers)
     about = found.subject
     if not (about.columns or about.angles or about.attitude):
         expected = f"columns of {', '.join(found.reference.scene.columns)}, angles or attitude"

@@ -13,6 +13,7 @@ from polhode.common import upstairs
 from polhode.common.text import aligned, few
 from polhode.common.values import ByValue
 from polhode.equations.integrals import Drift
+from polhode.judging.by_processes import asked_by
 from polhode.judging.certified import Certified
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.digits import digits_of, errors, rate_scale
@@ -48,7 +49,8 @@ class Judgement(ByValue):
     """Correct digits of a run or a table at each of its times, and what limits them.
 
     ``subject``: what was judged.  ``reference``: what against.  ``known``: kappa at the scene's
-    times, where it is known already.  ``digits[k]`` belongs to ``times[k]``: -log10 of the larger
+    times, where it is known already.  ``workers``: processes that may ask the reference.
+    ``digits[k]`` belongs to ``times[k]``: -log10 of the larger
     of the error of omega over the largest |omega| of the reference, and the error of gamma.
     Printed, it is what ``polhode compare`` says.
 
@@ -61,6 +63,7 @@ class Judgement(ByValue):
     subject: Subject
     reference: AnyReference
     known: Conditioning | None = field(default=None, compare=False)
+    workers: int = field(default=1, compare=False)
 
     @property
     def times(self) -> tuple[Fraction, ...]:
@@ -260,7 +263,7 @@ class Judgement(ByValue):
     @cached_property
     def _rows(self) -> list[Any]:
         """The reference's states, to as many digits as tell those that are right."""
-        ask, states = self.reference.at, self.subject.states
+        ask, states = self._ask("at"), self.subject.states
         if not self.subject.columns:
             return rows(ask, self.times, self._wanted)
         start = [to_mpf(x, self._bits) for x in self.reference.scene.start]
@@ -274,6 +277,13 @@ class Judgement(ByValue):
 
         found = self._true(ask, most_right)
         return [row if t else start for t, row in zip(self.times, found, strict=True)]
+
+    def _ask(self, question: str) -> Callable[..., Any]:
+        """What the reference answers, by as many processes as there are to be."""
+        if isinstance(self.reference, Reference):
+            return asked_by(self.reference, question, self.workers)
+        found: Callable[..., Any] = getattr(self.reference, question)
+        return found
 
     def _true(self, ask: Callable[..., Any], right: Callable[[list[Any]], float]) -> list[Any]:
         """A reference's rows, asked for more digits until none that are right hide behind them.
@@ -311,7 +321,7 @@ class Judgement(ByValue):
                 found[name] = min(digits(self._many.attitude, held), default=held)
                 continue
             try:
-                true = self._true(getattr(self.reference, name), partial(self._part, name, own))
+                true = self._true(self._ask(name), partial(self._part, name, own))
             except ValueError as fault:  # BadInput is one
                 found[name] = str(fault)
                 continue

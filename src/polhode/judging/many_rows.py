@@ -18,11 +18,12 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.text import few
+from polhode.judging.in_pairs import columns_in_pairs
 from polhode.judging.reference import Reference, rows
 from polhode.judging.subject import Subject
 from polhode.numbers import exact
 from polhode.numbers.convert import to_double
-from polhode.numbers.exact import ZERO, sign
+from polhode.numbers.exact import sign
 from polhode.numbers.pairs import Pairs, of_fractions, pairs
 
 FEWEST = 100  # rows: fewer are judged one by one in no time
@@ -35,7 +36,8 @@ Doubles = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ManyRows:
-    """Errors of a subject's rows: of the state, scaled as digits are, and of the attitude.
+    """Errors of a subject's rows: of the state (0 without one), scaled as digits are, and of the
+    attitude.
 
     A quaternion may have either sign: that of the smaller largest error.
     """
@@ -53,15 +55,15 @@ def many_rows(subject: Subject, reference: Any) -> ManyRows | None:
         found = reference.columns(of_fractions(subject.times))
         if found is None:
             return None
-        own = _columns(subject.states, len(reference.scene.columns))
-        turned = [] if subject.attitude is None else _columns(subject.attitude, 4)
+        own = [] if subject.states is None else subject.pairs
+        turned = [] if subject.attitude is None else columns_in_pairs(subject.attitude)
     except OverflowError:  # numbers beyond doubles
         return None
     states, quaternion = ([_spread(x, count) for x in part or ()] for part in found)
     with np.errstate(all="ignore"):
         scale = _scale(states, reference)
         scales = [scale if i < 3 else 1.0 for i in range(len(states))]
-        errors = _errors(own, states, scales)
+        errors = _errors(own, states, scales) if own else np.zeros(count)
         sides = [
             _errors(turned, [y * side for y in quaternion], [1.0] * 4)
             for side in (1.0, -1.0)
@@ -69,7 +71,7 @@ def many_rows(subject: Subject, reference: Any) -> ManyRows | None:
         ]
     attitude = min(sides, key=lambda side: float(side.max()), default=None)
     for ask, true, by, found_errors in (
-        (reference.at, states, scales, errors),
+        (reference.at, own and states, scales, errors),
         (reference.attitude, quaternion, [1.0] * 4, attitude),
     ):
         if true and found_errors is not None:
@@ -94,21 +96,6 @@ def digits(errors: Doubles, cap: float) -> list[float]:
     """-log10 of errors, between 0 and ``cap``."""
     with np.errstate(divide="ignore"):
         found: list[float] = np.clip(-np.log10(errors), 0.0, cap).tolist()
-    return found
-
-
-def _columns(rows: Any, count: int) -> list[Pairs]:
-    """Columns of what is judged; not a number where a cell is not there."""
-    if isinstance(rows, np.ndarray):
-        wide = rows.astype(np.float64)
-        rest = (rows - wide).astype(np.float64)
-        return [Pairs(wide[:, i], rest[:, i]) for i in range(count)]
-    found = []
-    for column in zip(*rows, strict=True):
-        gaps = np.array([x is None for x in column])
-        some = of_fractions([ZERO if x is None else x for x in column])
-        some.hi[gaps] = np.nan
-        found.append(some)
     return found
 
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from functools import cached_property
+from itertools import chain
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.values import ByValue
 from polhode.equations.integrals import Drift, drift, drift_of_columns
@@ -14,6 +18,9 @@ from polhode.numbers.number_types import DOUBLE, NumberType, mp
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 from polhode.scenes.words import ANGLES, ATTITUDE, SPACE, STATE
+
+if TYPE_CHECKING:
+    from polhode.numbers.pairs import Pairs
 
 MOST_DIGITS = 1000.0  # that are told of a table
 MOST_AT_ONCE = 20.0  # of a table whose drift pairs of doubles tell
@@ -50,15 +57,28 @@ class Subject(ByValue):
         """The run, where it is one."""
         return self.source if isinstance(self.source, Trajectory) else None
 
+    @cached_property
+    def pairs(self) -> list[Pairs]:
+        """The columns of the state in pairs of doubles, not a number where a cell is not there.
+
+        Raises OverflowError for a number beyond doubles.
+        """
+        from polhode.judging.in_pairs import columns_in_pairs
+
+        return columns_in_pairs(self.states)
+
     def drift(self, scene: Scene, bits: int) -> Drift | str:
         """Drift of the integrals, or why it says nothing."""
         if self.projected:
             return "they were projected"
         if isinstance(self.source, Trajectory):
             return self.source.drift
-        if len(self.columns) < len(scene.columns) or any(None in row for row in self.states):
+        if len(self.columns) < len(scene.columns) or _gaps(chain(*self.states)):
             return "a column of the state is missing"
-        at_once = drift_of_columns(scene, self.states) if self.held <= MOST_AT_ONCE else None
+        at_once = None
+        if self.held <= MOST_AT_ONCE:
+            with suppress(OverflowError):  # a number beyond doubles
+                at_once = drift_of_columns(scene, self.pairs[: len(scene.columns)])
         if at_once is not None:
             return at_once
         return drift(scene, [[to_mpf(x, bits) for x in row] for row in self.states], bits)
@@ -96,7 +116,7 @@ def of_table(table: Table, scene: Scene) -> Subject:
                 notes.append(f"column {name} was not judged: the scene has no gamma")
     columns = tuple(name for name in scene.columns if name in there)
     notes += [f"column {name} is not in the file" for name in scene.columns if name not in there]
-    if any(None in there[name] for name in columns):
+    if any(_gaps(there[name]) for name in columns):
         notes.append("empty cells were not judged")
     return Subject(
         source=table,
@@ -113,3 +133,8 @@ def of_table(table: Table, scene: Scene) -> Subject:
         projected=table.projected,
         notes=tuple(notes),
     )
+
+
+def _gaps(cells: Iterable[Any]) -> bool:
+    """Whether any cell is not there (asked so, for a Fraction's == is slow)."""
+    return any(x is None for x in cells)

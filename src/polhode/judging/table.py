@@ -199,7 +199,7 @@ def _table(
                 value = expression.decimal(cell)
             except ExpressionError:
                 raise BadInput(f"{path}:{line}", name, cell, "a finite decimal number") from None
-            if name != "t":
+            if name != "t" and len(cell) > printed:  # else it has no more digits
                 printed = max(printed, _significant(cell))
             elif held:
                 value = held.rounded(value)

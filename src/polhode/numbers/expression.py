@@ -55,9 +55,10 @@ def number(text: str) -> Exact:
 
 def decimal(text: str) -> Fraction:
     """The exact value of a decimal such as ``-1.25e-3``; underscores between digits may stand."""
-    match = _DECIMAL.fullmatch(_UNDERSCORE.sub("", text.strip()))
+    plain = text.strip()
+    match = _DECIMAL.fullmatch(_UNDERSCORE.sub("", plain) if "_" in plain else plain)
     if match is None:
-        raise ExpressionError(f"{text.strip()[:40]!r} is not a finite decimal number")
+        raise ExpressionError(f"{plain[:40]!r} is not a finite decimal number")
     minus, whole, places, only_places, power = match.groups()
     places = places or only_places or ""
     digits = (whole or "") + places

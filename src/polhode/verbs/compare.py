@@ -26,6 +26,7 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Judge a trajectory that some other program computed."""
     from polhode.judging.comparison import compare
+    from polhode.runs.workers import cores
 
     path, number, digits = Path(options.file), options.number, options.digits
     with Progress("compare") as progress:
@@ -34,7 +35,9 @@ def main(options: Namespace) -> int:
             digits = f"{brief.worst:.2f} correct digits" if brief.digits else "no state"
             progress.say(f"{digits} in {len(brief.times)} of {count} rows, all of them follow")
 
-        judged = compare(path, options.scene, number=number, digits=digits, first=first)
+        judged = compare(
+            path, options.scene, number=number, digits=digits, first=first, workers=cores()
+        )
         told = results.of_judgement(judged) if options.json else str(judged)
     if isinstance(told, str):
         say(told)

@@ -1,0 +1,66 @@
+"""A closed form asked by several processes gives the same rows, and is asked so where it pays."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+import polhode
+from polhode.judging import by_processes
+from polhode.judging.by_processes import asked_by
+from shared.motions import heavy
+
+
+def exactly(rows):
+    return [[None if x is None else x._mpf_ for x in row] for row in rows]
+
+
+@pytest.mark.parametrize("question", ["at", "attitude", "angles"])
+def test_the_same_rows_to_the_bit(question, monkeypatch):
+    """A motion through a pole, where two angles are no numbers; 40 digits, beyond any double."""
+    known = polhode.reference("lagrange/from-the-pole")
+    times = [Fraction(k, 8) for k in range(24)]
+    alone = exactly(getattr(known, question)(times, 40))
+    if question == "angles":
+        assert None in alone[0]
+    monkeypatch.setattr(by_processes, "PAYS", 0.0)
+    calls, order = [], by_processes.in_order
+    monkeypatch.setattr(by_processes, "in_order", lambda *a: calls.append(len(a[1])) or order(*a))
+    assert exactly(asked_by(known, question, 2)(times, 40)) == alone
+    assert calls == [2]
+
+
+def test_the_same_digits_of_a_judgement(monkeypatch):
+    scene = polhode.load("bobylev-steklov/dn").at([k / 2 for k in range(30)])
+    run = polhode.integrate(scene)
+    alone = polhode.compare(run)
+    calls, order = [], by_processes.in_order
+    monkeypatch.setattr(by_processes, "PAYS", 0.0)
+    monkeypatch.setattr(by_processes, "in_order", lambda *a: calls.append(len(a[1])) or order(*a))
+    both = polhode.compare(run, workers=2)
+    assert calls == [2]
+    assert both.digits == alone.digits
+    assert both == alone
+
+
+def test_processes_are_left_alone_where_they_do_not_pay(monkeypatch):
+    known = polhode.reference("lagrange/nutation")
+    monkeypatch.setattr(by_processes, "in_order", None)
+    times = [Fraction(k) for k in range(50)]
+    assert exactly(asked_by(known, "at", 2)(times, 20)) == exactly(known.at(times, 20))
+
+
+def test_what_is_no_number_of_processes_is_refused():
+    run = polhode.integrate("lagrange/nutation", at=[1])
+    with pytest.raises(polhode.BadInput, match="workers = 0: expected a whole number, 1 or more"):
+        polhode.compare(run, workers=0)
+
+
+def test_only_closed_forms_are_asked_by_processes(monkeypatch):
+    """Two integrations are one run each, which no stretch of times makes shorter."""
+    monkeypatch.setattr(by_processes, "PAYS", 0.0)
+    monkeypatch.setattr(by_processes, "in_order", None)
+    scene = heavy("4", samples=12)
+    run = polhode.integrate(scene)
+    assert polhode.compare(run, workers=2).worst > 12
