@@ -21,6 +21,7 @@ EVENTS = (
     polhode.Event("half", "gamma3 - 1/2", "falling"),
     polhode.Event("rises", "p*gamma2 - q*gamma1", "rising"),
     polhode.Event("late", "t*gamma1 - 2"),
+    polhode.Event("level", "q - 1/3"),
     polhode.Event("never", "gamma3 - 7"),
 )
 TURNED = (
@@ -83,7 +84,7 @@ def test_first_events_are_the_first_of_each_run(end, turned, monkeypatch):
                 state = np.array([found[f"{x} at {name}"][k] for x in run.columns])
                 error = np.abs(state - event.states[0]).max()
                 assert error < 400 * EPS * fast * (1 + fast * abs(t))
-    assert seen == set(keep[:3])
+    assert seen == set(keep[:4])
 
 
 def test_a_zero_at_the_start_is_no_event():

@@ -91,6 +91,13 @@ class Solved:
             np.full(count, Fraction(0), dtype=object),
         )
 
+    def in_order(self, order: npt.NDArray[np.int64]) -> Solved:
+        """The same, system k of it being the one of index ``order[k]``."""
+        back = np.argsort(order)
+        told = None if self.errors is None else [self.errors[k] for k in back.tolist()]
+        states, outcomes = self.states[back], self.outcomes[back]
+        return Solved(states, outcomes, self.steps[back], self.reached[back], told)
+
     @property
     def done(self) -> npt.NDArray[np.bool_]:
         """Which systems came to an end of whatever kind."""
