@@ -237,3 +237,12 @@ def test_what_cannot_be_kept_is_refused_in_one_line(keep, number, said):
         polhode.reduce_many(scene, VARIED, keep, number=number)
     assert said in str(told.value)
     assert "\n" not in str(told.value)
+
+
+def test_progress_counts_members_and_may_be_a_bar(capsys):
+    told = []
+    scene = heavy("2")
+    plain = polhode.reduce_many(scene, VARIED, "final", progress=lambda *x: told.append(x))
+    assert told[-1] == (1.0, 15)
+    assert polhode.reduce_many(scene, VARIED, "final", progress=True) == plain
+    assert polhode.reduce_many(scene, VARIED, "final", progress=False) == plain

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.arguments import steps, whole
+from polhode.common.progress import bar
 from polhode.common.provenance import provenance
 from polhode.common.values import ByValue
 from polhode.dynamics.jobs import Progress, carried_out
@@ -111,7 +112,7 @@ def reduce_many(
     executor: Executor | None = None,
     workers: int | None = None,
     parts: Path | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Reductions:
     """Integrate many variants of a scene (3.29) and keep some numbers of each.
 
@@ -133,6 +134,12 @@ def reduce_many(
     """
     import numpy as np
 
+    if isinstance(progress, bool):
+        asked_for = {key: value for key, value in locals().items() if key not in ("progress", "np")}
+        if not progress:
+            return reduce_many(**asked_for)
+        with bar(library.load(scene).name) as tell:
+            return reduce_many(**asked_for, progress=tell)
     scene = library.load(scene)
     if at is not None:
         scene = scene.at(at)
