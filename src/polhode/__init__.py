@@ -139,7 +139,9 @@ def __getattr__(name: str) -> object:
     if name not in _HOMES:
         raise AttributeError(f"module 'polhode' has no attribute {name!r}")
     home, _, own = _HOMES[name].partition(":")
-    return getattr(import_module(f"polhode.{home}"), own or name)
+    found: object = getattr(import_module(f"polhode.{home}"), own or name)
+    globals()[name] = found  # the next time it is found without this
+    return found
 
 
 def __dir__() -> list[str]:

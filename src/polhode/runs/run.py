@@ -14,6 +14,7 @@ from polhode.equations.form import Form
 from polhode.equations.system import System, system
 from polhode.numbers import number_types
 from polhode.numbers.convert import exactly, number_value
+from polhode.numbers.exact import ZERO
 from polhode.numbers.scalars import Row, Rows
 from polhode.runs.march import Progress, march
 from polhode.runs.setup import Asked, Setup
@@ -50,7 +51,7 @@ class Run:
         self.setup, self.scene, self.number = setup, setup.scene, setup.number
         self.max_steps = max_steps
         self.steps = 0
-        self.reached = Fraction(0)
+        self.reached = ZERO
         self.build_seconds = self.seconds = 0.0
         self.events: tuple[EventTimes, ...] = ()
         self.legs: list[Leg] = []
@@ -107,7 +108,7 @@ class Run:
             return Outcome.REACHED_END, rows
         if made.singular:
             return Outcome.SINGULAR, rows
-        origin = Fraction(0)
+        origin = ZERO
         if "angles" in self.scene.outputs and self.scene.starts_at_pole:
             whole, origin = self._off_the_pole(whole, inside[len(rows)])
             if made.number.flat:  # a motion that stays at the pole has no angles

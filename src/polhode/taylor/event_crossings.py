@@ -23,6 +23,7 @@ from polhode.taylor.kinds import CompiledFunction, HeyokaNumber
 from polhode.taylor.times import exact_sum
 
 _ROUNDS = 2  # of Newton's method
+_SMALL, _SHIFT = 2.0**-300, 300
 _NEAR = 2.0**-20  # in the run's unit: the cube of it is a rounding
 
 
@@ -52,7 +53,7 @@ def crossings(
     seen: list[Seen], evaluate: CompiledFunction, motion: CompiledFunction, limits: Limits
 ) -> Crossings:
     """Polish zeros that are met: ``evaluate`` an expression and its rate, ``motion`` x' and x''."""
-    columns = np.array([row for _, _, row in seen]).T.copy()
+    columns = np.concatenate([row for _, _, row in seen]).reshape(len(seen), -1).T.copy()
     moved = np.zeros_like(columns[0])
     value, slope = evaluate(columns)
     steep = np.abs(slope) > limits.steep
@@ -83,6 +84,16 @@ def in_order(seen: list[Seen], found: Crossings, before: int, number: NumberType
     times = _rounded(seen, found.moved, number)
     since = np.abs(times)
     return times if np.all(since[:-1] < since[1:]) and since[0] > 0 else None
+
+
+def exact_times(times: Row, time_unit: int, number: NumberType) -> list[Fraction]:
+    """Times in a run's unit 2**time_unit as exact numbers in the scene's."""
+    sizes = np.abs(times)
+    near_one = bool(np.all((sizes > _SMALL) & (sizes < 1 / _SMALL))) and abs(time_unit) < _SHIFT
+    if number.name == "double" and near_one:  # the products are doubles
+        return [*map(Fraction, np.ldexp(times, time_unit).tolist())]
+    unit = Fraction(2) ** time_unit
+    return [exactly(t) * unit for t in times]
 
 
 def _rounded(seen: list[Seen], moved: Row, number: NumberType) -> Row:

@@ -25,7 +25,6 @@ from typing import NamedTuple
 import heyoka as hy
 
 from polhode.equations.readout import Readout
-from polhode.numbers.convert import exactly
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row
@@ -36,6 +35,7 @@ from polhode.taylor.event_crossings import (
     Crossings,
     Seen,
     crossings,
+    exact_times,
     in_order,
     those,
 )
@@ -161,8 +161,7 @@ class Watch:
         if ta is not self.heyoka:
             self.heyoka, self.row = ta, ta.d_output
         if self.later[k]:
-            ta.update_d_output(t)
-            self.seen[k].append((self.offset, t, self.row.copy()))
+            self.seen[k].append((self.offset, t, ta.update_d_output(t).copy()))
             return
         high, low = ta.dtime
         ago = (t - high) - low  # since the step's end: it holds digits that t has no room for
@@ -239,13 +238,12 @@ class Watch:
             plain = None if self.raw[k] else in_order(seen, found, before, self.number)
             complete, rows, slopes = True, found.rows, found.slopes.tolist()
             if plain is not None and self.stop is None:
-                double = self.number.name == "double"
-                times = [*map(Fraction, plain.tolist())] if double else [*map(exactly, plain)]
+                times = exact_times(plain, self.scene.time_unit, self.number)
             else:
                 marks = self._marks(k) + plain_marks(*those(seen, found, found.plain))
                 marks += self._one_by_one(k, those(seen, found, ~found.plain)[0])
                 marks, complete = sorted_out(marks, before, self.stop, self.number, ZERO)
-                times = [self.number.rounded(m.time) for m in marks]
+                times = [self.number.rounded(m.time) * unit for m in marks]
                 rows = [heyoka_numbers.numbers(m.row, self.number) for m in marks]
                 slopes = [m.slope for m in marks]
             if event.direction != "any":
@@ -255,7 +253,7 @@ class Watch:
             answers.append(
                 EventTimes(
                     name=event.name,
-                    times=tuple(times if unit == 1 else [t * unit for t in times]),
+                    times=tuple(times),
                     states=read.states(rows),
                     grazing=tuple(bool(slope == 0) for slope in slopes),
                     complete=complete,

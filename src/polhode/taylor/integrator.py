@@ -303,16 +303,17 @@ class Integrator:
             result = ta.propagate_until(times[0], c_output=dense, **options)
             if self._pieces is not None and result[4] is not None:
                 self._pieces.append(Polynomials(begun, result[4]))
-            at_end = ending(result[0]) is Outcome.REACHED_END
-            rows = self.state.copy()[None] if at_end else self.state[None][:0]
+            ended = ending(result[0])
+            rows = self.state[None]
+            rows = rows.copy() if ended is Outcome.REACHED_END else rows[:0]
         else:
             here = [ta.time]
             flat = self.number.flat
             grid = np.concatenate([here, times]) if flat else array([*here, *times], self.number)
             result = ta.propagate_grid(grid, **options)
-            rows = result[-1][1:]
+            rows, ended = result[-1][1:], ending(result[0])
         self.steps += int(result[3])
-        return rows, ending(result[0])
+        return rows, ended
 
     @property
     def _stopped(self) -> bool:
