@@ -130,7 +130,7 @@ def reduce_many(
     >>> import polhode
     >>> found = polhode.reduce_many("lagrange/nutation", {"body.weight": [1, 2]}, "smallest gamma3")
     >>> found["smallest gamma3"].round(3).tolist()
-    [0.548, 0.489]
+    [0.213, -0.212]
     """
     import numpy as np
 
