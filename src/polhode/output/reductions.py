@@ -3,12 +3,11 @@ contract."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.files import is_stream, write_whole
+from polhode.common.files import is_stream, npz, write_whole
 from polhode.common.interrupts import delayed
 from polhode.numbers.decimals import shown, strings
 from polhode.output import results
@@ -71,11 +70,7 @@ def write(path: Path, found: Reductions) -> None:
 
 def _write(path: Path, found: Reductions) -> None:
     if path.suffix.lower() == ".npz":
-        import numpy as np
-
-        held = io.BytesIO()
-        np.savez(held, **arrays(found))
-        write_whole({path: held.getvalue()})
+        write_whole({path: npz(arrays(found))})
         return
     header, lines = table(found)
     results.write_table(path, [header, *lines], _about(found) | {"provenance": found.provenance})
