@@ -24,12 +24,12 @@ if _TYPE_CHECKING:
     from polhode.dynamics.frequencies import frequencies as frequencies
     from polhode.dynamics.levels import Levels as Levels
     from polhode.dynamics.levels import levels as levels
-    from polhode.dynamics.orbit_families import orbit_family as orbit_family
     from polhode.dynamics.orbit_families import OrbitFamily as OrbitFamily
+    from polhode.dynamics.orbit_families import orbit_family as orbit_family
     from polhode.dynamics.orbit_search import OrbitSearch as OrbitSearch
     from polhode.dynamics.orbit_search import orbit_search as orbit_search
-    from polhode.dynamics.orbits import orbit as orbit
     from polhode.dynamics.orbits import Orbit as Orbit
+    from polhode.dynamics.orbits import orbit as orbit
     from polhode.dynamics.reduce_many import Reductions as Reductions
     from polhode.dynamics.reduce_many import reduce_many as reduce_many
     from polhode.dynamics.sections import Section as Section

@@ -239,7 +239,7 @@ class _Clearing:
 
 
 class _Rests:
-    """Components of w that the equations keep: a projection can only choose among the type's numbers.
+    """Components of w that the equations keep: a projection chooses among the type's numbers alone.
 
     What it rounds off it adds to the next one, so that on average they are what they should be; the
     first ones change nothing.  ``start``: what rounding the inputs did to the state, in eps.
