@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from polhode.common.arguments import steps, whole
 from polhode.common.progress import bar
@@ -18,7 +18,7 @@ from polhode.dynamics.kept import Kept
 from polhode.dynamics.reduction_jobs import Reduced, check, job_of, solve
 from polhode.dynamics.reductions import asked
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Rows
+from polhode.numbers.scalars import AnyNumber, Rows
 from polhode.runs.sweep_plan import planned
 from polhode.scenes import library, vary
 from polhode.scenes.scene import Scene
@@ -60,7 +60,7 @@ class Reductions(ByValue):
     numbers: Mapping[str, Rows]
     endings: npt.NDArray[np.uint8]
     counts: npt.NDArray[np.int64]
-    provenance: Mapping[str, Any] = field(default_factory=dict, compare=False)
+    provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
     parts: Kept | None = field(default=None, compare=False)
 
     def __len__(self) -> int:
@@ -106,8 +106,8 @@ def reduce_many(
     keep: Sequence[str] | str,
     *,
     number: str | NumberType | None = None,
-    at: Sequence[Any] | None = None,
-    tol: Any = None,
+    at: Iterable[AnyNumber] | None = None,
+    tol: AnyNumber | None = None,
     max_steps: int | None = None,
     executor: Executor | None = None,
     workers: int | None = None,
