@@ -103,9 +103,7 @@ class Stub:
 
 def tracked(place, t):
     """The growth of arg eta and arg xi, cut until no piece can go around 0."""
-    it = ThetaAttitude(
-        None, BITS, begun(), (1, 0, 0, 0), 0, mpf(1), 1, lambda: Stub(place), panels=None
-    )
+    it = ThetaAttitude(None, BITS, begun(), (1, 0, 0, 0), 0, mpf(1), 1, lambda: Stub(place))
     return it._tracked((mpf(0), t))[::-1]
 
 

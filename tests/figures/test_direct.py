@@ -32,7 +32,10 @@ def test_labels_that_cannot_fit_are_centred():
 
 
 def test_every_method_has_a_look_and_no_two_the_same():
-    methods = (*contenders.OURS, contenders.HEYOKA, *contenders.PEERS, *contenders.SLOW_PEERS)
+    # a peer may stand among those of the short motion again
+    methods = dict.fromkeys(
+        (*contenders.OURS, contenders.HEYOKA, *contenders.PEERS, *contenders.SHORT_PEERS)
+    )
     names = {m.name for m in (*methods, *cells.METHODS)} | {long_run.PLAIN, long_run.PROJECTED}
     assert names <= LOOKS.keys()
     drawn = [LOOKS[m.name] for m in methods]
@@ -42,7 +45,7 @@ def test_every_method_has_a_look_and_no_two_the_same():
 def test_a_colour_is_a_programs_or_a_number_types():
     """No other program has a colour of polhode's number types, or of another program."""
     programs: dict[str, set[str]] = {}
-    for m in (contenders.HEYOKA, *contenders.PEERS, *contenders.SLOW_PEERS):
+    for m in (contenders.HEYOKA, *contenders.PEERS, *contenders.SHORT_PEERS):
         programs.setdefault(LOOKS[m.name].colour, set()).add(m.name.split()[0])
     assert all(len(names) == 1 for names in programs.values())
     assert programs.keys().isdisjoint(COLOURS.values())

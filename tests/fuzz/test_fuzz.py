@@ -273,14 +273,14 @@ def test_ctrl_c_waits_until_files_are_whole(monkeypatch):
 
 
 def test_ctrl_c_while_a_sweep_is_read_out_loses_nothing(monkeypatch):
-    read = sweep_results._states
+    read = sweep_results.Reader.states
 
     def interrupted(*given):
-        monkeypatch.setattr(sweep_results, "_states", read)
+        monkeypatch.setattr(sweep_results.Reader, "states", read)
         os.kill(os.getpid(), signal.SIGINT)
         return read(*given)
 
-    monkeypatch.setattr(sweep_results, "_states", interrupted)
+    monkeypatch.setattr(sweep_results.Reader, "states", interrupted)
     many = polhode.integrate_many("top.toml", {"start.omega[1]": [1, "1.1"]}, at=[0])
     assert many.done
 

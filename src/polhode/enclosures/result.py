@@ -63,9 +63,9 @@ class Enclosure(ByValue):
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
     >>> found
-    <Enclosure of euler/largest-axis: 1 times to t = 1, 24.1 digits proven>
+    <Enclosure of euler/largest-axis: 1 times to t = 1, 23.5 digits proven>
     >>> print(found.strings()[0][0])  # p, as far as it is proven
-    0.44780868821841484276869
+    0.4478086882184148427687
     """
 
     scene: Scene

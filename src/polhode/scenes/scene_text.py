@@ -46,6 +46,7 @@ def toml(scene: Scene) -> str:
     data: dict[str, Any] = {key: _plainly(getattr(scene, key)) for key in _TITLES}
     data |= tables_of(scene)
     data["run"] = {"form": scene.form, "outputs": list(scene.outputs)} | _times(scene)
+    data["section"] = scene.section._asdict()
     data["events"] = [_event(event) for event in scene.events]
     data["published"] = [_published(figure) for figure in scene.published]
     data["reference"] = {"kind": scene.reference}
@@ -56,7 +57,7 @@ def toml(scene: Scene) -> str:
 def written(data: Mapping[str, Any], name: str) -> str:
     """The tables of a scene as TOML; what has its default is left out; raises BadInput."""
     lines = ["schema = 1", *_lines("", data, name)]
-    for section in ("body", "start", "run", "reference", "expect"):
+    for section in ("body", "start", "run", "section", "reference", "expect"):
         table = data.get(section, {})
         told = list(_lines(section, table, name))
         if told or section in ("body", "start"):
