@@ -32,6 +32,7 @@ def _found(inside: bool = True, without: float = 2.0, proof: float = 2.0) -> dic
         "cost": [
             {
                 **{"case": "a", "digits": 16, "end": 5, "proven": 17.0, "noise": 66, "tries": 1},
+                "trials": 5,
                 "seconds": {"proof": proof, "mp, 66 bits": 1.0, "double": 0.1},
             }
         ],
@@ -51,6 +52,23 @@ def test_sentences_follow_the_rows() -> None:
     assert "takes 2.0 to 2.0 times the mp run" in _text(_found())
     assert "takes 7.0 to 7.0 times the mp run" in _text(_found(proof=7.0))
     assert "in 1 of 2 the first choice of precision" in _text(_found())
+
+
+def test_a_run_that_is_lost_in_the_noise_of_building_has_no_seconds() -> None:
+    """Noise was printed: 1e-06 s, and "a proof takes 149000 times the mp run"."""
+    found = _found()
+    del found["cost"][0]["seconds"]["mp, 66 bits"]
+    text = _text(found)
+    assert "| 2 | – | – | – | 0.1 | – | – |" in text
+    assert "times the mp run" not in text
+    assert "a proof takes" not in page.finding(found)
+
+
+def test_seconds_are_those_of_the_way_alone() -> None:
+    row = rows._cost("lagrange/nutation", 16, 5)
+    assert row["trials"] == rows.COST_TRIALS
+    assert 1e-6 < row["seconds"].get("double", 1e-5) < row["seconds"]["proof"]
+    assert all(seconds > 0 for seconds in row["seconds"].values())
 
 
 def test_a_closed_form_beside_the_motion_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

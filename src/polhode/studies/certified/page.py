@@ -48,8 +48,7 @@ def finding(found: dict[str, Any]) -> str:
     rows = found["contained"]
     inside = sum(row["inside"] for row in rows)
     told = f"{inside} of {len(rows)} closed forms lie in their proven enclosures"
-    ratios = [row["seconds"]["proof"] / x for row in found["cost"] if (x := _steps_in_mp(row))]
-    if ratios:
+    if ratios := _over_mp(found["cost"]):
         told += (
             f"; a proof takes {min(ratios):.1f} to {max(ratios):.1f} times a run of as many bits "
             "that proves nothing"
@@ -57,9 +56,15 @@ def finding(found: dict[str, Any]) -> str:
     return told + "."
 
 
-def _steps_in_mp(row: dict[str, Any]) -> float | None:
-    """Seconds of heyoka's steps at the proof's own precision."""
-    return next((s for name, s in row["seconds"].items() if name.startswith("mp")), None)
+def _mp(row: dict[str, Any]) -> str:
+    """The name of heyoka's run at the proof's own precision; "mp" where it has no seconds."""
+    return next((name for name in row["seconds"] if name.startswith("mp")), "mp")
+
+
+def _over_mp(rows: list[dict[str, Any]]) -> list[float]:
+    """What proofs take, in runs of as many bits."""
+    timed = [(row["seconds"], _mp(row)) for row in rows]
+    return [seconds["proof"] / seconds[mp] for seconds, mp in timed if mp in seconds]
 
 
 def _containment(rows: list[dict[str, Any]]) -> Iterator[Block]:
@@ -127,15 +132,16 @@ def _over_time(rows: list[dict[str, Any]]) -> Iterator[Block]:
 
 def _price(rows: list[dict[str, Any]]) -> Iterator[Block]:
     yield Heading("The price of a proof")
-    ratios = [row["seconds"]["proof"] / _mp(row) for row in rows]
-    yield Text(
-        "CPU seconds to one time, the least of two, interleaved in one process; a proof's include "
-        "the pilot run and every try, of a run those to a thousandth of the time are taken off, "
-        "which are for building it. Beside it runs that prove "
-        "nothing: heyoka in MPFR at the proof's own precision (mp), in double and in quad, and a "
-        f"refined run in quad. A proof takes {min(ratios):.1f} to {max(ratios):.1f} times the mp "
-        "run."
+    told = (
+        f"CPU seconds to one time, {rows[0]['trials']} times in turn in one process: of a proof "
+        "the least, with the pilot run and every try; of a run the median, after that of a run to "
+        "a thousandth of the time is taken off, which is for building it (a dash: building takes "
+        "too long to tell). Beside it runs that prove nothing: heyoka in MPFR at the proof's own "
+        "precision (mp), in double and in quad, and a refined run in quad."
     )
+    if ratios := _over_mp(rows):
+        told += f" A proof takes {min(ratios):.1f} to {max(ratios):.1f} times the mp run."
+    yield Text(told)
     yield PageTable(
         (
             *("case", "to t", "asked", "proven", "P", "tries", "proof, s", "mp, s", "quad, s"),
@@ -150,9 +156,9 @@ def _price(rows: list[dict[str, Any]]) -> Iterator[Block]:
                 str(row["noise"]),
                 str(row["tries"]),
                 f"{row['seconds']['proof']:.3g}",
-                f"{_mp(row):.3g}",
+                _seconds(row, _mp(row)),
                 *(_seconds(row, name) for name in ("quad", "quad, refined", "double")),
-                f"{row['seconds']['proof'] / _mp(row):.2f}",
+                _ratio(row, _mp(row)),
                 _ratio(row, "quad"),
             )
             for row in rows
@@ -175,10 +181,6 @@ def _judged(rows: list[dict[str, Any]]) -> Iterator[Block]:
         ),
         "lrlrr",
     )
-
-
-def _mp(row: dict[str, Any]) -> float:
-    return next(float(s) for name, s in row["seconds"].items() if name.startswith("mp"))
 
 
 def _seconds(row: dict[str, Any], name: str) -> str:

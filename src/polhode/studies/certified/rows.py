@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import statistics
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -45,6 +46,7 @@ QUICK_TIMES = (1, 2, 5, 10, 20)
 COSTED = ("general/asymmetric-regular", "lagrange/nutation", "kovalevskaya/generic")
 COST_DIGITS = (16, 30, 60)
 COST_END, QUICK_COST_END = 100, 5
+COST_TRIALS = 5
 JUDGED = (1, 10, 100)
 
 _BUILT = "built: "
@@ -132,9 +134,10 @@ def _growth(name: str, times: Sequence[int]) -> dict[str, Any]:
 
 
 def _cost(name: str, digits: int, end: int) -> dict[str, Any]:
-    """CPU seconds of a proof and of runs that prove nothing: the least of two, interleaved.
+    """CPU seconds of a proof, the least of several, and of runs that prove nothing, interleaved.
 
-    What a run to a thousandth of the time takes, mostly for building, is taken off.
+    What a run to a thousandth of the time takes, mostly for building, is taken off each run: the
+    median of the differences, left out where the noise of building is larger.
     """
     scene = replace(library.load(name), outputs=())
     proof = certify(scene, [1], digits)  # compiles
@@ -152,21 +155,24 @@ def _cost(name: str, digits: int, end: int) -> dict[str, Any]:
         makers[label] = _run(scene.at((end,)), number, method)
         makers[_BUILT + label] = _run(scene.at((Fraction(end, 1000),)), number, method)
         makers[label]()  # compiles
-    seconds = dict.fromkeys(makers, math.inf)
-    for _ in range(2):
+    taken: dict[str, list[float]] = {label: [] for label in makers}
+    for _ in range(COST_TRIALS):
         for label, make in makers.items():
             began = time.process_time()
             found = make()
-            seconds[label] = min(seconds[label], time.process_time() - began)
+            taken[label].append(time.process_time() - began)
             if label == "proof":
                 proof = found
-    built = {label: seconds.pop(_BUILT + label) for label in runs}
+    seconds = {"proof": min(taken["proof"])}
     for label in runs:
-        seconds[label] = max(seconds[label] - built[label], 1e-6)
+        pairs = zip(taken[label], taken[_BUILT + label], strict=True)
+        seconds[label] = statistics.median(run - building for run, building in pairs)
+    seconds = {label: s for label, s in seconds.items() if s > 0}
     return {
         "case": name,
         "digits": digits,
         "end": end,
+        "trials": COST_TRIALS,
         "proven": round(proof.proven, 2),
         "noise": proof.noise,
         "tries": proof.tries,
