@@ -11,10 +11,11 @@ from polhode.common.errors import BadInput
 from polhode.common.text import few
 from polhode.judging.certified import Certified
 from polhode.judging.conditioning import Conditioning
-from polhode.judging.judgement import SHOWN, AnyReference, Judgement
+from polhode.judging.judgement import AnyReference, Judgement
 from polhode.judging.reference import Reference, Remembered, TwoPrecisions, reference
 from polhode.judging.subject import of_run, of_table
 from polhode.judging.table import Table, read_table, table_of_columns, table_of_rows
+from polhode.judging.wording import SHOWN
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.runs.request import choose_number

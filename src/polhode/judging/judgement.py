@@ -10,14 +10,14 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from polhode.common import upstairs
-from polhode.common.text import aligned, few
+from polhode.common.text import few
 from polhode.common.values import ByValue
 from polhode.equations.integrals import Drift
 from polhode.judging.by_processes import asked_by
 from polhode.judging.certified import Certified
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.digits import digits_of, errors, rate_scale
-from polhode.judging.limits import between, is_lost, limit, shown_digits, shown_expected
+from polhode.judging.limits import between, is_lost, limit
 from polhode.judging.lyapunov import Lyapunov, lyapunov
 from polhode.judging.many_rows import ManyRows, digits, many_rows
 from polhode.judging.omega_alone import OmegaAlone, omega_alone
@@ -25,10 +25,10 @@ from polhode.judging.reference import Reference, Remembered, TwoPrecisions, by_s
 from polhode.judging.rounding import Band
 from polhode.judging.subject import Subject, of_table
 from polhode.judging.table import Table
+from polhode.judging.wording import SHOWN, table, together
 from polhode.numbers.convert import exactly, to_mpf
-from polhode.numbers.decimals import brief, decimal_string, in_full, shortest
+from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import NumberType
 from polhode.scenes.words import STATE
 
 if TYPE_CHECKING:
@@ -38,8 +38,6 @@ SPARE_DIGITS = 6  # of the reference beyond what can be told
 FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
 FOLLOWED = 400  # times at which what rounding does to the motion is followed
 MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
-SHOWN = 11  # times that are printed
-_SHORT = 24  # characters of a time that is printed with all its digits
 
 AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
 
@@ -243,7 +241,28 @@ class Judgement(ByValue):
         return () if found is None else (found,)
 
     def __str__(self) -> str:
-        return _wording(self)
+        against = self.reference
+        known = f"to {against.agreement:.1f} digits"
+        estimated = f", which agree {known}: error estimated"
+        how = f", proven {known}" if against.is_proven else estimated
+        how = "" if against.is_closed_form else how
+        scene = f"{against.scene.name} ({against.regime})"
+        lines = [f"{self.subject.name} against {against.kind} of {scene}{how}"]
+        if self.digits:
+            lines += table(self.times, self.digits, self.expected, self.subject.number)
+            worst = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
+            lines.append(f"{self.lost or worst}; limited by {self.limit}")
+        lines.append(f"motion {self.motion}")
+        lines += [f"{name}: {digits:.2f} correct digits" for name, digits in self.parts.items()]
+        lines += [str(reading) for reading in self.readings]
+        if self.omega_alone is not None:
+            lines.append(str(self.omega_alone))
+        if self.drift is not None:
+            lines.append(f"drift {self.drift}")
+        if self.subject.projected and self.subject.run is not None:
+            lines.append(f"projected {self.subject.run.projection}")
+        lines += [f"not judged: {note}" for note in together(self.notes)]
+        return "\n".join(lines)
 
     def _repr_html_(self) -> str:
         return str(upstairs.call("output.notebook:of_judgement", self))
@@ -343,59 +362,3 @@ class Judgement(ByValue):
                         error = abs(side * to_mpf(exactly(x), self._bits) - y)
                         worst = min(worst, digits_of(error, self.subject.held))
         return worst
-
-
-def _wording(found: Judgement) -> str:
-    """A judgement in words."""
-    against = found.reference
-    known = f"to {against.agreement:.1f} digits"
-    how = f", proven {known}" if against.is_proven else f", which agree {known}: error estimated"
-    how = "" if against.is_closed_form else how
-    lines = [
-        f"{found.subject.name} against {against.kind} of {against.scene.name} ({against.regime})"
-        + how
-    ]
-    if found.digits:
-        shown, expected = few(len(found.digits), SHOWN), found.expected
-        header = ["t", "correct digits", f"expected in {found.subject.number.name}"]
-        rows = [
-            [
-                _time(found.times[k], found.subject.number),
-                shown_digits(found.digits[k], expected[k]),
-                shown_expected(expected[k]),
-            ]
-            for k in shown
-        ]
-        lines += aligned(header, rows)
-        if len(rows) < len(found.digits):
-            lines.append(f"({len(rows)} of {len(found.digits)} times; all of them with --json)")
-        worst = f"worst {found.worst:.2f} correct digits at t = {brief(found.worst_time)}"
-        lines.append(f"{found.lost or worst}; limited by {found.limit}")
-    lines.append(f"motion {found.motion}")
-    lines += [f"{name}: {digits:.2f} correct digits" for name, digits in found.parts.items()]
-    lines += [str(reading) for reading in found.readings]
-    if found.omega_alone is not None:
-        lines.append(str(found.omega_alone))
-    if found.drift is not None:
-        lines.append(f"drift {found.drift}")
-    if found.subject.projected and found.subject.run is not None:
-        lines.append(f"projected {found.subject.run.projection}")
-    lines += [f"not judged: {note}" for note in _together(found.notes)]
-    return "\n".join(lines)
-
-
-def _together(notes: tuple[str, ...]) -> list[str]:
-    """Notes, those about columns that are not in the file as one, in the first one's place."""
-    missing = [k for k, note in enumerate(notes) if note.endswith(" is not in the file")]
-    if len(missing) < 2:
-        return list(notes)
-    names = " ".join(notes[k].split()[1] for k in missing)
-    told = [note for k, note in enumerate(notes) if k not in missing[1:]]
-    told[missing[0]] = f"columns {names} are not in the file"
-    return told
-
-
-def _time(t: Fraction, number: NumberType) -> str:
-    """Every digit of a time, where they are few; of a number of the type as few as tell it."""
-    text = shortest(t, number) if number.rounded(t) == t else in_full(t)
-    return text if len(text) <= _SHORT else decimal_string(t, 17)

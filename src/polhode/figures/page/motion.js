@@ -291,6 +291,12 @@ function play(on) {
   redraw();
 }
 
+function draw() {
+  wanted = false;
+  for (const view of views) view.draw(time, shown);
+  tell();
+}
+
 let frames = 0, since = 0;
 
 function tick(now) {
@@ -301,11 +307,7 @@ function tick(now) {
     if (time > motion.end) time = motion.begin;
     wanted = true;
   }
-  if (wanted) {
-    wanted = false;
-    for (const view of views) view.draw(time, shown);
-    tell();
-  }
+  if (wanted) draw();
   frames += 1;
   if (now - since > 1000) {  // for whoever asks how smooth it is
     document.documentElement.dataset.frames = Math.round(1000 * frames / (now - since));
@@ -344,6 +346,7 @@ function start() {
   tellSpeed();
   const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
   play(hash.get("play") !== "0" && !still);
+  draw();  // the first moment does not wait for a frame, which a hidden page may never have
   requestAnimationFrame(now => { before = since = now; tick(now); });
 }
 
