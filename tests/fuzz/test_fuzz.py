@@ -20,6 +20,7 @@ from polhode.common import files
 from polhode.output import description
 from polhode.runs import sweep_results
 from polhode.taylor.integrator import Integrator
+from shared.commands import STEPPING
 
 FAST = {"scene": 600, "call": 1300, "table": 50, "command": 50}
 MANY = {"scene": 6000, "call": 6000, "table": 1000, "command": 1000}
@@ -326,14 +327,14 @@ def _status(pid: int) -> str:
 
 @pytest.mark.slow
 def test_sigterm_ends_a_run_as_ctrl_c_does():
-    command = [sys.executable, "-m", "polhode", "run", "top.toml", "--max-steps", "10000000000"]
+    command = [sys.executable, "-c", STEPPING, "run", "top.toml", "--max-steps", "10000000000"]
     with subprocess.Popen(
-        [*command, "--at", "1e9", "-o", "x.csv"], stderr=subprocess.PIPE, text=True
+        [*command, "--at", "1e9", "-o", "x.csv"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     ) as run:
-        time.sleep(3)
-        while "heyoka" not in Path(f"/proc/{run.pid}/maps").read_text():
-            time.sleep(0.5)
-        time.sleep(2)
+        assert run.stdout.readline() == "steps\n"
         run.terminate()
         told = run.stderr.read()
     assert run.returncode == 130

@@ -26,6 +26,7 @@ from polhode.taylor import heyoka_numbers, policy
 from polhode.taylor.build import build
 from polhode.taylor.integrator import Integrator
 from polhode.taylor.outcomes import Outcome
+from shared.commands import STEPPING
 from shared.motions import heavy_file, in_other_units, same_bits
 from shared.policies import change_policy
 
@@ -230,10 +231,10 @@ def test_step_limit_is_an_outcome_with_advice():
 
 
 def test_an_end_beyond_the_step_limit_is_refused_at_once():
-    began = time.perf_counter()
+    began = time.process_time()
     run = polhode.integrate("euler/largest-axis", at=[Fraction(10) ** 30])
     assert run.outcome is Outcome.STEP_LIMIT
-    assert time.perf_counter() - began < 20  # a hang would take hours; no timing is judged here
+    assert time.process_time() - began < 20  # a hang would take hours; no timing is judged here
 
 
 def test_a_state_that_becomes_infinite_is_an_outcome(monkeypatch):
@@ -250,7 +251,7 @@ def test_ctrl_c_ends_a_run_within_a_second_and_reports_what_was_reached(number):
     sent: list[float] = []
 
     def press() -> None:
-        sent.append(time.perf_counter())
+        sent.append(time.process_time())
         os.kill(os.getpid(), signal.SIGINT)
 
     timer = threading.Timer(1.0, press)
@@ -258,27 +259,27 @@ def test_ctrl_c_ends_a_run_within_a_second_and_reports_what_was_reached(number):
     times = [Fraction(k) for k in range(100, 40_000_000, 100_000)]
     timer.start()
     run = polhode.integrate(scene, number, at=times, max_steps=10**9)
-    ended = time.perf_counter()
+    ended = time.process_time()
     timer.join()
     assert run.outcome is Outcome.INTERRUPTED
     assert run.reached > 0
     assert len(run.times) == len(run.states) < len(times)
     assert all(t <= run.reached for t in run.times)
-    assert ended - sent[0] < 10  # a second on a quiet machine; the whole run would take minutes
+    assert ended - sent[0] < 5  # of processor time; the whole run would take minutes
 
 
 def test_ctrl_c_of_the_program_exits_130_and_writes_nothing(tmp_path):
     path = tmp_path / "x.csv"
-    code = "import sys; from polhode.cli import main; sys.exit(main(sys.argv[1:]))"
     asked = ["run", "euler/largest-axis", "--at", "100,1e10", "--max-steps", "1000000000000"]
     with subprocess.Popen(
-        [sys.executable, "-c", code, *asked, "-o", str(path)], stderr=subprocess.PIPE, text=True
+        [sys.executable, "-c", STEPPING, *asked, "-o", str(path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     ) as program:
-        time.sleep(3)  # for the start of Python and the compiler: the run itself would take hours
-        pressed = time.perf_counter()
+        assert program.stdout.readline() == "steps\n"
         program.send_signal(signal.SIGINT)
-        _, said = program.communicate(timeout=60)
-    assert time.perf_counter() - pressed < 10
+        _, said = program.communicate(timeout=60)  # the run itself would take hours
     assert program.returncode == 130
     assert "interrupted" in said
     assert not list(tmp_path.iterdir())

@@ -18,7 +18,7 @@ from polhode.scenes import scene_file
 from polhode.scenes.body import dot
 from polhode.scenes.scene import Scene
 
-MAX_SECONDS = 1.0
+MAX_SECONDS = 1.0  # of the processor
 
 FULL = """
 schema = 1
@@ -273,14 +273,14 @@ def test_what_is_not_a_scene_file_is_refused(tmp_path: Path) -> None:
 
 
 def scene_or_one_line(text: str) -> None:
-    began = time.perf_counter()
+    began = time.process_time()
     try:
         scene_file.parse(text, "top.toml")
     except BadInput as fault:
         line = str(fault)
     else:
         line = "top.toml: expected"
-    assert time.perf_counter() - began < MAX_SECONDS
+    assert time.process_time() - began < MAX_SECONDS
     assert line.startswith("top.toml: ")
     assert line.isprintable()
     assert "expected" in line

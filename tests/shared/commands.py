@@ -1,0 +1,17 @@
+"""Programs that tell the tests how far they are, so that none waits by the clock."""
+
+from __future__ import annotations
+
+#: ``polhode``, but that it prints a line as soon as it takes steps.
+STEPPING = """
+import sys
+from polhode.cli import main
+from polhode.taylor.integrator import Integrator
+chunk = Integrator.chunk
+def told(self, *given):
+    Integrator.chunk = chunk
+    print("steps", flush=True)
+    return chunk(self, *given)
+Integrator.chunk = told
+sys.exit(main())
+"""
