@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Iterator
 
 import mpmath
 import pytest
+from hypothesis import HealthCheck, settings
+
+# no example fails for a slow machine; CI draws the same ones each time, everybody else new ones
+settings.register_profile(
+    "polhode",
+    deadline=None,
+    derandomize="CI" in os.environ,
+    suppress_health_check=[HealthCheck.too_slow],
+)
+settings.load_profile("polhode")
 
 
 def pytest_configure() -> None:
