@@ -414,7 +414,7 @@ def test_the_bound_of_the_speed_is_above_it_but_not_far(name):
     times = [F(k, 20) for k in range(-40, 41)]
     with mpmath.workprec(128):
         fastest = max(mpmath.norm(mpmath.matrix(row[:3])) for row in top.at(times, 20))
-        assert fastest < top._attitude(128).speed() * (1 + mpf(10) ** -20) < 1.5 * fastest
+        assert fastest < top._attitude(128).speed * (1 + mpf(10) ** -20) < 1.5 * fastest
 
 
 def test_counting_next_to_a_permanent_rotation(monkeypatch):

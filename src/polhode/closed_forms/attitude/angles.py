@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, direction
 from polhode.closed_forms.attitude.winding import (
@@ -31,22 +31,30 @@ class Attitude(Protocol):
         ...
 
     def arguments(self, t: Any) -> tuple[Any, Any] | None:
-        """Growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0, where it is closed."""
+        """Growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0; None: it is to be counted."""
         ...
 
+    @property
     def speed(self) -> Any:
         """An upper bound of |w|."""
         ...
 
+
+@runtime_checkable
+class Countable(Attitude, Protocol):
+    """An attitude whose turns can be counted in doubles, where they are not closed."""
+
+    @property
     def fastest(self) -> Any:
         """An upper bound of the rates that the motion is made of."""
         ...
 
+    @property
     def bend(self) -> Any | None:
         """A bound of the quaternion's second derivative over speed^2, where there is one."""
         ...
 
-    def floats(self, speed: Any) -> Attitude:
+    def floats(self, speed: Any) -> Countable:
         """The same in doubles, time in units of 1/speed."""
         ...
 
@@ -124,7 +132,7 @@ def _start(source: Source, t: mpf, start: tuple[Any, Any]) -> tuple[Any, Any]:
     bits = max(mpmath.prec, _POLE_BITS)
     with mpmath.workprec(bits):
         attitude = source(bits)
-        speed = attitude.speed()
+        speed = attitude.speed
         soon = mpmath.sign(t) * mpmath.ldexp(1, -bits // 4) / speed if speed else mpf(0)
         q0, q1, q2, q3 = attitude.at(soon, MP)
         if not bt:
@@ -150,9 +158,11 @@ def _growths(
         return found
     used = max(_COUNTING_BITS, *(bits[i] for i in open_))
     with mpmath.workprec(used):
-        attitude, fn = source(used), numpy_functions()
-        speed = attitude.speed()
-        coarse = source(_COARSE_BITS).floats(speed)
+        attitude, rough, fn = source(used), source(_COARSE_BITS), numpy_functions()
+        assert isinstance(attitude, Countable)
+        assert isinstance(rough, Countable)
+        speed = attitude.speed
+        coarse = rough.floats(speed)
 
         def fine(t: mpf) -> tuple[Any, Any]:
             return fine_parameters(attitude.at(t / speed, MP))
@@ -162,14 +172,14 @@ def _growths(
 
         scaled = {i: times[i](used) * speed for i in open_}
         # No phase may outgrow the digits of a double; of a physical body none outruns |w|.
-        limit = longest() * speed / attitude.fastest()
+        limit = longest() * speed / attitude.fastest
         if max(abs(t) for t in scaled.values()) > limit:
             raise too_far(limit / speed)
         for side in (1, -1):
             chosen = sorted(
                 (i for i in open_ if side * scaled[i] >= 0), key=lambda i: side * scaled[i]
             )
-            counts = growth(fine, many, [scaled[i] for i in chosen], attitude.bend())
+            counts = growth(fine, many, [scaled[i] for i in chosen], attitude.bend)
             for i, count in zip(chosen, counts, strict=True):
                 found[i] = count
     return found

@@ -64,7 +64,7 @@ class Moving:
     start: Quaternion
     left: Quaternion
     right: Quaternion
-    largest: Any  # a bound of |w|
+    speed: Any  # a bound of |w|
     quickest: Any  # a bound of the rate of F
     period: Any | None = None  # after which F repeats up to its sign
     between: Between | None = None  # how the arguments of F grow, where it is not to be counted
@@ -81,18 +81,6 @@ class Moving:
 
     def _framed(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         return product(product(self.left, self.frame.at(t, fn)), self.right)
-
-    def speed(self) -> Any:
-        """An upper bound of |w|."""
-        return self.largest
-
-    def fastest(self) -> Any:
-        """An upper bound of the rates in the motion."""
-        return self.quickest
-
-    def bend(self) -> None:
-        """No bound of the second derivative is used."""
-        return None
 
     def floats(self, speed: Any) -> Moving:
         """F in the scene's axes in doubles, time in units of 1/speed."""

@@ -29,12 +29,12 @@ _LATER = 0.1237  # of a period: the count of whole periods begins at no special 
 class OneOrbit:
     """The quaternion body -> space as a function of time, at one precision.
 
-    ``turn`` is the attitude from 0 to ``period``; ``rate`` a bound of |w| and of sqrt(|w'|).
+    ``turn`` is the attitude from 0 to ``period``; ``speed`` a bound of |w| and of sqrt(|w'|).
     """
 
     start: Quaternion
     turn: Callable[[Any], Quaternion]
-    rate: Any
+    speed: Any
     period: Any
     _marks: dict[int, list[tuple[Any, Any]]] = field(default_factory=dict)
     _loops: dict[int, tuple[Sequence[Any], Sequence[Any]]] = field(default_factory=dict)
@@ -58,7 +58,7 @@ class OneOrbit:
             self._whole.append(mpmath.atan2(after[3], after[0]))
         return self._whole[0]
 
-    def arguments(self, t: Any) -> tuple[Any, Any] | None:
+    def arguments(self, t: Any) -> tuple[Any, Any]:
         """The growth of arg al and arg bt from time 0 to t."""
         sense = 1 if t > 0 else -1
         first = self.period * _LATER
@@ -70,25 +70,6 @@ class OneOrbit:
         more = self._from(sense, first, rest)
         one, other = (a + count * b + c for a, b, c in zip(begin, loop, more, strict=True))
         return one, other
-
-    def speed(self) -> Any:
-        """An upper bound of |w|."""
-        return self.rate
-
-    def fastest(self) -> Any:
-        """An upper bound of the rates that the motion is made of."""
-        return self.rate
-
-    def bend(self) -> Any:
-        """A bound of the quaternion's second derivative over ``rate``^2.
-
-        It is |w|^2/4 + |w'|/2, and |w'| <= |w|^2 + |Mg r0|/(least moment) <= 2 rate^2.
-        """
-        return mpf(5) / 4
-
-    def floats(self, speed: Any) -> OneOrbit:
-        """Not needed: the arguments' growth is always known."""
-        raise NotImplementedError
 
     def _turns(self, sense: int, first: Any) -> tuple[Sequence[Any], Sequence[Any]]:
         """The growth until ``first`` and over the period after it, counted once."""
@@ -106,7 +87,7 @@ class OneOrbit:
     def _from(self, sense: int, first: Any, span: Any) -> tuple[Any, Any]:
         """The growth from ``first`` over ``span``, both counted away from 0; marks are kept."""
         marks = self._marks.setdefault(sense, [(mpf(0), mpf(0))])
-        length = _STEP / self.rate
+        length = _STEP / self.speed
         number = int(span / length)
         while len(marks) <= number:
             a = first + (len(marks) - 1) * length
@@ -117,9 +98,12 @@ class OneOrbit:
 
     def _counted(self, begin: Any, end: Any) -> tuple[Any, Any]:
         def fine(x: Any) -> tuple[Any, Any]:
-            return self._parameters(x / self.rate)
+            return self._parameters(x / self.speed)
 
-        one, other = bisected(fine, begin * self.rate, end * self.rate, self.bend())
+        # The second derivative over speed^2 is at most |w|^2/4 + |w'|/2 over it, and
+        # |w'| <= |w|^2 + |Mg r0|/(least moment) <= 2 speed^2.
+        bend = mpf(5) / 4
+        one, other = bisected(fine, begin * self.speed, end * self.speed, bend)
         return mpf(one), mpf(other)
 
     def _parameters(self, t: Any) -> tuple[Any, Any]:

@@ -58,7 +58,7 @@ class Asymptotic:
             bt = -bt
         return al.real, bt.real, bt.imag, al.imag
 
-    def arguments(self, t: Any) -> tuple[Any, Any] | None:
+    def arguments(self, t: Any) -> tuple[Any, Any]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t.
 
         Without their common turn about the vertical the two parameters move at most at sqrt(2) in
@@ -77,17 +77,7 @@ class Asymptotic:
         one, other = bisected(fine, moved(self.v0), moved(self.v0 + self.nu * t))
         return turned + one, turned + other
 
+    @property
     def speed(self) -> Any:
         """An upper bound of |w|."""
         return abs(self.p) + 2 * self.nu
-
-    def fastest(self) -> Any:
-        """An upper bound of the rates that the motion is made of."""
-        return self.speed()
-
-    def bend(self) -> None:
-        """Not needed."""
-
-    def floats(self, speed: Any) -> Asymptotic:
-        """Not needed: the arguments' growth is always known."""
-        raise NotImplementedError

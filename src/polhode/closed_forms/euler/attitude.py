@@ -41,18 +41,21 @@ class EulerAttitude:
         a, b, c, d = (float(x) for x in self.start)
         return EulerAttitude(self.motion.floats(speed), self.axes.mapped(float), (a, b, c, d))
 
+    @property
     def speed(self) -> Any:
         """An upper bound of |w| over all time."""
         if isinstance(self.motion, PermanentRotation):
             return 2 * self.motion.half
         return speed_bound(self.motion)
 
+    @property
     def fastest(self) -> Any:
         """An upper bound of the rates that the motion is made of."""
         if isinstance(self.motion, PermanentRotation):
             return 2 * self.motion.half
-        return max(self.speed(), self.motion.rate, abs(self.motion.precession))
+        return max(self.speed, self.motion.rate, abs(self.motion.precession))
 
+    @property
     def bend(self) -> None:
         """No bound of the quaternion's second derivative is known here."""
 

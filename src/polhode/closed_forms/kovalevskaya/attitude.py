@@ -26,7 +26,7 @@ class KovalevskayaAttitude:
 
     state: MovingState
     start: Quaternion
-    rate: Any  # a bound of |w|
+    speed: Any  # a bound of |w|
 
     def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
@@ -50,31 +50,15 @@ class KovalevskayaAttitude:
             return t
 
         sides = ((1, ahead), (-1, back))
-        return {side: Azimuth(state, self.start, self.rate, clock) for side, state in sides}
+        return {side: Azimuth(state, self.start, self.speed, clock) for side, state in sides}
 
-    def arguments(self, t: Any) -> tuple[Any, Any] | None:
+    def arguments(self, t: Any) -> tuple[Any, Any]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
         return self._counted.arguments(t)
 
     @cached_property
     def _counted(self) -> Counted:
-        return Counted(lambda t: self.at(t, _NONE), self.rate)
-
-    def speed(self) -> Any:
-        """An upper bound of |w|."""
-        return self.rate
-
-    def fastest(self) -> Any:
-        """An upper bound of the rates that the motion is made of."""
-        return self.rate
-
-    def bend(self) -> Any:
-        """A bound of the quaternion's second derivative over ``rate``^2."""
-        return self._counted.bend
-
-    def floats(self, speed: Any) -> KovalevskayaAttitude:
-        """Not needed: the arguments' growth is always known."""
-        raise NotImplementedError
+        return Counted(lambda t: self.at(t, _NONE), self.speed)
 
 
 _NONE: Any = None

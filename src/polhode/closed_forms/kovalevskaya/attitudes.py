@@ -120,7 +120,7 @@ class Attitudes:
             start=self._first(bits),
             turn=self._turn(bits),
             exponent=self._start.exponent,
-            rate=self._rate(bits),
+            speed=self._rate(bits),
             third=self._axes.third,
             coarse=lambda: self._formula(TRACKING),
         )
@@ -147,7 +147,7 @@ class Attitudes:
             start=self._first(bits),
             turn=self._turn(bits),
             exponent=self._start.exponent,
-            rate=self._rate(bits),
+            speed=self._rate(bits),
         )
 
     def _averaged(self, t: Any, bits: int) -> AveragedAttitude:
@@ -167,7 +167,7 @@ class Attitudes:
             self._neighbours[key] = _certified(make, bits)
         return self._neighbours[key]
 
-    def _turns(self, bits: int, t: Any) -> tuple[Any, Any] | None:
+    def _turns(self, bits: int, t: Any) -> tuple[Any, Any]:
         """The growth of both arguments from 0 to t.
 
         A neighbour is nearer than 2^-(bits/4) all the way: it turns as the motion does, unless that
@@ -193,7 +193,7 @@ class Attitudes:
             start=self._first(used),
             turn=self._turn(used),
             exponent=self._start.exponent,
-            rate=self._rate(bits) * (1 + mpmath.ldexp(1, -16)),
+            speed=self._rate(bits) * (1 + mpmath.ldexp(1, -16)),
             third=self._axes.third,
             coarse=lambda: formula,
             tracking=used,

@@ -75,12 +75,12 @@ class DegenerateAttitude:
 
     #: The constants for a time of the scene and so many bits.
     formula: Callable[[Any, int], AveragedAttitude]
-    turns: Callable[[Any], tuple[Any, Any] | None]  # growth of both arguments
+    turns: Callable[[Any], tuple[Any, Any]]  # growth of both arguments
     bits: int  # of the answers
     start: Quaternion
     turn: Quaternion  # from the scene's axes to the top's
     exponent: int  # the top's unit of time is 2^-exponent
-    rate: Any  # a bound of |w|
+    speed: Any  # a bound of |w|
 
     def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t; ArithmeticError where it has no certificate."""
@@ -95,22 +95,6 @@ class DegenerateAttitude:
             bits += max(_MORE, self.bits + int(mpmath.mag(miss)))
         raise ArithmeticError("the attitude does not pass its certificate")
 
-    def arguments(self, t: Any) -> tuple[Any, Any] | None:
+    def arguments(self, t: Any) -> tuple[Any, Any]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
         return self.turns(t) if t else (mpf(0), mpf(0))
-
-    def speed(self) -> Any:
-        """An upper bound of |w|."""
-        return self.rate
-
-    def fastest(self) -> Any:
-        """An upper bound of the rates that the motion is made of."""
-        return self.rate
-
-    def bend(self) -> Any:
-        """A bound of the quaternion's second derivative over the rate's square; see the panels."""
-        return mpf(1)
-
-    def floats(self, speed: Any) -> DegenerateAttitude:
-        """Not needed: the arguments' growth is always known."""
-        raise NotImplementedError

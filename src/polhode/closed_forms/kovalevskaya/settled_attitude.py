@@ -31,6 +31,11 @@ class SettledAttitude:
         """The attitude at t = 0."""
         return self.panels.start
 
+    @property
+    def speed(self) -> Any:
+        """An upper bound of |w|."""
+        return self.panels.speed
+
     def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         near, angle = self._parts(t)
@@ -49,27 +54,11 @@ class SettledAttitude:
             return before, first * (t - before)
         return t, mpf(0)
 
-    def arguments(self, t: Any) -> tuple[Any, Any] | None:
+    def arguments(self, t: Any) -> tuple[Any, Any]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
         near, angle = self._parts(t)
-        found = self.panels.arguments(near)
-        return found and (found[0] + angle / 2, found[1] + angle / 2)
-
-    def speed(self) -> Any:
-        """An upper bound of |w|."""
-        return self.panels.speed()
-
-    def fastest(self) -> Any:
-        """An upper bound of the rates that the motion is made of."""
-        return self.panels.fastest()
-
-    def bend(self) -> Any:
-        """A bound of the quaternion's second derivative over the rate's square."""
-        return self.panels.bend()
-
-    def floats(self, speed: Any) -> SettledAttitude:
-        """Not needed: the arguments' growth is always known."""
-        raise NotImplementedError
+        one, other = self.panels.arguments(near)
+        return one + angle / 2, other + angle / 2
 
 
 def rate_of(w: Any, gamma: Any) -> Any:

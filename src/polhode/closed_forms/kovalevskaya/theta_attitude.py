@@ -46,7 +46,7 @@ class ThetaAttitude:
     start: Quaternion
     turn: Quaternion  # from the scene's axes to the top's
     exponent: int  # the top's unit of time is 2^-exponent
-    rate: Any  # a bound of |w|
+    speed: Any  # a bound of |w|
     third: int  # 1, -1: the scene's third axis is the top's, or its reverse; 0: neither
     coarse: Callable[[], CayleyKlein]  # at ``tracking`` bits
     tracking: int = TRACKING
@@ -95,22 +95,6 @@ class ThetaAttitude:
         xi, eta = grown
         return (eta, xi) if self.third > 0 else (xi, eta)
 
-    def speed(self) -> Any:
-        """An upper bound of |w|."""
-        return self.rate
-
-    def fastest(self) -> Any:
-        """An upper bound of the rates that the motion is made of."""
-        return self.rate
-
-    def bend(self) -> Any:
-        """A bound of the quaternion's second derivative over ``rate``^2; see the panels."""
-        return mpf(1)
-
-    def floats(self, speed: Any) -> ThetaAttitude:
-        """Not needed: the arguments' growth is always known."""
-        raise NotImplementedError
-
     def _counted(self, t: Any) -> tuple[Any, Any]:
         """The growth counted along the motion, about the scene's own third axis."""
         with mpmath.workprec(self.tracking):
@@ -126,7 +110,7 @@ class ThetaAttitude:
             xi, eta = made.at(mpmath.ldexp(t, self.exponent))
             return product(quaternion(xi, eta), self.turn)
 
-        return Counted(at, self.rate)
+        return Counted(at, self.speed)
 
     def _far(self, way: Pair) -> Any:
         """How much tracking a straight way in u takes."""
@@ -144,7 +128,7 @@ class ThetaAttitude:
         """
         with mpmath.workprec(self.tracking):
             made = self.coarse()
-            wide = mpmath.ldexp(self.rate, -self.exponent)
+            wide = mpmath.ldexp(self.speed, -self.exponent)
             bound = wide * self._far(way) / 2
             known: dict[Any, tuple[Any, Any]] = {}
 
@@ -188,6 +172,11 @@ class PeriodicAttitude:
         """The attitude at t = 0."""
         return self.panels.start
 
+    @property
+    def speed(self) -> Any:
+        """An upper bound of |w|."""
+        return self.panels.speed
+
     def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         n, rest = self._parts(t)
@@ -207,29 +196,11 @@ class PeriodicAttitude:
         n = int(mpmath.floor(t / self.period))
         return n, t - n * self.period
 
-    def arguments(self, t: Any) -> tuple[Any, Any] | None:
+    def arguments(self, t: Any) -> tuple[Any, Any]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
         q0, q1, q2, q3 = self.start
         n, rest = self._parts(t)
         if n in (0, -1) or not mpc(q0, q3) or not mpc(q1, q2):
             return self.panels.arguments(t)
         once, more = self.panels.arguments(self.period), self.panels.arguments(rest)
-        if once is None or more is None:
-            return None
         return n * once[0] + more[0], n * once[1] + more[1]
-
-    def speed(self) -> Any:
-        """An upper bound of |w|."""
-        return self.panels.speed()
-
-    def fastest(self) -> Any:
-        """An upper bound of the rates that the motion is made of."""
-        return self.panels.fastest()
-
-    def bend(self) -> Any:
-        """A bound of the quaternion's second derivative over the rate's square."""
-        return self.panels.bend()
-
-    def floats(self, speed: Any) -> PeriodicAttitude:
-        """Not needed: the arguments' growth is always known."""
-        raise NotImplementedError

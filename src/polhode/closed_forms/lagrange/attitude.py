@@ -54,20 +54,23 @@ class LagrangeAttitude:
         )
         return replace(self, motion=self.motion.floats(speed), rows=((a, b), (c, d)))
 
+    @property
     def speed(self) -> Any:
         """The largest |w|."""
         return self.motion.speed
 
+    @property
     def fastest(self) -> Any:
         """A bound of every rate in the motion."""
         return self.motion.fastest
 
+    @property
     def bend(self) -> Any:
         """A bound of the quaternion's second derivative over |w|^2, |w| the largest.
 
         It is at most |w|^2/4 + |w'|/2, and |w'| <= |1 - C/A| |w|^2/2 + Mg z0/A, C <= 2A.
         """
-        return (1 + self.torque / self.speed() ** 2) / 2
+        return (1 + self.torque / self.speed**2) / 2
 
     def arguments(self, t: Any) -> tuple[Any, Any] | None:
         """The growth of arg al and arg bt from time 0 to t, where it is closed; else None.

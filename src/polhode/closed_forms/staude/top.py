@@ -53,24 +53,14 @@ class _Uniform:
         c, s = fn.cos_sin(self.om * t / 2)
         return product((c, 0 * c, 0 * c, s), self.start) if t else self.start
 
-    def arguments(self, t: Any) -> tuple[Any, Any] | None:
+    def arguments(self, t: Any) -> tuple[Any, Any]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
         return self.om * t / 2, self.om * t / 2
 
+    @property
     def speed(self) -> Any:
         """|w|."""
         return abs(self.om)
-
-    def fastest(self) -> Any:
-        """|w|."""
-        return abs(self.om)
-
-    def bend(self) -> None:
-        """Not needed."""
-
-    def floats(self, speed: Any) -> _Uniform:
-        """Not needed: the arguments' growth is known."""
-        raise NotImplementedError
 
 
 class Staude(OrbitMotion):
