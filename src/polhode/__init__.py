@@ -55,7 +55,7 @@ if _TYPE_CHECKING:
     from polhode.judging.rolling import Rolling as Rolling
     from polhode.judging.rolling import rolling as rolling
     from polhode.output.archive import load_run as load_run
-    from polhode.runs.sweep import Ensemble as Ensemble
+    from polhode.runs.ensemble import Ensemble as Ensemble
     from polhode.runs.sweep import integrate_many as integrate_many
     from polhode.runs.trajectory import Trajectory as Trajectory
     from polhode.scenes.body import Body as Body
@@ -79,7 +79,7 @@ _HOMES = {
     "Certified": "judging.certified",
     "Conditioning": "judging.conditioning",
     "Enclosure": "enclosures.result",
-    "Ensemble": "runs.sweep",
+    "Ensemble": "runs.ensemble",
     "Event": "scenes.scene",
     "EventTimes": "taylor.outcomes",
     "Frequencies": "dynamics.frequencies",

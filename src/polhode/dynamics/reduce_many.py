@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING
 from polhode.common.arguments import steps, whole
 from polhode.common.progress import bar
 from polhode.common.provenance import provenance
-from polhode.common.values import ByValue
 from polhode.dynamics.jobs import Progress, carried_out
 from polhode.dynamics.kept import Kept
 from polhode.dynamics.reduction_jobs import Reduced, check, job_of, solve
 from polhode.dynamics.reductions import asked
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, Rows
+from polhode.runs.sweep_endings import Ended
 from polhode.runs.sweep_plan import planned
 from polhode.scenes import library, vary
 from polhode.scenes.scene import Scene
-from polhode.taylor.outcomes import OUTCOMES, Outcome, code
+from polhode.taylor.outcomes import Outcome, code
 
 if TYPE_CHECKING:
     import numpy as np
@@ -34,7 +34,7 @@ LANES = 8  # a job has a multiple of so many members
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Reductions(ByValue):
+class Reductions(Ended):
     """Some numbers of each member of a sweep, its states not kept.
 
     >>> import polhode
@@ -70,34 +70,15 @@ class Reductions(ByValue):
         return self.numbers[name]
 
     def __repr__(self) -> str:
-        count = sum(n for outcome, n in self.tally().items() if outcome.done)
-        how = "all reached the end" if self.done else f"{count} of them reached the end"
         return (
             f"<Reductions of {self.scene.name}: {len(self)} members in {self.number.name}, "
-            f"{len(self.numbers)} numbers each, {how}>"
+            f"{len(self.numbers)} numbers each, {self._reached()}>"
         )
 
     @property
     def names(self) -> tuple[str, ...]:
         """What the numbers are called."""
         return tuple(self.numbers)
-
-    def tally(self) -> dict[Outcome, int]:
-        """How many members ended how."""
-        import numpy as np
-
-        codes, counts = np.unique(self.endings, return_counts=True)
-        return {OUTCOMES[c]: int(n) for c, n in zip(codes, counts, strict=True)}
-
-    @property
-    def interrupted(self) -> bool:
-        """Whether Ctrl-C left members undone."""
-        return Outcome.NOT_RUN in self.tally()
-
-    @property
-    def done(self) -> bool:
-        """Whether every member reached the end."""
-        return all(outcome.done for outcome in self.tally())
 
 
 def reduce_many(

@@ -12,7 +12,7 @@ from polhode.numbers.convert import to_double
 from polhode.scenes.words import ANGLES, ATTITUDE, SPACE
 
 if TYPE_CHECKING:
-    from polhode.runs.sweep import Ensemble
+    from polhode.runs.ensemble import Ensemble
     from polhode.runs.trajectory import Trajectory
 
 

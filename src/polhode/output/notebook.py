@@ -15,7 +15,7 @@ from polhode.scenes.tops import kind_of_body
 
 if TYPE_CHECKING:
     from polhode.judging.judgement import Judgement
-    from polhode.runs.sweep import Ensemble
+    from polhode.runs.ensemble import Ensemble
     from polhode.runs.trajectory import Trajectory
     from polhode.scenes.scene import Scene
 

@@ -18,7 +18,7 @@ from polhode.output import results
 from polhode.taylor.outcomes import OUTCOMES
 
 if TYPE_CHECKING:
-    from polhode.runs.sweep import Ensemble
+    from polhode.runs.ensemble import Ensemble
     from polhode.scenes.vary import Grid
 
 

@@ -31,7 +31,7 @@ EVERY = 1.0  # seconds between two parts: what a kill may lose
 
 
 class Part(NamedTuple):
-    """Some members of a sweep, finished; see :class:`polhode.runs.sweep.Ensemble`."""
+    """Some members of a sweep, finished; see :class:`polhode.runs.ensemble.Ensemble`."""
 
     members: npt.NDArray[np.int64]
     states: Rows

@@ -27,7 +27,7 @@ from polhode.verbs.terminal import (
 
 if TYPE_CHECKING:
     from polhode.dynamics.reduce_many import Reductions
-    from polhode.runs.sweep import Ensemble
+    from polhode.runs.ensemble import Ensemble
 
 HELP = "many tops at once: numbers of a scene varied; bare steps, not projected"
 
@@ -70,7 +70,7 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Integrate many variants of a scene."""
     from polhode.output import sweeps
-    from polhode.runs.sweep import Ensemble
+    from polhode.runs.ensemble import Ensemble
     from polhode.scenes import vary
 
     scene = library.load(options.scene)
@@ -149,7 +149,7 @@ def _found(
 
 def _write(path: Path, found: Ensemble | Reductions) -> None:
     from polhode.output import reductions, sweeps
-    from polhode.runs.sweep import Ensemble
+    from polhode.runs.ensemble import Ensemble
 
     if isinstance(found, Ensemble):
         sweeps.write(path, found)
@@ -159,7 +159,7 @@ def _write(path: Path, found: Ensemble | Reductions) -> None:
 
 def _answer(found: Ensemble | Reductions) -> dict[str, Any]:
     from polhode.output import reductions, sweeps
-    from polhode.runs.sweep import Ensemble
+    from polhode.runs.ensemble import Ensemble
 
     if isinstance(found, Ensemble):
         return sweeps.of_ensemble(found)
@@ -168,6 +168,6 @@ def _answer(found: Ensemble | Reductions) -> dict[str, Any]:
 
 def _table(found: Ensemble | Reductions) -> tuple[list[str], list[list[str]]]:
     from polhode.output import reductions, sweeps
-    from polhode.runs.sweep import Ensemble
+    from polhode.runs.ensemble import Ensemble
 
     return sweeps.table(found) if isinstance(found, Ensemble) else reductions.table(found)
