@@ -12,7 +12,7 @@ from polhode.numbers import expression
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 from polhode.scenes import library
-from polhode.verbs.section import read_grid
+from polhode.verbs.section import level_options, read_grid
 from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
@@ -37,8 +37,6 @@ def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
     parser.add_argument("--digits", type=positive, metavar="D", help="of start and period (15)")
-    for key in ("h", "f"):
-        parser.add_argument(f"--{key}", metavar="X", help=f"{key} of the level, if not the scene's")
     parser.add_argument("--period", metavar="T", help="a guess of the period")
     returns = "near returns of the motion that are tried (10); of a search crossings (3)"
     parser.add_argument("--returns", type=positive, metavar="N", help=returns)
@@ -48,7 +46,7 @@ def options(parser: ArgumentParser) -> None:
     along = "the family along h (or f), at most N orbits (200), through folds"
     parser.add_argument("--continue", dest="along", metavar="h=[FROM:]TO[:N]", help=along)
     output = "the start as a scene, .toml; of a family or a search .npz; of a family .svg .png .pdf"
-    parser.add_argument("-o", dest="file", metavar="FILE", help=output)
+    level_options(parser, output)
 
 
 def main(options: Namespace) -> int:

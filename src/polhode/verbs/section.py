@@ -22,6 +22,7 @@ from polhode.verbs.terminal import (
 )
 
 HELP = "crossings of a section by many orbits on one level of energy and area"
+_OUTPUT = "FILE.npz, or a figure .svg, .png, .pdf; what was stopped goes on from FILE.parts"
 
 
 def options(parser: ArgumentParser) -> None:
@@ -41,11 +42,10 @@ def options(parser: ArgumentParser) -> None:
     level_options(parser)
 
 
-def level_options(parser: ArgumentParser) -> None:
-    """The level, and the file of what is found on it."""
+def level_options(parser: ArgumentParser, output: str = _OUTPUT) -> None:
+    """The level, and the file of what is found on it, of the kinds that ``output`` tells."""
     for key in ("h", "f"):
         parser.add_argument(f"--{key}", metavar="X", help=f"{key} of the level, if not the scene's")
-    output = "FILE.npz, or a figure .svg, .png, .pdf; what was stopped goes on from FILE.parts"
     parser.add_argument("-o", dest="file", metavar="FILE", help=output)
 
 
