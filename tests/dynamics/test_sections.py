@@ -206,14 +206,14 @@ def test_crossings_are_extrema_of_the_kind_asked_for(by, extremum):
 
 def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
     """Chunks that end on the first crossing, to the last bit, and 1e-14 to either side of it."""
-    from polhode.dynamics import section_starts, sections
+    from polhode.dynamics import section_jobs, section_starts
     from polhode.taylor import crossings
 
     asked = section_starts.asked_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
     on = geometry.ground(GENERIC, asked.h, asked.f)
     states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states
-    zero = sections.zero_of(GENERIC, on, "momentum")
-    (job,) = sections._jobs(asked, on, zero, -1, 4, states)
+    zero = section_jobs.zero_of(GENERIC, on, "momentum")
+    (job,) = section_jobs.jobs_of(asked, on, zero, -1, 4, states)
     plain = crossings.solve(job)
     for k in range(len(states)):
         for moved in (-1e-14, -1e-15, 0, 1e-15, 1e-14):

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import dataclass, field
-from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -14,23 +13,18 @@ from typing import Any
 from polhode.common.arguments import whole
 from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
-from polhode.dynamics import crossing_digits
+from polhode.dynamics import crossing_digits, section_jobs
 from polhode.dynamics.jobs import Progress, carried_out
 from polhode.dynamics.kept import Kept
 from polhode.dynamics.section_starts import MAXIMA, Asked, asked_of, starts_of
-from polhode.equations.integrals import first_integrals
 from polhode.equations.section_zero import HEIGHT, MOMENTUM
-from polhode.numbers.convert import to_double, to_extended
+from polhode.numbers.convert import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import AnyNumber, AnyVector, Doubles, Integers
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 
 MOST_CROSSINGS = 1_000_000
-LANES = 64  # orbits of a job: where one is over the next takes its lane
-CHUNK = 160.0  # radians of the fastest rate between two projections
-WORTH_A_PROCESS = 200_000  # crossings, of two seconds
-PATIENCE = 1000.0  # units of time without a crossing until an orbit is given up
 
 
 @dataclass(frozen=True, repr=False)
@@ -153,12 +147,12 @@ def section(
         starts = plan.starts
     on = geometry.ground(scene, asked.h, asked.f)
     found = starts_of(asked, on, starts, grid)
-    zero = zero_of(asked.scene, on, asked.by)
+    zero = section_jobs.zero_of(asked.scene, on, asked.by)
     direction = 0
     if asked.by in (MOMENTUM, HEIGHT):
         direction = -1 if asked.extremum == MAXIMA else 1
     _refuse_constant(asked, zero, found.states)
-    jobs = _jobs(asked, on, zero, direction, count, found.states)
+    jobs = section_jobs.jobs_of(asked, on, zero, direction, count, found.states)
     key = repr((scene.text, str(asked[1:]), count, direction, found.states.tobytes()))
     kept = None if parts is None else Kept(parts, "section", key)
     with kept or nullcontext():
@@ -166,11 +160,11 @@ def section(
             taylor.solve,
             jobs,
             [len(job.starts) for job in jobs],
-            workers or _workers(len(jobs), count),
+            workers or section_jobs.worth(len(jobs), count),
             executor,
             kept,
-            _packed,
-            _unpacked,
+            section_jobs.packed,
+            section_jobs.unpacked,
             progress,
             processes=True,
         )
@@ -183,20 +177,6 @@ def section(
     if asked.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
         _refuse_never_zero(asked, on, zero)
     return _result(asked, on, found.states[rows], crossed, interrupted, kept)
-
-
-def zero_of(scene: Scene, on: Any, by: str) -> Any:
-    """A section's function, scaled to order one."""
-    from polhode.equations.section_zero import SectionZero
-
-    moments = tuple(float(a) for a in on.moments)
-    side = -1.0 if on.weight < 0 else 1.0
-    size = on.largest_momentum if by == MOMENTUM else on.fastest
-    arm = tuple(float(side * x / (size or 1.0)) for x in on.frame[2])
-    if by == HEIGHT:
-        arm = tuple(float(x / (size or 1.0)) for x in on.frame[2])
-    rows = tuple(tuple(to_double(x) for x in row) for row in scene.body.axes.rows)
-    return SectionZero(by, moments, arm, rows, 2.0**scene.time_unit)  # type: ignore[arg-type]
 
 
 def _refuse_constant(asked: Asked, zero: Any, states: Any) -> None:
@@ -239,68 +219,6 @@ def _refuse_never_zero(asked: Asked, on: Any, zero: Any) -> None:
         f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g}, and no orbit crosses 0"
     )
     raise BadInput(asked.scene.name, "by", asked.by, expected)
-
-
-def _jobs(asked: Asked, on: Any, zero: Any, direction: int, count: int, states: Any) -> list[Any]:
-    import numpy as np
-
-    from polhode.equations.forms import principal
-    from polhode.taylor.crossings import CrossingJob
-    from polhode.taylor.on_level import Level
-
-    scene = asked.scene
-    known = level_of(scene, asked.h, asked.f)
-    k = tuple(
-        (name, to_double(x))
-        for name, x in principal.coefficients(scene.body, scene.time_unit).items()
-    )
-    chunk = 2.0 ** round(np.log2(CHUNK / (on.fastest or 1.0)))
-    patience = int(-(-PATIENCE // chunk))
-    assert isinstance(known, Level)
-    return [
-        CrossingJob(
-            k, zero, direction, count, np.inf, chunk, patience, known, states[first : first + LANES]
-        )
-        for first in range(0, len(states), LANES)
-    ]
-
-
-def level_of(scene: Scene, h: Exact, f: Exact) -> Any:
-    """The integrals of a level, as those of a scene on it."""
-    from polhode.equations import integrals
-    from polhode.taylor.on_level import Level
-
-    known = first_integrals(scene)
-    if integrals.CHAPLYGIN in known.onto and f != 0:
-        known = integrals.FirstIntegrals(known.onto[:-1], known.order, known.coefficients)
-    unit, largest = Fraction(2) ** scene.time_unit, max(scene.body.moments)
-    targets = (2 * h * unit * unit / largest, f * unit / largest, Fraction(1))
-    coefficients = {name: to_extended(x) for name, x in known.coefficients.items()}
-    return Level(known, coefficients, tuple(to_extended(x) for x in targets))
-
-
-def _workers(jobs: int, crossings: int) -> int:
-    """Processes: as many as pay, for each costs half a second to begin.
-
-    Threads would not do: at every crossing they wait for each other.
-    """
-    from polhode.runs.workers import cores
-
-    return max(1, min(cores(), jobs, jobs * LANES * crossings // WORTH_A_PROCESS))
-
-
-def _packed(result: Any) -> dict[str, Any]:
-    import numpy as np
-
-    return {**result._asdict(), "outcomes": np.array(result.outcomes)}
-
-
-def _unpacked(held: dict[str, Any]) -> Any:
-    from polhode.taylor.crossings import Crossed
-
-    held["outcomes"] = tuple(held["outcomes"].tolist())
-    held["drift"] = float(held["drift"])
-    return Crossed(**held)
 
 
 def _result(

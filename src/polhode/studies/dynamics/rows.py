@@ -12,7 +12,8 @@ import numpy as np
 from polhode.dynamics import section_states as geometry
 from polhode.dynamics.chaos_maps import VERDICTS, chaos_map
 from polhode.dynamics.levels import levels, topology
-from polhode.dynamics.sections import Section, level_of, section
+from polhode.dynamics.section_jobs import level_of
+from polhode.dynamics.sections import Section, section
 from polhode.numbers.convert import to_double
 from polhode.scenes import library
 from polhode.scenes.scene_file import parse
