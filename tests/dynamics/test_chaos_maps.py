@@ -12,6 +12,7 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.dynamics import chaos_maps
+from polhode.dynamics.first_tangents import tangents_of
 
 GENERIC = polhode.load("general/asymmetric-chaotic")
 LEVEL = {"h": 3, "f": Fraction(1, 2)}
@@ -72,7 +73,7 @@ def test_tangents_begin_across_what_never_grows_apart():
     on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
     states = geometry.momentum_states(on, *geometry.cells(5, 5), True).states
     many = (len(states), 1)
-    u = chaos_maps.tangents_of(states, np.tile(on.moments, many), np.tile(on.torque, many))
+    u = tangents_of(states, np.tile(on.moments, many), np.tile(on.torque, many))
     step = 1e-6
     ahead, behind = states + step * u, states - step * u
 

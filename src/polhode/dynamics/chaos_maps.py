@@ -21,13 +21,13 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from polhode.common.arguments import each, whole
+from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
+from polhode.dynamics import chaos_motions
+from polhode.dynamics.first_tangents import tangents_of
 from polhode.dynamics.jobs import Progress, carried_out
 from polhode.dynamics.kept import Kept
-from polhode.dynamics.section_starts import asked_of, starts_of
-from polhode.equations.section_zero import HEIGHT, MOMENTUM
 from polhode.judging.lyapunov import CHAOTIC
 from polhode.numbers.convert import exact_number, to_double
 from polhode.numbers.exact import Exact
@@ -35,15 +35,13 @@ from polhode.numbers.scalars import AnyNumber, Doubles, Integers
 from polhode.scenes import library, vary
 from polhode.scenes.scene import Scene
 
-GRID, END = (50, 50), 1000  # cells; units of the inner time
+END = 1000  # units of the inner time
 TOLERANCE = 1e-8  # no verdict of 2000 was another at eps
 REGULAR_GROWTH, REGULAR_MEGNO, SHORTEST = 2.5, 2.2, 1000.0
 LOOK, LEAST_LOOKS = 8.0, 16  # units of time between two looks, at most; looks, a multiple of this
 LANES = 256
-SEED = 18
 VERDICTS = ("regular", "undecided", "chaotic")
 MOST = 10_000_000  # units of time
-MOST_MOTIONS = 1_000_000
 
 
 @dataclass(frozen=True, repr=False)
@@ -133,18 +131,18 @@ def chaos_map(
     if tol is not None and not 2.0**-52 <= tol <= 1e-3:
         raise BadInput(scene.name, "tol", tol, "a tolerance from 2.2e-16 to 1e-3")
     if varied is None:
-        where = _on_section(scene, grid, by, extremum, h, f)
+        motions = chaos_motions.on_section(scene, grid, by, extremum, h, f)
     else:
         if grid is not None or h is not None or f is not None:
             raise BadInput(scene.name, "vary", None, "no grid and no level beside it")
-        where = _varied(scene, varied)
+        motions = chaos_motions.of_varied(scene, varied)
     looks = LEAST_LOOKS * max(1, int(np.ceil(length / LOOK / LEAST_LOOKS)))
-    starts, moments, torques, names, coefficients = where["motion"]
-    first = tangents_of(starts, moments, torques)
+    starts, coefficients = motions.starts, motions.coefficients
+    first = tangents_of(starts, motions.moments, motions.torques)
     early = (looks // 8, looks // 4, looks // 2)
     jobs = [
         tangents.TangentJob(
-            names,
+            motions.names,
             coefficients[k : k + LANES],
             starts[k : k + LANES],
             first[k : k + LANES],
@@ -186,136 +184,18 @@ def chaos_map(
     judged["until"] = judged["until"] * unit
     return ChaosMap(
         scene,
-        where["keys"],
-        where["shape"],
-        where["at"][rows],
-        where["cell"][rows],
+        motions.keys,
+        motions.shape,
+        motions.at[rows],
+        motions.cell[rows],
         **judged,
         end=to_double(last),
-        h=where["h"],
-        f=where["f"],
+        h=motions.h,
+        f=motions.f,
         interrupted=interrupted,
         kept=kept,
         provenance=provenance(scene.text),
     )
-
-
-def _on_section(
-    scene: Scene, grid: Any, by: str | None, extremum: str | None, h: Any, f: Any
-) -> dict[str, Any]:
-    """The motions that start in the cells of a section's grid."""
-    import numpy as np
-
-    from polhode.dynamics import section_states as geometry
-    from polhode.equations.forms import principal
-
-    plan = scene.section
-    asked = asked_of(scene, by or plan.by, extremum or plan.extremum, h, f)
-    if asked.by not in (MOMENTUM, HEIGHT):
-        raise BadInput(scene.name, "by", asked.by, "momentum or height, for a map")
-    on = geometry.ground(scene, asked.h, asked.f)
-    shape = tuple(whole(scene.name, "grid", n, 1, 10_000) for n in grid or GRID)
-    found = starts_of(asked, on, None, (shape[0], shape[1]))
-    of = found.of // 2 if asked.by == HEIGHT else found.of
-    angle, cosine = geometry.cells(shape[0], shape[1])
-    k = {n: to_double(x) for n, x in principal.coefficients(scene.body, scene.time_unit).items()}
-    many = (len(found.states), 1)
-    motion = (
-        found.states,
-        np.tile(on.moments, many),
-        np.tile(on.torque, many),
-        tuple(k),
-        np.tile(np.array([*k.values()]), many),
-    )
-    keys = ("azimuth", "u") if asked.by == HEIGHT else ("l", "L/G")
-    at = np.stack([angle[of], cosine[of]], axis=1)
-    return {
-        "keys": keys,
-        "shape": shape,
-        "at": at,
-        "cell": of,
-        "motion": motion,
-        "h": asked.h,
-        "f": asked.f,
-    }
-
-
-def _varied(scene: Scene, varied: vary.Vary) -> dict[str, Any]:
-    """The motions of a scene in which two numbers vary."""
-    import numpy as np
-
-    from polhode.equations.forms import principal
-
-    grid = vary.grid(varied, scene.name)
-    if len(grid.keys) != 2:
-        raise BadInput(scene.name, "vary", ", ".join(grid.keys), "two numbers of the scene")
-    if len(grid.rows) > MOST_MOTIONS:
-        expected = f"at most {MOST_MOTIONS}; a coarser grid"
-        raise BadInput(scene.name, "vary", f"{len(grid.rows)} motions", expected)
-    if scene.gamma is None:
-        raise BadInput(scene.name, "start.gamma", None, "given, for a map")
-    members = vary.Members(scene, grid)
-    unit = 2.0**scene.time_unit
-    rows = np.array([[to_double(x) for x in row] for row in grid.rows])
-    axes = [np.unique(rows[:, k]) for k in (0, 1)]
-    first, second = (np.searchsorted(axis, rows[:, k]) for k, axis in enumerate(axes))
-    cell = first * len(axes[1]) + second
-    starts, moments, torques, every = [], [], [], []
-    for member in members:
-        turned = member.body.axes.components
-        assert member.gamma is not None
-        starts.append([unit * to_double(x) for x in turned(member.omega)])
-        starts[-1] += [to_double(x) for x in turned(member.gamma)]
-        moments.append([to_double(a) for a in member.body.moments])
-        torques.append([unit**2 * to_double(x) for x in turned(member.body.torque)])
-        every.append(principal.coefficients(member.body, scene.time_unit))
-    names = tuple(name for name in principal.NAMES if any(name in k for k in every))
-    values = np.array([[to_double(k.get(name, 0)) for name in names] for k in every])
-    motion = np.array(starts), np.array(moments), np.array(torques), names, values
-    keys = (grid.keys[0], grid.keys[1])
-    return {
-        "keys": keys,
-        "shape": (len(axes[0]), len(axes[1])),
-        "at": rows,
-        "cell": cell,
-        "motion": motion,
-        "h": None,
-        "f": None,
-    }
-
-
-def tangents_of(starts: Any, moments: Any, torques: Any, alike: bool = False) -> Any:
-    """Unit tangents across the flow and the gradients of h, f and |gamma|^2, else at random.
-
-    ``alike``: the random part is the same for all, so that none depends on the others.
-    """
-    import numpy as np
-
-    shape = starts.shape[1:] if alike else starts.shape
-    found = np.random.default_rng(SEED).normal(size=shape) + 0 * starts
-    w, g = starts[:, :3], starts[:, 3:]
-    G = w * moments
-    zero = np.zeros_like(g)
-    flow = np.concatenate(
-        [(np.cross(g, torques) - np.cross(w, G)) / moments, np.cross(g, w)], axis=1
-    )
-    across = [
-        np.concatenate([G, torques], axis=1),
-        np.concatenate([g * moments, G], axis=1),
-        np.concatenate([zero, g], axis=1),
-        flow,
-    ]
-    basis: list[Any] = []
-    for vector in across:  # Gram and Schmidt, twice
-        for _ in range(2):
-            for other in basis:
-                vector = vector - (vector * other).sum(axis=1)[:, None] * other
-        size = np.sqrt((vector * vector).sum(axis=1))[:, None]
-        basis.append(np.where(size > 1e-12, vector / np.maximum(size, 1e-300), 0.0))
-    for _ in range(2):
-        for other in basis:
-            found = found - (found * other).sum(axis=1)[:, None] * other
-    return found / np.sqrt((found * found).sum(axis=1))[:, None]
 
 
 def _judged(sizes: Any, last: Any, length: float) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from polhode.dynamics.first_tangents import tangents_of
 from polhode.numbers.convert import to_double
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.scalars import Doubles, Integers
@@ -37,7 +38,6 @@ def digits(scene: Scene, starts: Any, times: Any, workers: int | None = None) ->
     """
     import numpy as np
 
-    from polhode.dynamics.chaos_maps import tangents_of
     from polhode.dynamics.jobs import carried_out
     from polhode.equations.forms import principal
     from polhode.taylor import tangents
