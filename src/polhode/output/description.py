@@ -12,7 +12,7 @@ from polhode.equations.form import equations, source
 from polhode.judging.reference import Reference
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers.decimals import shown
-from polhode.output import results
+from polhode.output import results, tables
 from polhode.scenes.scene import Scene
 from polhode.scenes.tops import kind_of_body
 
@@ -52,7 +52,7 @@ def described(scene: Scene) -> dict[str, Any]:
         "form": scene.form,
         "source": source(scene.form),
         "variables": list(equations(scene).variables),
-        "columns": results.columns_of(scene),
+        "columns": tables.columns_of(scene),
         "coefficients": sorted(equations(scene).coefficients),
         "times": len(scene.times),
         "end": shown(scene.end),

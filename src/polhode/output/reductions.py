@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from polhode.common.files import is_stream, npz, write_whole
 from polhode.common.interrupts import delayed
 from polhode.numbers.decimals import shown, strings
-from polhode.output import results
+from polhode.output import results, tables
 from polhode.output.sweeps import spread, value_text, values
 from polhode.taylor.outcomes import OUTCOMES
 
@@ -73,7 +73,7 @@ def _write(path: Path, found: Reductions) -> None:
         write_whole({path: npz(arrays(found))})
         return
     header, lines = table(found)
-    results.write_table(path, [header, *lines], _about(found) | {"provenance": found.provenance})
+    tables.write_table(path, [header, *lines], _about(found) | {"provenance": found.provenance})
 
 
 def _about(found: Reductions) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from polhode.equations.integrals import Drift
 from polhode.numbers import decimals
 from polhode.numbers.decimals import decimal_in_full, shortest, shown, strings
 from polhode.numbers.exact import Exact
-from polhode.output import results
+from polhode.output import results, tables
 from polhode.taylor.outcomes import OUTCOMES
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def _members(found: Ensemble, states: bool) -> Iterator[dict[str, Any]]:
 def check_path(path: Path, inputs: Sequence[Path | None] = ()) -> None:
     """Refuse a path that cannot be written, before anything is integrated; raises BadInput."""
     if path.suffix.lower() == ".csv":
-        results.check_paths(path, inputs)
+        tables.check_paths(path, inputs)
     else:
         check_writable(path, [".npz", ".csv"], inputs)
 
@@ -79,7 +79,7 @@ def _write(path: Path, found: Ensemble) -> None:
         return
     short = not is_stream(path)
     beside = ({"t_bits": found.number.bits} if short else {}) | of_ensemble(found, states=False)
-    results.write_table(path, _rows(found, short), beside)
+    tables.write_table(path, _rows(found, short), beside)
 
 
 def arrays(found: Ensemble) -> dict[str, Any]:

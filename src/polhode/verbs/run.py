@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from polhode.numbers.decimals import brief
-from polhode.output import results
+from polhode.output import results, tables
 from polhode.scenes import library
 from polhode.verbs.terminal import (
     DONE,
@@ -77,7 +77,7 @@ def main(options: Namespace) -> int:
         scene = replace(scene, outputs=tuple(o for o in options.outputs.split(",") if o))
     path = None if options.file is None else Path(options.file)
     if path is not None:
-        results.check_paths(path, [library.path_of(options.scene)])
+        tables.check_paths(path, [library.path_of(options.scene)])
         refuse_two_on_stdout(path, options.json)
     reference = reference_of(scene)
     with Progress("run") as progress:
@@ -94,7 +94,7 @@ def main(options: Namespace) -> int:
     answer = results.of_run(found, reference.regime)
     done = found.outcome.done
     if path is not None and done:
-        results.write_trajectory(path, answer)
+        tables.write_trajectory(path, answer)
     if options.json:
         print_json(answer)
     elif path is None:

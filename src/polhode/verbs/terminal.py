@@ -20,7 +20,7 @@ from polhode.common.text import aligned
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
-from polhode.output import results
+from polhode.output import results, tables
 from polhode.runs.kept_folder import KeptFolder
 from polhode.scenes.scene import Scene
 
@@ -126,7 +126,7 @@ def print_json(value: Any) -> None:
 
 def print_rows(answer: dict[str, Any], *, short: bool = False) -> None:
     """The rows of an answer as a table on stdout; ``short``: see ``rows_of``."""
-    header, rows = results.rows_of(answer, short=short)
+    header, rows = tables.rows_of(answer, short=short)
     print_table(header, rows)
 
 
