@@ -39,10 +39,10 @@ def test_the_same_digits_as_one_by_one(name, error, monkeypatch):
         return polhode.compare(rows, scene, at=scene.times, columns=COLUMNS)
 
     quick = judged()
-    assert quick._many is not None
+    assert quick._held.many is not None
     monkeypatch.setattr(many_rows, "FEWEST", 10**9)
     slow = judged()
-    assert slow._many is None
+    assert slow._held.many is None
     assert np.allclose(quick.digits, slow.digits, rtol=0, atol=0.005)
     assert quick.worst_time == slow.worst_time
     assert abs(quick.parts["attitude"] - slow.parts["attitude"]) < 0.005
@@ -63,7 +63,7 @@ def test_a_wrong_row_is_found_among_many():
     scene, rows = rows_of("lagrange/nutation", 300, 0.0)
     rows[211, 4] += 1e-7
     found = polhode.compare(rows, scene, at=scene.times, columns=COLUMNS)
-    assert found._many is not None
+    assert found._held.many is not None
     assert found.worst_time == scene.times[211]
     assert 6.9 < found.worst < 7.1
 
@@ -75,7 +75,7 @@ def test_empty_cells_and_a_quaternion_of_the_other_sign():
     gaps = tuple(None if k % 3 else x for k, x in enumerate(table.columns["p"]))
     table = replace(table, columns=table.columns | {"p": gaps})
     found = polhode.compare(table, scene)
-    assert found._many is not None
+    assert found._held.many is not None
     assert 9 < found.worst < 11
     assert 9 < found.parts["attitude"] < 11
 
@@ -92,7 +92,7 @@ def test_pairs_that_are_wrong_are_not_believed(monkeypatch):
 
     monkeypatch.setattr(against, "columns", off)
     found = polhode.compare(rows, against, at=scene.times, columns=COLUMNS)
-    assert found._many is None
+    assert found._held.many is None
     assert 12.5 < found.worst < 14
 
 
@@ -108,7 +108,7 @@ def test_what_is_no_number_is_not_taken_for_right(monkeypatch):
 
     monkeypatch.setattr(against, "columns", broken)
     found = polhode.compare(rows, against, at=scene.times, columns=COLUMNS)
-    assert found._many is None
+    assert found._held.many is None
     assert 12.5 < found.worst < 14
 
 
@@ -117,7 +117,7 @@ def test_numbers_beyond_doubles_are_judged_one_by_one():
     exact = [[Fraction(float(x)) for x in row[:6]] for row in rows]
     exact[3][1] = Fraction(10) ** 400
     found = polhode.compare(exact, scene, at=scene.times, columns=COLUMNS[:6])
-    assert found._many is None
+    assert found._held.many is None
     assert found.worst == 0
 
 
@@ -159,7 +159,7 @@ def test_a_file_of_the_attitude_alone():
     scene, rows = rows_of("euler/attitude", 120, 1e-12)
     quick = polhode.compare(rows[:, 6:], scene, at=scene.times, columns=COLUMNS[6:])
     few = polhode.compare(rows[:50, 6:], scene, at=scene.times[:50], columns=COLUMNS[6:])
-    assert quick._many is not None
-    assert few._many is None
+    assert quick._held.many is not None
+    assert few._held.many is None
     assert quick.digits == ()
     assert 11.9 < quick.parts["attitude"] <= few.parts["attitude"] < 12.6

@@ -11,7 +11,8 @@ from polhode.common.errors import BadInput
 from polhode.common.text import few
 from polhode.judging.certified import Certified
 from polhode.judging.conditioning import Conditioning
-from polhode.judging.judgement import AnyReference, Judgement
+from polhode.judging.held_against import AnyReference
+from polhode.judging.judgement import Judgement
 from polhode.judging.reference import Reference, Remembered, TwoPrecisions, reference
 from polhode.judging.subject import of_run, of_table
 from polhode.judging.table import Table, read_table, table_of_columns, table_of_rows

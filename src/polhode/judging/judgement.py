@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 from polhode.common import upstairs
 from polhode.common.text import few
 from polhode.common.values import ByValue
 from polhode.equations.integrals import Drift
-from polhode.judging.by_processes import asked_by
-from polhode.judging.certified import Certified
 from polhode.judging.conditioning import Conditioning, conditioning
-from polhode.judging.digits import digits_of, errors, rate_scale
+from polhode.judging.held_against import AnyReference, HeldAgainst
 from polhode.judging.limits import between, is_lost, limit
 from polhode.judging.lyapunov import Lyapunov, lyapunov
-from polhode.judging.many_rows import ManyRows, digits, many_rows
 from polhode.judging.omega_alone import OmegaAlone, omega_alone
-from polhode.judging.reference import Reference, Remembered, TwoPrecisions, by_sign, rows
+from polhode.judging.reference import by_sign
 from polhode.judging.rounding import Band
 from polhode.judging.subject import Subject, of_table
 from polhode.judging.table import Table
 from polhode.judging.wording import SHOWN, table, together
-from polhode.numbers.convert import exactly, to_mpf
+from polhode.numbers.convert import to_mpf
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.scenes.words import STATE
@@ -34,12 +30,8 @@ from polhode.scenes.words import STATE
 if TYPE_CHECKING:
     from polhode.judging.conventions import Reading
 
-SPARE_DIGITS = 6  # of the reference beyond what can be told
-FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
 FOLLOWED = 400  # times at which what rounding does to the motion is followed
 MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
-
-AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -69,18 +61,13 @@ class Judgement(ByValue):
         return self.subject.times
 
     @cached_property
+    def _held(self) -> HeldAgainst:
+        return HeldAgainst(self.subject, self.reference, self.workers)
+
+    @property
     def digits(self) -> tuple[float, ...]:
         """Correct digits of the state at each time; empty where no column of it is there."""
-        if not self.subject.columns:
-            return ()
-        if self._many is not None:
-            return tuple(digits(self._many.errors, self.subject.held))
-        return self._digits(self.subject.states)
-
-    @cached_property
-    def _many(self) -> ManyRows | None:
-        """The rows judged all at once, where that can be."""
-        return many_rows(self.subject, self.reference)
+        return self._held.digits
 
     @property
     def worst(self) -> float:
@@ -188,7 +175,7 @@ class Judgement(ByValue):
     @property
     def parts(self) -> dict[str, float]:
         """Correct digits of angles and attitude over all times, by absolute error."""
-        return {name: found for name, found in self._parts.items() if isinstance(found, float)}
+        return {name: found for name, found in self._held.parts.items() if isinstance(found, float)}
 
     @property
     def drift(self) -> Drift | None:
@@ -200,7 +187,7 @@ class Judgement(ByValue):
         """What was not judged, and why."""
         unjudged = [
             f"{name} were not judged: {found}"
-            for name, found in self._parts.items()
+            for name, found in self._held.parts.items()
             if isinstance(found, str)
         ]
         if isinstance(self._drift, str):
@@ -215,8 +202,9 @@ class Judgement(ByValue):
             return None
         if any(None in row[:3] for row in omega):
             return None
-        given = [[to_mpf(x, self._bits) for x in row[:3]] for row in omega]
-        return omega_alone(scene, self.times, given, self._rows, self._bits)
+        held = self._held
+        given = [[to_mpf(x, held.bits) for x in row[:3]] for row in omega]
+        return omega_alone(scene, self.times, given, held.rows, held.bits)
 
     @cached_property
     def readings(self) -> tuple[Reading, ...]:
@@ -271,94 +259,6 @@ class Judgement(ByValue):
         told = f"{self.worst:.2f} correct digits" if self.digits else "no state judged"
         return f"<Judgement of {self.subject.name} against {self.reference.kind}: {told}>"
 
-    @property
-    def _wanted(self) -> int:
-        return math.ceil(self.subject.held) + SPARE_DIGITS
-
-    @property
-    def _bits(self) -> int:
-        return math.ceil(self._wanted * math.log2(10)) + 32
-
-    @cached_property
-    def _rows(self) -> list[Any]:
-        """The reference's states, to as many digits as tell those that are right."""
-        ask, states = self._ask("at"), self.subject.states
-        if not self.subject.columns:
-            return rows(ask, self.times, self._wanted)
-        start = [to_mpf(x, self._bits) for x in self.reference.scene.start]
-        there = [
-            k for k, t in enumerate(self.times) if t != 0 and any(x is not None for x in states[k])
-        ]
-
-        def most_right(found: list[Any]) -> float:
-            digits = self._digits(states, found)
-            return max((digits[k] for k in there), default=0.0)
-
-        found = self._true(ask, most_right)
-        return [row if t else start for t, row in zip(self.times, found, strict=True)]
-
-    def _ask(self, question: str) -> Callable[..., Any]:
-        """What the reference answers, by as many processes as there are to be."""
-        if isinstance(self.reference, Reference):
-            return asked_by(self.reference, question, self.workers)
-        found: Callable[..., Any] = getattr(self.reference, question)
-        return found
-
-    def _true(self, ask: Callable[..., Any], right: Callable[[list[Any]], float]) -> list[Any]:
-        """A reference's rows, asked for more digits until none that are right hide behind them.
-
-        So a table of a thousand digits, few of them right, costs no reference of a thousand.
-        ``right``: how many are right, held against given rows.
-        """
-        wanted = min(self._wanted, FIRST_ASKED)
-        while True:
-            found = rows(ask, self.times, wanted)
-            if wanted == self._wanted or right(found) < wanted - SPARE_DIGITS:
-                return found
-            wanted = min(self._wanted, 4 * wanted)
-
-    def _digits(self, states: Any, true: list[Any] | None = None) -> tuple[float, ...]:
-        true = self._rows if true is None else true
-        scale = rate_scale(true, self.reference.scene, self._bits)
-        found = errors(states, true, scale, self._bits)
-        return tuple(digits_of(error, self.subject.held) for error in found)
-
     @cached_property
     def _drift(self) -> Drift | str:
-        return self.subject.drift(self.reference.scene, self._bits)
-
-    @cached_property
-    def _parts(self) -> dict[str, float | str]:
-        """Digits of angles and attitude, or why there are none."""
-        found: dict[str, float | str] = {}
-        for name in ("angles", "attitude"):
-            own = getattr(self.subject, name)
-            if own is None:
-                continue
-            if name == "attitude" and self._many is not None and self._many.attitude is not None:
-                held = self.subject.held
-                found[name] = min(digits(self._many.attitude, held), default=held)
-                continue
-            try:
-                true = self._true(self._ask(name), partial(self._part, name, own))
-            except ValueError as fault:  # BadInput is one
-                found[name] = str(fault)
-                continue
-            found[name] = self._part(name, own, true)
-        return found
-
-    def _part(self, name: str, own: Any, true: list[Any]) -> float:
-        signs = (1, -1) if name == "attitude" else (1,)  # a quaternion may have either
-        return max(self._part_digits(own, true, s) for s in signs)
-
-    def _part_digits(self, own: Any, true: list[Any], side: int) -> float:
-        from polhode.numbers.private import mpmath
-
-        worst = self.subject.held
-        with mpmath.workprec(self._bits):
-            for mine, right in zip(own, true, strict=True):
-                for x, y in zip(mine, right, strict=True):
-                    if x is not None and y is not None:
-                        error = abs(side * to_mpf(exactly(x), self._bits) - y)
-                        worst = min(worst, digits_of(error, self.subject.held))
-        return worst
+        return self.subject.drift(self.reference.scene, self._held.bits)

@@ -1,0 +1,139 @@
+"""A subject held against a reference: how many of its digits are right, of each part."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any, TypeAlias
+
+from polhode.judging.by_processes import asked_by
+from polhode.judging.certified import Certified
+from polhode.judging.digits import digits_of, errors, rate_scale
+from polhode.judging.many_rows import ManyRows, digits, many_rows
+from polhode.judging.reference import Reference, Remembered, TwoPrecisions, rows
+from polhode.judging.subject import Subject
+from polhode.numbers.convert import exactly, to_mpf
+
+SPARE_DIGITS = 6  # of the reference beyond what can be told
+FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
+
+AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
+
+
+@dataclass(frozen=True, eq=False)
+class HeldAgainst:
+    """The right digits of a subject, the reference asked for no more digits than tell them.
+
+    ``workers``: processes that may ask the reference.
+    """
+
+    subject: Subject
+    reference: AnyReference
+    workers: int = 1
+
+    @cached_property
+    def digits(self) -> tuple[float, ...]:
+        """Correct digits of the state at each time; empty where no column of it is there."""
+        if not self.subject.columns:
+            return ()
+        if self.many is not None:
+            return tuple(digits(self.many.errors, self.subject.held))
+        return self._digits(self.subject.states)
+
+    @cached_property
+    def many(self) -> ManyRows | None:
+        """The rows judged all at once, where that can be."""
+        return many_rows(self.subject, self.reference)
+
+    @property
+    def _wanted(self) -> int:
+        return math.ceil(self.subject.held) + SPARE_DIGITS
+
+    @property
+    def bits(self) -> int:
+        """The working precision of what is compared."""
+        return math.ceil(self._wanted * math.log2(10)) + 32
+
+    @cached_property
+    def rows(self) -> list[Any]:
+        """The reference's states at the times, to as many digits as tell those that are right."""
+        ask, states = self._ask("at"), self.subject.states
+        if not self.subject.columns:
+            return rows(ask, self.subject.times, self._wanted)
+        start = [to_mpf(x, self.bits) for x in self.reference.scene.start]
+        there = [
+            k
+            for k, t in enumerate(self.subject.times)
+            if t != 0 and any(x is not None for x in states[k])
+        ]
+
+        def most_right(found: list[Any]) -> float:
+            digits = self._digits(states, found)
+            return max((digits[k] for k in there), default=0.0)
+
+        found = self._true(ask, most_right)
+        return [row if t else start for t, row in zip(self.subject.times, found, strict=True)]
+
+    def _ask(self, question: str) -> Callable[..., Any]:
+        """What the reference answers, by as many processes as there are to be."""
+        if isinstance(self.reference, Reference):
+            return asked_by(self.reference, question, self.workers)
+        found: Callable[..., Any] = getattr(self.reference, question)
+        return found
+
+    def _true(self, ask: Callable[..., Any], right: Callable[[list[Any]], float]) -> list[Any]:
+        """A reference's rows, asked for more digits until none that are right hide behind them.
+
+        So a table of a thousand digits, few of them right, costs no reference of a thousand.
+        ``right``: how many are right, held against given rows.
+        """
+        wanted = min(self._wanted, FIRST_ASKED)
+        while True:
+            found = rows(ask, self.subject.times, wanted)
+            if wanted == self._wanted or right(found) < wanted - SPARE_DIGITS:
+                return found
+            wanted = min(self._wanted, 4 * wanted)
+
+    def _digits(self, states: Any, true: list[Any] | None = None) -> tuple[float, ...]:
+        true = self.rows if true is None else true
+        scale = rate_scale(true, self.reference.scene, self.bits)
+        found = errors(states, true, scale, self.bits)
+        return tuple(digits_of(error, self.subject.held) for error in found)
+
+    @cached_property
+    def parts(self) -> dict[str, float | str]:
+        """Digits of angles and attitude, or why there are none."""
+        found: dict[str, float | str] = {}
+        for name in ("angles", "attitude"):
+            own = getattr(self.subject, name)
+            if own is None:
+                continue
+            if name == "attitude" and self.many is not None and self.many.attitude is not None:
+                held = self.subject.held
+                found[name] = min(digits(self.many.attitude, held), default=held)
+                continue
+            try:
+                true = self._true(self._ask(name), partial(self._part, name, own))
+            except ValueError as fault:  # BadInput is one
+                found[name] = str(fault)
+                continue
+            found[name] = self._part(name, own, true)
+        return found
+
+    def _part(self, name: str, own: Any, true: list[Any]) -> float:
+        signs = (1, -1) if name == "attitude" else (1,)  # a quaternion may have either
+        return max(self._part_digits(own, true, s) for s in signs)
+
+    def _part_digits(self, own: Any, true: list[Any], side: int) -> float:
+        from polhode.numbers.private import mpmath
+
+        worst = self.subject.held
+        with mpmath.workprec(self.bits):
+            for mine, right in zip(own, true, strict=True):
+                for x, y in zip(mine, right, strict=True):
+                    if x is not None and y is not None:
+                        error = abs(side * to_mpf(exactly(x), self.bits) - y)
+                        worst = min(worst, digits_of(error, self.subject.held))
+        return worst
