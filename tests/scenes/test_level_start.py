@@ -10,6 +10,7 @@ import polhode
 from polhode.numbers.exact import sign
 from polhode.scenes import scene_file, vary
 from polhode.scenes.body import cross, dot
+from polhode.scenes.members import Members
 
 HEAD = "schema = 1\n[body]\nmoments = [2, 1.5, 1]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
 TURNED = (
@@ -52,11 +53,11 @@ def test_a_run_starts_there_and_stays_on_the_level():
 def test_numbers_of_a_level_can_be_varied():
     scene = scene_file.parse(HEAD + LEVEL + 'sign = "-"\n')
     grid = vary.grid({"start.h": ["3", "4"], "start.f": "0:1:3"}, "scene")
-    found = vary.Members(scene, grid)
+    found = Members(scene, grid)
     assert [m.integrals.energy for m in found] == [3, 3, 3, 4, 4, 4]
     assert [m.integrals.area for m in found] == [0, Fraction(1, 2), 1] * 2
     with pytest.raises(polhode.BadInput, match=r"start.h.*at least 4569/6800"):
-        list(vary.Members(scene, vary.grid({"start.h": ["0"]}, "scene")))
+        list(Members(scene, vary.grid({"start.h": ["0"]}, "scene")))
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from polhode.numbers.convert import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import Doubles, Integers
 from polhode.scenes import vary
+from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
 
 GRID = 50, 50  # cells
@@ -88,7 +89,7 @@ def of_varied(scene: Scene, varied: vary.Vary) -> Motions:
         raise BadInput(scene.name, "vary", f"{len(grid.rows)} motions", expected)
     if scene.gamma is None:
         raise BadInput(scene.name, "start.gamma", None, "given, for a map")
-    members = vary.Members(scene, grid)
+    members = Members(scene, grid)
     unit = 2.0**scene.time_unit
     rows = np.array([[to_double(x) for x in row] for row in grid.rows])
     axes = [np.unique(rows[:, k]) for k in (0, 1)]

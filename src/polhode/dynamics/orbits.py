@@ -29,7 +29,8 @@ from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import MAX_DIGITS, bits_for
 from polhode.numbers.private import mpmath, ordinary
 from polhode.numbers.scalars import AnyNumber, Real
-from polhode.scenes import library, scene_file, vary
+from polhode.scenes import library, scene_file
+from polhode.scenes.members import tables_of
 from polhode.scenes.reading import Literal
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import written
@@ -303,7 +304,7 @@ def _short(psi: Exact, digits: int) -> Literal:
 
 def _scene(near: Scene, name: str, fine: Refined) -> Scene:
     """The found start as a scene: the body as it was given, decimals, one period."""
-    tables = vary.tables_of(near)
+    tables = tables_of(near)
     tables["start"] = {
         "omega": [Literal(x) for x in fine.omega],
         "gamma": [Literal(x) for x in fine.gamma],

@@ -21,6 +21,7 @@ from polhode.numbers.scalars import AnyNumber, Rows
 from polhode.runs.sweep_endings import Ended
 from polhode.runs.sweep_plan import planned
 from polhode.scenes import library, vary
+from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import Outcome, code
 
@@ -54,7 +55,7 @@ class Reductions(Ended):
 
     scene: Scene
     varied: vary.Grid
-    members: vary.Members
+    members: Members
     number: NumberType
     keep: tuple[str, ...]
     numbers: Mapping[str, Rows]

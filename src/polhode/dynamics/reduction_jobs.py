@@ -14,7 +14,7 @@ from polhode.numbers.convert import number_value, to_double
 from polhode.runs.integrate import integrate
 from polhode.runs.sweep_plan import Plan
 from polhode.runs.sweep_results import Reader, reader
-from polhode.scenes import vary
+from polhode.scenes.members import Members
 from polhode.scenes.scene import Event, Scene
 from polhode.taylor.outcomes import Outcome, code
 
@@ -155,7 +155,7 @@ class Job(NamedTuple):
 class Singles(NamedTuple):
     """Members one by one: their scenes with one event that ends the run."""
 
-    members: vary.Members
+    members: Members
     event: Event
     times: tuple[Fraction, ...]
     group: npt.NDArray[np.int64]

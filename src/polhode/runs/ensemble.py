@@ -16,6 +16,7 @@ from polhode.runs.parts import Parts
 from polhode.runs.sweep_endings import Ended
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import vary
+from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import OUTCOMES, Outcome
 
@@ -48,7 +49,7 @@ class Ensemble(Ended):
 
     scene: Scene
     varied: vary.Grid
-    members: vary.Members
+    members: Members
     number: NumberType
     times: tuple[Fraction, ...]
     states: Rows

@@ -33,7 +33,7 @@ from polhode.runs.sweep_lanes import blocks
 if TYPE_CHECKING:
     from polhode.numbers.scalars import Rows
     from polhode.scenes.many import Block, Column, Vector
-    from polhode.scenes.vary import Members
+    from polhode.scenes.members import Members
 
 Doubles = npt.NDArray[np.float64]
 

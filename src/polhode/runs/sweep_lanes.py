@@ -15,8 +15,8 @@ from polhode.numbers.convert import number_value, to_double
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rationals import Rationals, listed
+from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
-from polhode.scenes.vary import Members
 
 if TYPE_CHECKING:
     import numpy as np

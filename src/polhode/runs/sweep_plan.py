@@ -13,6 +13,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.runs.request import choose_number, rounded_times, rounded_tolerance
 from polhode.runs.sweep_lanes import Fastest, lanes_of
 from polhode.scenes import vary
+from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
 from polhode.taylor import policy
 
@@ -34,7 +35,7 @@ class Plan:
     """
 
     varied: vary.Grid
-    members: vary.Members
+    members: Members
     number: NumberType
     tolerance: Fraction | None
     max_steps: int
@@ -92,7 +93,7 @@ def planned(
         what = f"{len(varied.rows)} members at {len(scene.times)} times"
         expected = f"at most {MAX_NUMBERS} numbers of states; fewer samples, or split the sweep"
         raise BadInput(scene.name, "vary", what, expected)
-    members = vary.Members(scene, varied)
+    members = Members(scene, varied)
     _ = members.tables  # a key that is none is refused before anything else
     chosen = choose_number(scene, number, None)
     if digits is not None:

@@ -1,6 +1,6 @@
 """The members of a sweep as columns of exact numbers: many at once, and without an object each.
 
-Every member is checked as :class:`polhode.scenes.vary.Members` checks it.  What these columns
+Every member is checked as :class:`polhode.scenes.members.Members` checks it.  What these columns
 cannot tell (an irrational value, a start in angles, principal axes that are not the body's own)
 they leave to the member's scene, and the words of a fault too.
 """
@@ -18,7 +18,8 @@ import numpy.typing as npt
 
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.rationals import Rationals, of_fractions
-from polhode.scenes.vary import Members, Spaced
+from polhode.scenes.members import Members
+from polhode.scenes.vary import Spaced
 
 #: A number that all members have in common, or one for each.
 Column = Exact | Rationals

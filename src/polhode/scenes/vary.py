@@ -1,31 +1,21 @@
-"""Many scenes from one: numbers of a scene file varied, every member exact and checked up front."""
+"""Numbers of a scene file varied: which, and every value, exact, made when asked for."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple, overload
 
 from polhode.common.arguments import each, of_kind
-from polhode.common.errors import BadInput, nearest, plain
+from polhode.common.errors import BadInput, plain
 from polhode.numbers import expression
 from polhode.numbers.convert import exact_number
-from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
-from polhode.scenes import keys, scene_file
-from polhode.scenes.body import Body
-from polhode.scenes.scene import Scene
 
 MAX_MEMBERS = 10_000_000
-_BODIES = 1024  # that are remembered
-
-_SECTIONS = ("body", "start")
-_KEY = re.compile(r"(body|start)\.[a-z]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
-_WORDS = keys.words("body") | keys.words("body.parts") | keys.words("start")
 
 #: Varied numbers by key: a sequence of values or ``"FROM:TO:N"`` each, of which every combination
 #: is a member; or the members one by one, each with the same keys.
@@ -111,88 +101,6 @@ class Grid(NamedTuple):
     rows: Rows
 
 
-class Members(Sequence[Scene]):
-    """The scenes of a sweep, without output times; each made, and checked, when it is asked for."""
-
-    def __init__(self, scene: Scene, varied: Grid) -> None:
-        self.scene, self.varied = scene, varied
-        self._reading: Any = None
-
-    def __len__(self) -> int:
-        return len(self.varied.rows)
-
-    @overload
-    def __getitem__(self, index: int) -> Scene: ...
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[Scene]: ...
-    def __getitem__(self, index: int | slice) -> Scene | Sequence[Scene]:
-        where = range(len(self))[index]
-        if isinstance(where, range):
-            return [self[k] for k in where]
-        if self._reading is None:
-            self._reading = _Reading(self.scene, self.varied)
-        scene: Scene = self._reading.member(where)
-        return scene
-
-    def __iter__(self) -> Iterator[Scene]:
-        return (self[k] for k in range(len(self)))
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Members):
-            return NotImplemented
-        return self.scene == other.scene and self.varied == other.varied
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __getstate__(self) -> tuple[Scene, Grid]:
-        return self.scene, self.varied
-
-    def __setstate__(self, state: tuple[Scene, Grid]) -> None:
-        self.__init__(*state)  # type: ignore[misc]
-
-    @property
-    def tables(self) -> dict[str, Any]:
-        """The tables that are varied, numbers exact, none of them varied yet."""
-        data = tables_of(self.scene)
-        _places(data, self.varied.keys, self.scene.name)
-        return data
-
-
-class _Reading:
-    """A scene's tables in which a member's values are put before it is read."""
-
-    def __init__(self, scene: Scene, varied: Grid) -> None:
-        self.scene, self.varied = scene, varied
-        self.data = tables_of(scene)
-        self.places = _places(self.data, varied.keys, scene.name)
-        self.same_body = not any(key.startswith("body.") for key in varied.keys)
-        self.bare = replace(scene, times=(), published=(), expect={}, source="", outputs=())
-        self.bodies: dict[tuple[Any, ...], Body] = {}
-
-    def member(self, index: int) -> Scene:
-        row = self.varied.rows[index]
-        name = label(self.scene.name, self.varied, index)
-        for spots, value in zip(self.places, row, strict=True):
-            for table, at in spots:
-                table[at] = value
-        body = self.scene.body if self.same_body else self._known(row, name)
-        body, omega, gamma, psi = scene_file.body_and_start(self.data, name, body)
-        return replace(self.bare, body=body, omega=omega, gamma=gamma, psi=psi, name=name)
-
-    def _known(self, row: tuple[Exact, ...], name: str) -> Body:
-        """The body that the tables hold now: one for all members that have the same."""
-        of_body = tuple(
-            x if isinstance(x, Fraction) else (id(x),)
-            for key, x in zip(self.varied.keys, row, strict=True)
-            if key.startswith("body.")
-        )
-        if of_body not in self.bodies:
-            if len(self.bodies) >= _BODIES:
-                self.bodies.clear()
-            self.bodies[of_body] = scene_file.body_and_start(self.data, name)[0]
-        return self.bodies[of_body]
-
-
 def option(text: str, name: str) -> tuple[str, Sequence[Exact]]:
     """Key and values of ``KEY=FROM:TO:N`` or ``KEY=a,b,c``; raises BadInput."""
     key, equals, listed = text.partition("=")
@@ -254,12 +162,6 @@ def grid(vary: Vary, name: str) -> Grid:
     return Grid(keys, Rows(columns, product))
 
 
-def label(name: str, varied: Grid, index: int) -> str:
-    """How a member is called in messages."""
-    row = zip(varied.keys, varied.rows[index], strict=True)
-    return f"{name} member {index + 1} ({', '.join(f'{key} = {shown(x)}' for key, x in row)})"
-
-
 def _column(key: str, given: Any, name: str) -> Sequence[Exact]:
     if isinstance(given, str):
         return values(given, key, name)
@@ -276,65 +178,3 @@ def _exact(value: Any, key: str, name: str) -> Exact:
         return exact_number(value)
     except ValueError as fault:
         raise BadInput(name, key, plain(value), f"a number ({fault})") from None
-
-
-def tables_of(scene: Scene) -> dict[str, Any]:
-    """The tables of body and start: those of the scene's file, if they still say what it is."""
-    held = (scene.body, scene.omega, scene.gamma, scene.psi)
-    if scene.source:
-        data = scene_file.tables(scene.source, scene.name)
-        if scene_file.body_and_start(data, scene.name) == held:
-            return {name: dict(data[name]) for name in _SECTIONS}
-    body = scene.body
-    start: dict[str, Any] = {"omega": list(scene.omega)}
-    if scene.gamma is not None:
-        start |= {"gamma": list(scene.gamma), "psi": scene.psi}
-    inertia = body.inertia
-    if any(inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j):
-        form: dict[str, Any] = {"inertia": [list(row) for row in inertia]}
-    else:
-        form = {"moments": [inertia[i][i] for i in range(3)]}
-    return {"body": {**form, "centre": list(body.centre), "weight": body.weight}, "start": start}
-
-
-def _places(data: dict[str, Any], keys: Sequence[str], name: str) -> list[list[tuple[Any, Any]]]:
-    """For each key the containers and indices of its number; an inertia's mirror image with it."""
-    body, start = data["body"], data["start"]
-    if "centre" in body and "g" not in body:
-        body.setdefault("weight", 0)
-    if "gamma" in start:
-        start.setdefault("psi", 0)
-    known = dict(_leaves(data, name))
-    places, taken = [], set()
-    for key in keys:
-        if key not in known or not _KEY.fullmatch(key):
-            raise BadInput(name, "vary", key, f"a number of the scene: {nearest(key, [*known])}")
-        spots = [known[key]]
-        if key.startswith("body.inertia"):
-            row, column = key[13], key[16]
-            mirror = f"body.inertia[{column}][{row}]"
-            if mirror != key:
-                spots.append(known[mirror])
-            if mirror in taken:
-                raise BadInput(name, "vary", key, f"not {mirror} too: they are one number")
-        taken.add(key)
-        places.append(spots)
-    return places
-
-
-def _leaves(data: dict[str, Any], name: str) -> Iterable[tuple[str, tuple[Any, Any]]]:
-    """Every number of the tables: its key, and where it stands; read once for all members."""
-    pending: list[tuple[str, Any, Any]] = [
-        (f"{section}.{key}", data[section], key) for section in _SECTIONS for key in data[section]
-    ]
-    for key, table, at in pending:
-        value = table[at]
-        if isinstance(value, list):
-            table[at] = value = list(value)  # the caller's tables stay as they are
-            pending += [(f"{key}[{i + 1}]", value, i) for i in range(len(value))]
-        elif isinstance(value, dict):  # one of [[body.parts]]
-            table[at] = value = dict(value)
-            pending += [(f"{key}.{name}", value, name) for name in value]
-        elif not isinstance(value, bool) and at not in _WORDS:
-            table[at] = scene_file.exact_value(value, key, name)
-            yield key, (table, at)
