@@ -50,10 +50,10 @@ if _TYPE_CHECKING:
     from polhode.judging.lyapunov import Lyapunov as Lyapunov
     from polhode.judging.lyapunov import lyapunov as lyapunov
     from polhode.judging.reference import Reference as Reference
-    from polhode.judging.reference import TwoPrecisions as TwoPrecisions
     from polhode.judging.reference import reference as reference
     from polhode.judging.rolling import Rolling as Rolling
     from polhode.judging.rolling import rolling as rolling
+    from polhode.judging.two_precisions import TwoPrecisions as TwoPrecisions
     from polhode.output.archive import load_run as load_run
     from polhode.runs.ensemble import Ensemble as Ensemble
     from polhode.runs.sweep import integrate_many as integrate_many
@@ -101,7 +101,7 @@ _HOMES = {
     "Section": "dynamics.sections",
     "SectionPlan": "scenes.scene",
     "Trajectory": "runs.trajectory",
-    "TwoPrecisions": "judging.reference",
+    "TwoPrecisions": "judging.two_precisions",
     "__version__": "common.provenance",
     "as_toml": "scenes.scene_text:toml",
     "certify": "enclosures.certify",

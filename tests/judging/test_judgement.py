@@ -13,9 +13,10 @@ import polhode
 from polhode import cli
 from polhode.equations import integrals
 from polhode.judging import digits as correct_digits
-from polhode.judging.reference import Reference, TwoPrecisions
+from polhode.judging.reference import Reference
 from polhode.judging.subject import of_table
 from polhode.judging.table import Table
+from polhode.judging.two_precisions import TwoPrecisions
 from polhode.numbers import exact, number_types
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.private import mpmath
@@ -178,15 +179,15 @@ def test_two_precisions_says_how_far_it_agrees_on_a_chaotic_motion():
 
 def test_two_precisions_are_raised_until_they_agree(monkeypatch):
     """To t = 300 the motion takes some 15 digits: the first pair of runs has too few."""
-    from polhode.judging import reference
+    from polhode.judging import two_precisions
 
-    told, real = [], reference.worst_digits
+    told, real = [], two_precisions.worst_digits
 
     def counted(*arguments, **options):
         told.append(real(*arguments, **options))
         return told[-1]
 
-    monkeypatch.setattr(reference, "worst_digits", counted)
+    monkeypatch.setattr(two_precisions, "worst_digits", counted)
     truth = polhode.TwoPrecisions(polhode.load("general/asymmetric-chaotic"))
     truth.at([300], 20)
     assert len(told) == 2

@@ -14,7 +14,8 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.judging.certified import Certified
-from polhode.judging.reference import Reference, TwoPrecisions
+from polhode.judging.reference import Reference
+from polhode.judging.two_precisions import TwoPrecisions
 from polhode.numbers import exact
 from polhode.numbers.convert import exactly
 from polhode.numbers.decimals import decimal_string

@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 
 from polhode.checks.printed import PrintedFigure, columns_at, ours_of
 from polhode.judging.certified import Certified
-from polhode.judging.reference import Reference, TwoPrecisions
+from polhode.judging.reference import Reference
+from polhode.judging.two_precisions import TwoPrecisions
 from polhode.numbers.expression import decimal
 from polhode.scenes.scene import Scene
 

@@ -16,9 +16,10 @@ from polhode.equations.integrals import drift
 from polhode.figures.samples import Samples
 from polhode.judging.certified import Certified
 from polhode.judging.digits import errors, rate_scale
-from polhode.judging.reference import Reference, TwoPrecisions
+from polhode.judging.reference import Reference
 from polhode.judging.reference import rows as reference_rows
 from polhode.judging.table import Table
+from polhode.judging.two_precisions import TwoPrecisions
 from polhode.numbers.convert import to_double, to_mpf
 from polhode.numbers.number_types import NumberType
 from polhode.runs.trajectory import Trajectory

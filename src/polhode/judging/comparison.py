@@ -13,9 +13,10 @@ from polhode.judging.certified import Certified
 from polhode.judging.conditioning import Conditioning
 from polhode.judging.held_against import AnyReference
 from polhode.judging.judgement import Judgement
-from polhode.judging.reference import Reference, Remembered, TwoPrecisions, reference
+from polhode.judging.reference import Reference, Remembered, reference
 from polhode.judging.subject import of_run, of_table
 from polhode.judging.table import Table, read_table, table_of_columns, table_of_rows
+from polhode.judging.two_precisions import TwoPrecisions
 from polhode.judging.wording import SHOWN
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector

@@ -14,8 +14,9 @@ import numpy as np
 
 from polhode.common.text import few
 from polhode.judging.certified import Certified
-from polhode.judging.reference import Reference, Remembered, TwoPrecisions, rows
+from polhode.judging.reference import Reference, Remembered, rows
 from polhode.judging.subject import Subject
+from polhode.judging.two_precisions import TwoPrecisions
 from polhode.numbers.convert import exactly, to_double
 
 MOST_ROWS = 40  # looked at

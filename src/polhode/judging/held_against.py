@@ -12,8 +12,9 @@ from polhode.judging.by_processes import asked_by
 from polhode.judging.certified import Certified
 from polhode.judging.digits import digits_of, errors, rate_scale
 from polhode.judging.many_rows import ManyRows, digits, many_rows
-from polhode.judging.reference import Reference, Remembered, TwoPrecisions, rows
+from polhode.judging.reference import Reference, Remembered, rows
 from polhode.judging.subject import Subject
+from polhode.judging.two_precisions import TwoPrecisions
 from polhode.numbers.convert import exactly, to_mpf
 
 SPARE_DIGITS = 6  # of the reference beyond what can be told

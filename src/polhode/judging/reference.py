@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,8 @@ from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.equations.hodographs import Hodographs, hodographs
 from polhode.judging.certified import Certified
-from polhode.judging.digits import errors, rate_scale, worst_digits
+from polhode.judging.digits import errors, rate_scale
+from polhode.judging.two_precisions import TwoPrecisions
 from polhode.numbers import exact, number_types
 from polhode.numbers.convert import exact_number
 from polhode.numbers.exact import Exact
@@ -26,11 +26,9 @@ from polhode.numbers.private import mpmath, ordinary
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.scenes.tops import kind_of_body
 
 MAX_LOG10_ANGLE = 100
 ROUGH = 53  # bits in which a closed form plans; it computes with more
-MOST_ASKED = number_types.MAX_DIGITS + 1000  # those for users and what judging them spares
 
 
 class Reference:
@@ -144,7 +142,7 @@ class Reference:
         return found
 
     def _asked(self, question: Any, times: Iterable[AnyNumber], digits: int) -> Any:
-        digits = _digits(self.scene, digits)
+        digits = whole(self.scene.name, "digits", digits, 1, number_types.MOST_ASKED)
         return self._told(lambda: question(_times(self.scene, times), digits))
 
     def _told(self, answer: Callable[[], Any]) -> Any:
@@ -169,85 +167,6 @@ class Reference:
         """The motion's frequencies by name, radians per unit of time, to 50 digits."""
         found: dict[str, Real] = self._told(lambda: self._motion.frequencies(50))
         return found
-
-
-class TwoPrecisions:
-    """A reference made by integrating twice, at different precision, where a scene asks for it.
-
-    It shares the integrator and the equations with the runs that it judges: evidence against
-    rounding and truncation, not against a wrong equation.  ``agreement`` holds the correct digits
-    to which the two integrations of the last request agree.
-
-    >>> import polhode
-    >>> twice = polhode.TwoPrecisions(polhode.load("general/asymmetric-regular"))
-    >>> rows = twice.at([1], digits=20)
-    >>> 20 <= twice.agreement < 30
-    True
-    """
-
-    is_closed_form = is_proven = False
-    kind = "two-precisions"
-    period = None
-    __hash__ = None  # type: ignore[assignment]
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self.regime = kind_of_body(scene.body)
-        self.agreement = float("nan")
-        self.frequencies: dict[str, Real] = {}
-        self._known: dict[tuple[tuple[Exact, ...], int], tuple[Any, float]] = {}
-
-    def __eq__(self, other: object) -> bool:
-        return self.scene == other.scene if isinstance(other, TwoPrecisions) else NotImplemented
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return TwoPrecisions, (self.scene,)
-
-    def __repr__(self) -> str:
-        return f"<TwoPrecisions of {self.scene.name}: {self.regime}>"
-
-    def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
-        """Rows p q r gamma1 gamma2 gamma3 as mpf, to so many digits; see ``agreement``.
-
-        Raises BadInput where the two integrations cannot be made to agree to so many digits.
-        """
-        digits = _digits(self.scene, digits)
-        key = each(self.scene.name, "t", times, exact_number, "a list of times"), digits
-        if key not in self._known:
-            self._known[key] = self._integrated(*key)
-        rows, self.agreement = self._known[key]
-        return [list(row) for row in rows]
-
-    def _integrated(self, times: tuple[Exact, ...], digits: int) -> tuple[Any, float]:
-        from polhode.runs.integrate import integrate, undisturbed
-
-        # The coarse run has some digits to spare, the fine one 12 more; where a motion multiplies
-        # errors, what was lost is added and both are made again.
-        plain = replace(self.scene, events=(), form="principal")
-        scene, spare = plain.at(times), 4
-        for _ in range(4):
-            coarse_type = number_types.mp_for(digits + spare, scene.log10_angle)
-            fine_type = number_types.NumberType("mp", coarse_type.bits + 40)
-            coarse, fine = (
-                undisturbed(integrate(scene, kind, method="taylor"))
-                for kind in (coarse_type, fine_type)
-            )
-            if not (coarse.outcome.done and fine.outcome.done):
-                break
-            agreement = worst_digits(coarse.states, fine.states, scene, cap=coarse_type.most_digits)
-            if agreement >= digits:
-                return fine.states, agreement
-            spare += digits - int(agreement) + 4
-        expected = f"a motion that keeps {digits} digits to t = {float(times[-1]):g}"
-        raise BadInput(scene.name, "reference", None, expected)
-
-    def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
-        """Not made: the reference integrates the state alone."""
-        raise BadInput(self.scene.name, "reference", None, "a closed form for the attitude")
-
-    def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
-        """Not made, likewise."""
-        raise BadInput(self.scene.name, "reference", None, "a closed form for the angles")
 
 
 class Remembered:
@@ -325,10 +244,6 @@ def by_sign(times: Sequence[Fraction]) -> list[list[Fraction]]:
     if 0 in times:
         (ahead if ahead or not behind else behind).add(Fraction(0))
     return [part for part in (sorted(ahead), sorted(behind, reverse=True)) if part]
-
-
-def _digits(scene: Scene, digits: Any) -> int:
-    return whole(scene.name, "digits", digits, 1, MOST_ASKED)
 
 
 def _times(scene: Scene, times: Iterable[AnyNumber]) -> list[Exact]:

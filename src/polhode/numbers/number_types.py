@@ -19,6 +19,7 @@ DIGITS_HELD = {"double": 15, "extended": 18, "quad": 33}  # what --digits may as
 NAMES = ("double", "extended", "quad", "mp")
 DEFAULT_MP_DIGITS = 50
 MAX_DIGITS = 4000  # that --digits may ask for
+MOST_ASKED = MAX_DIGITS + 1000  # of a reference: those, and what judging them spares
 _SPARE = 0.5  # digits that an expected loss may fall short
 
 
