@@ -59,9 +59,9 @@ if _TYPE_CHECKING:
     from polhode.runs.sweep import integrate_many as integrate_many
     from polhode.runs.trajectory import Trajectory as Trajectory
     from polhode.scenes.body import Body as Body
+    from polhode.scenes.event import Event as Event
     from polhode.scenes.from_numbers import top as top
     from polhode.scenes.library import load as load
-    from polhode.scenes.scene import Event as Event
     from polhode.scenes.scene import Published as Published
     from polhode.scenes.scene import Scene as Scene
     from polhode.scenes.scene import SectionPlan as SectionPlan
@@ -80,7 +80,7 @@ _HOMES = {
     "Conditioning": "judging.conditioning",
     "Enclosure": "enclosures.result",
     "Ensemble": "runs.ensemble",
-    "Event": "scenes.scene",
+    "Event": "scenes.event",
     "EventTimes": "taylor.outcomes",
     "Frequencies": "dynamics.frequencies",
     "Judgement": "judging.judgement",

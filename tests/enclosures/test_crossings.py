@@ -18,7 +18,8 @@ from polhode.enclosures.polynomial import constant, rate, variable
 from polhode.numbers.convert import exactly
 from polhode.numbers.private import mpmath
 from polhode.scenes.body import Body
-from polhode.scenes.scene import Event, Scene
+from polhode.scenes.event import Event
+from polhode.scenes.scene import Scene
 from shared import enclosure_trials as trials
 from shared.motions import asymmetric
 from shared.mutation import without

@@ -14,7 +14,7 @@ from polhode.equations import equilibrium
 from polhode.numbers import convert, number_types
 from polhode.numbers.exact import sqrt
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
-from polhode.scenes.scene import Event
+from polhode.scenes.event import Event
 from polhode.taylor.outcomes import Outcome
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]

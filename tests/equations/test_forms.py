@@ -17,7 +17,8 @@ from polhode.numbers import convert, number_types
 from polhode.numbers.convert import exactly
 from polhode.numbers.private import mpmath
 from polhode.scenes.body import Body
-from polhode.scenes.scene import Event, Scene
+from polhode.scenes.event import Event
+from polhode.scenes.scene import Scene
 from polhode.scenes.words import FORMS
 from polhode.taylor.outcomes import Outcome
 from polhode.taylor.singular_set import nearest

@@ -15,7 +15,7 @@ from polhode.refined.events import Search
 from polhode.refined.motion import QUAD, refine
 from polhode.refined.trouble import CannotRefine
 from polhode.runs.integrate import integrate
-from polhode.scenes.scene import Event
+from polhode.scenes.event import Event
 from polhode.taylor.outcomes import Outcome
 
 SCENE = "kovalevskaya/generic"

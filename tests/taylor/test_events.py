@@ -18,7 +18,7 @@ from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.numbers.private import mpmath
 from polhode.scenes import columns, scene_file
-from polhode.scenes.scene import Event
+from polhode.scenes.event import Event
 from polhode.taylor.outcomes import Outcome
 from shared.policies import change_policy
 

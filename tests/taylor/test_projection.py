@@ -15,7 +15,7 @@ from polhode.judging.reference import Remembered
 from polhode.numbers.convert import exactly
 from polhode.numbers.number_types import DOUBLE
 from polhode.scenes import library
-from polhode.scenes.scene import Event
+from polhode.scenes.event import Event
 from polhode.taylor import events, projection
 from polhode.taylor.integrator import Integrator
 from shared.policies import change_policy

@@ -14,8 +14,9 @@ from polhode.numbers.convert import number_value, to_double
 from polhode.runs.integrate import integrate
 from polhode.runs.sweep_plan import Plan
 from polhode.runs.sweep_results import Reader, reader
+from polhode.scenes.event import Event
 from polhode.scenes.members import Members
-from polhode.scenes.scene import Event, Scene
+from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import Outcome, code
 
 if TYPE_CHECKING:

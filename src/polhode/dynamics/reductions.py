@@ -19,7 +19,8 @@ from polhode.numbers.convert import number_value
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.numbers.scalars import Rows
-from polhode.scenes.scene import Event, Scene
+from polhode.scenes.event import Event
+from polhode.scenes.scene import Scene
 from polhode.scenes.words import READY_MADE, STATE
 from polhode.taylor.event_steps import is_entire
 

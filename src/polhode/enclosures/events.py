@@ -24,7 +24,8 @@ from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
-from polhode.scenes.scene import Event, Scene
+from polhode.scenes.event import Event
+from polhode.scenes.scene import Scene
 from polhode.scenes.words import STATE
 
 _MOST_TRIES = 4

@@ -25,7 +25,8 @@ from polhode.refined.candidates import Candidates
 from polhode.refined.dual import Dual
 from polhode.refined.series import Series
 from polhode.refined.trouble import CannotRefine
-from polhode.scenes.scene import Event, Scene
+from polhode.scenes.event import Event
+from polhode.scenes.scene import Scene
 from polhode.taylor.event_limits import Limits
 from polhode.taylor.event_polish import Mark, Place, is_start, polished, sorted_out
 from polhode.taylor.event_sizes import middle_axis, sign_at_start, size_of

@@ -9,7 +9,8 @@ from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import keys, scene_file
-from polhode.scenes.scene import Event, Scene
+from polhode.scenes.event import Event
+from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import written
 from polhode.scenes.shapes import Part
 

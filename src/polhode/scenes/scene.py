@@ -21,13 +21,10 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes.body import Body, Vector, dot, exact_vector, scaled
-from polhode.scenes.columns import check
+from polhode.scenes.event import Event, check_event
 from polhode.scenes.words import (
-    DIRECTIONS,
     FORMS,
     OUTPUTS,
-    READY_MADE,
-    SECTION,
     STATE,
 )
 
@@ -53,44 +50,6 @@ class Published(NamedTuple):
     def recomputed(self) -> bool:
         """Whether the scene alone is the source's, and the figure was computed for this case."""
         return "(recomputed" in self.cite
-
-
-class Event(NamedTuple):
-    """An event: the zeros of an expression in p q r gamma1 gamma2 gamma3 t, in the scene's units.
-
-    >>> from dataclasses import replace
-    >>> import polhode
-    >>> event = polhode.Event("level", "gamma3 - 1/2", "rising", stop=True)
-    >>> scene = replace(polhode.load("lagrange/nutation"), events=(event,))
-    >>> polhode.integrate(scene).outcome.value
-    'stopped at event'
-
-    ``zero`` may be empty where the name says it.  ``direction``: rising, falling or any, as t
-    grows, in backward runs too.  ``stop``: the run ends at the first one.
-    """
-
-    name: str
-    zero: str = ""
-    direction: str = "any"
-    stop: bool = False
-
-    @property
-    def expression(self) -> str | None:
-        """What vanishes, as text; None for w along the middle principal axis."""
-        if self.zero:
-            return self.zero
-        if self.name.startswith(SECTION):
-            return self.name.removeprefix(SECTION)
-        return READY_MADE.get(self.name, "")
-
-    @property
-    def needs_zero(self) -> bool:
-        """Whether the name alone does not say what vanishes."""
-        return self.name not in READY_MADE and not self.name.startswith(SECTION)
-
-    def counts(self, slope: int) -> bool:
-        """Whether a zero of that slope is one asked for; a grazing contact (0) always is."""
-        return slope == 0 or self.direction in ("any", "rising" if slope > 0 else "falling")
 
 
 #: What a scene holds several of.
@@ -172,7 +131,7 @@ class Scene:
                 of_kind(self.name, f"{key}[{k + 1}]", part, kind, f"{kind.__name__}")
             object.__setattr__(self, key, parts)
         for k, event in enumerate(self.events):
-            self._check_event(f"events[{k + 1}]", event)
+            check_event(event, self.name, f"events[{k + 1}]")
         of_kind(self.name, "section", self.section, SectionPlan, "a SectionPlan")
         of_kind(self.name, "expect", self.expect, Mapping, "bands of digits by number type")
         of_kind(self.name, "body", self.body, Body, "a Body")
@@ -215,21 +174,6 @@ class Scene:
 
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)
-
-    def _check_event(self, key: str, event: Event) -> None:
-        for word in ("name", "zero", "direction"):
-            of_kind(self.name, f"{key}.{word}", getattr(event, word), str, "text")
-        of_kind(self.name, f"{key}.stop", event.stop, bool, "True or False")
-        if event.direction not in DIRECTIONS:
-            expected = nearest(event.direction, [*DIRECTIONS])
-            raise self._bad(f"{key}.direction", event.direction, expected)
-        if event.expression is not None:
-            names = (*STATE, "t")
-            try:
-                check(event.expression, names)
-            except ValueError as fault:
-                expected = f"an expression in {' '.join(names)} ({fault})"
-                raise self._bad(f"{key}.zero", event.expression, expected) from None
 
     def _check_times(self, key: str, times: tuple[Exact, ...]) -> None:
         expected = "times of one sign, strictly monotone away from 0"

@@ -12,9 +12,10 @@ from polhode.numbers.convert import exact_number
 from polhode.numbers.decimals import in_full, is_decimal
 from polhode.numbers.exact import Irrational
 from polhode.scenes import keys, scene_file
+from polhode.scenes.event import Event
 from polhode.scenes.members import tables_of
 from polhode.scenes.reading import Literal
-from polhode.scenes.scene import Event, Published, Scene
+from polhode.scenes.scene import Published, Scene
 from polhode.scenes.shapes import Part
 
 _TITLES = ("title", "tags", "cite")

@@ -13,7 +13,8 @@ from polhode.numbers import expression
 from polhode.numbers.exact import Number, sign
 from polhode.numbers.expression import Algebra
 from polhode.numbers.number_types import NumberType
-from polhode.scenes.scene import Event, Scene
+from polhode.scenes.event import Event
+from polhode.scenes.scene import Scene
 from polhode.taylor import heyoka_numbers
 from polhode.taylor.event_sizes import middle_axis
 from polhode.taylor.kinds import Expression

@@ -12,7 +12,8 @@ from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.scalars import Value
 from polhode.scenes.body import dot
-from polhode.scenes.scene import Event, Scene
+from polhode.scenes.event import Event
+from polhode.scenes.scene import Scene
 from polhode.scenes.words import FLIP
 
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 from polhode.numbers.expression import Algebra, evaluate
 from polhode.numbers.number_types import NumberType
-from polhode.scenes.scene import Event, Scene
+from polhode.scenes.event import Event
+from polhode.scenes.scene import Scene
 from polhode.taylor import heyoka_numbers
 from polhode.taylor.kinds import HeyokaIntegrator
 

@@ -18,7 +18,8 @@ from polhode.numbers.number_types import NumberType
 from polhode.runs.integrate import integrate
 from polhode.scenes import columns as columns_
 from polhode.scenes import library
-from polhode.scenes.scene import Event, Scene
+from polhode.scenes.event import Event
+from polhode.scenes.scene import Scene
 from polhode.studies.only import Only
 
 NAME = "events"
