@@ -217,3 +217,10 @@ def test_verdicts_of_480_known_motions(by, extremum, most):
     assert too_wild == 0
     assert 0.5 < 100 * too_calm / motions < most
     assert 2 < 100 * undecided / motions < 10
+
+
+@pytest.mark.parametrize("ask", [polhode.chaos_map, polhode.section, polhode.orbit_search])
+@pytest.mark.parametrize("grid", [(3, 3, 3), (3,), 3, (3, 0), (3.0, 3), "no"])
+def test_a_grid_that_is_none_is_named(ask, grid):
+    with pytest.raises(polhode.BadInput, match="grid = "):
+        ask("lagrange/nutation", grid=grid)

@@ -27,6 +27,15 @@ def whole(source: str, key: str, value: Any, least: int, most: int | None = None
     return found
 
 
+def cells(source: str, value: Any, most: int) -> tuple[int, int]:
+    """The cells of a grid, ``(rows, columns)``: two whole numbers from 1."""
+    try:
+        first, second = value
+    except (TypeError, ValueError):
+        raise BadInput(source, "grid", value, "two whole numbers") from None
+    return whole(source, "grid", first, 1, most), whole(source, "grid", second, 1, most)
+
+
 def steps(source: str, value: Any) -> int:
     """A limit on steps; one beyond what can be counted is none."""
     return min(whole(source, "max_steps", value, 1), MOST_STEPS)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from polhode.common.arguments import whole
+from polhode.common.arguments import cells
 from polhode.common.errors import BadInput
 from polhode.dynamics.section_starts import asked_of, starts_of
 from polhode.equations.section_zero import HEIGHT, MOMENTUM
@@ -54,7 +54,7 @@ def on_section(
     if asked.by not in (MOMENTUM, HEIGHT):
         raise BadInput(scene.name, "by", asked.by, "momentum or height, for a map")
     on = geometry.ground(scene, asked.h, asked.f)
-    first, second = (whole(scene.name, "grid", n, 1, 10_000) for n in grid or GRID)
+    first, second = cells(scene.name, GRID if grid is None else grid, 10_000)
     found = starts_of(asked, on, None, (first, second))
     of = found.of // 2 if asked.by == HEIGHT else found.of
     angle, cosine = geometry.cells(first, second)

@@ -14,13 +14,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polhode.common.arguments import whole
+from polhode.common.arguments import cells, whole
 from polhode.common.provenance import provenance
 from polhode.dynamics import section_states as geometry
 from polhode.dynamics.closing import Closed, NotClosed, at_level, closed
 from polhode.dynamics.orbit_families import FamilyPoint, point_of
 from polhode.dynamics.orbits import ASTRAY, DIGITS, Orbit, Tell, completed, moved_from, primitive
-from polhode.dynamics.section_starts import MAXIMA, asked_of, starts_of
+from polhode.dynamics.section_starts import MAXIMA, MOST_STARTS, asked_of, starts_of
 from polhode.dynamics.sections import section
 from polhode.dynamics.surface import Surface
 from polhode.equations.section_zero import MOMENTUM
@@ -102,13 +102,15 @@ def orbit_search(
     ['elliptic', 'hyperbolic']
     """
     scene = library.load(scene)
-    most = whole(scene.name, "crossings", crossings or CROSSINGS, 1, MOST_CROSSINGS)
+    most = CROSSINGS if crossings is None else crossings
+    most = whole(scene.name, "crossings", most, 1, MOST_CROSSINGS)
+    across = cells(scene.name, GRID if grid is None else grid, MOST_STARTS)
     asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
     on = Surface(scene, asked.h, asked.f)
     found: list[Closed] = []
     tried, interrupted = 0, False
     try:
-        for guess in _guesses(on, grid or GRID, most):
+        for guess in _guesses(on, across, most):
             tried += 1
             orbit = _closed(on, guess)
             if orbit is not None and not any(_same(on, orbit, known) for known in found):

@@ -7,7 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from polhode.common.arguments import each, whole
+from polhode.common.arguments import cells, each
 from polhode.common.errors import BadInput
 from polhode.dynamics import arc_parts, permanent
 from polhode.dynamics.arc_parts import RationalBody
@@ -75,7 +75,7 @@ def starts_of(asked: Asked, on: Any, starts: Any, grid: tuple[int, int] | None) 
 
     name, maxima = asked.scene.name, asked.extremum == MAXIMA
     if starts is None:
-        first, second = (whole(name, "grid", n, 1, MOST_STARTS) for n in grid or GRID)
+        first, second = cells(name, GRID if grid is None else grid, MOST_STARTS)
         angle, cosine = geometry.cells(first, second)
         if asked.by == HEIGHT:
             gamma = np.repeat(geometry.gamma_at(on, angle, cosine), 2, axis=0)

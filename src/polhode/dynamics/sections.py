@@ -142,7 +142,8 @@ def section(
     scene = library.load(scene)
     plan = scene.section
     asked = asked_of(scene, by or plan.by, extremum or plan.extremum, h, f)
-    count = whole(scene.name, "crossings", crossings or plan.crossings, 1, MOST_CROSSINGS)
+    count = plan.crossings if crossings is None else crossings
+    count = whole(scene.name, "crossings", count, 1, MOST_CROSSINGS)
     if starts is None and grid is None and plan.starts:
         starts = plan.starts
     on = geometry.ground(scene, asked.h, asked.f)
