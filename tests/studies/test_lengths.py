@@ -14,7 +14,7 @@ from polhode.scenes.scene import even_times
 from polhode.studies import ensembles, report
 from polhode.studies.only import Only
 from polhode.studies.page.blocks import Text, markdown
-from polhode.studies.processes import plain_scene
+from polhode.studies.processes import plain_scene, run_all
 from polhode.studies.speed import cells, figure
 from polhode.studies.speed.page import lengths
 from polhode.studies.speed.work_precision import WorkPoint
@@ -131,8 +131,10 @@ def test_page_and_figure_of_cells():
 @pytest.mark.slow
 def test_one_cell_alone_from_end_to_end(tmp_path):
     only = Only(("kovalevskaya t=10 outputs=2", "heyoka"))
-    (found,) = cells.rows(True, tmp_path, Only(("kovalevskaya t=10 ", "heyoka")))
-    assert not cells.rows(True, tmp_path, only)  # a quick study has eleven outputs alone
+    assert not cells.wanted_cells(True, only)  # a quick study has eleven outputs alone
+    asked = cells.wanted_cells(True, Only(("kovalevskaya t=10 ", "heyoka")))
+    curves = run_all(cells.tasks(asked, True), tmp_path)
+    (found,) = cells.rows(asked, curves, True)
     assert {m["method"] for m in found["levels"][0]["methods"]} == {"polhode", "heyoka alone"}
     for level in found["levels"]:
         for method in level["methods"]:

@@ -235,10 +235,11 @@ def _far(found: dict[str, Any]) -> Iterator[Block]:
         return
     yield Heading(f"Every double method at t = {far['t']}")
     yield Text(
-        f"Median and largest error of {far['starts']} random bodies and starts of each kind, at "
-        "each method's tightest tolerance: eps for heyoka, 3e-15 for CyRK, "
-        "1e-8 for the splitting (a shorter step takes minutes a top). Each column alone: `polhode "
-        "study long-run --only 'euler t=100000'`."
+        f"Median and largest error of {far['starts']} random bodies and starts of each kind"
+        f"{_fewer(far)}, at each method's tightest tolerance: eps for heyoka, 3e-15 for CyRK, "
+        "1e-8 for the splitting (a shorter step takes minutes a top). One number alone: `polhode "
+        f"study long-run --only 'NAME OF THE COLUMN t={far['t']}' --only 'NAME OF THE ROW'`; those "
+        "of polhode: `polhode study long-run --only 'NAME OF THE COLUMN growth'`."
     )
     yield far_table(found)
     told = [
@@ -249,6 +250,14 @@ def _far(found: dict[str, Any]) -> Iterator[Block]:
     ]
     told += [f"{name}: not run ({why})" for name, why in far["not_run"].items()]
     yield Items(tuple(told))
+
+
+def _fewer(far: dict[str, Any]) -> str:
+    """Which methods were given the first of the starts alone."""
+    rows = [m for top in far["tops"] for m in top["methods"]]
+    counts = {m["method"]: m.get("starts", far["starts"]) for m in rows}
+    told = [f"{name} of the first {n}" for name, n in counts.items() if n < far["starts"]]
+    return f" ({', '.join(told)})" if told else ""
 
 
 def far_table(found: dict[str, Any]) -> PageTable:
@@ -267,6 +276,8 @@ def far_table(found: dict[str, Any]) -> PageTable:
             cell = f"{_power(method['median'])} / {_power(method['largest'])}"
             if method["reached"] == 0:
                 cell = "failed"
+            elif method.get("starts", far["starts"]) < far["starts"]:
+                cell += f", {method['starts']} starts"
             columns.setdefault(method["method"], {})[top["top"]] = cell
     tops = list(dict.fromkeys(top["top"] for top in (*found["tops"], *far["tops"])))
     rows = tuple((name, *(cells.get(top, "–") for top in tops)) for name, cells in columns.items())

@@ -43,8 +43,14 @@ _FINE = {
 }
 
 
-def _peer(name: str, module: str, method: str = "", limit: float = 60.0) -> Method:
-    return Method(name, f"polhode.peers.{module}", method, _TOLERANCES, limit=limit)
+#: Of the slow peers, whose runs to t = 1000 take seconds.
+_FEW = (1e-8, 1e-12, 1e-14)
+
+
+def _peer(
+    name: str, module: str, method: str = "", tolerances: tuple[float, ...] = _TOLERANCES
+) -> Method:
+    return Method(name, f"polhode.peers.{module}", method, tolerances)
 
 
 #: Wide types are projected at their own tolerance alone: they are not unless they are asked to be.
@@ -54,6 +60,12 @@ OURS = tuple(
     for number in _FINE
     for word, tolerances in ((number, _FINE), (f"{number} projected", _PROJECTED))
 )
+#: Steps in software that are projected, which nothing is unless it is asked for: 3 to 15 seconds a
+#: run to t = 1000, where refined runs take a tenth.
+WIDE_PROJECTED = tuple(
+    m for m in OURS if m.name in ("polhode quad projected", "polhode mp projected")
+)
+WIDE_PROJECTED_ON = ("Kovalevskaya top", "asymmetric body, chaotic", "asymmetric body, short")
 HEYOKA = Method(ENGINE, "polhode.peers.bare_heyoka", "", _FINE["double"])
 SPLITTINGS = tuple(
     Method(f"splitting {word}", "polhode.peers.splitting", word, tolerances)
@@ -64,21 +76,21 @@ SPLITTINGS = tuple(
     )
 )
 PEERS = (
-    _peer("SciPy DOP853, Python", "scipy_python", "DOP853"),
-    _peer("SciPy LSODA, Python", "scipy_python", "LSODA"),
+    _peer("SciPy DOP853, Python", "scipy_python", "DOP853", _FEW),
+    _peer("SciPy LSODA, Python", "scipy_python", "LSODA", _FEW),
     _peer("numbalsoda dop853", "numbalsoda_cfunc", "dop853"),
     _peer("numbalsoda lsoda", "numbalsoda_cfunc", "lsoda"),
     _peer("CyRK DOP853", "cyrk", "DOP853"),
     _peer("CyRK VERN8", "cyrk", "VERN8"),
     _peer("CyRK LSODA", "cyrk", "LSODA"),
-    _peer("diffrax Dopri8", "diffrax_dopri8", "Dopri8"),
+    _peer("diffrax Dopri8", "diffrax_dopri8", "Dopri8", _FEW),
     *SPLITTINGS,
 )
 #: Of the short motion alone.  SciPy's steps are taken in Python, so that compiling the right-hand
 #: side gains it next to nothing: both stand here, side by side.
 SHORT_PEERS = (
     _peer("mpmath odefun", "mpmath_odefun"),
-    PEERS[0],
+    PEERS[0]._replace(tolerances=_TOLERANCES),
     _peer("SciPy DOP853, numba", "scipy_numba", "DOP853"),
 )
 
@@ -90,7 +102,8 @@ QUICK_TOLERANCES = (1e-8, 1e-12, 2.0**-52, 2.0**-63, 1e-14)
 
 def methods(motion: SpeedMotion, quick: bool) -> list[Method]:
     """The methods that run a motion: some peers on the short one alone, the others on the rest."""
-    chosen = [*OURS, HEYOKA, *(SHORT_PEERS if motion.kind == "short" else PEERS)]
+    ours = [m for m in OURS if m not in WIDE_PROJECTED or motion.name in WIDE_PROJECTED_ON]
+    chosen = [*ours, HEYOKA, *(SHORT_PEERS if motion.kind == "short" else PEERS)]
     if not quick:
         return chosen
     return [

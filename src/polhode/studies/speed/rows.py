@@ -38,6 +38,7 @@ QUESTION = (
 )
 SPARE_DIGITS = 6
 LOOSEST = 6.0  # digits from which curves are compared
+REPEATS, PATIENCE = 3, 0.25  # timed runs a tolerance and round; longer runs are made once
 
 
 def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None) -> dict[str, Any]:
@@ -50,11 +51,14 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
             asked[motion] = chosen
     motions = [*asked]
     scenes = {motion: scene_of(motion) for motion in motions}
-    tasks = [Task(method, scenes[motion]) for motion in motions for method in asked[motion]]
+    timing = (2, 0.1) if quick else (REPEATS, PATIENCE)
+    tasks = [
+        Task(method, scenes[motion], 1, *timing) for motion in motions for method in asked[motion]
+    ]
+    here = cells.wanted_cells(quick, wanted)
     with tempfile.TemporaryDirectory() as cache:
-        repeats, patience = (2, 0.1) if quick else (3, 0.25)
-        curves = run_all(tasks, Path(cache), repeats, patience, _named(tick))
-        over = cells.rows(quick, Path(cache), wanted, _named(tick))
+        curves = run_all([*tasks, *cells.tasks(here, quick)], Path(cache), _named(tick))
+    over = cells.rows(here, curves[len(tasks) :], quick, _named(tick))
     found = []
     for motion in motions:
         if tick is not None:
