@@ -26,6 +26,8 @@ _SHOWN = (
     "so many digits"
 )
 
+_AGAIN = "polhode study certified --only {0}"
+
 
 def blocks(found: dict[str, Any]) -> Iterator[Block]:
     """The study's page from its JSON object."""
@@ -35,10 +37,14 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "of the larger of the radius of w over the largest |w| and the radius of gamma."
     )
     yield Figure("certified", _SHOWN)
-    yield from _containment(found["contained"])
-    yield from _over_time(found["growth"])
-    yield from _price(found["cost"])
-    yield from _judged(found["judged"])
+    for part, told in (
+        ("contained", _containment),
+        ("growth", _over_time),
+        ("cost", _price),
+        ("judged", _judged),
+    ):
+        if found[part]:  # a part of a study may have none
+            yield from told(found[part])
     yield Heading("Others: read, not measured")
     yield Items(READ)
 
@@ -96,6 +102,7 @@ def _containment(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "llrrrl",
+        _AGAIN,
     )
 
 
@@ -127,6 +134,7 @@ def _over_time(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "lr" + "r" * len(times),
+        _AGAIN,
     )
 
 
@@ -166,6 +174,7 @@ def _price(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "l" + "r" * 12,
+        _AGAIN + " --only '{2} digits'",
     )
 
 
@@ -182,6 +191,7 @@ def _judged(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "lrlrr",
+        _AGAIN,
     )
 
 

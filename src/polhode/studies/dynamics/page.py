@@ -82,6 +82,7 @@ def _levels(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "llrrrrrrrlllr",
+        "polhode study dynamics --only 'levels {0}'",
     )
 
 
@@ -118,6 +119,7 @@ def _sections(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "llrrlrrrrrrr",
+        "polhode study dynamics --only 'section {0}'",
     )
 
 
@@ -138,6 +140,7 @@ def _map(row: dict[str, Any]) -> Iterator[Block]:
             for c in row["columns"]
         ),
         "rlrrrr",
+        "polhode study dynamics --only 'map across'",
     )
 
 
@@ -176,4 +179,5 @@ def _cost(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "lrrrrrrl",
+        "polhode study dynamics --only 'cost {0}'",
     )

@@ -77,6 +77,7 @@ def _times(motions: list[dict[str, Any]], part: str) -> PageTable:
             for run in motion[part]
         ),
         "lllrlrrrrrr",
+        "polhode study events --only {1} --only '{0}'",
     )
 
 
@@ -112,6 +113,7 @@ def _proven(cases: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "lrlrrrrr",
+        "polhode study events --only {0}",
     )
 
 
@@ -135,6 +137,7 @@ def _contacts(found: dict[str, Any]) -> Iterator[Block]:
             for row in found["grazing"]
         ),
         "lrrrrl",
+        "polhode study events --only grazing --only {0} --only 'shift {1}'",
     )
     yield Text("psi' of the cusped top (`lagrange/cusped`) touches zero at each cusp:")
     yield PageTable(
@@ -144,6 +147,7 @@ def _contacts(found: dict[str, Any]) -> Iterator[Block]:
             for row in found["cusps"]
         ),
         "lrrr",
+        "polhode study events --only cusps --only {0}",
     )
 
 
@@ -171,4 +175,5 @@ def _cost(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "lrrrrrrr",
+        "polhode study events --only cost --only {0}",
     )

@@ -79,7 +79,7 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
             if wanted(m.case, m.what)
         ),
         *(("proven", name, PROVEN_END) for name in PROVEN[: 1 if quick else 2] if wanted(name)),
-        *(("grazing", n, s) for n in names for s in SHIFTS if wanted("grazing", n, s)),
+        *(("grazing", n, s) for n in names for s in SHIFTS if wanted("grazing", n, f"shift {s}")),
         *(("cusps", n) for n in names if wanted("cusps", n)),
     ]
     workers = 1 if quick or len(jobs) == 1 else cores()

@@ -54,7 +54,7 @@ def rows(
         (top, method)
         for method in (QUICK_METHODS if quick else METHODS)
         for top in TOPS
-        if wanted(f"{top} t={end}", method.name)
+        if wanted(f"{top} t={end}", method.name, "far")
     ]
     times = (Fraction(0), Fraction(end))
     scenes = {

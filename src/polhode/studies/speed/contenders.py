@@ -10,6 +10,7 @@ from polhode.scenes.scene import Scene, even_times
 from polhode.studies.processes import Method, plain_scene
 
 SAMPLES = 11
+TYPES_SHOWN = "Kovalevskaya top"  # the motion on which all number types are drawn
 PLAIN = "polhode double"
 PROJECTED = "polhode double projected"
 ENGINE = "heyoka alone"
@@ -60,12 +61,6 @@ OURS = tuple(
     for number in _FINE
     for word, tolerances in ((number, _FINE), (f"{number} projected", _PROJECTED))
 )
-#: Steps in software that are projected, which nothing is unless it is asked for: 3 to 15 seconds a
-#: run to t = 1000, where refined runs take a tenth.
-WIDE_PROJECTED = tuple(
-    m for m in OURS if m.name in ("polhode quad projected", "polhode mp projected")
-)
-WIDE_PROJECTED_ON = ("Kovalevskaya top", "asymmetric body, chaotic", "asymmetric body, short")
 HEYOKA = Method(ENGINE, "polhode.peers.bare_heyoka", "", _FINE["double"])
 SPLITTINGS = tuple(
     Method(f"splitting {word}", "polhode.peers.splitting", word, tolerances)
@@ -102,8 +97,7 @@ QUICK_TOLERANCES = (1e-8, 1e-12, 2.0**-52, 2.0**-63, 1e-14)
 
 def methods(motion: SpeedMotion, quick: bool) -> list[Method]:
     """The methods that run a motion: some peers on the short one alone, the others on the rest."""
-    ours = [m for m in OURS if m not in WIDE_PROJECTED or motion.name in WIDE_PROJECTED_ON]
-    chosen = [*ours, HEYOKA, *(SHORT_PEERS if motion.kind == "short" else PEERS)]
+    chosen = [*OURS, HEYOKA, *(SHORT_PEERS if motion.kind == "short" else PEERS)]
     if not quick:
         return chosen
     return [
@@ -113,6 +107,16 @@ def methods(motion: SpeedMotion, quick: bool) -> list[Method]:
         or method is HEYOKA
         or method.module.rpartition(".")[2] in QUICK_PEERS
     ]
+
+
+def reported(motion: SpeedMotion, method: Method) -> bool:
+    """Whether a method is run on a motion without being asked for it by name.
+
+    Steps in quad and mp that are projected take 3 to 15 seconds to t = 1000, and nothing is
+    projected in these types unless it is asked to be: one motion shows them.
+    """
+    wide = method in OURS and method.number in ("quad", "mp") and method.name.endswith("projected")
+    return not wide or motion.end < 1000 or motion.name == TYPES_SHOWN
 
 
 def scene_of(motion: SpeedMotion) -> Scene:

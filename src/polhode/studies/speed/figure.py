@@ -7,9 +7,9 @@ from typing import Any
 
 from polhode.figures.canvas import as_svg, pyplot
 from polhode.figures.direct import GRID, GUIDE, LOOKS, WIDTH, End, label_ends
+from polhode.studies.speed.contenders import TYPES_SHOWN
 
 PROJECTED, PLAIN = "polhode double projected", "polhode double"
-TYPES_SHOWN = "Kovalevskaya top"  # the motion of the panel with all number types
 SHOWN_OUTPUTS, SHOWN_DIGITS = 11, 9.0  # of the figure over run length
 #: Drawn beside polhode: one of each that differ by their right-hand side's language alone.
 _DRAWN = (

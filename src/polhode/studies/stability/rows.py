@@ -55,7 +55,7 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
     asked = sorted(scenes, key=lambda scene: -scene.log10_angle)
     found = dict(zip((s.name for s in asked), in_order(_kept, asked, workers, begun), strict=True))
     say(f"{NAME}: rest")
-    rest = _rest(chosen if quick or wanted else library.names())
+    rest = _rest(chosen if quick else [name for name in library.names() if wanted(name)])
     say(f"{NAME}: limits")
     return {
         "study": NAME,
@@ -69,7 +69,7 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
         "units": [row for name in chosen for row in found[name].units],
         "rest": rest,
         "back": [row for name in chosen for row in found[name].back],
-        "limits": [] if wanted else limits.rows(quick),
+        "limits": limits.rows(quick, wanted),
     }
 
 

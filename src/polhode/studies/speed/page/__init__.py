@@ -22,7 +22,8 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "a second is made once. Import and compilation stand in columns of their own; for polhode "
         "compilation is the making of its integrator, which later runs of the same equations take "
         "up again; the second and later bodies of a process may find code that an earlier one "
-        "left."
+        "left. SciPy's steps in Python and diffrax, which take seconds, stand at three tolerances; "
+        f"{_wide(found['motions'])}polhode's double curve runs with whatever is asked for."
     )
     yield Text("Left of and below is better. The dotted line is three times kappa·eps of a double.")
     yield Figure("speed", _shown(found["motions"]))
@@ -38,6 +39,20 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         yield _points(motion)
     yield from _absent(found["motions"])
     yield from _elsewhere(found.get("elsewhere", ()))
+
+
+def _wide(motions: Sequence[dict[str, Any]]) -> str:
+    """On which motions quad and mp were projected, if not on all."""
+    on = [
+        m["motion"]
+        for m in motions
+        if any(
+            x["method"] in ("polhode quad projected", "polhode mp projected") for x in m["methods"]
+        )
+    ]
+    if not on or len(on) == len(motions):
+        return ""
+    return f"quad and mp are projected on {', '.join(on)} alone; "
 
 
 def _elsewhere(rows: Sequence[dict[str, str]]) -> Iterator[Block]:
@@ -152,7 +167,8 @@ def _verdicts(motions: list[dict[str, Any]]) -> Iterator[Block]:
         "where the peer is closest (in brackets); *not reached*: it has fewer than six digits."
     )
     header = ("peer", *(m["motion"] for m in judged))
-    yield PageTable(header, tuple(rows), "l" + "r" * len(judged))
+    again = "polhode study speed --only 'every motion' --only '{0}'"
+    yield PageTable(header, tuple(rows), "l" + "r" * len(judged), again)
 
 
 def _factor(row: dict[str, Any] | None) -> str:
@@ -189,7 +205,8 @@ def _engine(motions: list[dict[str, Any]]) -> Iterator[Block]:
             "asks; digits gained over heyoka's best."
         )
         header = ("motion", "method", "least", "most", "at eps", "s more", "steps", "digits gained")
-        yield PageTable(header, tuple(rows), "llrrrrrr")
+        again = "polhode study speed --only '{0}' --only 'heyoka alone'"
+        yield PageTable(header, tuple(rows), "llrrrrrr", again)
 
 
 def _refined(rows: list[dict[str, Any]]) -> Iterator[Block]:
@@ -229,30 +246,33 @@ def _refined(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "lrrrrrrrrr",
+        "polhode study speed --only 'refined: {0} t={1}'",
     )
 
 
 def _start_up(motions: list[dict[str, Any]]) -> Iterator[Block]:
     """Import and compilation, of the first motion that a method ran."""
-    first: dict[str, dict[str, Any]] = {}
+    first: dict[str, tuple[str, dict[str, Any]]] = {}
     for motion in motions:
         for method in motion["methods"]:
-            first.setdefault(method["method"], method)
+            first.setdefault(method["method"], (motion["motion"], method))
     yield Heading("Import and compilation")
     yield Text("Seconds, for the first motion that a method is given.")
     yield PageTable(
-        ("method", "import", "cold compile", "cached compile", "version"),
+        ("method", "motion", "import", "cold compile", "cached compile", "version"),
         tuple(
             (
                 name,
+                motion,
                 _seconds(m["import"]),
                 _seconds(m["compile_cold"]),
                 _seconds(m["compile_cached"]),
                 m["version"] or m["status"],
             )
-            for name, m in first.items()
+            for name, (motion, m) in first.items()
         ),
-        "lrrrl",
+        "llrrrl",
+        "polhode study speed --only '{0}' --only '{1}'",
     )
 
 
@@ -296,7 +316,8 @@ def _points(motion: dict[str, Any]) -> PageTable:
                 )
             )
     header = ("method", "tol", "digits", "least s", "median s", "cpu s", "runs", "steps")
-    return PageTable(header, tuple(rows), "lrrrrrrr")
+    again = f"polhode study speed --only '{motion['motion']}' --only '{{0}}'"
+    return PageTable(header, tuple(rows), "lrrrrrrr", again)
 
 
 def _absent(motions: list[dict[str, Any]]) -> Iterator[Block]:

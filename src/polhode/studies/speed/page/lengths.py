@@ -34,8 +34,7 @@ def blocks(cells: Sequence[dict[str, Any]]) -> Iterator[Block]:
         "places. Every method runs at several tolerances; the seconds for so many digits are read "
         "from each start's own curve (below its first point, the first point's), and divided by "
         "polhode's on the same start. Runs are judged at eleven even times, those with two outputs "
-        f"at the end; integrators are made before, and a scene's first run does not count{once}. "
-        "Each row alone: `polhode study speed --only 'NAME OF THE ROW'`."
+        f"at the end; integrators are made before, and a scene's first run does not count{once}."
     )
     if _peers(cells):
         for level in _levels(cells):
@@ -109,7 +108,8 @@ def _overview(cells: Sequence[dict[str, Any]]) -> PageTable:
         here = [c for c in cells if (c["end"], c["outputs"]) == (end, outputs)]
         rows.append((str(end), str(outputs), *(_race(here, level) for level in levels)))
     header = ("t", "outputs", *(f"{level:g} digits" for level in levels))
-    return PageTable(header, tuple(rows), "rr" + "l" * len(levels))
+    again = "polhode study speed --only 't={0} outputs={1}'"
+    return PageTable(header, tuple(rows), "rr" + "l" * len(levels), again)
 
 
 def _race(cells: Sequence[dict[str, Any]], level: float) -> str:
@@ -132,7 +132,8 @@ def _every(cells: Sequence[dict[str, Any]]) -> PageTable:
             shown = (_cell(found.get(name), cell["starts"]) for name in names)
             rows.append((label, f"{level['digits']:g}", *shown))
     header = ("row", "digits", *(f"{name}, ms" for name in names))
-    return PageTable(header, tuple(rows), "lr" + "r" * len(names))
+    again = "polhode study speed --only '{0}'"
+    return PageTable(header, tuple(rows), "lr" + "r" * len(names), again)
 
 
 def _cell(method: dict[str, Any] | None, starts: int) -> str:
