@@ -15,8 +15,7 @@ from typing import Any
 from polhode.studies import report
 from polhode.studies.long_run.page import far_table
 from polhode.studies.page.blocks import PageTable, markdown
-from polhode.studies.speed import page as speed
-from polhode.studies.speed.page import lengths
+from polhode.studies.speed.page import lengths, verdicts
 
 ROOT = Path(__file__).parents[2]
 WIDTH = 104
@@ -53,14 +52,14 @@ def _ahead(cells: Any) -> str:
 
 
 def _table(made: PageTable) -> str:
-    return markdown("", [made]).partition("\n\n")[2].strip()
+    return markdown("", [made._replace(again="")]).partition("\n\n")[2].strip()
 
 
 def _speed(found: Any) -> str:
     """Who is ahead where, in sentences."""
     told = [lengths.claim(found["cells"], x) for x in lengths.LEVELS] if "cells" in found else []
     regular = [m for m in found["motions"] if m["kind"] == "regular"]
-    told += [speed.on_regular(found), _closest(regular), _engine(regular)]
+    told += [verdicts.on_regular(found), _closest(regular), _engine(regular)]
     return "\n\n".join(_filled(text) for text in (" ".join(told), _refined(found["refined"])))
 
 

@@ -46,7 +46,6 @@ def rows(quick: bool, wanted: Only, tick: Callable[[str], None]) -> Iterator[dic
     for name, make in _others(scene, on).items():
         if not wanted(f"cost {name}"):
             continue
-        beside = True
         tick(f"cost, {name}")
         known: dict[str, Any] = {"program": name, "case": CASE, "end": round(end, 1)}
         try:
@@ -54,6 +53,7 @@ def rows(quick: bool, wanted: Only, tick: Callable[[str], None]) -> Iterator[dic
         except ImportError as missing:
             yield known | {"outcome": f"{missing.name} is not installed"}
             continue
+        beside = True
         solve(ours.start_states[0], end / 10)  # compiles, where there is something to compile
         seconds, times = np.inf, np.zeros(0)
         for _ in range(1 if quick else ROUNDS):
