@@ -23,7 +23,7 @@ READ = (
 
 _SHOWN = (
     "Digits lost over time, and the price of a proof beside runs; no mark: the type does not hold "
-    "so many digits"
+    "so many digits, or building it takes too long to tell"
 )
 
 _AGAIN = "polhode study certified --only {0}"

@@ -27,7 +27,7 @@ QUESTION = (
 )
 #: Number types of the runs, and the part of a motion that each is given.
 NUMBERS = {"double": Fraction(1), "quad": Fraction(1, 10)}
-ROUNDS = 15  # the least time of so many runs, the forms taking turns
+ROUNDS = 9  # the least time of so many runs, the forms taking turns
 
 
 class FormMotion(NamedTuple):

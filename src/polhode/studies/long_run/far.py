@@ -32,8 +32,8 @@ METHODS = (
     ),
 )
 QUICK_METHODS = METHODS[:1]
-#: Run from the first half of the starts: 2 to 8 seconds each.
-DEAR = ("splitting 8 compensated",)
+#: Run from the first half of the starts: up to 8 seconds each, and no close call.
+DEAR = ("CyRK DOP853", "CyRK VERN8", "splitting 8 compensated")
 _ORDER = tuple(f"polhode.peers.{name}" for name in ("cyrk", "splitting", "bare_heyoka"))
 TOGETHER = _ORDER[:1]  # compiles ten seconds before its first run
 NOT_RUN = {

@@ -255,7 +255,7 @@ def _fewer(far: dict[str, Any]) -> str:
     """Which methods were given the first of the starts alone."""
     rows = [m for top in far["tops"] for m in top["methods"]]
     counts = {m["method"]: m.get("starts", far["starts"]) for m in rows}
-    told = [f"{name} of the first {n}" for name, n in counts.items() if n < far["starts"]]
+    told = [f"{name}: the first {n}" for name, n in counts.items() if n < far["starts"]]
     return f" ({', '.join(told)})" if told else ""
 
 

@@ -44,8 +44,10 @@ _FINE = {
 }
 
 
-#: Of the slow peers, whose runs to t = 1000 take seconds.
+#: Of the slow peers, whose runs to t = 1000 take seconds; and the motions on which they run.
 _FEW = (1e-8, 1e-12, 1e-14)
+SLOW = ("SciPy DOP853, Python", "SciPy LSODA, Python", "diffrax Dopri8")
+_SLOW_ON = ("Euler top", "Kovalevskaya top")
 
 
 def _peer(
@@ -113,10 +115,15 @@ def reported(motion: SpeedMotion, method: Method) -> bool:
     """Whether a method is run on a motion without being asked for it by name.
 
     Steps in quad and mp that are projected take 3 to 15 seconds to t = 1000, and nothing is
-    projected in these types unless it is asked to be: one motion shows them.
+    projected in these types unless it is asked to be: one motion shows them.  The slowest programs
+    take seconds, too, tens of times polhode's and more: two motions show them.
     """
+    if motion.end < 1000:
+        return True
     wide = method in OURS and method.number in ("quad", "mp") and method.name.endswith("projected")
-    return not wide or motion.end < 1000 or motion.name == TYPES_SHOWN
+    if wide:
+        return motion.name == TYPES_SHOWN
+    return method.name not in SLOW or motion.name in _SLOW_ON
 
 
 def scene_of(motion: SpeedMotion) -> Scene:

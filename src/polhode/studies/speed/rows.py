@@ -39,7 +39,7 @@ QUESTION = (
 )
 SPARE_DIGITS = 6
 LOOSEST = 6.0  # digits from which curves are compared
-REPEATS, PATIENCE = 3, 0.25  # timed runs a tolerance and round; longer runs are made once
+REPEATS, PATIENCE = 3, 0.1  # timed runs a tolerance and round; longer runs are made once
 
 
 def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None) -> dict[str, Any]:
@@ -54,7 +54,7 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
             asked[motion] = [m for m in here if m in chosen or m.name in (PLAIN, PROJECTED)]
     motions = [*asked]
     scenes = {motion: scene_of(motion) for motion in motions}
-    timing = (2, 0.1) if quick else (REPEATS, PATIENCE)
+    timing = (2 if quick else REPEATS, PATIENCE)
     tasks = [
         Task(method, scenes[motion], 1, *timing) for motion in motions for method in asked[motion]
     ]
@@ -74,6 +74,7 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
         "question": QUESTION,
         "quick": quick,
         "target": target(found),
+        "once_above": PATIENCE,
         "motions": found,
         "cells": over,
         "refined": contests(quick, _named(tick), wanted),

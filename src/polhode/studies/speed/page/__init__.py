@@ -18,12 +18,12 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "of eleven output times, against the exact scene: rounding the inputs is part of it. Every "
         "method runs in a process of its own on the same inputs and output times, twice round: "
         "first with empty caches of compiled code, then with those the first round left. Seconds "
-        "are the least of all timed runs after one that warms up; a run of more than a quarter of "
-        "a second is made once. Import and compilation stand in columns of their own; for polhode "
-        "compilation is the making of its integrator, which later runs of the same equations take "
-        "up again; the second and later bodies of a process may find code that an earlier one "
-        "left. SciPy's steps in Python and diffrax, which take seconds, stand at three tolerances; "
-        f"{_wide(found['motions'])}polhode's double curve runs with whatever is asked for."
+        "are the least of all timed runs after one that warms up; a run of more than "
+        f"{found.get('once_above', 0.25):g} seconds is made once. Import "
+        "and compilation stand in columns of their own; for polhode compilation is the making of "
+        "its integrator, which later runs of the same equations take up again; the second and "
+        "later bodies of a process may find code that an earlier one left."
+        f"{_left_out(found['motions'])}"
     )
     yield Text("Left of and below is better. The dotted line is three times kappa·eps of a double.")
     yield Figure("speed", _shown(found["motions"]))
@@ -39,18 +39,20 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield from _elsewhere(found.get("elsewhere", ()))
 
 
-def _wide(motions: Sequence[dict[str, Any]]) -> str:
-    """On which motions quad and mp were projected, if not on all."""
-    on = [
-        m["motion"]
-        for m in motions
-        if any(
-            x["method"] in ("polhode quad projected", "polhode mp projected") for x in m["methods"]
-        )
-    ]
-    if not on or len(on) == len(motions):
-        return ""
-    return f"quad and mp are projected on {', '.join(on)} alone; "
+def _left_out(motions: Sequence[dict[str, Any]]) -> str:
+    """Which methods ran on some of the long motions alone: they take seconds."""
+    long = [m for m in motions if m["kind"] == "regular"]
+    ran: dict[str, list[str]] = {}
+    for motion in long:
+        for method in motion["methods"]:
+            ran.setdefault(method["method"], []).append(motion["motion"])
+    some: dict[tuple[str, ...], list[str]] = {}
+    for name, on in ran.items():
+        if len(on) < len(long):
+            some.setdefault(tuple(on), []).append(name)
+    told = (f"{', '.join(names)} ran on {' and '.join(on)} alone" for on, names in some.items())
+    text = "; ".join(told)
+    return f" To t = {long[0]['end']} {text}: they take seconds." if text else ""
 
 
 def _elsewhere(rows: Sequence[dict[str, str]]) -> Iterator[Block]:
