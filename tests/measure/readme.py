@@ -40,14 +40,16 @@ def parts() -> dict[str, str]:
 def _ahead(cells: Any) -> str:
     """Who is the fastest where, as a table: a row a number of digits, a column a length."""
     ends = sorted({cell["end"] for cell in cells})
-    header = ("digits", *(f"t = {end}" for end in ends), "where another is ahead")
+    header = ("digits", *(f"t = {end}" for end in ends), "where another is ahead, or none arrives")
     rows = []
     for level in lengths.LEVELS:
         races = {end: lengths.race([c for c in cells if c["end"] == end], level) for end in ends}
         behind = [x for found in races.values() for x in found if not lengths.ahead(x)]
-        told = "; ".join(f"{x.method} {x.factor:.2f}" for x in sorted(behind)) or "–"
+        alone = sum(found.count(None) for found in races.values())
+        told = [f"{x.method} {x.factor:.2f}" for x in sorted(behind)]
+        told += [f"none arrives in {alone}"] * (alone > 0)
         counts = (f"{sum(map(lengths.ahead, x))} of {len(x)}" for x in races.values())
-        rows.append((f"{level:g}", *counts, told))
+        rows.append((f"{level:g}", *counts, "; ".join(told) or "–"))
     return _table(PageTable(header, tuple(rows), "r" * (len(ends) + 1) + "l"))
 
 
