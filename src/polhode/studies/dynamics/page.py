@@ -45,10 +45,11 @@ def finding(found: dict[str, Any]) -> str:
         ratios = [
             f"{row['microseconds'] / ours['microseconds']:.3g} ({name})"
             for name, row in rows.items()
-            if not name.startswith("polhode")
         ]
-        if ratios:
-            told.append("a crossing takes so many times as long elsewhere: " + ", ".join(ratios))
+        told.append(
+            f"in batches of {ours['orbits']} orbits a crossing takes {ours['microseconds']:.3g} µs; "
+            f"one orbit alone takes so many times as long a crossing: {', '.join(ratios)}"
+        )
     text = "; ".join(told)
     return f"{text[0].upper()}{text[1:]}." if text else str(found["question"])
 
