@@ -47,8 +47,8 @@ def finding(found: dict[str, Any]) -> str:
             for name, row in rows.items()
         ]
         told.append(
-            f"in batches of {ours['orbits']} orbits a crossing takes {ours['microseconds']:.3g} µs; "
-            f"one orbit alone takes so many times as long a crossing: {', '.join(ratios)}"
+            f"in batches of {ours['orbits']} orbits a crossing takes {ours['microseconds']:.3g} µs"
+            f"; one orbit alone takes so many times as long a crossing: {', '.join(ratios)}"
         )
     text = "; ".join(told)
     return f"{text[0].upper()}{text[1:]}." if text else str(found["question"])
