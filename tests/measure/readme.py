@@ -15,8 +15,7 @@ from typing import Any
 from polhode.studies import report
 from polhode.studies.long_run.page import far_table
 from polhode.studies.page.blocks import PageTable, markdown
-from polhode.studies.speed import page as speed
-from polhode.studies.speed.page import lengths
+from polhode.studies.speed.page import lengths, verdicts
 
 ROOT = Path(__file__).parents[2]
 WIDTH = 104
@@ -41,26 +40,28 @@ def parts() -> dict[str, str]:
 def _ahead(cells: Any) -> str:
     """Who is the fastest where, as a table: a row a number of digits, a column a length."""
     ends = sorted({cell["end"] for cell in cells})
-    header = ("digits", *(f"t = {end}" for end in ends), "where another is ahead")
+    header = ("digits", *(f"t = {end}" for end in ends), "where another is ahead, or none arrives")
     rows = []
     for level in lengths.LEVELS:
         races = {end: lengths.race([c for c in cells if c["end"] == end], level) for end in ends}
         behind = [x for found in races.values() for x in found if not lengths.ahead(x)]
-        told = "; ".join(f"{x.method} {x.factor:.2f}" for x in sorted(behind)) or "–"
+        alone = sum(found.count(None) for found in races.values())
+        told = [f"{x.method} {x.factor:.2f}" for x in sorted(behind)]
+        told += [f"none arrives in {alone}"] * (alone > 0)
         counts = (f"{sum(map(lengths.ahead, x))} of {len(x)}" for x in races.values())
-        rows.append((f"{level:g}", *counts, told))
+        rows.append((f"{level:g}", *counts, "; ".join(told) or "–"))
     return _table(PageTable(header, tuple(rows), "r" * (len(ends) + 1) + "l"))
 
 
 def _table(made: PageTable) -> str:
-    return markdown("", [made]).partition("\n\n")[2].strip()
+    return markdown("", [made._replace(again="")]).partition("\n\n")[2].strip()
 
 
 def _speed(found: Any) -> str:
     """Who is ahead where, in sentences."""
     told = [lengths.claim(found["cells"], x) for x in lengths.LEVELS] if "cells" in found else []
     regular = [m for m in found["motions"] if m["kind"] == "regular"]
-    told += [speed.on_regular(found), _closest(regular), _engine(regular)]
+    told += [verdicts.on_regular(found), _closest(regular), _engine(regular)]
     return "\n\n".join(_filled(text) for text in (" ".join(told), _refined(found["refined"])))
 
 

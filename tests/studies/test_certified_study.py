@@ -66,7 +66,7 @@ def test_a_run_that_is_lost_in_the_noise_of_building_has_no_seconds() -> None:
 
 def test_seconds_are_those_of_the_way_alone() -> None:
     row = rows._cost("lagrange/nutation", 16, 5)
-    assert row["trials"] == rows.COST_TRIALS
+    assert rows.LEAST_TRIALS <= row["trials"] <= rows.COST_TRIALS
     assert 1e-6 < row["seconds"].get("double", 1e-5) < row["seconds"]["proof"]
     assert all(seconds > 0 for seconds in row["seconds"].values())
 

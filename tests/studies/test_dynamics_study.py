@@ -81,7 +81,9 @@ def test_the_page_is_made_from_the_json_alone():
     text = markdown(page.TITLE, page.blocks(found))
     for row in [*found["levels"], *found["sections"]]:
         assert f"| {row['what']} | {row['case']} |" in text
-    assert "0 of 93 motions of integrable bodies" in page.finding(found)
+    told = page.finding(found)
+    assert "0 of 93 motions of integrable bodies" in told
+    assert "(polhode, one orbit)" in told.partition("one orbit alone takes")[2]  # it is not hidden
 
 
 @pytest.mark.slow

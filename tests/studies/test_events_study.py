@@ -8,10 +8,11 @@ import pytest
 
 import polhode
 from polhode.studies.events import rows
+from polhode.studies.events.zeros import Zeros, ulp
 
 
 def test_zeros_of_a_closed_form_lie_half_a_period_apart():
-    zeros = rows.Zeros(polhode.load("euler/largest-axis"), "q")
+    zeros = Zeros(polhode.load("euler/largest-axis"), "q")
     first, second = zeros.first
     assert abs(second - first - zeros.period / 2) < Fraction(1, 10**45)
     every = zeros.until(98)
@@ -21,25 +22,25 @@ def test_zeros_of_a_closed_form_lie_half_a_period_apart():
 
 
 def test_a_zero_at_the_start_is_none_of_the_runs():
-    zeros = rows.Zeros(polhode.load("lagrange/cusped"), "p*gamma2 - q*gamma1")
+    zeros = Zeros(polhode.load("lagrange/cusped"), "p*gamma2 - q*gamma1")
     assert zeros.until(7)[0] > 1
 
 
 def test_all_zeros_of_the_motions_are_simple_and_in_every_period():
     for motion in rows.MOTIONS[:4]:
-        zeros = rows.Zeros(polhode.load(motion.case), motion.zero)
+        zeros = Zeros(polhode.load(motion.case), motion.zero)
         assert len(zeros.first) == 2, motion
 
 
 @pytest.mark.parametrize(("t", "size"), [(1, 52), (Fraction(3, 2), 52), (2, 51), (1000, 43)])
 def test_an_ulp_is_the_distance_between_neighbours(t, size):
-    assert rows.ulp(Fraction(t), 53) == Fraction(1, 2**size)
+    assert ulp(Fraction(t), 53) == Fraction(1, 2**size)
 
 
 def test_a_lost_event_is_seen(monkeypatch):
     """A count that is not the closed form's shows, and no error is then made up."""
     scene = rows._watching(polhode.load("euler/largest-axis"), "q")
-    zeros = rows.Zeros(scene, "q")
+    zeros = Zeros(scene, "q")
     honest = rows._run(scene, zeros, "double", 20)
     assert honest["true"] == honest["found"] == 4
     assert 0 < honest["ulps"] < 8

@@ -229,3 +229,31 @@ def test_unprojected_runs_obey_brouwers_law():
             fitted = plain[name]
             assert abs(fitted["exponent"] - law) < 4 * fitted["uncertainty"], (top["top"], name)
             assert fitted["uncertainty"] < 0.2
+
+
+def test_what_compiles_long_is_one_process_and_dear_programs_get_half_of_the_starts():
+    asked = [(top, method) for method in far.METHODS for top in ("euler", "lagrange")]
+    jobs = far._jobs(asked)
+    assert sorted(one for job in jobs for one in job) == sorted(asked)
+    assert {method.name for _, method in jobs[0]} == {"CyRK DOP853", "CyRK VERN8"}
+    assert {top for top, _ in jobs[0]} == {"euler", "lagrange"}
+    assert [len(job) for job in jobs[1:]] == [1, 1, 1, 1]
+    starts = {method.name: far._starts(method, 16) for method in far.METHODS}
+    assert starts.pop("heyoka alone") == 16
+    assert set(starts.values()) == {8}
+
+
+def test_the_page_says_who_was_given_fewer_starts():
+    def method(name, starts):
+        return {"method": name, "tol": 1e-8, "reached": starts, "starts": starts} | {
+            "median": 1e-9,
+            "largest": 2e-9,
+            "faults": [],
+        }
+
+    tops = [{"top": "euler", "methods": [method("a", 16), method("b", 8)]}]
+    found = {"tops": [], "at": {"t": 10, "starts": 16, "tops": tops, "not_run": {}}}
+    text = markdown("t", page.blocks(found))
+    assert "16 random bodies and starts of each kind (b: the first 8)" in text
+    assert "| b | 1.0e-09 / 2.0e-09, 8 starts |" in text
+    assert "| a | 1.0e-09 / 2.0e-09 |" in text

@@ -78,9 +78,7 @@ def peer(tmp_path, monkeypatch):
             "serve(load, build)\n"
         )
         method = Method(name, name, "", tolerances, limit=limit)
-        return processes.run_all(
-            [Task(method, contenders.scene_of(SHORT))], tmp_path / "cache", 2, 10.0
-        )[0]
+        return processes.run_all([Task(method, contenders.scene_of(SHORT))], tmp_path / "cache")[0]
 
     return run
 
@@ -147,7 +145,7 @@ def test_a_peer_that_takes_too_long_is_stopped_and_keeps_what_it_had(peer):
 
 
 def test_a_module_that_is_not_there_fails_with_its_last_word():
-    job = {"problems": [], "repeats": 1, "patience": 1}
+    job = {"problems": []}
     answers, fault = processes.ask("polhode.peers.nobody", job, 20.0, Path("unused"))
     assert answers == []
     assert "nobody" in fault
@@ -191,7 +189,7 @@ def compiled(tmp_path_factory):
 def test_every_method_that_is_here_finds_the_motion(method, digits, compiled):
     scene = contenders.scene_of(SHORT)
     tight = method._replace(tolerances=method.tolerances[-1:])
-    curve = processes.run_all([Task(tight, scene)], compiled, 1, 10.0, rounds=1)[0]
+    curve = processes.run_all([Task(tight, scene, repeats=1)], compiled, rounds=1)[0]
     if curve.status == "missing":
         assert missing(PACKAGES[method.module.rpartition(".")[2]])
         pytest.skip(curve.reason)
@@ -257,7 +255,8 @@ def test_a_reference_that_is_wrong_is_found_by_the_wall(monkeypatch, tmp_path):
         for m in contenders.OURS
         if m.name in ("polhode double", "polhode extended")
     ]
-    curves = processes.run_all([Task(m, scene) for m in asked], tmp_path, 1, 10.0, rounds=1)
+    tasks = [Task(method, scene, repeats=1) for method in asked]
+    curves = processes.run_all(tasks, tmp_path, rounds=1)
     curves = dict(zip(asked, curves, strict=True))
     assert speed.motion_row(SHORT, scene, curves)["wall"] is None
     true = speed.reference_of(scene)

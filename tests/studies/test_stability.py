@@ -14,8 +14,9 @@ from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.numbers.private import mpmath
 from polhode.scenes import library
 from polhode.studies import report
+from polhode.studies.accuracy import rows as accuracy
 from polhode.studies.page.blocks import PageTable
-from polhode.studies.stability import hard_cases, limits, page, symmetries
+from polhode.studies.stability import hard_cases, limits, page, rows, symmetries
 
 
 def test_every_case_tagged_hard_is_in_the_study_once():
@@ -160,3 +161,32 @@ def test_the_committed_study_names_the_reason_of_every_run_that_stays_behind():
                 assert run["inputs"] is not None
     assert all(row["changed"] == 0 for row in found["units"])
     assert {row["number"] for row in found["units"]} == {*number_types.NAMES[:3]}
+
+
+# -- rows of the study of accuracy ------------------------------------------------------------
+
+
+def test_a_case_is_made_once_in_a_process_the_longest_first_and_told_in_order(monkeypatch):
+    made = []
+
+    def case(scene):
+        made.append(scene.name)
+        return {"case": scene.name}
+
+    monkeypatch.setattr(accuracy, "_made", {})
+    monkeypatch.setattr(accuracy, "_case", case)
+    names = ["euler/separatrix", "hard/million", "hard/near-cusp"]
+    scenes = [library.load(name) for name in names]
+    assert [row["case"] for row in accuracy.case_rows(scenes, 1)] == names
+    assert sorted(made) == sorted(names)
+    assert made[0] == "hard/million"
+    accuracy.case_rows([*scenes, library.load("euler/rest")], 1)
+    assert made[3:] == ["euler/rest"]
+
+
+def test_a_run_is_behind_by_what_it_lacks_of_the_least_expected():
+    run = {"correct_digits": 10.0, "expected": [11.25, 12.0, 13.0], "lost": None}
+    assert rows._judged(run)["behind"] == 1.25
+    assert rows._judged(run | {"correct_digits": 12.0})["behind"] == -0.75
+    assert rows._judged(run | {"expected": None})["behind"] is None
+    assert rows._judged({"outcome": "step limit"}) == {"outcome": "step limit"}

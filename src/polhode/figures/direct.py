@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from polhode.figures.canvas import COLOURS, MARKS
 
-WIDTH = 5.6  # inches of a report's figure: its text is readable on a page 400 pixels wide
+WIDTH = 4.4  # inches of a report's figure: text of 8 points is 9 pixels on a page 400 pixels wide
 GRID = "#dddddd"
 GUIDE = "#777777"
 
@@ -126,28 +126,11 @@ def _apart(wanted: Sequence[float], least: float) -> list[float]:
 
 
 def name_types(ax: Any, names: Sequence[str]) -> None:
-    """Names of number types above a panel, each in its colour with its mark."""
-    name_above(ax, [(name, COLOURS[name]) for name in names], [MARKS[name] for name in names])
-
-
-def name_above(
-    ax: Any, names: Sequence[tuple[str, str]], marks: Sequence[str] | None = None
-) -> None:
-    """Names above a panel from left to right, each in its colour, with its mark if it has one."""
-    for k, (name, colour) in enumerate(names):
-        x = (k + 0.5) / len(names)
-        if marks is not None:
-            ax.plot(x, 1.04, marks[k], color=colour, ms=4, transform=ax.transAxes, clip_on=False)
-        offset = (6, 0) if marks is not None else (0, 0)
-        side = "left" if marks is not None else "center"
-        ax.annotate(
-            name,
-            (x, 1.04),
-            xycoords="axes fraction",
-            xytext=offset,
-            textcoords="offset points",
-            fontsize=8.5,
-            color=ink(colour),
-            ha=side,
-            va="center",
-        )
+    """Names of number types above a panel from left to right, each in its colour with its mark."""
+    widths = [len(name) + 4 for name in names]  # in characters, with mark and gap
+    for k, name in enumerate(names):
+        x = (sum(widths[:k]) + 1) / sum(widths)
+        mark = {"color": COLOURS[name], "ms": 4, "transform": ax.transAxes, "clip_on": False}
+        ax.plot(x, 1.04, MARKS[name], **mark)
+        place = {"xycoords": "axes fraction", "xytext": (6, 0), "textcoords": "offset points"}
+        ax.annotate(name, (x, 1.04), **place, fontsize=8, color=ink(COLOURS[name]), va="center")

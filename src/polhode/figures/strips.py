@@ -9,6 +9,7 @@ from polhode.figures.canvas import COLOURS, MARKS, as_svg, pyplot
 from polhode.figures.direct import GRID, WIDTH, ink
 
 HELD = {"double": 53 * 0.30103, "extended": 64 * 0.30103, "quad": 113 * 0.30103}
+LABEL = "correct digits, worst of all output times\n(dotted: what the type holds)"
 ASKED = 50  # digits that the runs in mp are asked for
 _PITCH = 0.052  # inches from a dot to the next where several are level
 
@@ -32,7 +33,10 @@ def dot(run: Mapping[str, Any]) -> Dot | None:
 def svg(groups: Mapping[str, Sequence[Dot]], label: str) -> str:
     """A strip a group, from the top down; rings are runs with fewer digits than expected."""
     plt = pyplot()
-    heights = [0.16 + _PITCH * _depth(dots) for dots in groups.values()]
+    heights = [
+        max(0.16 + _PITCH * _depth(dots), 0.06 + 0.135 * len(name.splitlines()))
+        for name, dots in groups.items()
+    ]
     figure, axes = plt.subplots(figsize=(WIDTH, 1.0 + sum(heights)), layout="constrained")
     levels, y = [], 0.0
     for dots, height in zip(groups.values(), heights, strict=True):
@@ -43,9 +47,9 @@ def svg(groups: Mapping[str, Sequence[Dot]], label: str) -> str:
     for name, digits in HELD.items():
         axes.axvline(digits, color=COLOURS[name], lw=0.8, ls=":")
     sides = {"double": ("right", HELD["double"]), "extended": ("left", HELD["extended"] - 1.5)}
-    sides |= {"quad": ("center", HELD["quad"]), "mp": ("center", ASKED)}
+    sides |= {"quad": ("left", HELD["quad"] - 1.5), "mp": ("center", ASKED)}
     for name, (side, x) in sides.items():
-        text = f"mp ({ASKED} asked)" if name == "mp" else name
+        text = f"mp ({ASKED})" if name == "mp" else name
         axes.annotate(
             text,
             (x, 1.0),
@@ -53,7 +57,7 @@ def svg(groups: Mapping[str, Sequence[Dot]], label: str) -> str:
             xytext=(0, 3),
             textcoords="offset points",
             ha=side,
-            fontsize=8.5,
+            fontsize=8,
             color=ink(COLOURS[name]),
         )
     axes.set_yticks(levels, list(groups), fontsize=8)

@@ -1,9 +1,9 @@
 """What a peer's process does: read a job, time its parts one by one, write what came out.
 
-A job: {"problems": [...], "repeats": timed runs a tolerance, "patience": seconds above which a run
-is not repeated}.  A problem: {"coefficients": nine doubles, "start": six, "times": output times
-from 0 on, "body": principal moments and Mg r0, all as hex floats; "method": which of the driver's
-methods; "tolerances"; "every": the states of one output time in so many are written}.
+A job: {"problems": [...]}.  A problem: {"coefficients": nine doubles, "start": six, "times": output
+times from 0 on, "body": principal moments and Mg r0, all as hex floats; "method": which of the
+driver's methods; "tolerances"; "every": the states of one output time in so many are written;
+"repeats": timed runs a tolerance; "patience": seconds above which a run is not repeated}.
 
 The answer is lines of JSON, written as they are made, so that a process that dies or is stopped
 leaves what it had: first {"version", "import", "prepare"} or {"missing"}; for each problem
@@ -93,7 +93,7 @@ def serve(
             label = {"problem": k, "tol": tolerance}
             try:
                 run = partial(solve, tolerance)
-                solution, clocks = timed(run, job["repeats"], job["patience"])
+                solution, clocks = timed(run, wanted["repeats"], wanted["patience"])
             except Exception as fault:
                 write({**label, "failed": _told(fault)})
                 continue

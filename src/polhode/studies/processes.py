@@ -44,11 +44,18 @@ class Method(NamedTuple):
 
 
 class Task(NamedTuple):
-    """One method on one scene at its times; the states come back of one time in ``every``."""
+    """One method on one scene at its times; the states come back of one time in ``every``.
+
+    ``repeats``: timed runs a tolerance and round; a run longer than ``patience`` seconds is made
+    once in all.  ``late``: only in the last round, with the caches that the others filled.
+    """
 
     method: Method
     scene: Scene
     every: int = 1
+    repeats: int = 2
+    patience: float = 10.0
+    late: bool = False
 
 
 @dataclass
@@ -94,17 +101,11 @@ class Curve:
 
 
 def run_all(
-    tasks: Sequence[Task],
-    cache: Path,
-    repeats: int,
-    patience: float,
-    tick: Tick | None = None,
-    rounds: int = 2,
+    tasks: Sequence[Task], cache: Path, tick: Tick | None = None, rounds: int = 2
 ) -> list[Curve]:
-    """The curves of the tasks, in their order.
+    """The curves of the tasks, in their order; ``cache``: an empty folder for compiled code.
 
-    ``cache``: an empty folder for compiled code.  ``repeats``: timed runs a tolerance and round;
-    a run longer than ``patience`` seconds is made once in all.
+    All tasks of a module share a process in each round, and with it what it imports and compiles.
     """
     curves = [Curve() for _ in tasks]
     modules = dict.fromkeys(task.method.module for task in tasks)
@@ -115,17 +116,14 @@ def run_all(
                 for curve, task in zip(curves, tasks, strict=True)
                 if task.method.module == module
                 and not curve.missing
-                and (tolerances := _left(curve, task.method, turn))
+                and (turn == rounds - 1 or not task.late)
+                and (tolerances := _left(curve, task.method))
             ]
             if not chosen:
                 continue
             if tick is not None:
                 tick(f"{module.rpartition('.')[2]}, {'warm' if turn else 'cold'} caches")
-            job = {
-                "problems": [_problem(task, tols) for _, task, tols in chosen],
-                "repeats": repeats,
-                "patience": patience,
-            }
+            job = {"problems": [_problem(task, tols) for _, task, tols in chosen]}
             limit = sum(task.method.limit for _, task, _ in chosen)
             answers, fault = ask(module, job, limit, cache)
             kept = [(curve, len(task.scene.times[:: task.every])) for curve, task, _ in chosen]
@@ -184,9 +182,9 @@ def stale(rows: Sequence[Sequence[Any]]) -> bool:
     return any(row in (rows[0], before) for before, row in zip(rows, later, strict=False))
 
 
-def _left(curve: Curve, method: Method, turn: int) -> tuple[float, ...]:
-    """The tolerances to run in this round: later ones without what failed or was slow."""
-    if turn == 0:
+def _left(curve: Curve, method: Method) -> tuple[float, ...]:
+    """The tolerances to run in this round: all at first, then without what failed or was slow."""
+    if not curve.points:
         return method.tolerances
     return tuple(tol for tol, point in curve.points.items() if len(point.seconds) > 1)
 
@@ -201,6 +199,8 @@ def _problem(task: Task, tolerances: tuple[float, ...]) -> dict[str, Any]:
         "method": task.method.method,
         "tolerances": list(tolerances),
         "every": task.every,
+        "repeats": task.repeats,
+        "patience": task.patience,
         "coefficients": [to_double(k.get(name, 0)).hex() for name in TERMS],
         "start": [to_double(x).hex() for x in scene.start],
         "times": [to_double(t).hex() for t in scene.times],

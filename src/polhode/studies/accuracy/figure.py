@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ def motions(rows: list[dict[str, Any]]) -> str:
     """The path in space of a point of the body, a sphere a motion."""
     plt = pyplot()
     with plt.rc_context(PAPER):
-        figure, panels = plt.subplots(1, len(rows), figsize=(WIDTH, 2.6), layout="constrained")
+        figure, panels = plt.subplots(1, len(rows), figsize=(WIDTH, 2.4), layout="constrained")
         for axes, row in zip(panels, rows, strict=True):
             points = np.array(row["path"])
             globe = facing_most(points)
@@ -30,7 +31,8 @@ def motions(rows: list[dict[str, Any]]) -> str:
             globe.arms(axes, ("X", "Y", "Z"))
             globe.curve(axes, points, PLAIN, HIDDEN[PLAIN], row["case"].partition("/")[0], lw=1.2)
             globe.mark(axes, points[0], PLAIN)
-            axes.set_title(f"{row['name']}\n{row['point']} in space", size=7)
+            told = (row["name"], f"{row['point']} in space")
+            axes.set_title("\n".join(fill(text, 20) for text in told), size=8)
         return as_svg(figure)
 
 
@@ -40,4 +42,4 @@ def digits(found: dict[str, Any]) -> str:
     for case in found["cases"]:
         dots = groups.setdefault(case["case"].partition("/")[0], [])
         dots += [dot for run in case["runs"] if (dot := strips.dot(run)) is not None]
-    return strips.svg(groups, "correct digits, worst of all output times (dotted: the type's)")
+    return strips.svg(groups, strips.LABEL)

@@ -111,7 +111,7 @@ def _table(cases: list[dict[str, Any]]) -> PageTable:
                 ", ".join(outcomes),
             )
         )
-    return PageTable(header, tuple(rows), "llrrrrrrrlrrrrl")
+    return PageTable(header, tuple(rows), "llrrrrrrrlrrrrl", "polhode study accuracy --only {0}")
 
 
 def _two_methods(cases: list[dict[str, Any]]) -> Iterator[Block]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -33,6 +33,8 @@ QUICK_CASES = (
 )
 #: Longest integration, as the angle |w|·|end|, that each number type is given in the study.
 LONGEST = {"double": 1e7, "extended": 1e6, "quad": 1e4, "mp": 3e3}
+#: Rows that this process made: the study of stability takes those of the hard cases up again.
+_made: dict[str, dict[str, Any]] = {}
 
 
 def rows(
@@ -49,9 +51,20 @@ def rows(
         if tick is not None:
             tick(f"{NAME}: {scene.name}")
 
-    cases = [*in_order(_case, scenes, 1 if quick else cores(), begun)]
+    cases = case_rows(scenes, 1 if quick else cores(), begun)
     found = {"study": NAME, "question": QUESTION, "quick": quick, "cases": cases}
     return found if wanted else found | {"motions": paths()}
+
+
+def case_rows(
+    scenes: Sequence[Scene], workers: int, begun: Callable[[Scene], None] | None = None
+) -> list[dict[str, Any]]:
+    """A row a case of the library, each made once in a process; the longest motions come first."""
+    asked = [scene for scene in scenes if scene.name not in _made]
+    asked.sort(key=lambda scene: -scene.log10_angle)
+    for row in in_order(_case, asked, workers, begun):
+        _made[row["case"]] = row
+    return [_made[scene.name] for scene in scenes]
 
 
 def _case(scene: Scene) -> dict[str, Any]:
@@ -60,11 +73,14 @@ def _case(scene: Scene) -> dict[str, Any]:
     fitting = [name for name in number_types.NAMES if 10**scene.log10_angle <= LONGEST[name]]
     known = conditioning(scene, number=number_types.named(fitting[-1])) if fitting else None
     runs = [_run(scene, kept, name, known) for name in reversed(fitting)][::-1]  # most digits first
+    kappas = [x for x in known.log10_kappa if x is not None] if known else []
     return {
         "case": scene.name,
         "title": scene.title,
         "regime": reference.regime,
         "reference": reference.kind,
+        "log10_kappa": round(max(kappas), 2) if kappas else None,
+        "kappa_note": known.note if known else "",
         "end": decimals.decimal_string(convert.exactly(number_types.QUAD.rounded(scene.end)), 6),
         "sha256": digest(scene.text),
         "runs": runs,

@@ -23,8 +23,10 @@ READ = (
 
 _SHOWN = (
     "Digits lost over time, and the price of a proof beside runs; no mark: the type does not hold "
-    "so many digits"
+    "so many digits, or building it takes too long to tell"
 )
+
+_AGAIN = "polhode study certified --only {0}"
 
 
 def blocks(found: dict[str, Any]) -> Iterator[Block]:
@@ -35,10 +37,14 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "of the larger of the radius of w over the largest |w| and the radius of gamma."
     )
     yield Figure("certified", _SHOWN)
-    yield from _containment(found["contained"])
-    yield from _over_time(found["growth"])
-    yield from _price(found["cost"])
-    yield from _judged(found["judged"])
+    for part, told in (
+        ("contained", _containment),
+        ("growth", _over_time),
+        ("cost", _price),
+        ("judged", _judged),
+    ):
+        if found[part]:  # a part of a study may have none
+            yield from told(found[part])
     yield Heading("Others: read, not measured")
     yield Items(READ)
 
@@ -96,6 +102,7 @@ def _containment(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "llrrrl",
+        _AGAIN,
     )
 
 
@@ -127,13 +134,16 @@ def _over_time(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "lr" + "r" * len(times),
+        _AGAIN,
     )
 
 
 def _price(rows: list[dict[str, Any]]) -> Iterator[Block]:
     yield Heading("The price of a proof")
+    trials = sorted({row["trials"] for row in rows})
+    times = " to ".join(str(n) for n in dict.fromkeys((trials[0], trials[-1])))
     told = (
-        f"CPU seconds to one time, {rows[0]['trials']} times in turn in one process: of a proof "
+        f"CPU seconds to one time, {times} times in turn in one process: of a proof "
         "the least, with the pilot run and every try; of a run the median, after that of a run to "
         "a thousandth of the time is taken off, which is for building it (a dash: building takes "
         "too long to tell). Beside it runs that prove nothing: heyoka in MPFR at the proof's own "
@@ -164,6 +174,7 @@ def _price(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "l" + "r" * 12,
+        _AGAIN + " --only '{2} digits'",
     )
 
 
@@ -180,6 +191,7 @@ def _judged(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "lrlrr",
+        _AGAIN,
     )
 
 

@@ -46,7 +46,8 @@ QUICK_TIMES = (1, 2, 5, 10, 20)
 COSTED = ("general/asymmetric-regular", "lagrange/nutation", "kovalevskaya/generic")
 COST_DIGITS = (16, 30, 60)
 COST_END, QUICK_COST_END = 100, 5
-COST_TRIALS = 5
+COST_TRIALS, LEAST_TRIALS = 5, 3
+COST_BUDGET = 4.0  # CPU seconds of a price, beyond which there are no more trials than the least
 JUDGED = (1, 10, 100)
 
 _BUILT = "built: "
@@ -156,7 +157,11 @@ def _cost(name: str, digits: int, end: int) -> dict[str, Any]:
         makers[_BUILT + label] = _run(scene.at((Fraction(end, 1000),)), number, method)
         makers[label]()  # compiles
     taken: dict[str, list[float]] = {label: [] for label in makers}
-    for _ in range(COST_TRIALS):
+    start, trials = time.process_time(), 0
+    while trials < COST_TRIALS:
+        if trials >= LEAST_TRIALS and time.process_time() - start > COST_BUDGET:
+            break
+        trials += 1
         for label, make in makers.items():
             began = time.process_time()
             found = make()
@@ -172,7 +177,7 @@ def _cost(name: str, digits: int, end: int) -> dict[str, Any]:
         "case": name,
         "digits": digits,
         "end": end,
-        "trials": COST_TRIALS,
+        "trials": trials,
         "proven": round(proof.proven, 2),
         "noise": proof.noise,
         "tries": proof.tries,

@@ -29,6 +29,7 @@ CASE = "general/asymmetric-regular"
 CROSSINGS, ORBITS = 200, 48
 TOLERANCE = 1e-13  # of the others, relative and absolute
 ROUNDS = 3
+OURS = ("polhode, one orbit", "polhode, batches")
 
 #: Times of an orbit's crossings up to a time, from its start.
 Crossed = Callable[[Any, float], Any]
@@ -41,6 +42,7 @@ def rows(quick: bool, wanted: Only, tick: Callable[[str], None]) -> Iterator[dic
     count = 10 if quick else CROSSINGS
     ours = section(scene, starts="scene", crossings=count)
     end = float(ours.times[0, -1])
+    beside = False
     for name, make in _others(scene, on).items():
         if not wanted(f"cost {name}"):
             continue
@@ -51,6 +53,7 @@ def rows(quick: bool, wanted: Only, tick: Callable[[str], None]) -> Iterator[dic
         except ImportError as missing:
             yield known | {"outcome": f"{missing.name} is not installed"}
             continue
+        beside = True
         solve(ours.start_states[0], end / 10)  # compiles, where there is something to compile
         seconds, times = np.inf, np.zeros(0)
         for _ in range(1 if quick else ROUNDS):
@@ -58,7 +61,7 @@ def rows(quick: bool, wanted: Only, tick: Callable[[str], None]) -> Iterator[dic
             times = solve(ours.start_states[0], end + 1e-3)
             seconds = min(seconds, time.process_time() - began)
         yield known | _judged(scene, on, times, seconds, 1)
-    if wanted("cost polhode"):
+    if wanted(*(f"cost {name}" for name in OURS)) or beside:
         tick("cost, polhode")
         yield from _ours(scene, on, ours, quick)
 
@@ -78,7 +81,7 @@ def _ours(scene: Scene, on: geometry.Ground, one: Any, quick: bool) -> Iterator[
     """One orbit alone, and many in batches; with digits, too."""
     count = one.times.shape[1]
     grid = {"starts": "scene"}, {"grid": (8, ORBITS // 8)}
-    for asked, name in zip(grid, ("polhode, one orbit", "polhode, batches"), strict=True):
+    for asked, name in zip(grid, OURS, strict=True):
         section(scene, crossings=2, workers=1, **asked)  # type: ignore[arg-type]
         seconds, told, found = np.inf, np.inf, one
         for _ in range(1 if quick else ROUNDS):

@@ -106,7 +106,7 @@ def _shades(axes: Any, columns: list[Any], top: float) -> set[tuple[int, ...]]:
 def _sections(plt: Any, rows: list[dict[str, Any]]) -> Any:
     tall = -(-len(rows) // 2)
     figure, panels = plt.subplots(
-        tall, 2, figsize=(WIDTH, 0.3 + 2.3 * tall), layout="constrained", squeeze=False
+        tall, 2, figsize=(WIDTH, 0.3 + 2.2 * tall), layout="constrained", squeeze=False
     )
     for axes, row in zip(panels.flat, rows, strict=False):
         first, second = row["cells"]
@@ -128,7 +128,7 @@ def _sections(plt: Any, rows: list[dict[str, Any]]) -> Any:
             axes.plot(*at, color=colour, lw=1.5, solid_capstyle="round")
         axes.set(xlim=(0, 2 * np.pi), ylim=(-1, 1))
         axes.set_xticks(*_TICKS)
-        axes.set_title(f"{row['what']}: {row['spread_in_eps']:.1f} eps", size=9)
+        axes.set_title(f"{row['what']}\nspread {row['spread_in_eps']:.1f} eps", size=8.5)
     for axes in panels.flat[len(rows) :]:
         axes.remove()
     for axes in panels[:, 0]:
@@ -156,12 +156,17 @@ def _map(plt: Any, row: dict[str, Any]) -> Any:
                 low, high = tall[first], tall[last]
                 width = wide[i + 1] - wide[i]
                 axes.bar(wide[i], high - low, width, low, align="edge", color=shade, lw=0)
-    for column in row["columns"]:
+    for k, column in enumerate(row["columns"]):
         parts = column["C"].split("/")
         at = float(parts[0]) / float(parts[1]) if len(parts) == 2 else float(parts[0])
         axes.axvline(at, color="#333333", lw=0.6, ls=(0, (2, 2)))
         side = "left" if at < x.mean() - 0.4 else "right" if at > x.mean() + 0.4 else "center"
-        where = {"xytext": (0, 3), "textcoords": "offset points", "fontsize": 7.5, "ha": side}
+        where = {
+            "xytext": (0, 3 + 11 * (k % 2)),
+            "textcoords": "offset points",
+            "fontsize": 8,
+            "ha": side,
+        }
         axes.annotate(column["what"], (at, tall[-1]), va="bottom", annotation_clip=False, **where)
     axes.set(xlim=(wide[0], wide[-1]), ylim=(tall[0], tall[-1]))
     axes.set(xlabel="third moment C (A = B = 2)", ylabel="r at the start")

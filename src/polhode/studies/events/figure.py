@@ -14,7 +14,7 @@ def svg(found: dict[str, Any]) -> str:
     """Above: errors of event times in ulps over time; below: cost of a run with events."""
     plt = pyplot()
     figure, (errors, cost) = plt.subplots(2, 1, figsize=(WIDTH, 6.2))
-    figure.subplots_adjust(left=0.13, right=0.85, top=0.94, bottom=0.08, hspace=0.35)
+    figure.subplots_adjust(left=0.19, right=0.82, top=0.94, bottom=0.08, hspace=0.35)
     for name, colour in COLOURS.items():
         points = [
             sample

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
 from polhode.enclosures.events import certify_events
-from polhode.judging.reference import Reference
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers import decimals, exact, number_types
-from polhode.numbers.convert import exactly, to_mpf
+from polhode.numbers.convert import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.runs.integrate import integrate
-from polhode.scenes import columns as columns_
+from polhode.runs.workers import cores, in_order
 from polhode.scenes import library
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
+from polhode.studies.events.zeros import Zeros, ulp
 from polhode.studies.only import Only
 
 NAME = "events"
@@ -28,8 +28,6 @@ QUESTION = (
     "Is every event counted once to t = 10 000? What becomes of contacts that rounding decides, "
     "and what does an event cost?"
 )
-DIGITS = 65  # of the closed form where its zeros are located
-BITS = 240
 PERIODS = 10  # over which every event is judged in every number type
 FAR = {"double": 10_000, "extended": 10_000, "quad": 1_000}
 QUICK_FAR = {"double": 10_000}
@@ -72,91 +70,45 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
     """The study's results as a JSON object; only the seconds in it depend on the clock."""
     say = tick or (lambda _: None)
     wanted = only or Only()
-    motions = []
-    for motion in MOTIONS[:3] if quick else MOTIONS:
-        if not wanted(motion.case, motion.what):
-            continue
-        say(f"{NAME}: {motion.case}, {motion.what}")
-        motions.append(_motion(motion, QUICK_FAR if quick else FAR))
-    say(f"{NAME}: grazing contacts")
+    far = QUICK_FAR if quick else FAR
     names = number_types.NAMES[: 2 if quick else 4]
-    grazing = [_grazing(n, s) for n in names for s in SHIFTS if wanted("grazing", n, s)]
-    cusps = [_cusps(n) for n in names if wanted("cusps", n)]
+    jobs: list[tuple[Any, ...]] = [
+        *(
+            ("motions", m, far)
+            for m in (MOTIONS[:3] if quick else MOTIONS)
+            if wanted(m.case, m.what)
+        ),
+        *(("proven", name, PROVEN_END) for name in PROVEN[: 1 if quick else 2] if wanted(name)),
+        *(("grazing", n, s) for n in names for s in SHIFTS if wanted("grazing", n, f"shift {s}")),
+        *(("cusps", n) for n in names if wanted("cusps", n)),
+    ]
+    workers = 1 if quick or len(jobs) == 1 else cores()
+    made = in_order(_made, jobs, workers, lambda job: say(f"{NAME}: {job[0]}, {_told(job[1])}"))
+    parts: dict[str, list[dict[str, Any]]] = {part: [] for part in _MAKERS}
+    for job, row in zip(jobs, made, strict=True):
+        parts[job[0]].append(row)
     cost = []
-    for name in number_types.NAMES:
-        if not wanted("cost", name):
-            continue
-        say(f"{NAME}: cost in {name}")
-        cost.append(_cost(name, 3 if quick else 9))
-    say(f"{NAME}: proven events")
-    proven = [_proven(name, PROVEN_END) for name in PROVEN[: 1 if quick else 2] if wanted(name)]
+    for name in number_types.NAMES:  # alone: a clock runs
+        if wanted("cost", name):
+            say(f"{NAME}: cost in {name}")
+            cost.append(_cost(name, 3 if quick else 9))
     return {
         "study": NAME,
         "question": QUESTION,
         "quick": quick,
-        "proven": proven,
-        "motions": motions,
-        "grazing": grazing,
-        "cusps": cusps,
+        **parts,
         "cost": cost,
     }
 
 
-# -- the reference --------------------------------------------------------------------------------
+def _made(job: tuple[Any, ...]) -> dict[str, Any]:
+    """A row: the part of the study that it belongs to, and what it is made of."""
+    part, *given = job
+    return _MAKERS[part](*given)
 
 
-class Zeros:
-    """The zeros of an expression along a periodic closed form, to 60 digits, any number of periods.
-
-    They are found in one period alone, by signs at many times and then by the secant rule.
-    """
-
-    def __init__(self, scene: Scene, zero: str, samples: int = 64) -> None:
-        reference = reference_of(replace(scene, events=()))
-        assert isinstance(reference, Reference)
-        self._reference, self._zero, self._columns = reference, zero, scene.columns
-        self.period = exactly(reference.period)
-        times = [self.period * k / samples for k in range(samples + 1)]
-        values = [exact.sign(v) for v in self._values(times, 20)]
-        self.first: list[Fraction] = []
-        for k in range(samples):
-            if values[k] * values[k + 1] < 0:
-                self.first.append(self._refined(times[k], times[k + 1]))
-            elif values[k] == 0 and k > 0:
-                self.first.append(times[k])
-
-    def until(self, end: int) -> list[Fraction]:
-        """All zeros in 0 < t <= end."""
-        count = math.ceil(end / self.period) + 1
-        every = [self.period * n + t for n in range(count) for t in self.first]
-        return [t for t in every if 0 < t <= end]
-
-    def _values(self, times: Sequence[Any], digits: int) -> list[Fraction]:
-        found = []
-        for t, row in zip(times, self._reference.at(times, digits), strict=True):
-            columns = dict(zip(self._columns, row, strict=True), t=to_mpf(exactly(t), BITS))
-            value = exactly(columns_.value(self._zero, columns, BITS))
-            found.append(value if abs(value) > Fraction(1, 10 ** (digits - 3)) else Fraction(0))
-        return found
-
-    def _refined(self, low: Fraction, high: Fraction) -> Fraction:
-        from polhode.numbers.private import mpmath
-
-        def value(t: Any) -> Any:
-            row = self._reference.at([t], DIGITS)[0]
-            columns = dict(zip(self._columns, row, strict=True), t=t)
-            return columns_.value(self._zero, columns, BITS)
-
-        with mpmath.workprec(BITS):
-            between = (to_mpf(low, BITS), to_mpf(high, BITS))
-            root = mpmath.findroot(value, between, solver="anderson", tol=1e-120, maxsteps=60)
-            return exactly(root)
-
-
-def ulp(t: Fraction, bits: int) -> Fraction:
-    """The distance between neighbours of a type of so many bits at t."""
-    mantissa, exponent = exact.rounded(t, bits)
-    return Fraction(2) ** (exponent + abs(mantissa).bit_length() - bits)
+def _told(subject: EventMotion | str) -> str:
+    return subject if isinstance(subject, str) else f"{subject.case}, {subject.what}"
 
 
 # -- times and counts -------------------------------------------------------------------------
@@ -283,6 +235,13 @@ def _proven(name: str, end: int) -> dict[str, Any]:
         rows.append(row)
     return {"case": name, "end": end, "events": rows, "seconds": float(f"{seconds:.2g}")}
 
+
+_MAKERS: dict[str, Callable[..., dict[str, Any]]] = {
+    "proven": _proven,
+    "motions": _motion,
+    "grazing": _grazing,
+    "cusps": _cusps,
+}
 
 # -- cost -------------------------------------------------------------------------------------
 

@@ -51,7 +51,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
             f"To t = {motion['end']} (quad to a tenth), judged by {motion['reference']}."
             + (axes or "")
         )
-        yield _table(motion["runs"])
+        yield _table(motion["runs"], f"polhode study forms --only {motion['case']}")
 
 
 def finding(found: dict[str, Any]) -> str:
@@ -92,10 +92,10 @@ def _advice(found: dict[str, Any]) -> PageTable:
             )
         )
     header = ("form", "source", "motions", "time / principal", "most digits lost", "else")
-    return PageTable((*header, "take it for"), tuple(rows), "lllrrll")
+    return PageTable((*header, "take it for"), tuple(rows), "lllrrll", "polhode study forms -o DIR")
 
 
-def _table(runs: list[dict[str, Any]]) -> PageTable:
+def _table(runs: list[dict[str, Any]], again: str) -> PageTable:
     header = ("form", "number", "steps", "run, ms", "build, ms", "time / principal")
     rows = [
         (
@@ -111,4 +111,4 @@ def _table(runs: list[dict[str, Any]]) -> PageTable:
         )
         for r in runs
     ]
-    return PageTable((*header, "digits", "lost", "outcome"), tuple(rows), "llrrrrrrl")
+    return PageTable((*header, "digits", "lost", "outcome"), tuple(rows), "llrrrrrrl", again)

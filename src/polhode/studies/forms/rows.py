@@ -13,6 +13,7 @@ from polhode.judging.comparison import compare
 from polhode.judging.reference import Remembered
 from polhode.judging.reference import reference as reference_of
 from polhode.runs.integrate import integrate
+from polhode.runs.workers import cores, in_order
 from polhode.scenes import library
 from polhode.scenes.body import Body, Vector
 from polhode.scenes.scene import Scene, even_times
@@ -26,7 +27,7 @@ QUESTION = (
 )
 #: Number types of the runs, and the part of a motion that each is given.
 NUMBERS = {"double": Fraction(1), "quad": Fraction(1, 10)}
-ROUNDS = 15  # the least time of so many runs, the forms taking turns
+ROUNDS = 9  # the least time of so many runs, the forms taking turns
 
 
 class FormMotion(NamedTuple):
@@ -53,14 +54,20 @@ def rows(
     only: Only | None = None,
 ) -> dict[str, Any]:
     """The study's results as a JSON object."""
-    motions = []
     wanted = only or Only()
-    for motion in MOTIONS[2:4] if quick else MOTIONS:
-        if not wanted(motion.case, motion.what):
-            continue
+    asked = [m for m in (MOTIONS[2:4] if quick else MOTIONS) if wanted(m.case, m.what)]
+
+    def begun(job: tuple[FormMotion, bool]) -> None:
         if tick is not None:
-            tick(f"{NAME}: {motion.case}")
-        motions.append(_motion(motion, quick))
+            tick(f"{NAME}: {job[0].case}")
+
+    jobs = [(motion, quick) for motion in asked]
+    workers = 1 if quick or len(jobs) == 1 else cores()
+    motions = [*in_order(_motion, jobs, workers, begun)]
+    for motion, found in zip(asked, motions, strict=True):  # alone: a clock runs
+        if tick is not None:
+            tick(f"{NAME}: {motion.case}, seconds")
+        _time(motion, found["runs"], 2 if quick else ROUNDS)
     return {
         "study": NAME,
         "question": QUESTION,
@@ -70,14 +77,15 @@ def rows(
     }
 
 
-def _motion(motion: FormMotion, quick: bool) -> dict[str, Any]:
-    scene = _reordered(library.load(motion.case), motion.order)
-    scene = replace(scene, outputs=(), events=())
-    reference = Remembered(reference_of(scene))
-    runs = []
-    for number in [*NUMBERS][:1] if quick else NUMBERS:
-        part = scene.at(even_times(NUMBERS[number] * motion.end, 11))
-        runs += _runs(part, reference, number, 2 if quick else ROUNDS)
+def _motion(job: tuple[FormMotion, bool]) -> dict[str, Any]:
+    """A motion in every form: outcomes, steps and digits."""
+    motion, quick = job
+    reference = Remembered(reference_of(_scene(motion)))
+    runs = [
+        _run(replace(_part(motion, number), form=form), reference, number)
+        for number in ([*NUMBERS][:1] if quick else NUMBERS)
+        for form in FORMS
+    ]
     return {
         "case": motion.case,
         "what": motion.what,
@@ -88,19 +96,33 @@ def _motion(motion: FormMotion, quick: bool) -> dict[str, Any]:
     }
 
 
-def _runs(scene: Scene, reference: Remembered, number: str, rounds: int) -> list[dict[str, Any]]:
-    found = [_run(replace(scene, form=form), reference, number) for form in FORMS]
-    runs = {run["form"]: run for run in found if "seconds" in run}
-    for _ in range(rounds - 1 if number == "double" else 0):
-        for form, run in runs.items():
-            again = integrate(replace(scene, form=form), number).seconds
-            for part in ("run", "build"):
-                run["seconds"][part] = min(run["seconds"][part], again[part])
-    first = runs["principal"]
-    for run in runs.values():
-        run["time_against_principal"] = round(run["seconds"]["run"] / first["seconds"]["run"], 2)
-        run["lost_digits"] = round(first["correct_digits"] - run["correct_digits"], 2)
-    return found
+def _time(motion: FormMotion, runs: list[dict[str, Any]], rounds: int) -> None:
+    """Add to each run its seconds, the least of so many runs in double, and what it is beside
+    the first form's."""
+    for number in NUMBERS:
+        done = {r["form"]: r for r in runs if r["number"] == number and "correct_digits" in r}
+        part = _part(motion, number)
+        for _ in range(rounds if number == "double" else 1):
+            for form, run in done.items():
+                taken = integrate(replace(part, form=form), number, method="taylor").seconds
+                before = run.setdefault("seconds", dict(taken))
+                run["seconds"] = {k: min(before[k], taken[k]) for k in ("run", "build")}
+        for run in done.values():
+            first = done["principal"]
+            run["time_against_principal"] = round(
+                run["seconds"]["run"] / first["seconds"]["run"], 2
+            )
+            run["lost_digits"] = round(first["correct_digits"] - run["correct_digits"], 2)
+
+
+def _scene(motion: FormMotion) -> Scene:
+    scene = _reordered(library.load(motion.case), motion.order)
+    return replace(scene, outputs=(), events=())
+
+
+def _part(motion: FormMotion, number: str) -> Scene:
+    """The part of a motion that a number type is given."""
+    return _scene(motion).at(even_times(NUMBERS[number] * motion.end, 11))
 
 
 def _run(scene: Scene, reference: Remembered, number: str) -> dict[str, Any]:
@@ -113,7 +135,7 @@ def _run(scene: Scene, reference: Remembered, number: str) -> dict[str, Any]:
     if not run.outcome.done:
         return known | {"reason": run.cause, "reached": float(run.reached)}
     digits = round(compare(run, reference).worst, 2)
-    return known | {"seconds": dict(run.seconds), "correct_digits": digits}
+    return known | {"correct_digits": digits}
 
 
 def _reordered(scene: Scene, order: tuple[int, int, int]) -> Scene:

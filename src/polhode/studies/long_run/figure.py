@@ -16,7 +16,7 @@ def svg(found: Mapping[str, Any]) -> str:
     """Medians over the ensembles against time, and above each what the worst start has."""
     plt = pyplot()
     figure, panels = plt.subplots(3, 1, figsize=(WIDTH, 10.2), sharex=True)
-    figure.subplots_adjust(left=0.13, right=0.68, top=0.98, bottom=0.05, hspace=0.08)
+    figure.subplots_adjust(left=0.17, right=0.61, top=0.98, bottom=0.05, hspace=0.08)
     for ax, name in zip(panels[:2], ("error", "drift"), strict=True):
         ax.set_xscale("log")
         ax.set_yscale("log")
@@ -66,7 +66,7 @@ def _walks(ax: Any, tops: Sequence[Mapping[str, Any]]) -> None:
                 ax.plot(times, row["deviation"], look.line, marker=mark, color=look.colour, ms=4)
                 sizes = [abs(x) or None for x in row["mean"]]
                 ax.plot(times, sizes, mark, color=look.colour, mfc="none", ms=5)
-                ends.append(End(times[-1], row["deviation"][-1], f"{top['top']}, h", look.colour))
+                ends.append(End(times[-1], row["deviation"][-1], top["top"], look.colour))
     if ends:
         low, high = tops[0]["fitted_since"], tops[0]["times"][-1]
         height = min(end.y for end in ends) / 6

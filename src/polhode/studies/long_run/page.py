@@ -9,6 +9,7 @@ from typing import Any
 from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
 
 TITLE = "Long runs: growth of error and drift"
+_AGAIN = "polhode study long-run --only '{0} growth'"
 
 
 def blocks(found: dict[str, Any]) -> Iterator[Block]:
@@ -86,7 +87,7 @@ def _exponents(tops: list[dict[str, Any]]) -> PageTable:
                         )
                     )
     header = ("top", "method", "of", "exponent", "last decade alone", "law")
-    return PageTable(header, tuple(rows), "lllrrr")
+    return PageTable(header, tuple(rows), "lllrrr", _AGAIN)
 
 
 def _fitted(found: dict[str, Any]) -> tuple[str, str]:
@@ -131,7 +132,7 @@ def _walks(tops: list[dict[str, Any]]) -> Iterator[Block]:
         *("top", "integral", f"mean at t = {tops[0]['times'][-1]}", "standard deviation"),
         *("mean / its error", "exponent of the deviation", "last decade alone", "law"),
     )
-    yield PageTable(header, tuple(rows), "llrrrrrr")
+    yield PageTable(header, tuple(rows), "llrrrrrr", _AGAIN)
 
 
 def bias(tops: list[dict[str, Any]]) -> str:
@@ -186,7 +187,7 @@ def _beside_inputs(tops: list[dict[str, Any]]) -> Iterator[Block]:
         "projected run's error is by then little else than that of its inputs."
     )
     header = ("top", *(f"t = {t}" for t in times), f"t = {end}, like t")
-    yield PageTable(header, tuple(rows), "l" + "r" * (len(times) + 1))
+    yield PageTable(header, tuple(rows), "l" + "r" * (len(times) + 1), _AGAIN)
 
 
 def _times(alone: float, over: float) -> str:
@@ -203,7 +204,7 @@ def _growth(tops: list[dict[str, Any]], name: str) -> PageTable:
                 cells = (f"{_power(middle)} / {_power(most)}" for middle, most in pairs)
                 rows.append((top["top"], method["method"], *cells))
     header = ("top", "method", *(f"t = {t}" for t in times))
-    return PageTable(header, tuple(rows), "ll" + "r" * len(times))
+    return PageTable(header, tuple(rows), "ll" + "r" * len(times), _AGAIN)
 
 
 def _corrections(tops: list[dict[str, Any]]) -> Iterator[Block]:
@@ -225,7 +226,7 @@ def _corrections(tops: list[dict[str, Any]]) -> Iterator[Block]:
             "The drift of a projected run is no evidence of accuracy. Instead: the largest single "
             "correction of the state and the largest sum of a run's corrections, over all starts."
         )
-        yield PageTable(("top", "onto", "largest", "sum"), rows, "llrr")
+        yield PageTable(("top", "onto", "largest", "sum"), rows, "llrr", _AGAIN)
 
 
 def _far(found: dict[str, Any]) -> Iterator[Block]:
@@ -235,10 +236,9 @@ def _far(found: dict[str, Any]) -> Iterator[Block]:
         return
     yield Heading(f"Every double method at t = {far['t']}")
     yield Text(
-        f"Median and largest error of {far['starts']} random bodies and starts of each kind, at "
-        "each method's tightest tolerance: eps for heyoka, 3e-15 for CyRK, "
-        "1e-8 for the splitting (a shorter step takes minutes a top). Each column alone: `polhode "
-        "study long-run --only 'euler t=100000'`."
+        f"Median and largest error of {far['starts']} random bodies and starts of each kind"
+        f"{_fewer(far)}, at each method's tightest tolerance: eps for heyoka, 3e-15 for CyRK, "
+        "1e-8 for the splitting (a shorter step takes minutes a top)."
     )
     yield far_table(found)
     told = [
@@ -249,6 +249,14 @@ def _far(found: dict[str, Any]) -> Iterator[Block]:
     ]
     told += [f"{name}: not run ({why})" for name, why in far["not_run"].items()]
     yield Items(tuple(told))
+
+
+def _fewer(far: dict[str, Any]) -> str:
+    """Which methods were given the first of the starts alone."""
+    rows = [m for top in far["tops"] for m in top["methods"]]
+    counts = {m["method"]: m.get("starts", far["starts"]) for m in rows}
+    told = [f"{name}: the first {n}" for name, n in counts.items() if n < far["starts"]]
+    return f" ({', '.join(told)})" if told else ""
 
 
 def far_table(found: dict[str, Any]) -> PageTable:
@@ -267,10 +275,13 @@ def far_table(found: dict[str, Any]) -> PageTable:
             cell = f"{_power(method['median'])} / {_power(method['largest'])}"
             if method["reached"] == 0:
                 cell = "failed"
+            elif method.get("starts", far["starts"]) < far["starts"]:
+                cell += f", {method['starts']} starts"
             columns.setdefault(method["method"], {})[top["top"]] = cell
     tops = list(dict.fromkeys(top["top"] for top in (*found["tops"], *far["tops"])))
     rows = tuple((name, *(cells.get(top, "–") for top in tops)) for name, cells in columns.items())
-    return PageTable(("method", *tops), rows, "l" + "r" * len(tops))
+    again = "polhode study long-run --only far --only '{0}'"
+    return PageTable(("method", *tops), rows, "l" + "r" * len(tops), again)
 
 
 def _power(x: float | None) -> str:

@@ -46,6 +46,9 @@ PLAIN, PROJECTED = "double", "double projected"
 #: What rounding the inputs leaves of a projected run is followed so far: 35 µs a step.
 INPUTS_UNTIL = 3163
 
+#: Labels of the rows of polhode in the table of the far moment.
+FAR = ("polhode, not projected", "far")
+
 Tick = Callable[[str], None]
 
 
@@ -111,7 +114,7 @@ def ensembles(
     """A row a top: medians over its starts at every half decade, and exponents."""
     times = half_decades(*decades)
     methods = (PLAIN, PROJECTED)
-    tops = [top for top in TOPS if only is None or only(f"{top} growth")]
+    tops = [top for top in TOPS if only is None or only(f"{top} growth", *FAR)]
     asked = [RunStart(top, k, times, methods) for top in tops for k in range(starts)]
     members: list[Member] = []
 

@@ -21,13 +21,14 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         )
         for row in found["needs"]
     )
-    yield PageTable(("need", "command", "digits", "s"), rows, "llrr")
+    yield PageTable(
+        ("need", "command", "digits", "s"), rows, "llrr", "polhode study needs --only '{0}'"
+    )
     yield Text(
         "Digits: the fewest over the output times, against the closed form or, where there is "
         "none, a proven enclosure; for a file, those that `compare` prints. Seconds: the whole "
         "command with Python's start and its imports, the least of several, what is compiled being "
-        "loaded from the cache; the first run of a new body compiles for a second or so. "
-        "One row alone: `polhode study needs --only '30 digits'`."
+        "loaded from the cache; the first run of a new body compiles for a second or so."
     )
 
 

@@ -23,7 +23,7 @@ from polhode.studies.only import Only
 
 NAME = "needs"
 QUESTION = "How many digits do I get, at what cost, for my need?"
-REPEATS, QUICK_REPEATS = 3, 1  # of each command, after one that fills the caches
+REPEATS, QUICK_REPEATS = 2, 1  # of each command, after one that fills the caches
 _SPARE = 8  # digits that a reference has more than what it judges
 
 Tick = Callable[[str], None]

@@ -25,11 +25,28 @@ class Items(NamedTuple):
 
 
 class PageTable(NamedTuple):
-    """Rows of cells under a header; ``align``: one character a column, l or r."""
+    """Rows of cells under a header; ``align``: one character a column, l or r.
+
+    ``again``: the command that makes a row again; {0}, {1} stand for its cells.
+    """
 
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     align: str = ""
+    again: str = ""
+
+    def command(self, row: tuple[str, ...]) -> str:
+        """The command that makes one of the rows again."""
+        return self.again.format(*(cell.strip("`").replace("'", r"'\''") for cell in row))
+
+    @property
+    def told(self) -> str:
+        """How to make a row again, below the table; empty where there is nothing to make."""
+        if not self.again or not self.rows:
+            return ""
+        one = "A row" if "{" in self.again else "These rows"
+        first = ", here the first" if "{" in self.again and len(self.rows) > 1 else ""
+        return f"{one} again{first}: `{self.command(self.rows[0])}`"
 
 
 class Figure(NamedTuple):
@@ -63,11 +80,14 @@ def _lines(title: str, blocks: Iterable[Block]) -> Iterator[str]:
                 yield text
             case Items(items):
                 yield from (f"- {item}" for item in items)
-            case PageTable(header, rows, align):
+            case PageTable(header, rows, align, _):
                 sides = align or "l" * len(header)
                 yield _row(header)
                 yield "|" + "|".join("--:" if side == "r" else "---" for side in sides) + "|"
                 yield from (_row(row) for row in rows)
+                if block.told:
+                    yield ""
+                    yield block.told
             case Figure(name, alt):
                 yield f"![{alt}]({name}.svg)"
         yield ""

@@ -149,6 +149,8 @@ def _table(table: PageTable, names: set[str], folded: bool) -> Iterator[str]:
     yield "<tbody>"
     yield from (_row("td", row, sides, names) for row in table.rows)
     yield "</tbody></table></div>"
+    if table.told:
+        yield f'<p class="again">{inline(table.told)}</p>'
     if folded:
         yield "</details>"
 
@@ -218,6 +220,7 @@ th, td { padding: .2rem .45rem; border-bottom: 1px solid #ddd; text-align: left;
 td.long { white-space: normal; min-width: 18rem; max-width: 30rem; }
 th { border-bottom: 2px solid #999; }
 th.r, td.r { text-align: right; }
+p.again { font-size: .75rem; color: #444; margin: 0 0 .6rem; }
 tbody tr:nth-child(even) { background: #0000000a; }
 figure { margin: 1rem 0; }
 figure svg { display: block; width: 100%; height: auto; }

@@ -28,7 +28,7 @@ def svg(found: dict[str, Any]) -> str:
         axes.plot([right, shown], [y, y], color=colour, lw=0.8)
         axes.plot([shown], [y], "o", color=colour, ms=5, mfc="white")
         axes.plot([right], [y], "o", color=colour, ms=3.5)
-    axes.set_yticks(range(len(rows)), [name for name, _ in rows], fontsize=7.5)
+    axes.set_yticks(range(len(rows)), [name for name, _ in rows], fontsize=8)
     for tick, (_, row) in zip(axes.get_yticklabels(), rows, strict=True):
         tick.set_color(_RIGHT if row["stands"] else _OFF)
     axes.set_ylim(-0.7, len(rows) - 0.3)

@@ -43,7 +43,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     for case in found["cases"]:
         yield Heading(case["title"])
         yield Text(f"`{case['case']}`; ours by {_BY.get(case['reference'], case['reference'])}.")
-        yield _table(case["figures"])
+        yield _table(case)
     yield Heading("What limits the digits")
     yield Text(
         "Of a figure that stands, only the digits printed. Of one that does not, what the source "
@@ -93,6 +93,7 @@ def _off(every: list[tuple[dict[str, Any], dict[str, Any]]]) -> Iterator[Block]:
             for case, cite in ranked
         ),
         "llrlrllrr",
+        "polhode study published --only {1}",
     )
 
 
@@ -115,7 +116,7 @@ def _right(row: dict[str, Any]) -> float:
     return float(row["digits_right"])
 
 
-def _table(rows: list[dict[str, Any]]) -> PageTable:
+def _table(case: dict[str, Any]) -> PageTable:
     header = (
         *("t", "quantity", "printed", "ours", "difference", "units", "digits right", "verdict"),
         "source",
@@ -134,7 +135,8 @@ def _table(rows: list[dict[str, Any]]) -> PageTable:
                 row["verdict"],
                 row["cite"],
             )
-            for row in rows
+            for row in case["figures"]
         ),
         "rlllrrrll",
+        f"polhode study published --only {case['case']}",
     )

@@ -8,10 +8,9 @@ nine and twelve digits its seconds are read from each start's own curve and set 
 from __future__ import annotations
 
 import statistics
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from polhode.judging.digits import digits_of, rate_scale
@@ -19,10 +18,11 @@ from polhode.judging.reference import reference as reference_of
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, bits_for
 from polhode.runs.integrate import integrate
+from polhode.runs.workers import cores, in_order
 from polhode.scenes.scene import Scene, even_times
 from polhode.studies.ensembles import TOPS, random_scene
 from polhode.studies.only import Only
-from polhode.studies.processes import Curve, Method, Task, Tick, run_all
+from polhode.studies.processes import Curve, Method, Task, Tick
 from polhode.studies.speed.contenders import ENGINE, SPLITTINGS
 from polhode.studies.speed.work_precision import WorkPoint, seconds_at
 
@@ -85,47 +85,68 @@ class Truth(NamedTuple):
     scale: float
 
 
-def rows(
-    quick: bool, folder: Path, only: Only | None = None, tick: Tick | None = None
-) -> list[dict[str, Any]]:
-    """A row a cell.
-
-    ``folder``: for compiled code.  ``only``: which cells and methods are wanted; polhode always is.
-    """
-    wanted = only or Only()
-    lengths = QUICK_LENGTHS if quick else LENGTHS
+def wanted_cells(quick: bool, wanted: Only) -> dict[Cell, list[Method]]:
+    """Which methods run in which cells; polhode always does."""
     asked: dict[Cell, list[Method]] = {}
-    for cell in (Cell(kind, *length) for kind in KINDS for length in lengths):
+    for cell in (Cell(kind, *length) for kind in KINDS for length in _lengths(quick)):
         methods = [m for m in METHODS if _runs(m, cell, quick) and wanted(cell.label, m.name)]
         if methods:
             ours = [m for m in METHODS if m.name == OURS and m not in methods]
             asked[cell] = [*ours, *methods]
-    starts = range(QUICK_STARTS if quick else STARTS)
-    scenes = {(cell, k): cell.scene(k) for cell in asked for k in starts}
-    tasks = [
-        Task(method, scene, cell.every)
-        for (cell, _), scene in scenes.items()
-        for method in asked[cell]
+    return asked
+
+
+def tasks(asked: Mapping[Cell, Sequence[Method]], quick: bool) -> list[Task]:
+    """What runs in the cells: after the motions, whose processes have compiled what all share."""
+    return [
+        Task(method, scene, cell.every, REPEATS, PATIENCE, late=True)
+        for cell, methods in asked.items()
+        for scene in map(cell.scene, _starts(quick))
+        for method in methods
     ]
-    curves = run_all(tasks, folder, REPEATS, PATIENCE, tick, rounds=1)
-    made = iter(zip(tasks, curves, strict=True))
-    truths: dict[tuple[str, int], list[Truth]] = {}
+
+
+def rows(
+    asked: Mapping[Cell, Sequence[Method]],
+    curves: Iterable[Curve],
+    quick: bool,
+    tick: Tick | None = None,
+) -> list[dict[str, Any]]:
+    """A row a cell, from the curves of its tasks."""
+    made, truths = iter(curves), _truths(asked, quick, tick)
     found = []
     for cell, methods in asked.items():
-        if (cell.kind, cell.end) not in truths:
-            if tick is not None:
-                tick(f"references of {cell.kind} to t = {cell.end}")
-            truths[cell.kind, cell.end] = [truth(cell, k) for k in starts]
-        marks: dict[str, list[list[WorkPoint]]] = {m.name: [[] for _ in starts] for m in methods}
+        marks: dict[str, list[list[WorkPoint]]] = {
+            m.name: [[] for _ in _starts(quick)] for m in methods
+        }
         faults = {}
-        for k in starts:
+        for k in _starts(quick):
             for method in methods:
-                _, curve = next(made)
-                marks[method.name][k] += _marks(curve, truths[cell.kind, cell.end][k])
+                curve = next(made)
+                marks[method.name][k] += _marks(curve, truths[cell.kind, cell.end, k])
                 if curve.status != "ok":
                     faults[method.name] = f"{curve.status}: {curve.reason}"
         found.append(cell_row(cell, marks, faults))
     return found
+
+
+def _truths(
+    asked: Iterable[Cell], quick: bool, tick: Tick | None
+) -> dict[tuple[str, int, int], Truth]:
+    """The references by kind, end and start, the longest first: no clock runs beside them."""
+    ends = sorted({(cell.kind, cell.end) for cell in asked}, key=lambda x: -x[1])
+    jobs = [(kind, end, start) for kind, end in ends for start in _starts(quick)]
+
+    def begun(job: tuple[str, int, int]) -> None:
+        if tick is not None and job[2] == 0:
+            tick(f"references of {job[0]} to t = {job[1]}")
+
+    return dict(zip(jobs, in_order(_truth, jobs, 1 if quick else cores(), begun), strict=True))
+
+
+def _truth(job: tuple[str, int, int]) -> Truth:
+    kind, end, start = job
+    return truth(Cell(kind, end, JUDGED), start)
 
 
 def truth(cell: Cell, start: int) -> Truth:
@@ -189,6 +210,14 @@ def cell_row(
 def _times(end: int, outputs: int) -> tuple[Exact, ...]:
     """Even output times, as doubles."""
     return tuple(DOUBLE.rounded(t) for t in even_times(Fraction(end), outputs))
+
+
+def _lengths(quick: bool) -> Sequence[tuple[int, int]]:
+    return QUICK_LENGTHS if quick else LENGTHS
+
+
+def _starts(quick: bool) -> range:
+    return range(QUICK_STARTS if quick else STARTS)
 
 
 def _runs(method: Method, cell: Cell, quick: bool) -> bool:

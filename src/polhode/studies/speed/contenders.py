@@ -10,6 +10,7 @@ from polhode.scenes.scene import Scene, even_times
 from polhode.studies.processes import Method, plain_scene
 
 SAMPLES = 11
+TYPES_SHOWN = "Kovalevskaya top"  # the motion on which all number types are drawn
 PLAIN = "polhode double"
 PROJECTED = "polhode double projected"
 ENGINE = "heyoka alone"
@@ -43,8 +44,16 @@ _FINE = {
 }
 
 
-def _peer(name: str, module: str, method: str = "", limit: float = 60.0) -> Method:
-    return Method(name, f"polhode.peers.{module}", method, _TOLERANCES, limit=limit)
+#: Of the slow peers, whose runs to t = 1000 take seconds; and the motions on which they run.
+_FEW = (1e-8, 1e-12, 1e-14)
+SLOW = ("SciPy DOP853, Python", "SciPy LSODA, Python", "diffrax Dopri8")
+_SLOW_ON = ("Euler top", "Kovalevskaya top")
+
+
+def _peer(
+    name: str, module: str, method: str = "", tolerances: tuple[float, ...] = _TOLERANCES
+) -> Method:
+    return Method(name, f"polhode.peers.{module}", method, tolerances)
 
 
 #: Wide types are projected at their own tolerance alone: they are not unless they are asked to be.
@@ -64,21 +73,21 @@ SPLITTINGS = tuple(
     )
 )
 PEERS = (
-    _peer("SciPy DOP853, Python", "scipy_python", "DOP853"),
-    _peer("SciPy LSODA, Python", "scipy_python", "LSODA"),
+    _peer("SciPy DOP853, Python", "scipy_python", "DOP853", _FEW),
+    _peer("SciPy LSODA, Python", "scipy_python", "LSODA", _FEW),
     _peer("numbalsoda dop853", "numbalsoda_cfunc", "dop853"),
     _peer("numbalsoda lsoda", "numbalsoda_cfunc", "lsoda"),
     _peer("CyRK DOP853", "cyrk", "DOP853"),
     _peer("CyRK VERN8", "cyrk", "VERN8"),
     _peer("CyRK LSODA", "cyrk", "LSODA"),
-    _peer("diffrax Dopri8", "diffrax_dopri8", "Dopri8"),
+    _peer("diffrax Dopri8", "diffrax_dopri8", "Dopri8", _FEW),
     *SPLITTINGS,
 )
 #: Of the short motion alone.  SciPy's steps are taken in Python, so that compiling the right-hand
 #: side gains it next to nothing: both stand here, side by side.
 SHORT_PEERS = (
     _peer("mpmath odefun", "mpmath_odefun"),
-    PEERS[0],
+    PEERS[0]._replace(tolerances=_TOLERANCES),
     _peer("SciPy DOP853, numba", "scipy_numba", "DOP853"),
 )
 
@@ -100,6 +109,21 @@ def methods(motion: SpeedMotion, quick: bool) -> list[Method]:
         or method is HEYOKA
         or method.module.rpartition(".")[2] in QUICK_PEERS
     ]
+
+
+def reported(motion: SpeedMotion, method: Method) -> bool:
+    """Whether a method is run on a motion without being asked for it by name.
+
+    Steps in quad and mp that are projected take 3 to 15 seconds to t = 1000, and nothing is
+    projected in these types unless it is asked to be: one motion shows them.  The slowest programs
+    take seconds, too, tens of times polhode's and more: two motions show them.
+    """
+    if motion.end < 1000:
+        return True
+    wide = method in OURS and method.number in ("quad", "mp") and method.name.endswith("projected")
+    if wide:
+        return motion.name == TYPES_SHOWN
+    return method.name not in SLOW or motion.name in _SLOW_ON
 
 
 def scene_of(motion: SpeedMotion) -> Scene:

@@ -7,9 +7,9 @@ from typing import Any
 
 from polhode.figures.canvas import as_svg, pyplot
 from polhode.figures.direct import GRID, GUIDE, LOOKS, WIDTH, End, label_ends
+from polhode.studies.speed.contenders import TYPES_SHOWN
 
 PROJECTED, PLAIN = "polhode double projected", "polhode double"
-TYPES_SHOWN = "Kovalevskaya top"  # the motion of the panel with all number types
 SHOWN_OUTPUTS, SHOWN_DIGITS = 11, 9.0  # of the figure over run length
 #: Drawn beside polhode: one of each that differ by their right-hand side's language alone.
 _DRAWN = (
@@ -33,7 +33,7 @@ def work_precision(motions: Sequence[Mapping[str, Any]]) -> str:
     rows = len(motions) + 1
     size = (WIDTH, 2.5 * rows)
     figure, axes = plt.subplots(rows, 1, figsize=size)
-    figure.subplots_adjust(left=0.12, right=0.7, top=1 - 0.3 / size[1], bottom=0.5 / size[1])
+    figure.subplots_adjust(left=0.17, right=0.66, top=1 - 0.3 / size[1], bottom=0.5 / size[1])
     figure.subplots_adjust(hspace=0.42)
     for ax, motion in zip(axes, motions, strict=False):
         _panel(ax, motion)
@@ -49,7 +49,7 @@ def lengths(cells: Sequence[Mapping[str, Any]]) -> str:
     kinds = list(dict.fromkeys(cell["kind"] for cell in cells))
     size = (WIDTH, 2.3 * len(kinds))
     figure, axes = plt.subplots(len(kinds), 1, figsize=size, sharex=True, squeeze=False)
-    figure.subplots_adjust(left=0.12, right=0.7, top=1 - 0.3 / size[1], bottom=0.5 / size[1])
+    figure.subplots_adjust(left=0.17, right=0.66, top=1 - 0.3 / size[1], bottom=0.5 / size[1])
     for ax, kind in zip(axes[:, 0], kinds, strict=True):
         here = [c for c in cells if c["kind"] == kind and c["outputs"] == SHOWN_OUTPUTS]
         _over_length(ax, sorted(here, key=lambda cell: cell["end"]))
@@ -116,7 +116,7 @@ def _types(ax: Any, motion: Mapping[str, Any]) -> None:
         for method in motion["methods"]
         if method["method"].startswith("polhode") and method["number"] != "double"
     }
-    _draw(ax, curves, f"{motion['motion']}, t = {motion['end']}, wider types")
+    _draw(ax, curves, f"{motion['motion']}, t = {motion['end']}, polhode in wider types")
 
 
 def _draw(ax: Any, curves: Mapping[str, Any], title: str) -> None:
@@ -130,7 +130,7 @@ def _draw(ax: Any, curves: Mapping[str, Any], title: str) -> None:
         look = LOOKS[name]
         style = {"color": look.colour, "lw": look.width, "ms": 3.5}
         ax.plot(seconds, errors, look.line, marker=look.mark, **style)
-        ends.append(End(seconds[-1], errors[-1], name, look.colour))
+        ends.append(End(seconds[-1], errors[-1], name.removeprefix("polhode "), look.colour))
     _scales(ax)
     ax.set_title(title, fontsize=9)
     ax.set_ylabel("error", fontsize=9)

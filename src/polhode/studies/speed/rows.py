@@ -25,6 +25,7 @@ from polhode.studies.speed.contenders import (
     QUICK_MOTIONS,
     SpeedMotion,
     methods,
+    reported,
     scene_of,
 )
 from polhode.studies.speed.elsewhere import READ
@@ -38,6 +39,7 @@ QUESTION = (
 )
 SPARE_DIGITS = 6
 LOOSEST = 6.0  # digits from which curves are compared
+REPEATS, PATIENCE = 3, 0.1  # timed runs a tolerance and round; longer runs are made once
 
 
 def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None) -> dict[str, Any]:
@@ -45,16 +47,21 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
     wanted = only or Only()
     asked = {}
     for motion in (m for m in MOTIONS if not quick or m.name in QUICK_MOTIONS):
-        chosen = [m for m in methods(motion, quick) if wanted(motion.name, motion.case, m.name)]
-        if chosen:
-            asked[motion] = chosen
+        here = [m for m in methods(motion, quick) if wanted or reported(motion, m)]
+        labels = motion.name, motion.case, "every motion"
+        chosen = [m for m in here if wanted(*labels, m.name)]
+        if chosen:  # polhode in double always, to compare with
+            asked[motion] = [m for m in here if m in chosen or m.name in (PLAIN, PROJECTED)]
     motions = [*asked]
     scenes = {motion: scene_of(motion) for motion in motions}
-    tasks = [Task(method, scenes[motion]) for motion in motions for method in asked[motion]]
+    timing = (2 if quick else REPEATS, PATIENCE)
+    tasks = [
+        Task(method, scenes[motion], 1, *timing) for motion in motions for method in asked[motion]
+    ]
+    asked_cells = cells.wanted_cells(quick, wanted)
     with tempfile.TemporaryDirectory() as cache:
-        repeats, patience = (2, 0.1) if quick else (3, 0.25)
-        curves = run_all(tasks, Path(cache), repeats, patience, _named(tick))
-        over = cells.rows(quick, Path(cache), wanted, _named(tick))
+        curves = run_all([*tasks, *cells.tasks(asked_cells, quick)], Path(cache), _named(tick))
+    over = cells.rows(asked_cells, curves[len(tasks) :], quick, _named(tick))
     found = []
     for motion in motions:
         if tick is not None:
@@ -67,6 +74,7 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
         "question": QUESTION,
         "quick": quick,
         "target": target(found),
+        "once_above": PATIENCE,
         "motions": found,
         "cells": over,
         "refined": contests(quick, _named(tick), wanted),

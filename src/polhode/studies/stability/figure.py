@@ -12,7 +12,7 @@ def svg(found: dict[str, Any]) -> str:
     """A strip a kind of difficulty; rings have fewer digits than expected."""
     runs = {case["case"]: case["runs"] for case in found["cases"]}
     groups = {
-        fill(kind["kind"], 28): [
+        fill(kind["kind"], 23): [
             dot
             for name in kind["cases"]
             for run in runs.get(name, ())
@@ -21,4 +21,4 @@ def svg(found: dict[str, Any]) -> str:
         for kind in found["kinds"]
     }
     drawn = {kind: dots for kind, dots in groups.items() if dots}
-    return strips.svg(drawn, "correct digits, worst of all output times (dotted: the type's)")
+    return strips.svg(drawn, strips.LABEL)

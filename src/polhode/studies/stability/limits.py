@@ -8,6 +8,8 @@ import tempfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from polhode.studies.only import Only
+
 _FREE = """schema = 1
 [body]
 moments = {moments}
@@ -87,9 +89,10 @@ LIMITS = (
 )
 
 
-def rows(quick: bool = False) -> list[dict[str, Any]]:
+def rows(quick: bool = False, wanted: Only | None = None) -> list[dict[str, Any]]:
     """What each command says on stderr, and its exit code."""
-    return [_row(limit) for limit in (LIMITS[::4] if quick else LIMITS)]
+    asked = LIMITS[::4] if quick else LIMITS
+    return [_row(limit) for limit in asked if wanted is None or wanted(limit.what)]
 
 
 def _row(limit: Limit) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable
 
 TITLE = "Stability: hard motions, symmetries, and where runs refuse"
 
+_AGAIN = "polhode study stability --only {0}"
 _NUMBERS = ("double", "extended", "quad", "mp")
 
 
@@ -88,6 +89,7 @@ def _behind(found: dict[str, Any]) -> Iterator[Block]:
                 for case, run in late
             ),
             "llrrrrrl",
+            _AGAIN,
         )
         yield Text(
             "*Inputs*: the digits that the exact motion of the rounded inputs keeps. *Behind*: the "
@@ -136,7 +138,7 @@ def _cases(cases: list[dict[str, Any]]) -> PageTable:
                 ", ".join(sorted({run["outcome"] for run in case["runs"]})),
             )
         )
-    return PageTable(header, tuple(rows), "llrrrrrrrrrrrrl")
+    return PageTable(header, tuple(rows), "llrrrrrrrrrrrrl", _AGAIN)
 
 
 def _units(rows: list[dict[str, Any]]) -> Iterator[Block]:
@@ -171,6 +173,7 @@ def _rest(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "llrrrr",
+        _AGAIN,
     )
 
 
@@ -210,6 +213,7 @@ def _back(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for case, mine in by_case.items()
         ),
         "lrrrrrl",
+        _AGAIN,
     )
 
 
@@ -232,6 +236,7 @@ def _limits(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "lllrl",
+        "polhode study stability --only '{0}'",
     )
 
 

@@ -6,18 +6,15 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from polhode.common.provenance import digest
 from polhode.equations.equilibrium import at_rest
-from polhode.judging.comparison import compare
-from polhode.judging.conditioning import Conditioning, conditioning
-from polhode.judging.reference import Remembered
+from polhode.judging.conditioning import conditioning
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers import number_types
 from polhode.runs.integrate import integrate
 from polhode.runs.workers import cores, in_order
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.studies.accuracy.rows import LONGEST, band, projection, rounded
+from polhode.studies.accuracy.rows import case_rows
 from polhode.studies.only import Only
 from polhode.studies.stability import hard_cases, limits, symmetries
 
@@ -35,10 +32,9 @@ QUARTERS = 4  # of the way, each of whose ends is one of those states
 Tick = Callable[[str], None]
 
 
-class HardCase(NamedTuple):
-    """What became of a case: its runs, its ways back, and how other units changed it."""
+class Kept(NamedTuple):
+    """What a case keeps: on its ways back, and in other units."""
 
-    case: dict[str, Any]
     back: list[dict[str, Any]]
     units: list[dict[str, Any]]
 
@@ -49,12 +45,17 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
     wanted = only or Only()
     chosen = [name for name in hard_cases.names(quick) if wanted(name)]
 
-    def begun(name: str) -> None:
-        say(f"{NAME}: {name}, {chosen.index(name) + 1} of {len(chosen)}")
+    def begun(scene: Scene) -> None:
+        say(f"{NAME}: {scene.name}, {chosen.index(scene.name) + 1} of {len(chosen)}")
 
-    found = [*in_order(_hard_case, chosen, 1 if quick else cores(), begun)]
+    workers = 1 if quick else cores()
+    scenes = [library.load(name) for name in chosen]
+    made = zip(scenes, case_rows(scenes, workers, begun), strict=True)
+    cases = [_hard(scene, row) for scene, row in made]
+    asked = sorted(scenes, key=lambda scene: -scene.log10_angle)
+    found = dict(zip((s.name for s in asked), in_order(_kept, asked, workers, begun), strict=True))
     say(f"{NAME}: rest")
-    rest = _rest(chosen if quick or wanted else library.names())
+    rest = _rest(chosen if quick else [name for name in library.names() if wanted(name)])
     say(f"{NAME}: limits")
     return {
         "study": NAME,
@@ -64,74 +65,29 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
             {"kind": kind, "cases": [name for name in names if name in chosen]}
             for kind, names in hard_cases.KINDS.items()
         ],
-        "cases": [part.case for part in found],
-        "units": [row for part in found for row in part.units],
+        "cases": cases,
+        "units": [row for name in chosen for row in found[name].units],
         "rest": rest,
-        "back": [row for part in found for row in part.back],
-        "limits": [] if wanted else limits.rows(quick),
+        "back": [row for name in chosen for row in found[name].back],
+        "limits": limits.rows(quick, wanted),
     }
 
 
-def _hard_case(name: str) -> HardCase:
-    scene = library.load(name)
-    known = _conditioning(scene)
-    kept = Remembered(reference_of(scene))
-    case = _case(scene, kept, known)
-    return HardCase(case, _back(scene, kept, known), _units(scene))
+def _hard(scene: Scene, row: dict[str, Any]) -> dict[str, Any]:
+    """A case of the study of accuracy, with how far each run is behind what was expected."""
+    return row | {"end": float(scene.end), "runs": [_judged(run) for run in row["runs"]]}
 
 
-def _conditioning(scene: Scene) -> Conditioning:
-    """Kappa, followed until it takes all digits of the widest fixed type."""
-    return conditioning(scene, number=number_types.QUAD)
+def _judged(run: dict[str, Any]) -> dict[str, Any]:
+    if "correct_digits" not in run:
+        return run
+    expected = run["expected"]
+    behind = None if expected is None else round(expected[0] - run["correct_digits"], 2)
+    return run | {"behind": behind, "lost": run["lost"] or ""}
 
 
-def _case(scene: Scene, reference: Remembered, known: Conditioning) -> dict[str, Any]:
-    fitting = [name for name in number_types.NAMES if 10**scene.log10_angle <= LONGEST[name]]
-    runs = [_run(scene, reference, known, name) for name in reversed(fitting)][::-1]
-    kappas = [x for x in known.log10_kappa if x is not None]
-    return {
-        "case": scene.name,
-        "title": scene.title,
-        "regime": reference.regime,
-        "reference": reference.kind,
-        "end": float(scene.end),
-        "log10_kappa": round(max(kappas), 2) if kappas else None,
-        "kappa_note": known.note,
-        "sha256": digest(scene.text),
-        "runs": runs,
-    }
-
-
-def _run(scene: Scene, reference: Remembered, known: Conditioning, name: str) -> dict[str, Any]:
-    digits = number_types.DEFAULT_MP_DIGITS if name == "mp" else None
-    run = integrate(scene, name, digits=digits, method="taylor")
-    found: dict[str, Any] = {
-        "number": name,
-        "bits": run.number.bits,
-        "outcome": run.outcome.value,
-        "steps": run.steps,
-    }
-    if not run.outcome.done:
-        return found
-    judged = compare(run, reference, known=known)
-    at = judged.digits.index(judged.worst)
-    expected = judged.expected[at]
-    found |= {
-        "correct_digits": round(judged.worst, 2),
-        "expected": band(expected),
-        "inputs": rounded(judged.inputs[at]),
-        "behind": None if expected is None else round(expected.least - judged.worst, 2),
-        "worst_time": float(judged.worst_time),
-        "lost": judged.lost,
-        "limit": judged.limit,
-        "drift": {
-            key: None if value is None else float(f"{value:.2e}")
-            for key, value in run.drift._asdict().items()
-        },
-        "projection": projection(run),
-        "reference_digits": None if reference.is_closed_form else round(reference.agreement, 1),
-    }
-    return found
+def _kept(scene: Scene) -> Kept:
+    return Kept(_back(scene), _units(scene))
 
 
 def _symmetric(scene: Scene) -> list[str]:
@@ -151,16 +107,16 @@ def _units(scene: Scene) -> list[dict[str, Any]]:
     ]
 
 
-def _back(scene: Scene, reference: Remembered, known: Conditioning) -> list[dict[str, Any]]:
+def _back(scene: Scene) -> list[dict[str, Any]]:
     """Errors of a run to the end and back to 0, beside what kappa of either way allows."""
     numbers = _symmetric(scene)
     if not numbers:
         return []
-    there = known.log10_kappa[-1]
+    there = conditioning(scene, number=number_types.QUAD).log10_kappa[-1]
     times = [scene.end * Fraction(k, QUARTERS) for k in range(1, QUARTERS + 1)]
     ways = [
         symmetries.way_back(scene, t, state)
-        for t, state in zip(times, reference.at(times, SPARE_DIGITS), strict=True)
+        for t, state in zip(times, reference_of(scene).at(times, SPARE_DIGITS), strict=True)
     ]
     backs = [conditioning(way, number=number_types.QUAD).log10_kappa[-1] for way in ways]
     back = max((x for x in backs if x is not None), default=None)

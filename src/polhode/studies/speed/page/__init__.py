@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
-from polhode.studies.speed.page import lengths
+from polhode.studies.speed.page import lengths, verdicts
 
 TITLE = "Speed: work against precision"
 
@@ -18,18 +18,17 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "of eleven output times, against the exact scene: rounding the inputs is part of it. Every "
         "method runs in a process of its own on the same inputs and output times, twice round: "
         "first with empty caches of compiled code, then with those the first round left. Seconds "
-        "are the least of all timed runs after one that warms up; a run of more than a quarter of "
-        "a second is made once. Import and compilation stand in columns of their own; for polhode "
-        "compilation is the making of its integrator, which later runs of the same equations take "
-        "up again; the second and later bodies of a process may find code that an earlier one "
-        "left."
+        "are the least of all timed runs after one that warms up; a run of more than "
+        f"{found.get('once_above', 0.25):g} seconds is made once. Import "
+        "and compilation stand in columns of their own; for polhode compilation is the making of "
+        "its integrator, which later runs of the same equations take up again; the second and "
+        "later bodies of a process may find code that an earlier one left."
+        f"{_left_out(found['motions'])}"
     )
     yield Text("Left of and below is better. The dotted line is three times kappa·eps of a double.")
     yield Figure("speed", _shown(found["motions"]))
     yield from lengths.blocks(found.get("cells", ()))
-    yield from _target(found)
-    yield from _verdicts(found["motions"])
-    yield from _engine(found["motions"])
+    yield from verdicts.blocks(found)
     yield from _refined(found.get("refined", []))
     yield from _start_up(found["motions"])
     for motion in found["motions"]:
@@ -38,6 +37,22 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         yield _points(motion)
     yield from _absent(found["motions"])
     yield from _elsewhere(found.get("elsewhere", ()))
+
+
+def _left_out(motions: Sequence[dict[str, Any]]) -> str:
+    """Which methods ran on some of the long motions alone: they take seconds."""
+    long = [m for m in motions if m["kind"] == "regular"]
+    ran: dict[str, list[str]] = {}
+    for motion in long:
+        for method in motion["methods"]:
+            ran.setdefault(method["method"], []).append(motion["motion"])
+    some: dict[tuple[str, ...], list[str]] = {}
+    for name, on in ran.items():
+        if len(on) < len(long):
+            some.setdefault(tuple(on), []).append(name)
+    told = (f"{', '.join(names)} ran on {' and '.join(on)} alone" for on, names in some.items())
+    text = "; ".join(told)
+    return f" To t = {long[0]['end']} {text}: they take seconds." if text else ""
 
 
 def _elsewhere(rows: Sequence[dict[str, str]]) -> Iterator[Block]:
@@ -79,117 +94,7 @@ def finding(found: dict[str, Any]) -> str:
     """The study in a sentence."""
     if found.get("cells"):
         return lengths.claim(found["cells"], lengths.SHOWN)
-    return on_regular(found)
-
-
-def on_regular(found: dict[str, Any]) -> str:
-    """Who is ahead on the regular motions to their ends."""
-    regular = [m for m in found["motions"] if m["kind"] == "regular"]
-    ends = ", ".join(sorted({f"{m['end']:g}" for m in regular}, key=float))
-    where = f"regular motions to t = {ends} with eleven output times"
-    target = found["target"]
-    if target["ahead"] is None:
-        return f"No other program was here to compare with on the {where}."
-    if target["ahead"]:
-        return (
-            f"On all {len(regular)} {where}, from an error of 1e-6 down to three times kappa·eps, "
-            "polhode's double curve is ahead of every program that ran."
-        )
-    behind = sorted({row["method"] for row in target["behind"]})
-    return (
-        f"On the {where} polhode's double curve is ahead of every program but {', '.join(behind)}."
-    )
-
-
-def _target(found: dict[str, Any]) -> Iterator[Block]:
-    target = found["target"]
-    if target["ahead"] is None:
-        return
-    yield Heading("From 1e-6 down to three times kappa·eps")
-    if target["ahead"]:
-        yield Text(on_regular(found))
-    else:
-        yield Text("polhode's double curve is ahead of every peer but these:")
-        yield Items(tuple(behind(found)))
-    if not target["reaches_floor"]:
-        short = [
-            f"{m['motion']} {m['verdict']['reach']:.1f} of {m['verdict']['to_digits']:.1f}"
-            for m in found["motions"]
-            if m["kind"] == "regular" and "verdict" in m and not m["verdict"]["reaches_floor"]
-        ]
-        yield Text("It ends above three times kappa·eps on (digits): " + ", ".join(short) + ".")
-
-
-def behind(found: dict[str, Any]) -> list[str]:
-    """Where it is not, a line a motion and peer."""
-    return [_behind(row) for row in found["target"]["behind"]]
-
-
-def _behind(row: dict[str, Any]) -> str:
-    if row["least_factor"] is not None and row["least_factor"] <= 1:
-        return (
-            f"{row['motion']}, {row['method']}: it takes {row['least_factor']:.3g} of our time at "
-            f"{row['at_digits']:.1f} digits"
-        )
-    return f"{row['motion']}, {row['method']}: it reaches {row['short']:.2f} digits more"
-
-
-def _verdicts(motions: list[dict[str, Any]]) -> Iterator[Block]:
-    """The peers' seconds over ours at equal digits, where they are closest to ours."""
-    judged = [m for m in motions if "verdict" in m]
-    if not judged:
-        return
-    names = list(dict.fromkeys(row["method"] for m in judged for row in m["verdict"]["peers"]))
-    rows = []
-    for name in names:
-        cells = []
-        for motion in judged:
-            row = next((r for r in motion["verdict"]["peers"] if r["method"] == name), None)
-            cells.append(_factor(row))
-        rows.append((name, *cells))
-    yield Text(
-        "Seconds of each peer over those of polhode's double curve at equal digits, at the level "
-        "where the peer is closest (in brackets); *not reached*: it has fewer than six digits."
-    )
-    header = ("peer", *(m["motion"] for m in judged))
-    yield PageTable(header, tuple(rows), "l" + "r" * len(judged))
-
-
-def _factor(row: dict[str, Any] | None) -> str:
-    if row is None:
-        return "–"
-    if row["least_factor"] is None:
-        return "not reached"
-    return f"{row['least_factor']:.3g} ({row['at_digits']:.1f})"
-
-
-def _engine(motions: list[dict[str, Any]]) -> Iterator[Block]:
-    rows = []
-    for motion in motions:
-        for name, row in motion.get("verdict", {}).get("engine", {}).items():
-            rows.append(
-                (
-                    motion["motion"],
-                    name,
-                    f"{row['overhead_least']:.2f}",
-                    f"{row['overhead_most']:.2f}",
-                    f"{row['overhead_tightest']:.2f}",
-                    _seconds(row["seconds_more"]),
-                    _steps(row.get("steps_tightest")),
-                    f"{row['digits_gained']:+.1f}",
-                )
-            )
-    if rows:
-        yield Heading("Against heyoka alone")
-        yield Text(
-            "Seconds over those of heyoka written by hand at equal tolerance: least and most over "
-            "all tolerances, at eps, and the least difference, which is what a run costs however "
-            "short it is; its steps at eps, over heyoka's: polhode measures time in a unit in "
-            "which w is of the size of gamma, and steps are as accurate as the largest variable "
-            "asks; digits gained over heyoka's best."
-        )
-        header = ("motion", "method", "least", "most", "at eps", "s more", "steps", "digits gained")
-        yield PageTable(header, tuple(rows), "llrrrrrr")
+    return verdicts.on_regular(found)
 
 
 def _refined(rows: list[dict[str, Any]]) -> Iterator[Block]:
@@ -229,35 +134,34 @@ def _refined(rows: list[dict[str, Any]]) -> Iterator[Block]:
             for row in rows
         ),
         "lrrrrrrrrr",
+        "polhode study speed --only 'refined: {0} t={1}'",
     )
 
 
 def _start_up(motions: list[dict[str, Any]]) -> Iterator[Block]:
     """Import and compilation, of the first motion that a method ran."""
-    first: dict[str, dict[str, Any]] = {}
+    first: dict[str, tuple[str, dict[str, Any]]] = {}
     for motion in motions:
         for method in motion["methods"]:
-            first.setdefault(method["method"], method)
+            first.setdefault(method["method"], (motion["motion"], method))
     yield Heading("Import and compilation")
     yield Text("Seconds, for the first motion that a method is given.")
     yield PageTable(
-        ("method", "import", "cold compile", "cached compile", "version"),
+        ("method", "motion", "import", "cold compile", "cached compile", "version"),
         tuple(
             (
                 name,
+                motion,
                 _seconds(m["import"]),
                 _seconds(m["compile_cold"]),
                 _seconds(m["compile_cached"]),
                 m["version"] or m["status"],
             )
-            for name, m in first.items()
+            for name, (motion, m) in first.items()
         ),
-        "lrrrl",
+        "llrrrl",
+        "polhode study speed --only '{0}' --only '{1}'",
     )
-
-
-def _steps(ratio: float | None) -> str:
-    return "–" if ratio is None else f"{ratio:.2f}"
 
 
 def _limits(motion: dict[str, Any]) -> str:
@@ -296,7 +200,8 @@ def _points(motion: dict[str, Any]) -> PageTable:
                 )
             )
     header = ("method", "tol", "digits", "least s", "median s", "cpu s", "runs", "steps")
-    return PageTable(header, tuple(rows), "lrrrrrrr")
+    again = f"polhode study speed --only '{motion['motion']}' --only '{{0}}'"
+    return PageTable(header, tuple(rows), "lrrrrrrr", again)
 
 
 def _absent(motions: list[dict[str, Any]]) -> Iterator[Block]:

@@ -34,10 +34,10 @@ def blocks(cells: Sequence[dict[str, Any]]) -> Iterator[Block]:
         "places. Every method runs at several tolerances; the seconds for so many digits are read "
         "from each start's own curve (below its first point, the first point's), and divided by "
         "polhode's on the same start. Runs are judged at eleven even times, those with two outputs "
-        f"at the end; integrators are made before, and a scene's first run does not count{once}. "
-        "Each row alone: `polhode study speed --only 'NAME OF THE ROW'`."
+        f"at the end; integrators are made before, and a scene's first run does not count{once}."
     )
     if _peers(cells):
+        yield Text(others(cells))
         for level in _levels(cells):
             yield Text(claim(cells, level))
         yield _overview(cells)
@@ -53,10 +53,33 @@ def blocks(cells: Sequence[dict[str, Any]]) -> Iterator[Block]:
         yield Text("Not all runs came back: " + "; ".join(told) + ".")
 
 
+def others(cells: Sequence[dict[str, Any]]) -> str:
+    """Which programs polhode is compared with, and how far each was run."""
+    ran: dict[str, list[dict[str, Any]]] = {}
+    for cell in cells:
+        for method in cell["levels"][0]["methods"]:
+            ran.setdefault(method["method"], []).append(cell)
+    told = []
+    for name, here in ran.items():
+        if _is_peer(name):
+            outputs = sorted({cell["outputs"] for cell in here})
+            all_of_them = outputs == sorted({cell["outputs"] for cell in cells})
+            some = "" if all_of_them else f" with {', '.join(map(str, outputs))} outputs"
+            told.append(f"{name} to t = {max(cell['end'] for cell in here)}{some}")
+    text = f"The other programs here: {'; '.join(told)}."
+    if ENGINE in ran:
+        text += (
+            " heyoka written by hand, polhode's own engine, is none of them; its factors are in "
+            "the table."
+        )
+    return text
+
+
 def claim(cells: Sequence[dict[str, Any]], level: float) -> str:
     """At one level, in how many cells of each length polhode's median is ahead of every peer."""
     told: list[str] = []
     behind: list[Closest] = []
+    alone = 0
     for end in sorted({cell["end"] for cell in cells}):
         found = race([cell for cell in cells if cell["end"] == end], level)
         if found:
@@ -64,15 +87,18 @@ def claim(cells: Sequence[dict[str, Any]], level: float) -> str:
             cells_here += " cells of body and outputs" * (not told)
             told.append(f"{cells_here} at t = {end}")
         behind += [x for x in found if x is not None and not ahead(x)]
+        alone += found.count(None)
     if not told:
         return f"At {level:g} digits no other program was here to compare with."
-    text = f"At {level:g} digits polhode's median is ahead of every other program in "
+    text = f"At {level:g} digits polhode's median is ahead of every other program run in "
     text += ", ".join(told)
     if behind:
         names = ", ".join(sorted({x.method for x in behind}))
         least, most = min(x.factor for x in behind), max(x.factor for x in behind)
         between = f"{least:.2f}" if least == most else f"{least:.2f} to {most:.2f}"
         text += f"; in the others the fastest ({names}) takes {between} of its time"
+    if alone:
+        text += f"; in {alone} of these cells no other program reaches so many digits"
     return text + "."
 
 
@@ -109,7 +135,8 @@ def _overview(cells: Sequence[dict[str, Any]]) -> PageTable:
         here = [c for c in cells if (c["end"], c["outputs"]) == (end, outputs)]
         rows.append((str(end), str(outputs), *(_race(here, level) for level in levels)))
     header = ("t", "outputs", *(f"{level:g} digits" for level in levels))
-    return PageTable(header, tuple(rows), "rr" + "l" * len(levels))
+    again = "polhode study speed --only 't={0} outputs={1}'"
+    return PageTable(header, tuple(rows), "rr" + "l" * len(levels), again)
 
 
 def _race(cells: Sequence[dict[str, Any]], level: float) -> str:
@@ -132,7 +159,8 @@ def _every(cells: Sequence[dict[str, Any]]) -> PageTable:
             shown = (_cell(found.get(name), cell["starts"]) for name in names)
             rows.append((label, f"{level['digits']:g}", *shown))
     header = ("row", "digits", *(f"{name}, ms" for name in names))
-    return PageTable(header, tuple(rows), "lr" + "r" * len(names))
+    again = "polhode study speed --only '{0}'"
+    return PageTable(header, tuple(rows), "lr" + "r" * len(names), again)
 
 
 def _cell(method: dict[str, Any] | None, starts: int) -> str:

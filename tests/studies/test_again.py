@@ -1,0 +1,78 @@
+"""Every row of every table says how to make its numbers again, and that command finds the row."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from polhode.studies import report
+from polhode.studies.only import Only
+from polhode.studies.page.blocks import PageTable, Text, markdown
+
+COMMITTED = Path(__file__).parents[2] / "reports"
+
+
+class Listed(Only):
+    """Wants nothing, and keeps the labels of every row that it was asked for."""
+
+    def __call__(self, *labels: str) -> bool:
+        self.passed.append(labels)
+        return False
+
+
+def labels(name: str) -> list[tuple[str, ...]]:
+    """The labels of all rows of a study; nothing is run."""
+    listed = Listed(("nothing",))
+    import_module(f"polhode.studies.{name.replace('-', '_')}.rows").rows(False, None, listed)
+    return listed.passed
+
+
+def commands(name: str) -> Iterator[tuple[str, str]]:
+    """The commands of all rows of the committed page, and of its text, each with its place."""
+    found = report.results(COMMITTED, name)
+    for block in report.blocks(found):
+        if isinstance(block, PageTable) and "read where" not in block.header:
+            assert block.again, block.header
+            yield from ((block.command(row), str(row[:2])) for row in block.rows)
+        elif isinstance(block, Text) and "PART OF ITS NAME" not in block.text:
+            yield from ((told, told) for told in re.findall(r"`(polhode study [^`]+)`", block.text))
+
+
+def finds(command: str, name: str, rows: list[tuple[str, ...]]) -> bool:
+    """Whether a command names this study and a row of it, or the study as a whole."""
+    program, verb, study, *rest = shlex.split(command)
+    assert (program, verb, study) == ("polhode", "study", name)
+    if rest == ["-o", "DIR"]:
+        return True
+    assert rest
+    assert set(rest[::2]) == {"--only"}
+    wanted = Only(tuple(rest[1::2]))
+    return any(wanted(*row) for row in rows)
+
+
+@pytest.mark.parametrize("name", [name for name in report.STUDIES if name != "gallery"])
+def test_every_row_has_a_command_that_finds_it(name):
+    rows = labels(name)
+    made = list(commands(name))
+    assert made
+    assert [where for command, where in made if not finds(command, name, rows)] == []
+
+
+def test_a_command_that_finds_nothing_is_seen():
+    rows = [("euler t=10 outputs=2", "heyoka alone"), ("euler/rest",)]
+    assert finds("polhode study speed --only 't=10 outputs=2' --only heyoka", "speed", rows)
+    assert not finds("polhode study speed --only 't=10 outputs=3'", "speed", rows)
+    assert not finds("polhode study speed --only rest --only heyoka", "speed", rows)
+
+
+def test_the_command_stands_below_the_table():
+    table = PageTable(("case", "number"), (("`a/b`", "quad"), ("c/d", "mp")), "ll", "x {0} '{1}'")
+    assert "A row again, here the first: `x a/b 'quad'`" in markdown("t", [table])
+    assert "A row again: `x" in markdown("t", [table._replace(rows=table.rows[:1])])
+    assert "These rows again: `x`" in markdown("t", [table._replace(again="x")])
+    assert "again" not in markdown("t", [table._replace(rows=())])
