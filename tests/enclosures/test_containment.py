@@ -141,9 +141,9 @@ def test_a_motion_beside_the_true_one_is_excluded(part: str) -> None:
 
 def test_a_constant_wrong_in_its_thirtieth_digit_is_noticed() -> None:
     what = trials.trial(trials.random_scene(random.Random(9), "generic"), [Fraction(10)], 300)
-    problem = fixed.problem(what.motion, 130)
+    problem = fixed.problem(what.motion, 130, 142)
     constants = list(problem.constants)
-    constants[0] += 1 << (problem.constant_bits - 100)
+    constants[0] += 1 << (142 - 100)
     wrong = replace(problem, constants=tuple(constants))
     proof = march.run(wrong, trials.asked(what, problem))
     assert max(trials.ratios(proof.rows, what.states)) > 100.0

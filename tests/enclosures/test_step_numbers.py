@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from polhode.enclosures import bound, fixed, march, zonotope
+from polhode.enclosures import bound, defect, fixed, march, zonotope
 from polhode.enclosures.fixed import CLOCK
 from shared import enclosure_checker as checker
 from shared import enclosure_trials as trials
@@ -103,7 +103,7 @@ def test_the_doubles_of_a_defect_are_off_by_no_more_than_they_say() -> None:
     state = zonotope.beginning(problem)
     known = march._window(problem, state, 5 << CLOCK, 6, 0.3, march.HONEST)
     assert known is not None
-    defects = bound.defects(problem, known.pieces)
+    defects = defect.defects(problem, known.pieces)
     pieces, level = known.pieces, known.pieces.level
     for n, row in enumerate(pieces.rows):
         h = pieces.times[n + 1] - pieces.times[n]
@@ -114,4 +114,4 @@ def test_the_doubles_of_a_defect_are_off_by_no_more_than_they_say() -> None:
             for k in range(defects.values.shape[1]):
                 true = int(exact[k]) * unit
                 off = abs(true - Fraction(float(defects.values[n, k, 3 + i])))
-                assert off <= Fraction(float(defects.floors[n, 3 + i])) + abs(true) / 2**52
+                assert off <= Fraction(bound.gamma(defects.roundings)) * abs(true)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from polhode.enclosures import bound, conserved, correction, fixed, pieces, zonotope
+from polhode.enclosures import bound, conserved, correction, defect, fixed, pieces, zonotope
 from polhode.enclosures.fixed import CLOCK, Problem
 from polhode.enclosures.march import Untrusted, run
 from polhode.scenes.body import Body
@@ -119,8 +119,8 @@ def one_step(
     shape = pieces.of_doubles(found.times, found.series)
     a = bound.jacobian(problem, shape.near, shape.lengths)
     matrices = v(a)
-    known = bound.defects(problem, shape)
-    gaps = bound.gaps(problem, shape, state.centre)
+    known = defect.defects(problem, shape)
+    gaps = defect.gaps(problem, shape, state.centre)
     e = correction.correction(a, known.values, correction.matrices(a), gaps)
     bounds = bound.bounds(problem, known, e, matrices)
     end = arb((length, -CLOCK))

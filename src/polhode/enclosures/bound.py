@@ -30,7 +30,7 @@ Coefficient k of A V - V' (of d + e' - A e likewise) is found in double.  A row 
 entries that are not zero, so it is a sum of at most 4 (k + 1) products and two or three terms more,
 off by at most gamma(4 (k + 1) + 4) (sum |A_j| |V_(k-j)| + (k + 1) |V_(k+1)|).  Under the integral
 that is divided by k + 1, and 4 + 4/(k + 1) <= 8: all k together are off by at most
-gamma(8) (sum |A_j| sum |V_k| + sum k |V_k|).
+gamma(8) (sum |A_j| sum |V_k| + sum k |V_k|).  The doubles of d have roundings of their own.
 """
 
 from __future__ import annotations
@@ -40,35 +40,20 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from flint import fmpz, fmpz_poly
 
-from polhode.enclosures.fixed import CLOCK, CYCLE, UP, Problem, Refused
+from polhode.enclosures.defect import Defects
+from polhode.enclosures.fixed import CYCLE, UP, Problem, Refused
 from polhode.enclosures.pieces import Pieces
 
 U = 2.0**-53
 MOST_ALPHA = 1e4
 TINY = 1e-280  # above anything that underflow can have lost
-_KEPT_BITS = 60  # of the largest coefficient of a defect
-_WORD = fmpz(1) << 64
-_offsets: dict[int, Any] = {}
 ROUNDINGS = 8  # of a coefficient of a residual, over k + 1; see the module
 
 
 def gamma(k: int) -> float:
     """A bound of the relative error of k roundings: 1.01 k u."""
     return 1.01 * k * U
-
-
-@dataclass(frozen=True)
-class Defects:
-    """Coefficients of d = x~' - h f(x~) as doubles, (W, K, 6), and the floor taken of each row.
-
-    A coefficient is off by at most ``floors`` (W, 6), and by u relatively.
-    """
-
-    pieces: Pieces
-    values: Any
-    floors: Any
 
 
 @dataclass(frozen=True)
@@ -90,63 +75,6 @@ class Bounds:
     rho: Any
     ends: Any
     sizes: Any
-
-
-def defects(problem: Problem, pieces: Pieces) -> Defects:
-    """d of every step, exact in integers, then as doubles with a stated error."""
-    level, fine = pieces.level, problem.constant_bits
-    width = 2 * pieces.near.shape[1] - 1
-    lift = fmpz(1) << level
-    shift_w, shift_g = fmpz(1) << (fine + CLOCK + level), fmpz(1) << (CLOCK + level)
-    constants = [fmpz(c) for c in problem.constants]
-    table = np.zeros((pieces.count, 6, width), dtype=np.int64)
-    powers = np.zeros((pieces.count, 6), dtype=np.int64)
-    floored = np.zeros((pieces.count, 6), dtype=bool)
-    scale = problem.noise - 2 * level - CLOCK
-    for n, row in enumerate(pieces.rows):
-        length = fmpz(pieces.times[n + 1] - pieces.times[n])
-        for i, (a, b) in enumerate(CYCLE):
-            rate = _rate(row, a, b, [c * length for c in constants[i::3]], lift)
-            turned = row[3 + a] * row[b] - row[3 + b] * row[a]
-            for k, exact in (
-                (i, row[i].derivative() * shift_w - rate),
-                (3 + i, row[3 + i].derivative() * shift_g - turned * length),
-            ):
-                found, bits = words(exact)
-                table[n, k, : len(found)] = found
-                powers[n, k] = bits + scale - (fine if k < 3 else 0)
-                floored[n, k] = bits > 0
-    values = np.ldexp(table.astype(float), powers[:, :, None])
-    floors = np.where(floored, np.ldexp(1.0, powers), 0.0)
-    return Defects(pieces, values.transpose(0, 2, 1), floors)
-
-
-def _rate(row: Any, a: int, b: int, constants: list[Any], lift: Any) -> Any:
-    """bend w_a w_b + pull gamma_a + push gamma_b, a constant that is 0 left out."""
-    bend, pull, push = constants
-    found = row[a] * row[b] * bend if bend else fmpz_poly([])
-    if pull:
-        found += row[3 + a] * (pull * lift)
-    if push:
-        found += row[3 + b] * (push * lift)
-    return found
-
-
-def words(poly: Any) -> tuple[Any, int]:
-    """The coefficients divided by 2**n and floored to words of 64 bits, and n.
-
-    They are offset to be positive and packed by evaluation at 2**64.
-    """
-    count = len(poly)
-    if count == 0:
-        return np.zeros(0, dtype=np.int64), 0
-    bits = max(0, poly.height_bits() - _KEPT_BITS)
-    if bits:
-        poly = poly // (fmpz(1) << bits)
-    if count not in _offsets:
-        _offsets[count] = fmpz_poly([1 << 62] * count)
-    packed = int((poly + _offsets[count])(_WORD)).to_bytes(8 * count, "little")
-    return np.frombuffer(packed, dtype="<u8").astype(np.int64) - (1 << 62), bits
 
 
 def jacobian(problem: Problem, near: Any, lengths: Any) -> Any:
@@ -237,7 +165,7 @@ def _delta(
     sigma: Any,
     weights: Any,
 ) -> Any:
-    """int |d + e' - A e|: in double, plus what the doubles, the floors and the constants miss."""
+    """int |d + e' - A e|: in double, plus what the doubles and the constants miss."""
     pieces = known.pieces
     count, width = correction.shape[1], known.values.shape[1]
     residual = known.values - product(a, correction[..., None], width)[..., 0]
@@ -245,8 +173,8 @@ def _delta(
     d_sum = np.sum(np.max(np.abs(known.values), axis=2) * weights, axis=1)
     found = np.sum(np.max(np.abs(residual), axis=2) * weights, axis=1)
     slopes = np.sum(np.max(np.abs(correction), axis=2) * np.arange(count), axis=1)
-    found = found + gamma(ROUNDINGS) * (d_sum + a_sum * sigma + slopes)
-    found = found + a_gap * sigma + np.max(known.floors, axis=1) * np.sum(weights)
+    found = found + gamma(ROUNDINGS + known.roundings) * (d_sum + a_sum * sigma + slopes)
+    found = found + a_gap * sigma
     largest = np.sum(np.abs(pieces.near) + pieces.gap[:, :, None], axis=1)  # sup |x~_i|
     missed = np.zeros((pieces.count, 3))
     for i, (p, q) in enumerate(CYCLE):
@@ -303,32 +231,3 @@ def exponential(alpha: Any) -> Any:
         for _ in range(24):
             found = found * found
     return np.where(usable, found * (1.0 + 1e-7), math.inf)
-
-
-def gaps(problem: Problem, pieces: Pieces, start: tuple[int, ...]) -> Any:
-    """Jumps of the integer polynomials at the beginnings of the steps, (W, 6), right to u.
-
-    The first one is from the state ``start``, integers times 2**-fine.
-    """
-    found = np.zeros((pieces.count, 6))
-    before, level = [fmpz(x) for x in start], problem.fine
-    for n, row in enumerate(pieces.rows):
-        found[n] = [
-            difference(x, level, y[0], pieces.level, problem.noise)
-            for x, y in zip(before, row, strict=True)
-        ]
-        before, level = [y(1) for y in row], pieces.level
-    return found
-
-
-def difference(x: Any, x_bits: int, y: Any, y_bits: int, noise: int) -> float:
-    """x·2**-x_bits - y·2**-y_bits in units of 2**-noise: exact in integers, then rounded once."""
-    bits = max(x_bits, y_bits)
-    exact = int((x << (bits - x_bits)) - (y << (bits - y_bits)))
-    if exact == 0:
-        return 0.0
-    power = noise - bits
-    try:
-        return float(exact << power) if power >= 0 else exact / (1 << -power)
-    except OverflowError:
-        return math.inf

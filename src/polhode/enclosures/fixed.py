@@ -7,14 +7,15 @@ at most about 1, in principal axes and with i, a, b cyclic,
     gamma_i' = gamma_a w_b - gamma_b w_a,
     bend_i = (I_a - I_b)/I_i,    pull_i = k_b/I_i,    push_i = -k_a/I_i,    k = Mg r0
 
-The nine constants are rounded to 2**-Q and the start to 2**-S, each with a proven radius (zero for
-numbers that are exact there).  Every small quantity of the proof is a double in units of 2**-P, P
-the noise level.  A run to negative times is one of the start -w, since t -> -t, w -> -w leaves the
-equations as they are.
+The nine constants are kept where they are fractions of a small denominator, and else rounded to
+2**-Q, the start to 2**-S, each with a proven radius (zero for numbers that are exact there).  Every
+small quantity of the proof is a double in units of 2**-P, P the noise level.  A run to negative
+times is one of the start -w, since t -> -t, w -> -w leaves the equations as they are.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -34,6 +35,7 @@ LEAST_NOISE, MOST_NOISE = 36, 1000  # P: small quantities in units of 2**-P stay
 LEAST_FINE = 60  # S: never coarser than the polynomials, or the first jump is lost
 TIME_BITS = 4096  # of a time asked for: on the right side of a step's boundary
 UP = 1.0 + 1e-9  # covers fewer than 1e5 roundings of nonnegative doubles
+_SMALL = 1 << 40  # a denominator that is shorter than a rounded constant
 _SHARPER = 20  # bits behind 2**-S to which every constant must be known
 _MOST_BITS = 1 << 15
 
@@ -46,16 +48,16 @@ class Refused(ArithmeticError):
 class Problem:
     """One motion as integers with radii; see the module for symbols.
 
-    ``constants``: bend, pull, push, three each, as integers times 2**-constant_bits; ``slack``:
-    their radii, in units of 2**-noise.  ``factors``: the same constants as doubles;
-    ``factor_slack``: their radii, absolute.  ``start``: six integers times 2**-fine; ``spread``:
-    their radii in units of 2**-noise.
+    ``constants``: bend, pull, push, three each, as integers over ``denominators``, one for each of
+    the three rows; ``slack``: their radii, in units of 2**-noise.  ``factors``: the same constants
+    as doubles; ``factor_slack``: their radii, absolute.  ``start``: six integers times 2**-fine;
+    ``spread``: their radii in units of 2**-noise.
     """
 
     noise: int
     fine: int
-    constant_bits: int
     constants: tuple[int, ...]
+    denominators: tuple[int, ...]
     slack: tuple[float, ...]
     factors: tuple[float, ...]
     factor_slack: tuple[float, ...]
@@ -140,19 +142,18 @@ def _unit(scene: Scene, smallest: Exact) -> int:
 def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Problem:
     """A motion's data as integers with radii for the noise level 2**-noise.
 
+    ``constant_bits``: the constants are rounded to 2**-that; by default they stay as they are where
+    they are fractions of a small denominator, and are rounded to 2**-(noise + 12) elsewhere.
     Raises Refused where a constant cannot be known sharply enough.
     """
     if not LEAST_NOISE <= noise <= MOST_NOISE:
         raise Refused(f"a noise level of 2**-{noise} is outside {LEAST_NOISE} to {MOST_NOISE}")
     fine = max(noise + 12, LEAST_FINE)
-    coarse = noise + 12 if constant_bits is None else constant_bits
     balls = [_sharp(x, fine + _SHARPER) for x in what.constants]
     with ctx.workprec(4 * fine + 200):
-        constants, slack, factors, factor_slack = [], [], [], []
+        constants, denominators, slack = _whole(what, balls, noise, constant_bits)
+        factors, factor_slack = [], []
         for known in balls:
-            near, radius = _nearest(known, coarse)
-            constants.append(near)
-            slack.append(upper(radius * arb((1, noise))))
             factor = float(known.mid())
             factors.append(factor)
             factor_slack.append(upper(known - arb(factor)))
@@ -164,14 +165,36 @@ def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Probl
     return Problem(
         noise,
         fine,
-        coarse,
-        tuple(constants),
-        tuple(slack),
+        constants,
+        denominators,
+        slack,
         tuple(factors),
         tuple(factor_slack),
         tuple(start),
         tuple(spread),
     )
+
+
+def _whole(
+    what: Motion, balls: Sequence[Any], noise: int, bits: int | None
+) -> tuple[tuple[int, ...], tuple[int, ...], tuple[float, ...]]:
+    """The constants as integers over a denominator a row, these, and the radii."""
+    found, slack, below = [0] * 9, [0.0] * 9, []
+    for i in range(3):
+        row = what.constants[i::3]
+        exactly = [x for x in row if isinstance(x, Fraction)]
+        least = math.lcm(*(x.denominator for x in exactly)) if len(exactly) == 3 else 0
+        if bits is None and 0 < least < _SMALL:
+            below.append(least)
+            for k, x in zip(range(i, 9, 3), exactly, strict=True):
+                found[k] = int(x * least)
+            continue
+        coarse = noise + 12 if bits is None else bits
+        below.append(1 << coarse)
+        for k in range(i, 9, 3):
+            found[k], radius = _nearest(balls[k], coarse)
+            slack[k] = upper(radius * arb((1, noise)))
+    return tuple(found), tuple(below), tuple(slack)
 
 
 def upper(x: Any) -> float:

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 from flint import arb
 
-from polhode.enclosures import approximate, bound, conserved, correction, pieces, zonotope
+from polhode.enclosures import approximate, bound, conserved, correction, defect, pieces, zonotope
 from polhode.enclosures.fixed import CLOCK, TIME_BITS, Problem, Refused
 from polhode.enclosures.zonotope import State
 from polhode.numbers.balls import ctx
@@ -125,8 +125,8 @@ def _window(
     v = untrusted.matrices(a)
     last = 10**6
     for _ in range(_MOST_ROUNDS):
-        known = bound.defects(problem, shape)
-        gaps = bound.gaps(problem, shape, state.centre)
+        known = defect.defects(problem, shape)
+        gaps = defect.gaps(problem, shape, state.centre)
         e = untrusted.correction(a, known.values, v, gaps)
         size = correction.size(e, problem.noise)
         if size > _LOST or size >= last:

@@ -24,12 +24,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, arb_poly, fmpz, fmpz_poly
 
-from polhode.enclosures.bound import TINY, Bounds, words
-from polhode.enclosures.fixed import CLOCK, UP, Problem
+from polhode.enclosures.bound import TINY, Bounds
+from polhode.enclosures.digits import floored
+from polhode.enclosures.fixed import CLOCK, UP, Problem, Refused
 from polhode.enclosures.pieces import Pieces, improved
 from polhode.enclosures.zonotope import Step
 from polhode.numbers.balls import ctx
 
+_MOST_WIDTH = 10_000
 _ROOT_OF_3 = 1.7320508076  # above it
 #: (sign, component of v, component of w) of the terms of each component of v (0, w).
 PRODUCT = (
@@ -124,19 +126,20 @@ def defects(sharp: Pieces, rows: Sequence[Any], level: int, noise: int) -> tuple
     width = 2 * sharp.near.shape[1] - 1
     table = np.zeros((sharp.count, 4, width), dtype=np.int64)
     powers = np.zeros((sharp.count, 4), dtype=np.int64)
-    floored = np.zeros((sharp.count, 4), dtype=bool)
     for n, (v, w) in enumerate(zip(rows, sharp.rows, strict=True)):
         length = fmpz(sharp.times[n + 1] - sharp.times[n])
         for i, terms in enumerate(PRODUCT):
             turned = fmpz_poly([])
             for sign, a, b in terms:
                 turned += v[a] * w[b] * sign
-            found, bits = words(v[i].derivative() * shift - turned * length)
+            found, bits = floored(v[i].derivative() * shift - turned * length)
             table[n, i, : len(found)] = found
             powers[n, i] = bits + noise - level - sharp.level - CLOCK - 1
-            floored[n, i] = bits > 0
     values = np.ldexp(table.astype(float), powers[:, :, None])
-    floors = np.where(floored, np.ldexp(1.0, powers), 0.0)
     weights = 1.0 / np.arange(1, width + 1)
-    sizes = np.sum(np.abs(values) + floors[:, :, None], axis=1)  # |.|_2 <= |.|_1
+    sizes = np.sum(np.abs(values), axis=1)  # |.|_2 <= |.|_1
+    # UP holds what the floors take too: less than 1 a coefficient of a row whose largest, if any
+    # was taken, is 2**59 at least, and has the weight 1/width at least: width**2/2**59 < 1e-9
+    if width > _MOST_WIDTH:
+        raise Refused("the polynomials are too long")
     return values.transpose(0, 2, 1), UP * np.sum(sizes * weights, axis=1) + TINY

@@ -31,9 +31,10 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from flint import arb, arb_poly, fmpz
+from flint import arb, arb_poly
 
-from polhode.enclosures.bound import TINY, Bounds, difference, gamma, gaps
+from polhode.enclosures.bound import TINY, Bounds, gamma
+from polhode.enclosures.defect import difference, gaps
 from polhode.enclosures.fixed import CLOCK, TIME_BITS, UP, Problem, Refused, upper
 from polhode.numbers.balls import ctx
 
@@ -176,13 +177,12 @@ def _centre(known: Bounds) -> tuple[tuple[int, ...], Any]:
     sizes = np.sum(np.abs(known.correction[-1]), axis=0)
     level, fine, noise = pieces.level, problem.fine, problem.noise
     centre, rest = [], np.zeros(6)
-    for i, x in enumerate(pieces.rows[-1]):
-        end = x(1)
+    for i, end in enumerate(pieces.ends[-1]):
         correction = round(math.ldexp(float(ends[i]), fine - noise)) if ends[i] else 0
-        whole = int(end) << (fine - level) if fine >= level else int(end) >> (level - fine)
+        whole = end << (fine - level) if fine >= level else end >> (level - fine)
         near = whole + correction
         centre.append(near)
-        exact = difference(end, level, fmpz(near), fine, noise)
+        exact = difference(end, level, near, fine, noise)
         rest[i] = UP * (abs(exact + float(ends[i])) + _lost(known) * (float(sizes[i]) + abs(exact)))
     return tuple(centre), rest + TINY
 

@@ -1,0 +1,249 @@
+"""Roundings, outputs and integrals: terms made the largest by hand, and noticed when dropped."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from fractions import Fraction
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb, fmpq, fmpz_poly
+
+from polhode.enclosures import bound, conserved, fixed, march, zonotope
+from polhode.enclosures.polynomial import BallPolynomial
+from polhode.scenes.body import Body
+from polhode.scenes.scene import Scene
+from shared.mutation import without
+
+# -- roundings ----------------------------------------------------------------------------------
+
+
+def _turning(rng: random.Random) -> Any:
+    """Coefficients of a constant A whose rows have four entries: (1, 1, 6, 6)."""
+    a = np.zeros((1, 1, 6, 6))
+    for i in range(6):
+        for j in rng.sample(range(6), 4):
+            a[0, 0, i, j] = rng.uniform(-1, 1) / 64
+    return a
+
+
+def _exact(rows: Any) -> list[list[Fraction]]:
+    return [[Fraction(float(x)) for x in row] for row in rows]
+
+
+def _rounded_matrices() -> float:
+    """int |A V - V'| over its bound, where double finds next to nothing of it."""
+    worst = 0.0
+    for seed in range(4):
+        a = _turning(random.Random(seed))
+        v = np.zeros((1, 13, 6, 6))
+        v[0, 0] = np.eye(6)
+        for k in range(12):
+            v[0, k + 1] = a[0, 0] @ v[0, k] / (k + 1)
+        a_norms, v_norms = bound._norms(a), bound._norms(v)
+        sums = [np.sum(x, axis=1) for x in (a_norms, v_norms)]
+        claimed = bound._matrix_residual(a, a_norms, 0 * a_norms, sums[0], v, v_norms, sums[1])
+        true, left = Fraction(0), _exact(a[0, 0])
+        for k in range(12):
+            right, after = _exact(v[0, k]), _exact(v[0, k + 1])
+            rows = [
+                sum(
+                    abs(sum(left[i][m] * right[m][j] for m in range(6)) - (k + 1) * after[i][j])
+                    for j in range(6)
+                )
+                for i in range(6)
+            ]
+            true += max(rows) / (k + 1)
+        worst = max(worst, float(true / Fraction(float(claimed[0]))))
+    return worst
+
+
+def _rounded_residual() -> float:
+    """int |d + e' - A e| over its bound, likewise."""
+    worst = 0.0
+    for seed in range(4):
+        rng = random.Random(seed)
+        a = _turning(rng)
+        e = np.zeros((1, 13, 6))
+        e[0, 0] = [rng.uniform(-1, 1) for _ in range(6)]
+        for k in range(12):
+            e[0, k + 1] = a[0, 0] @ e[0, k] / (k + 1)
+        zero = np.zeros((1, 13))
+        shape = SimpleNamespace(near=np.zeros((1, 13, 6)), gap=zero, count=1, lengths=np.ones(1))
+        known: Any = SimpleNamespace(pieces=shape, values=np.zeros((1, 25, 6)), roundings=0)
+        problem: Any = SimpleNamespace(slack=(0.0,) * 9)
+        a_norms = bound._norms(a)
+        sigma = np.sum(np.max(np.abs(e), axis=2), axis=1)
+        weights = 1.0 / np.arange(1, 26)
+        a_sum = np.sum(a_norms, axis=1)
+        claimed = bound._delta(problem, known, e, a, a_sum, np.zeros(1), sigma, weights)
+        true, left = Fraction(0), _exact(a[0, 0])
+        rows = [*_exact(e[0]), [Fraction(0)] * 6]
+        for k in range(13):
+            off = [
+                abs((k + 1) * rows[k + 1][i] - sum(left[i][j] * rows[k][j] for j in range(6)))
+                for i in range(6)
+            ]
+            true += max(off) / (k + 1)
+        worst = max(worst, float(true / Fraction(float(claimed[0]))))
+    return worst
+
+
+@pytest.mark.parametrize(
+    ("found", "change"),
+    [
+        (
+            _rounded_matrices,
+            ("_matrix_residual", "gamma(ROUNDINGS) * (a_sum * sizes + slopes)", "0.0"),
+        ),
+        (
+            _rounded_residual,
+            (
+                "_delta",
+                "gamma(ROUNDINGS + known.roundings) * (d_sum + a_sum * sigma + slopes)",
+                "0.0",
+            ),
+        ),
+    ],
+)
+def test_what_double_cannot_see_of_a_residual_is_bounded(found: Any, change: Any) -> None:
+    assert 1e-4 < found() <= 1.0
+    with without(bound, *change):
+        assert found() > 1.0
+
+
+# -- outputs and integrals ----------------------------------------------------------------------
+
+
+def _at_a_time_not_known() -> float:
+    """A body at rest, w in a box: gamma moves by the time, and the time has a radius."""
+    motion = fixed.motion(Scene(Body.of_moments((1, 1, 1)), (0, 0, 0), (0, 0, 1)))
+    problem = fixed.problem(motion, 60)
+    problem = replace(problem, spread=(1.0, 1.0, 1.0, 0.0, 0.0, 0.0))
+    time, late = arb(Fraction(1, 4).numerator) / 4, Fraction(1, 64)
+    proof = march.run(problem, [time + arb(0, float(late)), arb(1)])
+    # gamma = (0, 0, 1) x w t to first order
+    return float(1 / 4 + late) / (float(proof.rows[0][3].rad()) * 2.0**problem.noise)
+
+
+def test_a_time_that_is_a_ball_widens_the_set() -> None:
+    assert 1e-3 < _at_a_time_not_known() <= 1.0
+    with without(zonotope, "_ball", "+ UP * terms * off", ""):
+        assert _at_a_time_not_known() > 1.0
+
+
+def _by_an_integral_known_roughly() -> float:
+    """|gamma|**2 known to a ball, the truth at its edge."""
+    motion = fixed.motion(Scene(Body.of_moments((1, 1, 1)), (0, 0, 0), (0, 0, 1)))
+    problem = fixed.problem(motion, 96)
+    (known,) = [i for i in conserved.prepared(motion, 400) if i.name == "|gamma|^2"]
+    off = arb((1, -40))
+    radius = 2.0 ** (problem.noise - 30)
+    state = zonotope.State(0, problem.start, np.diag([1.0] * 3 + [radius] * 3))
+    with fixed.ctx.workprec(400):
+        value = known.value + 2 * off + arb(0, 2.0**-39)
+        after = conserved.shrunk(problem, state, [known._replace(value=value)])
+    assert after is not state
+    true = abs(Fraction(1) - Fraction(after.centre[5], 1 << problem.fine)) * 2**problem.noise
+    return float(true / Fraction(float(after.radii[5])))
+
+
+def test_an_integral_whose_value_is_a_ball_shrinks_the_set_no_further() -> None:
+    assert 1e-3 < _by_an_integral_known_roughly() <= 1.0
+    with without(conserved, "_measured", "+ upper(missing - arb(float(rest[k])))", ""):
+        assert _by_an_integral_known_roughly() > 1.0
+
+
+def _by_an_integral_of_a_rough_slope() -> float:
+    """|gamma|**2, its gradient known to one part in ten, the truth half way out in the set."""
+    motion = fixed.motion(Scene(Body.of_moments((1, 1, 1)), (0, 0, 0), (0, 0, 1)))
+    problem = fixed.problem(motion, 96)
+    (known,) = [i for i in conserved.prepared(motion, 400) if i.name == "|gamma|^2"]
+    with fixed.ctx.workprec(400):
+        rough = [
+            BallPolynomial(tuple((key, value * arb(0.95, 0.06)) for key, value in row.terms))
+            for row in known.gradient
+        ]
+    radius = 2.0**30
+    start = (*problem.start[:5], problem.start[5] + (1 << (problem.fine - problem.noise + 29)))
+    state = zonotope.State(0, start, np.diag([1.0] * 5 + [radius]))
+    after = conserved.shrunk(problem, state, [known._replace(gradient=tuple(rough))])
+    assert after is not state
+    true = abs(Fraction(1) - Fraction(after.centre[5], 1 << problem.fine)) * 2**problem.noise
+    return float(true / Fraction(float(after.radii[5])))
+
+
+def test_a_slope_that_is_not_sharp_widens_what_an_integral_leaves() -> None:
+    assert 0.1 < _by_an_integral_of_a_rough_slope() <= 1.0
+    with without(conserved, "_measured", "off * eps", "0.0 * eps"):
+        assert _by_an_integral_of_a_rough_slope() > 1.0
+
+
+def _on_a_coarse_grid() -> float:
+    """|gamma|**2, states rounded to a grid far coarser than the set that is left."""
+    motion = fixed.motion(Scene(Body.of_moments((1, 1, 1)), (0, 0, 0), (0, 0, 1)))
+    problem = fixed.problem(motion, 96)
+    known = [i for i in conserved.prepared(motion, 400) if i.name == "|gamma|^2"]
+    coarse, ticks = problem.noise - 20, 41
+    problem = replace(problem, fine=coarse)
+    worst = 0.0
+    for off in range(1, 8):
+        # the truth is between two points of the grid
+        start = (0, 0, 0, 0, 0, (1 << coarse) + ticks)
+        radius = 2.0**20 * (ticks + 1)
+        truth = 1 + Fraction(off, 8 << coarse)
+        with fixed.ctx.workprec(400):
+            value = arb(fmpq(truth.numerator, truth.denominator)) ** 2
+        state = zonotope.State(0, start, np.diag([1.0] * 5 + [radius]))
+        after = conserved.shrunk(problem, state, [known[0]._replace(value=value)])
+        assert after is not state
+        true = abs(truth - Fraction(after.centre[5], 1 << coarse)) * 2**problem.noise
+        worst = max(worst, float(true / Fraction(float(after.radii[5]))))
+    return worst
+
+
+def test_the_grid_of_states_is_part_of_what_an_integral_leaves() -> None:
+    assert 0.1 < _on_a_coarse_grid() <= 1.0
+    with without(conserved, "shrunk", "+ lost + left)", "+ lost)"):
+        assert _on_a_coarse_grid() > 1.0
+
+
+def _by_a_matrix_that_cancels() -> float:
+    """V(tau) z where V is large and V(tau) nearly nothing: its doubles' loss is all there is."""
+    worst = 0.0
+    for seed in range(12):
+        rng = random.Random(seed)
+        terms, near = 9, rng.uniform(0.6, 0.9)
+        line = [rng.uniform(-1, 1) for _ in range(terms)]
+        powers = np.cumprod(np.concatenate([[1.0], np.full(terms - 1, near)]))
+        line[0] -= float(powers @ np.array(line))  # V(tau) is 0, but for rounding
+        v = np.zeros((terms, 6, 6))
+        v[:, 0, 0] = line
+        settled = np.zeros((6, 6))
+        settled[0, 0] = 1e12
+        carried = zonotope._Carried(settled)
+        shape = SimpleNamespace(rows=[[fmpz_poly([])] * 6], level=60)
+        known: Any = SimpleNamespace(
+            problem=SimpleNamespace(noise=60),
+            pieces=shape,
+            correction=np.zeros((1, 1, 6)),
+            matrices=v[None],
+            sizes=np.array([np.sum(np.abs(line))]),
+        )
+        hull = carried.hull()
+        step = zonotope.Step(0.0, 0.0)
+        (ball, *_) = zonotope._ball(
+            known, 0, arb(near), carried, np.zeros(6), hull, float(np.max(hull)), step
+        )
+        true = abs(sum(Fraction(c) * Fraction(near) ** k for k, c in enumerate(line))) * 10**12
+        worst = max(worst, float(true / Fraction(float(ball.rad()) * 2.0**60)))
+    return worst
+
+
+def test_what_doubles_lose_of_v_at_an_output_is_in_its_ball() -> None:
+    assert 1e-3 < _by_a_matrix_that_cancels() <= 1.0
+    with without(zonotope, "_ball", "gamma(2 * terms + 6)", "0.0"):
+        assert _by_a_matrix_that_cancels() > 1.0
