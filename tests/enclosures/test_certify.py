@@ -40,7 +40,8 @@ def test_the_digits_asked_for_are_proven_and_not_many_more(digits: int) -> None:
     found = polhode.certify(scene, at=[1, "1/3", 20], digits=digits)
     assert found.reached
     assert found.proven == min(found.digits)
-    assert digits <= found.digits[2] <= digits + 8
+    # at few digits the 60 bits of the first polynomials prove more than the noise level asks
+    assert digits <= found.digits[2] <= max(digits + 8, 18)
     assert _inside(found, [trials.truth(scene, [t], 320)[0] for t in found.times])
 
 
@@ -113,7 +114,9 @@ def test_units_of_any_size_cost_no_digit(power: int) -> None:
     scene = asymmetric(rate=scale)
     found = polhode.certify(scene, at=[10 / scale], digits=15)
     plain = polhode.certify(top(), at=[10], digits=15)
-    assert found.proven == pytest.approx(plain.proven, abs=0.5)
+    # the proof's unit is a power of two, so that its steps are others, up to twice as long
+    assert found.proven == pytest.approx(plain.proven, abs=2.0)
+    assert found.noise == pytest.approx(plain.noise, abs=2)
 
 
 def test_chaos_is_answered_and_grows_no_faster_than_its_exponent() -> None:

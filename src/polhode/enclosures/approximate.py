@@ -23,6 +23,7 @@ from polhode.taylor.variations import Variations
 MOST_TURN = 5.0  # h |f'(x)| of a step: the majorant alpha is then about twice that
 _COARSE, _LESS = 64, 0.7  # less below this noise level, where exp(2 alpha) soon is too much
 _LEAST_DEGREE = 40
+_DOUBLE = 84  # up to this noise level one correction mends a run in double
 _LOOKS = 256
 _MOST_STEPS = 3_000_000
 
@@ -47,7 +48,8 @@ def window(problem: Problem, state: State, end: int, steps: int, pace: float) ->
     wide = [np.longdouble(x >> max(0, problem.fine - 80)) for x in state.centre]
     start = list(np.ldexp(np.array(wide), -min(problem.fine, 80)))
     left = math.ldexp(end - state.time, -CLOCK)
-    run = path.path(start, problem.factors, min(1.05 * pace * steps + 1e-3, left))
+    long = problem.noise > _DOUBLE
+    run = path.path(start, problem.factors, min(1.05 * pace * steps + 1e-3, left), long)
     if run is None:
         return None
     times, terms = _grid(problem, run, state.time, end, steps)

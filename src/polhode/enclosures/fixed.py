@@ -36,6 +36,7 @@ LEAST_FINE = 60  # S: never coarser than the polynomials, or the first jump is l
 TIME_BITS = 4096  # of a time asked for: on the right side of a step's boundary
 UP = 1.0 + 1e-9  # covers fewer than 1e5 roundings of nonnegative doubles
 _SMALL = 1 << 40  # a denominator that is shorter than a rounded constant
+_FINER = 24  # Q - P: the radii of the constants, times exp(alpha), stay below the noise
 _SHARPER = 20  # bits behind 2**-S to which every constant must be known
 _MOST_BITS = 1 << 15
 
@@ -143,7 +144,7 @@ def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Probl
     """A motion's data as integers with radii for the noise level 2**-noise.
 
     ``constant_bits``: the constants are rounded to 2**-that; by default they stay as they are where
-    they are fractions of a small denominator, and are rounded to 2**-(noise + 12) elsewhere.
+    they are fractions of a small denominator, and are rounded to 2**-(noise + 24) elsewhere.
     Raises Refused where a constant cannot be known sharply enough.
     """
     if not LEAST_NOISE <= noise <= MOST_NOISE:
@@ -189,7 +190,7 @@ def _whole(
             for k, x in zip(range(i, 9, 3), exactly, strict=True):
                 found[k] = int(x * least)
             continue
-        coarse = noise + 12 if bits is None else bits
+        coarse = noise + _FINER if bits is None else bits
         below.append(1 << coarse)
         for k in range(i, 9, 3):
             found[k], radius = _nearest(balls[k], coarse)

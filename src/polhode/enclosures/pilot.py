@@ -18,6 +18,7 @@ from polhode.numbers.exact import Exact
 BITS_A_DIGIT = math.log2(10)
 _STEPS_A_UNIT = 3.0  # of the proof, in its unit of time
 _SECONDS_A_STEP = 9e-8  # over the square of the noise level, for P of 80 to 230
+_MARGIN = 1.0  # bits
 _OF_OUTPUTS = {"attitude": 6.0, "angles": 9.0}  # the same of a turn, and of angles near a pole
 
 
@@ -25,7 +26,7 @@ def noise(what: Motion, last: Exact, digits: float) -> int:
     """The noise level P at which the radii at the time ``last`` should leave so many digits."""
     grown, fastest = growth(what, last)
     slow = max(0.0, -math.log2(fastest)) if fastest > 0.0 else 0.0  # digits of w are relative
-    bits = digits * BITS_A_DIGIT + max(0.0, grown) + slow
+    bits = digits * BITS_A_DIGIT + _MARGIN + max(0.0, grown) + slow
     more = max((_OF_OUTPUTS.get(name, 0.0) for name in what.scene.modelled), default=0.0)
     if more:  # they add up what the state is off on the way
         bits += more + math.log2(1.0 + steps(what, last))

@@ -1,4 +1,4 @@
-"""heyoka's run of the Euler–Poisson equations in its widest fast number, asked at any time.
+"""heyoka's run of the Euler–Poisson equations in a fast number, asked at any time.
 
 The equations are compiled once for every body: the nine constants are parameters.  Whoever needs a
 trajectory that is only approximately right, such as the enclosures, starts from here.
@@ -23,25 +23,28 @@ _MOST_STEPS = 100_000
 
 class Path(NamedTuple):
     """A run from time 0: the ends of heyoka's steps, an estimate of the radius of convergence of
-    the motion's Taylor series on each of them, and the continuous output."""
+    the motion's Taylor series on each of them, the continuous output and its type of number."""
 
     ends: Any
     convergence: Any
     output: Any
+    kind: Any
 
     def at(self, times: Any) -> Any:
         """States at times of the run, (n, 6), as doubles."""
-        return np.array(self.output(np.asarray(times, dtype=_type()))).astype(float)
+        return np.array(self.output(np.asarray(times, dtype=self.kind))).astype(float)
 
 
-def path(start: Sequence[Any], constants: Sequence[Any], duration: float) -> Path | None:
+def path(
+    start: Sequence[Any], constants: Sequence[Any], duration: float, wide: bool
+) -> Path | None:
     """A run of so long from six numbers; None where heyoka does not get there.
 
     w_i' = c_i w_a w_b + c_(3+i) gamma_a + c_(6+i) gamma_b, gamma' = gamma x w, with i, a, b cyclic;
-    numbers are numpy's of any precision.
+    ``wide``: in long double rather than in double, where the machine has it.
     """
-    ta = copy.deepcopy(_compiled())
-    kind = _type()
+    kind = np.longdouble if wide and extended_here() else np.float64
+    ta = copy.deepcopy(_compiled(kind))
     ta.pars[:] = np.array(constants, dtype=kind)
     ta.state[:] = np.array(start, dtype=kind)
     ta.time = kind(0)
@@ -54,15 +57,11 @@ def path(start: Sequence[Any], constants: Sequence[Any], duration: float) -> Pat
     taken = np.diff(ends)
     if len(taken) > 1:
         taken[-1] = max(taken[-1], taken[-2])  # the last step is cut at the end
-    return Path(ends, taken / part, found[4])
-
-
-def _type() -> Any:
-    return np.longdouble if extended_here() else np.float64
+    return Path(ends, taken / part, found[4], kind)
 
 
 @cache
-def _compiled() -> Any:
+def _compiled(kind: Any) -> Any:
     """An integrator of the equations for any body."""
     w, g = hy.make_vars("p", "q", "r"), hy.make_vars("g1", "g2", "g3")
     system = [
@@ -70,7 +69,6 @@ def _compiled() -> Any:
         for i, (a, b) in enumerate(_CYCLE)
     ]
     system += [(g[i], g[a] * w[b] - g[b] * w[a]) for i, (a, b) in enumerate(_CYCLE)]
-    kind = _type()
     return hy.taylor_adaptive(
         system, np.zeros(6, dtype=kind), fp_type=kind, pars=np.zeros(9, dtype=kind)
     )
