@@ -115,6 +115,31 @@ def test_what_double_cannot_see_of_a_residual_is_bounded(found: Any, change: Any
         assert found() > 1.0
 
 
+def _rounded_defects() -> float:
+    """The same where e' takes d away, whose doubles are off as far as they say."""
+    rng, off = random.Random(1), 90
+    e = np.array([[[rng.uniform(-1, 1) for _ in range(6)] for _ in range(13)]])
+    values = np.zeros((1, 25, 6))
+    values[:, :12] = -(e[:, 1:] * np.arange(1, 13)[:, None])
+    shape = SimpleNamespace(
+        near=np.zeros((1, 13, 6)), gap=np.zeros((1, 13)), count=1, lengths=np.ones(1)
+    )
+    known: Any = SimpleNamespace(pieces=shape, values=values, roundings=off)
+    problem: Any = SimpleNamespace(slack=(0.0,) * 9)
+    sigma = np.sum(np.max(np.abs(e), axis=2), axis=1)
+    weights, none = 1.0 / np.arange(1, 26), np.zeros(1)
+    a = np.zeros((1, 13, 6, 6))
+    claimed = bound._delta(problem, known, e, a, none, none, sigma, weights)
+    true = off * 2.0**-53 * float(np.sum(np.max(np.abs(values), axis=2) * weights))
+    return true / float(claimed[0])
+
+
+def test_what_the_doubles_of_a_defect_are_off_is_bounded() -> None:
+    assert 0.1 < _rounded_defects() <= 1.0
+    with without(bound, "_delta", "gamma(ROUNDINGS + known.roundings)", "gamma(ROUNDINGS)"):
+        assert _rounded_defects() > 1.0
+
+
 # -- outputs and integrals ----------------------------------------------------------------------
 
 

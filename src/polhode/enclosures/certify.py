@@ -49,7 +49,7 @@ def certify(
     ``digits``: correct digits wanted at every time, 1 to MOST_DIGITS; the precision is chosen from
     a cheap run and raised until they are proven.  ``integrals``: whether the first integrals
     shrink the set.  ``max_steps``: a time that will take more is refused before the start; a step
-    costs about 0.6 ms at 16 digits, 1.4 ms at 30.  ``max_seconds``: a limit on the time by the
+    costs about 0.4 ms at 16 digits, 0.9 ms at 30.  ``max_seconds``: a limit on the time by the
     clock; what is proven until then is kept, as it is at Ctrl-C, and the ``outcome`` says so.
     ``forecast``: called once, before the proof, with the seconds that it will take, roughly.  The
     memory does not grow with the time.  Raises BadInput where the digits cannot be had.

@@ -17,7 +17,7 @@ from polhode.numbers.exact import Exact
 
 BITS_A_DIGIT = math.log2(10)
 _STEPS_A_UNIT = 3.0  # of the proof, in its unit of time
-_SECONDS_A_STEP = 9e-8  # over the square of the noise level, for P of 80 to 230
+_SECONDS_A_STEP = 8e-8  # over the square of the noise level, for P of 70 to 220
 _MARGIN = 1.0  # bits
 _OF_OUTPUTS = {"attitude": 6.0, "angles": 9.0}  # the same of a turn, and of angles near a pole
 
