@@ -73,7 +73,7 @@ def test_sums_of_words_are_exact() -> None:
 
 
 def _worst_unpacked(rng: random.Random) -> float:
-    """Errors of coefficients over words + 1 roundings of them; infinite where one is lost."""
+    """Errors of coefficients over the roundings that are claimed; infinite where one is lost."""
     worst = 0.0
     for _ in range(60):
         count, words = rng.randrange(1, 6), rng.randrange(1, 6)
@@ -89,7 +89,9 @@ def _worst_unpacked(rng: random.Random) -> float:
             if x == 0 or near == 0:
                 worst = max(worst, float("inf") if true != near else 0.0)
             else:
-                worst = max(worst, float(abs(near / true - 1) / Fraction(bound.gamma(words + 1))))
+                worst = max(
+                    worst, float(abs(near / true - 1) / Fraction(bound.gamma(digits.UNPACKED)))
+                )
     return worst
 
 

@@ -21,42 +21,27 @@ from shared.mutation import without
 # -- roundings ----------------------------------------------------------------------------------
 
 
-def _turning(rng: random.Random) -> Any:
-    """Coefficients of a constant A whose rows have four entries: (1, 1, 6, 6)."""
-    a = np.zeros((1, 1, 6, 6))
-    for i in range(6):
-        for j in rng.sample(range(6), 4):
-            a[0, 0, i, j] = rng.uniform(-1, 1) / 64
-    return a
-
-
-def _exact(rows: Any) -> list[list[Fraction]]:
-    return [[Fraction(float(x)) for x in row] for row in rows]
+def _cancelling(rng: random.Random) -> tuple[Any, Any, Fraction]:
+    """A constant A of one large row, a column that it takes to next to nothing, and to what."""
+    row = [rng.uniform(-64, 64) for _ in range(4)]
+    column = [rng.uniform(-1, 1) for _ in range(4)]
+    column[3] = -sum(x * y for x, y in zip(row[:3], column, strict=False)) / row[3]
+    a, found = np.zeros((1, 1, 6, 6)), np.zeros(6)
+    a[0, 0, 0, :4], found[:4] = row, column
+    true = sum(Fraction(x) * Fraction(y) for x, y in zip(row, column, strict=True))
+    return a, found, abs(Fraction(true))
 
 
 def _rounded_matrices() -> float:
     """int |A V - V'| over its bound, where double finds next to nothing of it."""
     worst = 0.0
-    for seed in range(4):
-        a = _turning(random.Random(seed))
-        v = np.zeros((1, 13, 6, 6))
-        v[0, 0] = np.eye(6)
-        for k in range(12):
-            v[0, k + 1] = a[0, 0] @ v[0, k] / (k + 1)
+    for seed in range(100):
+        a, column, true = _cancelling(random.Random(seed))
+        v = np.zeros((1, 2, 6, 6))
+        v[0, 0, :, 0] = column
         a_norms, v_norms = bound._norms(a), bound._norms(v)
         sums = [np.sum(x, axis=1) for x in (a_norms, v_norms)]
         claimed = bound._matrix_residual(a, a_norms, 0 * a_norms, sums[0], v, v_norms, sums[1])
-        true, left = Fraction(0), _exact(a[0, 0])
-        for k in range(12):
-            right, after = _exact(v[0, k]), _exact(v[0, k + 1])
-            rows = [
-                sum(
-                    abs(sum(left[i][m] * right[m][j] for m in range(6)) - (k + 1) * after[i][j])
-                    for j in range(6)
-                )
-                for i in range(6)
-            ]
-            true += max(rows) / (k + 1)
         worst = max(worst, float(true / Fraction(float(claimed[0]))))
     return worst
 
@@ -64,30 +49,19 @@ def _rounded_matrices() -> float:
 def _rounded_residual() -> float:
     """int |d + e' - A e| over its bound, likewise."""
     worst = 0.0
-    for seed in range(4):
-        rng = random.Random(seed)
-        a = _turning(rng)
-        e = np.zeros((1, 13, 6))
-        e[0, 0] = [rng.uniform(-1, 1) for _ in range(6)]
-        for k in range(12):
-            e[0, k + 1] = a[0, 0] @ e[0, k] / (k + 1)
-        zero = np.zeros((1, 13))
-        shape = SimpleNamespace(near=np.zeros((1, 13, 6)), gap=zero, count=1, lengths=np.ones(1))
-        known: Any = SimpleNamespace(pieces=shape, values=np.zeros((1, 25, 6)), roundings=0)
+    for seed in range(100):
+        a, column, true = _cancelling(random.Random(seed))
+        e = np.zeros((1, 2, 6))
+        e[0, 0] = column
+        shape = SimpleNamespace(
+            near=np.zeros((1, 2, 6)), gap=np.zeros((1, 2)), count=1, lengths=np.ones(1)
+        )
+        known: Any = SimpleNamespace(pieces=shape, values=np.zeros((1, 3, 6)), roundings=0)
         problem: Any = SimpleNamespace(slack=(0.0,) * 9)
-        a_norms = bound._norms(a)
+        a_sum = np.sum(bound._norms(a), axis=1)
         sigma = np.sum(np.max(np.abs(e), axis=2), axis=1)
-        weights = 1.0 / np.arange(1, 26)
-        a_sum = np.sum(a_norms, axis=1)
+        weights = 1.0 / np.arange(1, 4)
         claimed = bound._delta(problem, known, e, a, a_sum, np.zeros(1), sigma, weights)
-        true, left = Fraction(0), _exact(a[0, 0])
-        rows = [*_exact(e[0]), [Fraction(0)] * 6]
-        for k in range(13):
-            off = [
-                abs((k + 1) * rows[k + 1][i] - sum(left[i][j] * rows[k][j] for j in range(6)))
-                for i in range(6)
-            ]
-            true += max(off) / (k + 1)
         worst = max(worst, float(true / Fraction(float(claimed[0]))))
     return worst
 
@@ -97,20 +71,20 @@ def _rounded_residual() -> float:
     [
         (
             _rounded_matrices,
-            ("_matrix_residual", "gamma(ROUNDINGS) * (a_sum * sizes + slopes)", "0.0"),
+            ("_matrix_residual", "gamma(ROUNDINGS) * a_sum * sizes", "0.0"),
         ),
         (
             _rounded_residual,
             (
                 "_delta",
-                "gamma(ROUNDINGS + known.roundings) * (d_sum + a_sum * sigma + slopes)",
+                "gamma(ROUNDINGS) * a_sum * sigma",
                 "0.0",
             ),
         ),
     ],
 )
 def test_what_double_cannot_see_of_a_residual_is_bounded(found: Any, change: Any) -> None:
-    assert 1e-4 < found() <= 1.0
+    assert 1e-2 < found() <= 1.0
     with without(bound, *change):
         assert found() > 1.0
 
@@ -136,7 +110,7 @@ def _rounded_defects() -> float:
 
 def test_what_the_doubles_of_a_defect_are_off_is_bounded() -> None:
     assert 0.1 < _rounded_defects() <= 1.0
-    with without(bound, "_delta", "gamma(ROUNDINGS + known.roundings)", "gamma(ROUNDINGS)"):
+    with without(bound, "_delta", "gamma(2 + known.roundings)", "gamma(2)"):
         assert _rounded_defects() > 1.0
 
 

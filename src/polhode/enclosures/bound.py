@@ -27,10 +27,11 @@ gamma(k) = 1.01 k u, u = 2**-53, bounds k roundings in any order.  Small quantit
 sigma) are in units of 2**-P.
 
 Coefficient k of A V - V' (of d + e' - A e likewise) is found in double.  A row of A has four
-entries that are not zero, so it is a sum of at most 4 (k + 1) products and two or three terms more,
-off by at most gamma(4 (k + 1) + 4) (sum |A_j| |V_(k-j)| + (k + 1) |V_(k+1)|).  Under the integral
-that is divided by k + 1, and 4 + 4/(k + 1) <= 8: all k together are off by at most
-gamma(8) (sum |A_j| sum |V_k| + sum k |V_k|).  The doubles of d have roundings of their own.
+entries that are not zero, so that of A V is a sum of at most 4 (k + 1) products; the one or two
+additions after it included, off by at most gamma(4 (k + 1) + 4) sum |A_j| |V_(k-j)|.  Under the
+integral that is divided by k + 1, and 4 + 4/(k + 1) <= 8: all k together are off by at most
+gamma(8) sum |A_j| sum |V_k|.  The other terms pass two roundings, (k + 1) V_(k+1) a product and an
+addition, which is gamma(2) sum |V_k| under the integral, and d two additions, beside its own.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ from polhode.enclosures.pieces import Pieces
 U = 2.0**-53
 MOST_ALPHA = 1e4
 TINY = 1e-280  # above anything that underflow can have lost
-ROUNDINGS = 8  # of a coefficient of a residual, over k + 1; see the module
+ROUNDINGS = 8  # of a coefficient of a product, over k + 1; see the module
 
 
 def gamma(k: int) -> float:
@@ -172,9 +173,8 @@ def _delta(
     residual[:, : count - 1] += correction[:, 1:] * np.arange(1, count)[:, None]
     d_sum = np.sum(np.max(np.abs(known.values), axis=2) * weights, axis=1)
     found = np.sum(np.max(np.abs(residual), axis=2) * weights, axis=1)
-    slopes = np.sum(np.max(np.abs(correction), axis=2) * np.arange(count), axis=1)
-    found = found + gamma(ROUNDINGS + known.roundings) * (d_sum + a_sum * sigma + slopes)
-    found = found + a_gap * sigma
+    found = found + gamma(ROUNDINGS) * a_sum * sigma + gamma(2) * sigma
+    found = found + gamma(2 + known.roundings) * d_sum + a_gap * sigma
     largest = np.sum(np.abs(pieces.near) + pieces.gap[:, :, None], axis=1)  # sup |x~_i|
     missed = np.zeros((pieces.count, 3))
     for i, (p, q) in enumerate(CYCLE):
@@ -200,8 +200,7 @@ def _matrix_residual(
     for j in range(terms):
         after[:, j] = np.sum(a_norms[:, max(0, degree - j) :], axis=1)
     found = found + np.sum(after * v_norms, axis=1) / terms
-    slopes = np.sum(v_norms * np.arange(terms), axis=1)
-    found = found + gamma(ROUNDINGS) * (a_sum * sizes + slopes)
+    found = found + gamma(ROUNDINGS) * a_sum * sizes + gamma(2) * sizes
     return UP * (found + np.sum(a_gaps, axis=1) * sizes)
 
 

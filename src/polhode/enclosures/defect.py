@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from flint import fmpz
 
-from polhode.enclosures.digits import MOST_FACTOR, Double, packed, unpacked
+from polhode.enclosures.digits import MOST_FACTOR, UNPACKED, Double, packed, unpacked
 from polhode.enclosures.fixed import CLOCK, CYCLE, UP, Problem, Refused
 from polhode.enclosures.pieces import Pieces
 
@@ -62,7 +62,7 @@ def defects(problem: Problem, pieces: Pieces) -> Defects:
         found[:, i] /= float(n >> twos[i])
     values = np.zeros((pieces.count, 2 * terms - 1, 6))
     values[:, : 2 * used - 1] = found.transpose(0, 2, 1)
-    return Defects(pieces, values, words + 3)
+    return Defects(pieces, values, UNPACKED + 1)
 
 
 def _used(pieces: Pieces) -> int:

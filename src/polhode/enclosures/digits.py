@@ -22,6 +22,7 @@ _KEPT_BITS = 60  # of the largest coefficient of a polynomial
 _WORD = fmpz(1) << 64
 _HALF, _LOW = np.uint64(1 << 63), np.uint64(0xFFFFFFFF)
 _32, _64 = np.uint64(32), np.uint64(64)
+UNPACKED = 4  # roundings of a coefficient in ``unpacked``
 _LARGEST = 1023  # the largest power of two among doubles
 _lifts: dict[tuple[int, int, int], Any] = {}
 _offsets: dict[int, Any] = {}
@@ -89,14 +90,16 @@ def packed(values: Double, words: int, factors: Any = None) -> list[Any]:
 
 
 def unpacked(numbers: Sequence[Any], count: int, words: int, powers: Any) -> Any:
-    """Coefficients times 2**powers as doubles, (n, count), off by words + 1 roundings each.
+    """Coefficients times 2**powers as doubles, (n, count), off by UNPACKED roundings each.
 
     ``numbers``: values at 2**(64 words) of n polynomials of ``count`` coefficients below
     2**(64 words - 1); ``powers``: (n,).
 
     A digit d + 2**(B - 1) has its first bit set where d >= 0, and without it is d; where d < 0 its
-    other bits turned over are -d - 1.  The words of that, each rounded once, and the 1 are added:
-    all terms have one sign, so the sum is right relatively.  Raises Refused beyond the doubles.
+    other bits turned over are -d - 1.  The 1 and the words of that, each rounded once, are added
+    from below.  All are >= 0, so the words' roundings make one of the sum; the last addition that
+    is not of 0 makes another; the sum before it is at most the sum, the one before that at most
+    2**-63 of it, and so on: one more and next to nothing.  Raises Refused beyond the doubles.
     """
     size, lift = 8 * count * words, _lift(count, words, 64 * words - 1)
     raw = b"".join([int(x + lift).to_bytes(size, "little") for x in numbers])
