@@ -46,7 +46,7 @@ class HeldAgainst:
     @cached_property
     def many(self) -> ManyRows | None:
         """The rows judged all at once, where that can be."""
-        return many_rows(self.subject, self.reference)
+        return many_rows(self.subject, self.reference, self.workers)
 
     @property
     def _wanted(self) -> int:
