@@ -19,12 +19,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, NamedTuple
+from itertools import pairwise
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from polhode.closed_forms.attitude.quaternion import conjugate, product
+from polhode.common.text import few
 from polhode.judging.by_processes import asked_by
 from polhode.judging.reference import Reference, rows
 from polhode.numbers.convert import exactly
@@ -35,12 +37,14 @@ NODES = 40
 _FIRST = 4.0  # radians that the first panels are long
 _SPARE = 3  # digits of the values at the nodes
 _LAST = 4  # coefficients that must be below the digits
-_PAYS = 3  # rows for each node: below that rows are asked for one by one
+_TRIED = 5  # panels that tell how long the others may be
+_PAYS = 2  # rows for each node: below that rows are asked for one by one
 _BLOCK = 2048  # rows that are told together: what stays in the processor's cache
 _SINGLE = 1e-12  # coefficients below it need no second double
 _BITS = 200
 
 Doubles = npt.NDArray[np.float64]
+Span: TypeAlias = tuple[float, float]
 
 
 class Columns(NamedTuple):
@@ -77,19 +81,13 @@ def in_panels(
         cells = [[_both(x) for part in parts for x in part] for parts in answers]
         return np.array(cells).transpose(2, 0, 1)
 
-    def scales(largest: Doubles) -> Doubles:
-        """What the columns' errors are relative to."""
-        found = np.ones_like(largest)
-        if "at" in asked:
-            found[:3] = largest[:3].max() or 1.0
-        return found
-
     try:
         cycle = _cycle(reference, asked, max(map(abs, times)), digits)
         here, counts = _folded(times, cycle)
         ends = (Fraction(0), cycle.period) if cycle else (min(times), max(times))
         length = _FIRST / 10.0**reference.scene.log10_rate
-        found = _told(here, _panels(ask, scales, ends, length, here.hi, digits))
+        trials = _Trials(ask, digits, "at" in asked)
+        found = _told(here, _panels(trials, ends, length, here.hi))
     except TooDear:
         return None
     states = found[:-4] if "attitude" in asked else found
@@ -143,54 +141,85 @@ class _Panels:
     terms: Doubles
 
 
+class _Trials:
+    """Panels tried: their coefficients, and whether these reach the digits.
+
+    ``ask``: both doubles of all columns at times; the first three are omega where ``moving``.
+    """
+
+    def __init__(
+        self, ask: Callable[[Sequence[Fraction]], Doubles], digits: int, moving: bool
+    ) -> None:
+        self._ask, self._small, self._moving = ask, 10.0 ** -(digits + 1), moving
+        self._points, self._matrix = _rule()
+        self._fastest = 0.0
+
+    def of(self, spans: Sequence[Span]) -> tuple[Doubles, list[bool]]:
+        """Coefficients, shape (2, panels, NODES, columns), and which panels are short enough."""
+        exact = [(Fraction(a), Fraction(b) - Fraction(a)) for a, b in spans]
+        values = self._ask([a + span * x for a, span in exact for x in self._points])
+        values = values.reshape(2, len(spans), NODES, -1)
+        scales = np.ones(values.shape[-1])
+        if self._moving:
+            self._fastest = max(self._fastest, float(np.abs(values[0, ..., :3]).max()))
+            scales[:3] = self._fastest or 1.0
+        terms = _product(self._matrix, values)
+        left = (np.abs(terms[0, :, -_LAST:]) / scales).max(axis=(1, 2))
+        return terms, [bool(x < self._small) for x in left]
+
+
 def _panels(
-    ask: Callable[[Sequence[Fraction]], Doubles],
-    scales: Callable[[Doubles], Doubles],
-    ends: tuple[Fraction, Fraction],
-    length: float,
-    here: Doubles,
-    digits: int,
+    trials: _Trials, ends: tuple[Fraction, Fraction], length: float, here: Doubles
 ) -> _Panels:
-    """Panels in which the coefficients fall below the digits; raises TooDear."""
-    low, high = float(ends[0]), float(ends[1])
-    low, high = low - 1e-9 * (high - low), high + 1e-9 * (high - low)
-    count = max(1, math.ceil((high - low) / length))
-    most = len(here) // (NODES * _PAYS)
+    """Panels about so long, and halved as often as it takes; raises TooDear."""
+    margin = 1e-9 * float(ends[1] - ends[0])
+    low, high = float(ends[0]) - margin, float(ends[1]) + margin
+    count, most = max(1, math.ceil((high - low) / length)), len(here) // (NODES * _PAYS)
     if count > most:
         raise TooDear
-    edges = np.linspace(low, high, count + 1)
-    open_ = [*zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True)]
-    done: list[tuple[float, float, Doubles]] = []
-    points, to_terms = _rule()
-    held, largest = np.sort(here), np.zeros(0)
+    count <<= _halvings(trials, _equal(low, high, count), most)
+    held, open_ = np.sort(here), _equal(low, high, count)
+    done: list[tuple[Span, Doubles]] = []
     while open_:
-        spans = (
-            np.searchsorted(held, np.array(open_).T[0]),
-            np.searchsorted(held, np.array(open_).T[1], "right"),
-        )
-        open_ = [panel for panel, a, b in zip(open_, *spans, strict=True) if b > a]  # with rows
+        first = np.searchsorted(held, [a for a, _ in open_])
+        last = np.searchsorted(held, [b for _, b in open_], "right")
+        open_ = [span for span, i, k in zip(open_, first, last, strict=True) if i < k]  # with rows
         if len(done) + len(open_) > most:
             raise TooDear
-        exact = [(Fraction(a), Fraction(b) - Fraction(a)) for a, b in open_]
-        values = ask([a + span * x for a, span in exact for x in points])
-        values = values.reshape(2, len(open_), NODES, -1)
-        largest = (
-            np.maximum(largest, np.abs(values[0]).max(axis=(0, 1)))
-            if largest.size
-            else np.abs(values[0]).max(axis=(0, 1))
-        )
-        terms = _product(to_terms, values)
-        left = (np.abs(terms[0, :, -_LAST:]) / scales(largest)).max(axis=(1, 2))
-        halved = []
-        for k, (a, b) in enumerate(open_):
-            if left[k] < 10.0 ** -(digits + 1):
-                done.append((a, b, terms[:, k]))
-            else:
-                halved += [(a, (a + b) / 2), ((a + b) / 2, b)]
-        open_ = halved
+        terms, right = trials.of(open_)
+        done += [(span, terms[:, k]) for k, span in enumerate(open_) if right[k]]
+        open_ = [half for k, span in enumerate(open_) if not right[k] for half in _halves(span)]
     done.sort(key=lambda panel: panel[0])
-    ends_of = np.array([[a, b] for a, b, _ in done])
-    return _Panels(ends_of, np.stack([x for *_, x in done], axis=1))
+    spans, found = zip(*done, strict=True)
+    return _Panels(np.array(spans), np.stack(found, axis=1))
+
+
+def _halvings(trials: _Trials, spans: Sequence[Span], most: int) -> int:
+    """How often all panels are to be halved, by some of them; raises TooDear."""
+    if len(spans) <= _TRIED:
+        return 0
+    some = [spans[k] for k in few(len(spans), _TRIED)]
+    level, needed, enough = 0, 0.0, 0
+    while some:
+        _, right = trials.of(some)
+        if any(right) and not needed:
+            enough = level
+        needed += sum(right) << level
+        some = [_halves(span)[0] for span, done in zip(some, right, strict=True) if not done]
+        level += 1
+        if (needed + (len(some) << level)) / _TRIED * len(spans) > most:
+            raise TooDear
+    return enough
+
+
+def _equal(low: float, high: float, count: int) -> list[Span]:
+    edges = np.linspace(low, high, count + 1).tolist()
+    return [*pairwise(edges)]
+
+
+def _halves(span: Span) -> tuple[Span, Span]:
+    a, b = span
+    return (a, (a + b) / 2), ((a + b) / 2, b)
 
 
 def _rule() -> tuple[list[Fraction], Doubles]:
