@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.errors import BadInput
+from polhode.common.progress import Tell
 from polhode.common.text import few
 from polhode.judging.in_pairs import columns_in_pairs
 from polhode.judging.panels import Columns, in_panels
@@ -48,14 +49,16 @@ class ManyRows:
     attitude: Doubles | None
 
 
-def many_rows(subject: Subject, reference: Any, workers: int = 1) -> ManyRows | None:
+def many_rows(
+    subject: Subject, reference: Any, workers: int = 1, tell: Tell | None = None
+) -> ManyRows | None:
     """A subject held against a reference; None where pairs cannot judge it."""
     count = len(subject.times)
     if not isinstance(reference, Reference) or count < FEWEST or subject.held > MOST_DIGITS:
         return None
     try:
         found = reference.columns(of_fractions(subject.times)) or _in_panels(
-            subject, reference, workers
+            subject, reference, workers, tell
         )
         if found is None:
             return None
@@ -86,14 +89,16 @@ def many_rows(subject: Subject, reference: Any, workers: int = 1) -> ManyRows | 
     return ManyRows(errors, attitude)
 
 
-def _in_panels(subject: Subject, reference: Reference, workers: int) -> Columns | None:
+def _in_panels(
+    subject: Subject, reference: Reference, workers: int, tell: Tell | None
+) -> Columns | None:
     """The reference from its values at some times; None where that does not pay."""
     there = (("at", subject.states), ("attitude", subject.attitude))
     asked = [name for name, own in there if own is not None]
     if not asked:
         return None
     try:
-        return in_panels(reference, subject.times, _needed(subject), asked, workers)
+        return in_panels(reference, subject.times, _needed(subject), asked, workers, tell)
     except BadInput:  # an answer that this closed form does not have
         return None
 

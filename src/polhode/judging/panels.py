@@ -26,6 +26,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.closed_forms.attitude.quaternion import conjugate, product
+from polhode.common.progress import Tell
 from polhode.common.text import few
 from polhode.judging.by_processes import asked_by
 from polhode.judging.reference import Reference, rows
@@ -66,14 +67,19 @@ class TooDear(ValueError):
 
 
 def in_panels(
-    reference: Reference, times: Sequence[Fraction], digits: int, asked: Sequence[str], workers: int
+    reference: Reference,
+    times: Sequence[Fraction],
+    digits: int,
+    asked: Sequence[str],
+    workers: int,
+    tell: Tell | None = None,
 ) -> Columns | None:
     """The reference at the times, right to about so many digits of max |w| and of 1.
 
     ``asked``: "at", "attitude", or both, in this order.  None where panels do not pay, or where
-    they cannot reach the digits.
+    they cannot reach the digits.  ``tell``: see :func:`polhode.judging.by_processes.asked_by`.
     """
-    questions = [asked_by(reference, name, workers) for name in asked]
+    questions = [asked_by(reference, name, workers, tell) for name in asked]
 
     def ask(some: Sequence[Fraction]) -> Doubles:
         """Both doubles of all columns, shape (2, times, columns)."""
