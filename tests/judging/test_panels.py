@@ -15,7 +15,12 @@ from polhode.numbers.number_types import DOUBLE
 COLUMNS = ("p", "q", "r", "gamma1", "gamma2", "gamma3", "q0", "q1", "q2", "q3")
 BOTH = ("at", "attitude")
 
-PERIODIC = ["steklov/lower", "chaplygin/motion", "pendulum/librating", "goryachev/motion"]
+PERIODIC = [
+    "bobylev-steklov/cn",
+    "goryachev-chaplygin/rotating",
+    "chaplygin/motion",
+    "steklov/lower",
+]
 OTHERS = ["staude/unstable", "bobylev-steklov/asymptotic", "hess/loxodrome", "grioli/irrational"]
 
 
