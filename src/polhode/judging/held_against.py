@@ -28,8 +28,8 @@ AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
 class HeldAgainst:
     """The right digits of a subject, the reference asked for no more digits than tell them.
 
-    ``workers``: processes that may ask the reference; ``progress``: told of its rows where they take
-    long.
+    ``workers``: processes that may ask the reference; ``progress``: told of its rows where
+    they take long.
     """
 
     subject: Subject
