@@ -174,6 +174,17 @@ def test_a_verb_imports_nothing_heavy_that_it_does_not_need():
         assert "heyoka" not in imported_by(arguments)
 
 
+def test_a_run_imports_no_room_that_it_does_not_need():
+    """A warm run is to cost little more than importing heyoka: see tests/measure/choices.py."""
+    found = imported_by(["run", "kovalevskaya/generic", "--at", "1"])
+    own = {name.removeprefix("polhode.") for name in found if name.startswith("polhode.")}
+    needless = {"studies", "figures", "dynamics", "checks", "enclosures", "refined", "peers"}
+    assert not needless & {name.partition(".")[0] for name in own}
+    assert {name for name in own if name.startswith("verbs.")} == {"verbs.run", "verbs.terminal"}
+    assert "closed_forms.kovalevskaya.top" in own
+    assert "closed_forms.kovalevskaya.attitudes" not in own
+
+
 def test_the_closed_forms_run_where_heyoka_is_missing():
     code = (
         "import sys; sys.modules['heyoka'] = None; import polhode; "

@@ -1,7 +1,5 @@
 """``python -m polhode``."""
 
-import sys
+from polhode.cli import command
 
-from polhode.cli import main
-
-sys.exit(main())
+command()

@@ -7,6 +7,7 @@ input, 3 the run could not reach its end, 130 interrupted.
 from __future__ import annotations
 
 import argparse
+import gc
 import re
 import sys
 from collections.abc import Sequence
@@ -72,7 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if not given:
                 terminal.say(WELCOME.rstrip())
                 return DONE
-            options, rest = _parser().parse_known_args(_joined(given))
+            options, rest = _parser(given).parse_known_args(_joined(given))
             if rest:
                 options.parser.refuse(rest)
             code: int = options.main(options)
@@ -98,6 +99,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return BAD_INPUT
 
 
+def command() -> NoReturn:
+    """The command ``polhode``: main, and out."""
+    code = main()
+    gc.freeze()  # what is left goes with the process: nobody need look for circles in it
+    sys.exit(code)
+
+
 def _interrupted() -> int:
     print("polhode: interrupted", file=sys.stderr)
     return INTERRUPTED
@@ -114,7 +122,7 @@ def _completion(given: Sequence[str]) -> str:
     if len(given) != 1 or given[0] not in shells:
         shell = given[0] if given else None
         raise BadInput("polhode", "--print-completion", shell, nearest(shell, shells))
-    return str(shtab.complete(_parser(), given[0])).rstrip()
+    return str(shtab.complete(_parser(()), given[0])).rstrip()
 
 
 def _joined(arguments: Sequence[str]) -> list[str]:
@@ -133,14 +141,15 @@ def _joined(arguments: Sequence[str]) -> list[str]:
     return [*joined, pending] if pending else joined
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
+    """The parser of the verb that these arguments begin with; of all verbs where it is none."""
     top = _Parser(
         prog="polhode",
         description="Heavy rigid body about a fixed point: trajectories with proven digits.",
     )
     top.add_argument("--version", action="version", version=f"polhode {__version__}")
     kinds = top.add_subparsers(dest="verb", required=True, metavar="VERB", parser_class=_Parser)
-    for name in VERBS:
+    for name in given[:1] if given[:1] and given[0] in VERBS else VERBS:
         verb = import_module(f"polhode.verbs.{name}")
         added = kinds.add_parser(name, help=verb.HELP, description=verb.HELP, allow_abbrev=False)
         added.add_argument("--json", action="store_true", help="results as JSON on stdout")
@@ -150,4 +159,4 @@ def _parser() -> argparse.ArgumentParser:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    command()

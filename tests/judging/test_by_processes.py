@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from fractions import Fraction
 
 import pytest
@@ -49,6 +50,45 @@ def test_processes_are_left_alone_where_they_do_not_pay(monkeypatch):
     monkeypatch.setattr(by_processes, "in_order", None)
     times = [Fraction(k) for k in range(50)]
     assert exactly(asked_by(known, "at", 2)(times, 20)) == exactly(known.at(times, 20))
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_long_work_is_told_of_piece_by_piece(workers, monkeypatch):
+    """A piece has a hundred rows or more, however long they take; the rows are the same."""
+    known = polhode.reference("pendulum/librating")
+    times = [Fraction(k, 16) for k in range(350)]
+    alone = exactly(known.at(times, 20))
+    monkeypatch.setattr(by_processes, "PAYS", 0.0)
+    monkeypatch.setattr(by_processes, "_PIECE", 0.0)
+    told = []
+    ask = asked_by(known, "at", workers, lambda *here: told.append(here))
+    assert exactly(ask(times, 20)) == alone
+    assert told == [(100 / 350, 100), (200 / 350, 200), (300 / 350, 300), (1.0, 350)]
+
+
+def test_a_comparison_tells_how_far_it_is_and_pickles_without(monkeypatch):
+    monkeypatch.setattr(by_processes, "PAYS", 0.0)
+    told = []
+    run = polhode.integrate("steklov/lower", at=[Fraction(k, 4) for k in range(12)])
+    found = polhode.compare(run, progress=lambda *here: told.append(here))
+    assert told[-1] == (1.0, 12)
+    again = pickle.loads(pickle.dumps(found))
+    assert again == found
+    assert again.progress is None
+
+
+def test_a_process_makes_the_reference_of_a_scene_once(monkeypatch):
+    made, make = [], by_processes.reference
+    monkeypatch.setattr(by_processes, "reference", lambda s: made.append(s.name) or make(s))
+    monkeypatch.setattr(by_processes, "_LAST", [])
+    for name in ("steklov/lower", "steklov/lower", "pendulum/librating", "steklov/lower"):
+        scene = polhode.load(name)
+        job = by_processes.Job(scene, "at", (Fraction(1), Fraction(2)), 20)
+        rows = by_processes.answer(job)
+        assert rows == [
+            [by_processes._parts(x) for x in row] for row in polhode.reference(scene).at([1, 2], 20)
+        ]
+    assert made == ["steklov/lower", "pendulum/librating", "steklov/lower"]
 
 
 def test_what_is_no_number_of_processes_is_refused():

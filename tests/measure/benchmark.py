@@ -143,7 +143,7 @@ def start_up() -> None:
     print("\nwhole process, warm, s (minimum of 9)")
     run = [sys.executable, "-m", "polhode", "run", "euler/largest-axis", "--json"]
     commands = {
-        "import numpy, heyoka": [sys.executable, "-c", "import numpy, heyoka"],
+        "bare imports": [sys.executable, "-c", "import heyoka, numpy, mpmath"],
         "polhode run, double": run,
         "polhode run, extended": [*run, "--number", "extended"],
         "polhode run, quad": [*run, "--number", "quad", "--at", "10"],
@@ -152,7 +152,8 @@ def start_up() -> None:
 
     with tempfile.TemporaryDirectory() as cache:
         # heyoka's cache of compiled code as it stands after a first run, not after thousands
-        environment = {**os.environ, "HEYOKA_CACHE_DIR": cache}
+        environment = {**os.environ, "HEYOKA_CACHE_DIR": cache, "PYTHONPYCACHEPREFIX": cache}
+        environment.pop("PYTHONDONTWRITEBYTECODE", None)  # modules compiled, as when installed
 
         def job(command: list[str]) -> Callable[[], float]:
             def timed() -> float:

@@ -30,7 +30,8 @@ def test_alone_it_says_what_it_is_and_three_commands_that_exist(capsys):
     commands = re.findall(r"^  polhode (.*?)(?:  |$)", told, re.M)
     assert len(commands) == 3
     for command in commands:
-        options, rest = cli._parser().parse_known_args(shlex.split(command))
+        given = shlex.split(command)
+        options, rest = cli._parser(given).parse_known_args(given)
         assert not rest
         if getattr(options, "scene", None):
             polhode.load(options.scene)

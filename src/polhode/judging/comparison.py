@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from polhode.common.arguments import of_kind, whole
 from polhode.common.errors import BadInput
+from polhode.common.progress import Tell
 from polhode.common.text import few
 from polhode.judging.certified import Certified
 from polhode.judging.conditioning import Conditioning
@@ -52,6 +53,7 @@ def compare(
     known: Conditioning | None = None,
     first: Callable[[Judgement, int], None] | None = None,
     workers: int = 1,
+    progress: Tell | None = None,
 ) -> Judgement:
     """Judge a run, a trajectory file, columns or an array of states against a reference.
 
@@ -65,7 +67,8 @@ def compare(
     ``first``: called with a judgement of a few rows of a file of more than a thousand, and how many
     those are, before the others are judged.  ``workers``: processes that a closed form whose rows
     cost seconds may be asked by (a script that wants more than one is guarded by
-    ``if __name__ == "__main__"``).
+    ``if __name__ == "__main__"``).  ``progress``: called with the part of the closed form's rows
+    that are there, and how many, where they take long.
 
     Raises BadInput for what cannot be read or judged.
 
@@ -89,7 +92,7 @@ def compare(
     if isinstance(against, (Scene, str, Path)):
         against = reference(against)
     if isinstance(what, Trajectory):
-        found = Judgement(of_run(what), against, known, workers)
+        found = Judgement(of_run(what), against, known, workers, progress)
     else:
         scene = against.scene
         if digits is not None and number is None:
@@ -106,7 +109,7 @@ def compare(
         if first is not None and rows_there > MANY:
             some = of_table(what.some(few(rows_there, SHOWN)), scene)
             first(Judgement(some, against), rows_there)
-        found = Judgement(of_table(what, scene), against, known, workers)
+        found = Judgement(of_table(what, scene), against, known, workers, progress)
     about = found.subject
     if not (about.columns or about.angles or about.attitude):
         expected = f"columns of {', '.join(found.reference.scene.columns)}, angles or attitude"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, TypeAlias
 
+from polhode.common.progress import Tell
 from polhode.judging.by_processes import asked_by
 from polhode.judging.certified import Certified
 from polhode.judging.digits import digits_of, errors, rate_scale
@@ -27,12 +28,14 @@ AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
 class HeldAgainst:
     """The right digits of a subject, the reference asked for no more digits than tell them.
 
-    ``workers``: processes that may ask the reference.
+    ``workers``: processes that may ask the reference; ``progress``: told of its rows where
+    they take long.
     """
 
     subject: Subject
     reference: AnyReference
     workers: int = 1
+    progress: Tell | None = None
 
     @cached_property
     def digits(self) -> tuple[float, ...]:
@@ -46,7 +49,7 @@ class HeldAgainst:
     @cached_property
     def many(self) -> ManyRows | None:
         """The rows judged all at once, where that can be."""
-        return many_rows(self.subject, self.reference)
+        return many_rows(self.subject, self.reference, self.workers, self.progress)
 
     @property
     def _wanted(self) -> int:
@@ -80,7 +83,7 @@ class HeldAgainst:
     def _ask(self, question: str) -> Callable[..., Any]:
         """What the reference answers, by as many processes as there are to be."""
         if isinstance(self.reference, Reference):
-            return asked_by(self.reference, question, self.workers)
+            return asked_by(self.reference, question, self.workers, self.progress)
         found: Callable[..., Any] = getattr(self.reference, question)
         return found
 

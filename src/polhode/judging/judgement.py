@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from polhode.common import upstairs
+from polhode.common.progress import Tell
 from polhode.common.text import few
 from polhode.common.values import ByValue
 from polhode.equations.integrals import Drift
@@ -39,7 +40,8 @@ class Judgement(ByValue):
     """Correct digits of a run or a table at each of its times, and what limits them.
 
     ``subject``: what was judged.  ``reference``: what against.  ``known``: kappa at the scene's
-    times, where it is known already.  ``workers``: processes that may ask the reference.
+    times, where it is known already.  ``workers``: processes that may ask the reference;
+    ``progress``: told of its rows where they take long.
     ``digits[k]`` belongs to ``times[k]``: -log10 of the larger
     of the error of omega over the largest |omega| of the reference, and the error of gamma.
     Printed, it is what ``polhode compare`` says.
@@ -54,6 +56,11 @@ class Judgement(ByValue):
     reference: AnyReference
     known: Conditioning | None = field(default=None, compare=False)
     workers: int = field(default=1, compare=False)
+    progress: Tell | None = field(default=None, compare=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what is told of progress: nobody waits for it elsewhere."""
+        return super().__getstate__() | {"progress": None}
 
     @property
     def times(self) -> tuple[Fraction, ...]:
@@ -62,7 +69,7 @@ class Judgement(ByValue):
 
     @cached_property
     def _held(self) -> HeldAgainst:
-        return HeldAgainst(self.subject, self.reference, self.workers)
+        return HeldAgainst(self.subject, self.reference, self.workers, self.progress)
 
     @property
     def digits(self) -> tuple[float, ...]:

@@ -17,8 +17,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from polhode.common.errors import BadInput
+from polhode.common.progress import Tell
 from polhode.common.text import few
 from polhode.judging.in_pairs import columns_in_pairs
+from polhode.judging.panels import Columns, in_panels
 from polhode.judging.reference import Reference, rows
 from polhode.judging.subject import Subject
 from polhode.numbers import exact
@@ -46,13 +49,17 @@ class ManyRows:
     attitude: Doubles | None
 
 
-def many_rows(subject: Subject, reference: Any) -> ManyRows | None:
+def many_rows(
+    subject: Subject, reference: Any, workers: int = 1, tell: Tell | None = None
+) -> ManyRows | None:
     """A subject held against a reference; None where pairs cannot judge it."""
     count = len(subject.times)
     if not isinstance(reference, Reference) or count < FEWEST or subject.held > MOST_DIGITS:
         return None
     try:
-        found = reference.columns(of_fractions(subject.times))
+        found = reference.columns(of_fractions(subject.times)) or _in_panels(
+            subject, reference, workers, tell
+        )
         if found is None:
             return None
         own = [] if subject.states is None else subject.pairs
@@ -80,6 +87,25 @@ def many_rows(subject: Subject, reference: Any) -> ManyRows | None:
             if not _right(subject, ask, true, by, sorted(checked)):
                 return None
     return ManyRows(errors, attitude)
+
+
+def _in_panels(
+    subject: Subject, reference: Reference, workers: int, tell: Tell | None
+) -> Columns | None:
+    """The reference from its values at some times; None where that does not pay."""
+    there = (("at", subject.states), ("attitude", subject.attitude))
+    asked = [name for name, own in there if own is not None]
+    if not asked:
+        return None
+    try:
+        return in_panels(reference, subject.times, _needed(subject), asked, workers, tell)
+    except BadInput:  # an answer that this closed form does not have
+        return None
+
+
+def _needed(subject: Subject) -> int:
+    """The digits of a reference that tells those of a subject."""
+    return math.ceil(subject.held) + _SPARE
 
 
 def _errors(own: Sequence[Pairs], true: Sequence[Pairs], scales: Sequence[float]) -> Doubles:
@@ -121,7 +147,7 @@ def _right(
     at: Sequence[int],
 ) -> bool:
     """Whether the pairs are right, at some rows, to the digits needed."""
-    needed = math.ceil(subject.held) + _SPARE
+    needed = _needed(subject)
     for k, true in zip(at, rows(ask, [subject.times[k] for k in at], needed + 3), strict=True):
         for x, y, scale in zip(found, true, scales, strict=True):
             if not abs((x[k] - y).hi) / scale < 10.0**-needed:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.provenance import provenance
-from polhode.equations.hodographs import Hodographs
 from polhode.judging.limits import is_lost
 from polhode.numbers import number_types
 from polhode.numbers.convert import exactly
@@ -24,6 +23,7 @@ from polhode.taylor.outcomes import EventTimes
 if TYPE_CHECKING:  # a run needs none of these
     from polhode.enclosures.events import CertifiedEvents
     from polhode.enclosures.result import Enclosure
+    from polhode.equations.hodographs import Hodographs
     from polhode.equations.integrals import Drift
     from polhode.judging.judgement import Judgement
     from polhode.judging.lyapunov import Lyapunov
@@ -205,18 +205,20 @@ def held_times(scene: Scene, times: Sequence[Exact], digits: int) -> list[Exact]
 
 def as_json(value: Any) -> str:
     """JSON text, ASCII: a line for each key of an object and for each row of a table."""
-    return _json(value, 0) + "\n"
+    from json import dumps
+
+    return _json(value, 0, partial(dumps, ensure_ascii=True, allow_nan=False)) + "\n"
 
 
-def _json(value: Any, depth: int) -> str:
+def _json(value: Any, depth: int, dumps: Callable[[Any], str]) -> str:
     inner, outer = "\n" + " " * (depth + 1), "\n" + " " * depth
     if isinstance(value, dict) and value:
-        lines = [f"{json.dumps(str(k))}: {_json(v, depth + 1)}" for k, v in value.items()]
+        lines = [f"{dumps(str(k))}: {_json(v, depth + 1, dumps)}" for k, v in value.items()]
         return "{" + inner + ("," + inner).join(lines) + outer + "}"
     if isinstance(value, list) and value and isinstance(value[0], (list, dict)):
-        lines = [_json(v, depth + 1) for v in value]
+        lines = [_json(v, depth + 1, dumps) for v in value]
         return "[" + inner + ("," + inner).join(lines) + outer + "]"
-    return json.dumps(value, ensure_ascii=True, allow_nan=False)
+    return dumps(value)
 
 
 def frequencies(reference: Any, digits: int = 17) -> dict[str, str | None]:

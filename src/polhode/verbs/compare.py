@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,7 +37,13 @@ def main(options: Namespace) -> int:
             progress.say(f"{digits} in {len(brief.times)} of {count} rows, all of them follow")
 
         judged = compare(
-            path, options.scene, number=number, digits=digits, first=first, workers=cores()
+            path,
+            options.scene,
+            number=number,
+            digits=digits,
+            first=first,
+            workers=cores(),
+            progress=partial(progress.show, what="rows of the closed form"),
         )
         told = results.of_judgement(judged) if options.json else str(judged)
     if isinstance(told, str):

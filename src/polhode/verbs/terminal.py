@@ -12,7 +12,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
 from polhode.common.files import is_stdout, write_stdout
@@ -20,9 +20,10 @@ from polhode.common.text import aligned
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
-from polhode.output import results, tables
-from polhode.runs.kept_folder import KeptFolder
-from polhode.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    from polhode.runs.kept_folder import KeptFolder
+    from polhode.scenes.scene import Scene
 
 DONE, FAILED, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -121,12 +122,16 @@ def refuse_two_on_stdout(path: Path, json: bool) -> None:
 
 def print_json(value: Any) -> None:
     """One JSON value on stdout."""
-    write_stdout(results.as_json(value))
+    from polhode.output.results import as_json
+
+    write_stdout(as_json(value))
 
 
 def print_rows(answer: dict[str, Any], *, short: bool = False) -> None:
     """The rows of an answer as a table on stdout; ``short``: see ``rows_of``."""
-    header, rows = tables.rows_of(answer, short=short)
+    from polhode.output.tables import rows_of
+
+    header, rows = rows_of(answer, short=short)
     print_table(header, rows)
 
 

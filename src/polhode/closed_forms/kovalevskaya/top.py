@@ -12,14 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 from polhode.closed_forms.attitude.angles import Attitude
 from polhode.closed_forms.attitude.axes import RowMatrix, placed
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
 from polhode.closed_forms.functions.rounding import number, rounded_up, shortened
 from polhode.closed_forms.kovalevskaya import regimes
-from polhode.closed_forms.kovalevskaya.attitudes import Attitudes
 from polhode.closed_forms.kovalevskaya.axes import top_axes
 from polhode.closed_forms.kovalevskaya.certified import CERTIFIED, Answers
 from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, cubic_roots
@@ -27,6 +27,9 @@ from polhode.closed_forms.kovalevskaya.generic import Generic
 from polhode.closed_forms.kovalevskaya.one_frequency import special
 from polhode.numbers.exact import Exact
 from polhode.numbers.private import mpf, mpmath
+
+if TYPE_CHECKING:
+    from polhode.closed_forms.kovalevskaya.attitudes import Attitudes
 
 _ZERO = Fraction(0)
 _TURNING = 16  # bits that the attitude may lose beyond the phase
@@ -60,7 +63,13 @@ class KovalevskayaTop(FromAttitude):
         self.regime = regimes.regime(self._start)
         self._answers = Answers(self._start, self.regime)
         self._matrices: dict[int, tuple[RowMatrix, mpf]] = {}
-        self._attitudes = Attitudes(self._answers, self._axes, self._first_quaternion, self._placed)
+
+    @cached_property
+    def _attitudes(self) -> Attitudes:
+        """Imported when first asked: states need none of their many formulas."""
+        from polhode.closed_forms.kovalevskaya.attitudes import Attitudes
+
+        return Attitudes(self._answers, self._axes, self._first_quaternion, self._placed)
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
         """Rows p, q, r, gamma1, gamma2, gamma3, one a time.
