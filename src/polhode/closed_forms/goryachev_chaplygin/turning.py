@@ -4,7 +4,7 @@
 
 from d(Iw)/dt = gamma x T.  In the time sigma, dsigma = dt/(u + v), both phases of two frequencies
 move uniformly: chi is a double Fourier series.  A motion of one frequency has a simple series, one
-that tends to it is summed by panels until nothing is left but the limit.
+that tends to it a series in what is left (:mod:`.approach`).
 """
 
 from __future__ import annotations
@@ -25,9 +25,11 @@ from polhode.closed_forms.functions.fourier import (
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.panels import Panels
 from polhode.closed_forms.functions.plane import plane
+from polhode.closed_forms.goryachev_chaplygin.approach import approach
 from polhode.closed_forms.goryachev_chaplygin.clocks import Oscillating, Standing
 from polhode.closed_forms.goryachev_chaplygin.explicit import Libration, Rotation, Separatrix
 from polhode.closed_forms.goryachev_chaplygin.motion import GoryachevMotion, Separated
+from polhode.closed_forms.goryachev_chaplygin.pieces import Pieces
 from polhode.closed_forms.goryachev_chaplygin.tending import Tending
 from polhode.closed_forms.goryachev_chaplygin.torus import Torus
 from polhode.numbers.private import mpf, mpmath
@@ -49,7 +51,7 @@ def turning(found: GoryachevMotion) -> Turning:
     if isinstance(path.torus.v, Standing):
         return _of_one(path, sg)
     if isinstance(path.torus.v, Tending):
-        return _of_tending(path, sg)
+        return _of_tending(found)
     try:
         return _of_torus(path, sg)
     except TooManyTerms:
@@ -127,36 +129,40 @@ def settling(torus: Torus) -> Any:
     return edge
 
 
-def _of_tending(path: Separated, sg: int) -> Turning:
-    """Panels while v is on its way, then the series of the motion that it tends to.
-
-    Panels lie along x, where y is one root of S~(y) = S(x) - const.
-    """
+def _of_tending(found: GoryachevMotion) -> Turning:
+    """Pieces about the turning point of v, a series in what v lacks of its limit beyond them."""
+    path, sg = found.path, found.sg
+    assert isinstance(path, Separated)
     torus, v = path.torus, path.torus.v
+    assert isinstance(torus.u, Oscillating)
     assert isinstance(v, Tending)
-    edge, far = settling(torus), 2 * _reach()
-    limits = {side: _series_beside(path, v.at(side * far, MP)) for side in (1, -1)}
-    start, mean = torus.phases(mpf(0))[0], torus.u.means[0]
-    ends = {side: torus.phases(side * edge)[0] for side in (1, -1)}
+    u, small, mean = torus.u, torus.u.floats(), torus.u.S.mean
+    far = approach(torus, v, path.a, lambda al: _along(u, small, al))
+    origin = torus.constants[0] / mean
 
-    def rate(s: Any) -> Any:
-        x = start + s
-        y = v.phase(mean * x + torus.u.bounded(x)[0] - torus.constants[0])
-        one = torus.u.at(x, MP)
-        return sg * _flow(path, one, v.at(y, MP)) * one.slope
+    def moment(Y: Any) -> tuple[Any, Any]:
+        """The time at which v has come to Y, and al."""
+        total = 4 * Y / v.gw
+        al, y = total / mean + origin, v.phase(total)
+        x, at = _along(u, small, al), v.bounded(y)[1] + v.means[1] * y
+        return torus.u.means[1] * x + u.bounded(x)[1] + at - torus.constants[1], al
 
-    along, other = torus.rates
-    panels = Panels(rate, mpf(_PANEL) / 2 / max(1, other / along))
+    pieces = Pieces(lambda t: found.at(t, MP)[1], path.a, moment(mpf(0))[0])
+    ends = {}
+    for side in (1, -1):
+        time, al = moment(side * far.edge)
+        ends[side] = pieces.at(time) - 2 * sg * path.a * side * far.at(side * al, far.edge)
 
     def angle(t: Any) -> Any:
-        x = torus.phases(t)[0]
-        if abs(t) <= edge:
-            return panels.at(x - start)
-        side = 1 if t > 0 else -1
-        more = limits[side].at(x / 2) - limits[side].at(ends[side] / 2)
-        return panels.at(ends[side] - start) + sg * more
+        x, y = torus.phases(t)
+        Y = y + v.gw / 4 * v.bounded(y)[0]
+        if abs(Y) <= far.edge:
+            return pieces.at(t)
+        side, al = (1 if Y > 0 else -1), x + u.bounded(x)[0] / mean
+        return ends[side] + 2 * sg * path.a * side * far.at(side * al, side * Y)
 
-    return angle
+    begin = angle(mpf(0))
+    return lambda t: angle(t) - begin
 
 
 def _of_torus(path: Separated, sg: int) -> Turning:
