@@ -15,9 +15,11 @@ from polhode.closed_forms.functions.fourier import Cosines, Doubles, cosines
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.goryachev_chaplygin.charts import Chart, chart
 from polhode.closed_forms.goryachev_chaplygin.variables import Variable
-from polhode.numbers.private import mpmath
+from polhode.numbers.private import mpf, mpmath
 
 _PLAIN = 512  # samples of a turn up to which x itself is the angle
+_PLACES = 1 << 12  # of a turn, in a table in doubles
+_STEPS = 20
 
 
 @dataclass(frozen=True)
@@ -108,6 +110,32 @@ def oscillating(variable: Variable, spoiled: int = 0) -> Oscillating:
 
     S, U = cosines(integrands, first, spoiled=spoiled)
     return Oscillating(variable, made, S, U)
+
+
+class InverseS:
+    """The phase of a variable where S/S_0 is given: Newton's method from a table in doubles."""
+
+    def __init__(self, clock: Oscillating) -> None:
+        import numpy as np
+
+        small = clock.floats()
+        self._clock, self._phases = clock, np.linspace(0, 2 * np.pi, _PLACES + 1)
+        self._shares = self._phases + small.bounded(self._phases)[0] / float(clock.S.mean)
+
+    def at(self, al: Any) -> Any:
+        """The phase at S/S_0 = ``al``, at the precision in force."""
+        import numpy as np
+
+        clock, turn = self._clock, 2 * mpmath.pi
+        around = turn * mpmath.floor(al / turn)
+        phase = around + mpf(float(np.interp(float(al - around), self._shares, self._phases)))
+        for _ in range(_STEPS):
+            miss = (phase - al) * clock.S.mean + clock.bounded(phase)[0]
+            step = miss / clock.at(phase, MP).slope
+            phase -= step
+            if abs(step) < mpmath.ldexp(1, -mpmath.prec // 2 - 8):
+                return phase
+        raise ArithmeticError("a phase was not found")
 
 
 @dataclass(frozen=True)

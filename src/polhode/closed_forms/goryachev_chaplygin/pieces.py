@@ -3,25 +3,44 @@
     4p' = 3qr,  4q' = -3pr + a g3,  r' = -a g2,  gamma' = gamma x w,
     chi' = 4a p/(r^2 + 16(p^2 + q^2)).
 
-Every piece begins at a state that is known, so that no error grows from one to the next.
+Every piece is made from a state that is known, so that no error grows from one to the next.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from operator import mul
-from typing import Any
+from typing import Any, NamedTuple
 
 from polhode.closed_forms.functions.fourier import fixed, floating
 from polhode.numbers.private import mpf, mpmath
 
 _GUARD = 32  # bits of the integers beyond the precision in force
+_CLOSER = 0.9  # of a piece's reach, to the middle of the next one
 _SHARE = 3  # bits that a term of a series loses to the one before it, nearly
 _LONGEST = 1  # unit of time that a piece may last: integers keep their digits
 
 #: p, q, r, g1, g2, g3 at a time.
 State = Callable[[Any], Sequence[Any]]
+
+
+class Piece(NamedTuple):
+    """chi = ``before`` + the sum of terms s^(k+1), s the time since ``middle``, |s| <= length."""
+
+    middle: Any
+    length: Any
+    terms: list[int]
+    before: Any
+
+    def at(self, t: Any) -> Any:
+        """The angle at t."""
+        bits = mpmath.prec + _GUARD
+        s, total = fixed(t - self.middle, bits), 0
+        for term in reversed(self.terms):
+            total = term + ((total * s) >> bits)
+        return self.before + floating((total * s) >> bits, bits)
 
 
 @dataclass(eq=False)
@@ -31,28 +50,35 @@ class Pieces:
     state: State
     a: Any
     middle: Any
-    _rows: dict[int, list[tuple[Any, Any, Any, list[int]]]] = field(default_factory=dict)
+    _rows: dict[int, list[Piece]] = field(default_factory=dict)
 
     def at(self, t: Any) -> Any:
         """The angle at t; pieces are made from the middle to there, and kept."""
         side = 1 if t >= self.middle else -1
-        rows = self._rows.setdefault(side, [])
-        while not rows or side * (t - rows[-1][1]) > 0:
-            begin, before = self.middle, mpf(0)
-            if rows:
-                begin = rows[-1][1]
-                before = self._inside(rows[-1], begin)
-            series, length = _expanded(self.state(begin), self.a)
-            rows.append((begin, begin + side * length, before, series))
-        return self._inside(next(row for row in rows if side * (t - row[1]) <= 0), t)
+        rows = self._rows.setdefault(side, [self._first])
+        while side * (t - rows[-1].middle) > rows[-1].length:
+            rows.append(self._next(rows[-1], side))
+        return next(row for row in rows if side * (t - row.middle) <= row.length).at(t)
 
-    def _inside(self, row: tuple[Any, Any, Any, list[int]], t: Any) -> Any:
-        begin, _, before, series = row
-        bits = mpmath.prec + _GUARD
-        s, total = fixed(t - begin, bits), 0
-        for term in reversed(series):
-            total = term + ((total * s) >> bits)
-        return before + floating((total * s) >> bits, bits)
+    @cached_property
+    def _first(self) -> Piece:
+        return Piece(self.middle, *self._series(self.middle), mpf(0))
+
+    def _next(self, last: Piece, side: int) -> Piece:
+        """The piece beside one: its middle is as far off as it reaches."""
+        end, reach = last.middle + side * last.length, last.length
+        while True:
+            middle = end + side * _CLOSER * reach
+            length, terms = self._series(middle)
+            if length >= _CLOSER * reach:
+                break
+            reach = length
+        found = Piece(middle, length, terms, mpf(0))
+        return found._replace(before=last.at(end) - found.at(end))
+
+    def _series(self, middle: Any) -> tuple[Any, list[int]]:
+        terms, length = _expanded(self.state(middle), self.a)
+        return length, terms
 
 
 def _expanded(state: Sequence[Any], a: Any) -> tuple[list[int], Any]:

@@ -49,6 +49,11 @@ class Torus:
         delta = u0 * t0 + v0 * s0
         return (v0 * first + t0 * second) / delta, (s0 * second - u0 * first) / delta
 
+    def moment(self, x: Any, y: Any) -> Any:
+        """The time at which the phases are x and y, if there is one."""
+        (_, u0), (_, v0) = self.u.means, self.v.means
+        return u0 * x + self.u.bounded(x)[1] + v0 * y + self.v.bounded(y)[1] - self.constants[1]
+
     def phases(self, t: Any) -> tuple[Any, Any]:
         """The phases of u and v at time t."""
         x, y = self.mean(t)

@@ -26,7 +26,7 @@ from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.panels import Panels
 from polhode.closed_forms.functions.plane import plane
 from polhode.closed_forms.goryachev_chaplygin.approach import approach
-from polhode.closed_forms.goryachev_chaplygin.clocks import Oscillating, Standing
+from polhode.closed_forms.goryachev_chaplygin.clocks import InverseS, Oscillating, Standing
 from polhode.closed_forms.goryachev_chaplygin.explicit import Libration, Rotation, Separatrix
 from polhode.closed_forms.goryachev_chaplygin.motion import GoryachevMotion, Separated
 from polhode.closed_forms.goryachev_chaplygin.pieces import Pieces
@@ -123,10 +123,12 @@ def _reach() -> Any:
 
 def settling(torus: Torus) -> Any:
     """A time from which on, and before minus which, v is its limit at the precision in force."""
-    reach, edge = _reach(), mpf(1)
-    while min(abs(torus.phases(edge)[1]), abs(torus.phases(-edge)[1])) < reach:
-        edge *= mpf(5) / 4
-    return edge
+    assert isinstance(torus.u, Oscillating)
+    ends = []
+    for y in (_reach(), -_reach()):
+        total = torus.v.means[0] * y + torus.v.bounded(y)[0] + torus.constants[0]
+        ends.append(torus.moment(InverseS(torus.u).at(total / torus.u.S.mean), y))
+    return max(abs(t) for t in ends)
 
 
 def _of_tending(found: GoryachevMotion) -> Turning:
@@ -136,16 +138,15 @@ def _of_tending(found: GoryachevMotion) -> Turning:
     torus, v = path.torus, path.torus.v
     assert isinstance(torus.u, Oscillating)
     assert isinstance(v, Tending)
-    u, small, mean = torus.u, torus.u.floats(), torus.u.S.mean
-    far = approach(torus, v, path.a, lambda al: _along(u, small, al))
+    u, inverse, mean = torus.u, InverseS(torus.u), torus.u.S.mean
+    far = approach(torus, v, path.a, inverse.at)
     origin = torus.constants[0] / mean
 
     def moment(Y: Any) -> tuple[Any, Any]:
         """The time at which v has come to Y, and al."""
         total = 4 * Y / v.gw
-        al, y = total / mean + origin, v.phase(total)
-        x, at = _along(u, small, al), v.bounded(y)[1] + v.means[1] * y
-        return torus.u.means[1] * x + u.bounded(x)[1] + at - torus.constants[1], al
+        al = total / mean + origin
+        return torus.moment(inverse.at(al), v.phase(total)), al
 
     pieces = Pieces(lambda t: found.at(t, MP)[1], path.a, moment(mpf(0))[0])
     ends = {}
@@ -174,13 +175,13 @@ def _of_torus(path: Separated, sg: int) -> Turning:
     # v's halves change sign with a turn of y but where v moves between the roots of one cubic.
     odd = other.variable.cosine[0] != "one"
     shift = Fraction(1, 2), Fraction(1, 2) if odd else Fraction(0)
-    small = {True: one.floats(), False: other.floats()}
+    inverse = {True: InverseS(one), False: InverseS(other)}
     tables: dict[tuple[bool, Any], list[Any]] = {}
 
     def row(which: bool, share: Any, bits: int) -> list[int]:
         if (which, share) not in tables:
             clock = one if which else other
-            point = clock.at(_along(clock, small[which], mpmath.pi * share), MP)
+            point = clock.at(inverse[which].at(mpmath.pi * share), MP)
             root = mpmath.sqrt(point.z)
             tables[which, share] = [root * point.sine, root * point.cosine, point.z]
         return [fixed(x, bits) for x in tables[which, share]]
@@ -211,34 +212,3 @@ def _of_torus(path: Separated, sg: int) -> Turning:
         return made.at(*now) - begin + made.slowly(start, sigma)
 
     return angle
-
-
-def _along(clock: Oscillating, small: Oscillating, al: Any) -> Any:
-    """The phase at which S/S_0 = al, by Newton's method from doubles."""
-    mean, target = float(clock.S.mean), float(al)
-    x = target
-    low, high = target - 4.0, target + 4.0
-    for _ in range(100):
-        miss = x + small.bounded(x)[0] / mean - target
-        if miss > 0:
-            high = x
-        else:
-            low = x
-        step = miss * mean / _slope(small, x)
-        x = x - step if low < x - step < high else (low + high) / 2
-        if abs(step) < 1e-13:
-            break
-    phase = mpf(float(x))
-    for _ in range(20):
-        miss = (phase - al) * clock.S.mean + clock.bounded(phase)[0]
-        step = miss / clock.at(phase, MP).slope
-        phase -= step
-        if abs(step) < mpmath.ldexp(1, -mpmath.prec // 2 - 8):
-            return phase
-    raise ArithmeticError("a phase was not found")
-
-
-def _slope(clock: Oscillating, x: float) -> float:
-    from polhode.closed_forms.functions.jacobi import numpy_functions
-
-    return float(clock.at(x, numpy_functions()).slope)
