@@ -116,7 +116,10 @@ def _first(v: Tending) -> Any:
 def _powers(v: Tending, q: Any, count: int) -> list[list[Any]]:
     """The coefficients of de, de^2, ... de^5 by powers of q, each times its power of ``q``."""
     rule = [0, *(w * (1 + mpf(j) / 2) for j, w in enumerate(_quartic(v)))]
-    rows: list[list[Any]] = [[mpf(0), _first(v) * q * (v.ve - v.w)], *([mpf(0)] * 2 for _ in "2345")]
+    rows: list[list[Any]] = [
+        [mpf(0), _first(v) * q * (v.ve - v.w)],
+        *([mpf(0)] * 2 for _ in "2345"),
+    ]
     for k in range(2, count + 1):
         for n in range(1, 5):
             rows[n].append(mpmath.fdot(zip(rows[0][1:], rows[n - 1][k - 1 : 0 : -1], strict=True)))
@@ -145,16 +148,16 @@ def _halves(v: Tending, powers: Sequence[Sequence[Any]], a: Any) -> tuple[list[A
     for root in (E, v.vo - v.w, -(v.w + v.ve + v.vo)):
         cubic = [x - y / root for x, y in zip([*cubic, 0], [0, *cubic], strict=True)]
     count = len(powers[0])
-    square = [sum(c * row[k] for c, row in zip(cubic[1:], powers, strict=False)) for k in range(count)]
+    square = [
+        sum(c * row[k] for c, row in zip(cubic[1:], powers, strict=False)) for k in range(count)
+    ]
     sine = _root([cubic[0], *square[1:]])
     root = _root([3 * v.w / (4 * a), *(x / (4 * a) for x in powers[0][1:])])
     return [v.k * x for x in sine], [dl / E * x for x in _product(powers[0], root)]
 
 
 def _product(one: Sequence[Any], other: Sequence[Any]) -> list[Any]:
-    return [
-        mpmath.fdot(zip(one[: k + 1], other[k::-1], strict=True)) for k in range(len(one))
-    ]
+    return [mpmath.fdot(zip(one[: k + 1], other[k::-1], strict=True)) for k in range(len(one))]
 
 
 def _root(row: Sequence[Any]) -> list[Any]:
@@ -241,7 +244,7 @@ def _integrals(
 ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """The coefficients of q^k cos(n + 1/2)al and q^k sin(n + 1/2)al, trailing zeros left out."""
     re, im = rows
-    count, length = re.shape
+    length = re.shape[1]
     quick = fixed(slope[0] / 2, bits)
     slow = fixed(slope[1], bits)
     cosines, sines, width = [], [], 1

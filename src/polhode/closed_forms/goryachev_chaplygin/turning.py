@@ -50,10 +50,8 @@ def turning(found: GoryachevMotion) -> Turning:
     assert isinstance(path, Separated)
     if isinstance(path.torus.v, Standing):
         return _of_one(path, sg)
-    if isinstance(path.torus.v, Tending):
-        return _of_tending(found)
     try:
-        return _of_torus(path, sg)
+        return _of_tending(found) if isinstance(path.torus.v, Tending) else _of_torus(path, sg)
     except TooManyTerms:
         return _of_panels(path, sg).at
 
