@@ -15,11 +15,12 @@ from typing import Any, NamedTuple, Protocol
 
 from polhode.closed_forms.principal_scene import PrincipalScene, in_principal_axes
 from polhode.numbers.decimals import decimal_string
-from polhode.numbers.exact import Exact, binary, rounded
+from polhode.numbers.exact import Exact, binary, log10, rounded
 from polhode.scenes.body import Vector
 from polhode.scenes.scene import Scene
 
 _NEAR = Fraction(1, 1000)
+_ORDERS = 3  # of magnitude by which conditions that fail together may differ
 
 Rows = tuple[tuple[Exact, ...], ...]
 
@@ -86,6 +87,19 @@ class Maker(Protocol):
         ...
 
 
+def leading(failing: Sequence[tuple[str, Exact]]) -> tuple[str, Exact] | None:
+    """Of conditions that fail, the first that is off by about as much as the worst.
+
+    Those that follow from it fail too.  None where none fails.
+    """
+    if not failing:
+        return None
+    sizes = [log10(abs(off)) for _, off in failing]
+    return next(
+        row for row, size in zip(failing, sizes, strict=True) if size > max(sizes) - _ORDERS
+    )
+
+
 def misfit_of(failure: tuple[str, Exact | None] | None) -> Misfit | None:
     """A condition that fails, and by how much with a sign, as a misfit; None for none."""
     if failure is None:
@@ -99,15 +113,22 @@ class Misfit(NamedTuple):
 
     ``condition``: as in "A = 2C".  ``off``: by how much its two sides differ, relative to the
     size of what is compared; None for a condition that holds or does not, with nothing between.
+    ``order``: which principal axes (0, 1, 2) are the family's axes 1, 2, 3, where they have other
+    names there.
     """
 
     condition: str
     off: Exact | None = None
+    order: tuple[int, int, int] = (0, 1, 2)
 
     def __str__(self) -> str:
         if self.off is None:
             return self.condition
-        return f"{self.condition}, off by {decimal_string(binary(*rounded(self.off, 60)), 3)}"
+        off = decimal_string(binary(*rounded(self.off, 60)), 3)
+        names = ""
+        if self.order != (0, 1, 2):
+            names = f" (its axes 1, 2, 3 are here {', '.join(str(i + 1) for i in self.order)})"
+        return f"{self.condition}{names}, off by {off}"
 
 
 class Family(NamedTuple):

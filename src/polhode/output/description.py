@@ -44,8 +44,7 @@ def described(scene: Scene) -> dict[str, Any]:
         if reference.conditions:
             facts["conditions"] = list(reference.conditions)
         facts |= _frequencies(reference)
-    else:
-        facts |= _near(scene)
+    facts |= _near(scene)
     if (still := equilibrium.name(scene)) is not None:
         facts["motion"] = f"{still}: the state is constant"
     facts |= {
@@ -62,7 +61,7 @@ def described(scene: Scene) -> dict[str, Any]:
 
 
 def _near(scene: Scene) -> dict[str, Any]:
-    """The closed forms that the scene is near to, each with the condition that fails."""
+    """The closed forms that the scene is near to, besides its own, and the condition that fails."""
     found = [f"{name}: {missed}" for name, missed in near(scene)]
     return {"near": found} if found else {}
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.families import Misfit
+from polhode.closed_forms.families import Misfit, leading
 from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers.exact import ONE, ZERO, Exact, exact, log10, sign, sqrt, total
 from polhode.scenes.body import Vector, cross, dot, is_zero, minus
@@ -121,7 +121,6 @@ def _momentum(scene: Placed) -> Vector:
 
 
 _NOT_REAL = Condition("real constants of the motion", ONE, graded=False)
-_ORDERS = 3  # of magnitude by which conditions that fail together may differ
 
 
 def equal(text: str, left: Exact | int, right: Exact | int, size: Exact | None = None) -> Condition:
@@ -189,7 +188,7 @@ def shortfall(conditions: Conditions, scene: PrincipalScene) -> Misfit | None:
     """
     if scene.gamma is None or is_zero(scene.torque):
         return Misfit("a body on which the weight has a moment")
-    best, least = _NOT_REAL, math.inf
+    best, least, order = _NOT_REAL, math.inf, (0, 1, 2)
     for axes in ALL_AXES:
         placed = axes.placed(scene.moments, scene.torque, scene.omega, scene.gamma)
         failing = _failing(conditions, placed, least)
@@ -197,9 +196,10 @@ def shortfall(conditions: Conditions, scene: PrincipalScene) -> Misfit | None:
             return None
         worst = max(log10(condition.off) for condition in failing)
         if worst < least:
-            best = next(c for c in failing if log10(c.off) > worst - _ORDERS)
-            least = worst
-    return Misfit(best.text, best.off if best.graded else None)
+            first = leading([(condition.text, condition.off) for condition in failing])
+            best = next(c for c in failing if (c.text, c.off) == first)
+            least, order = worst, axes.order
+    return Misfit(best.text, best.off, order) if best.graded else Misfit(best.text)
 
 
 def _failing(conditions: Conditions, placed: Placed, least: float) -> list[Condition]:

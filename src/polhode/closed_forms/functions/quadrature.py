@@ -36,6 +36,9 @@ _STAIRS = 8
 class TooManyNodes(ArithmeticError):
     """An integral whose singularities are too near for the digits asked for."""
 
+    def __init__(self) -> None:
+        super().__init__("so near a degenerate motion its integrals need too many nodes")
+
 
 #: x and 1 - x in doubles: next to either end both keep their digits.
 Place = tuple[complex, complex]

@@ -220,7 +220,8 @@ def _of_u(u: Oscillating, al: Any, place: Places, known: dict[Any, Any]) -> tupl
         point = u.at(place(mpmath.pi * al), MP)
         root = mpmath.sqrt(point.z)
         known[al] = point.z, root * point.sine, root * point.cosine
-    return known[al]
+    z, sine, cosine = known[al]
+    return z, sine, cosine
 
 
 def _flow(table: Sequence[Sequence[Any]], series: Sequence[Sequence[Any]], bits: int) -> Any:

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from polhode.closed_forms.families import leading
 from polhode.closed_forms.functions.rounding import log2, number
 from polhode.closed_forms.principal_scene import PrincipalScene, Rows, of_start
 from polhode.numbers.exact import Exact, sign, sqrt
@@ -43,12 +44,13 @@ def failure(scene: PrincipalScene) -> tuple[str, Exact | None] | None:
     if gamma is None or is_zero(torque):
         return "a weight that has a moment about the fixed point", None
     k = third_axis(moments, torque)
-    if k is None:
-        return _body_failure(moments, torque)
     momentum = tuple(x * y for x, y in zip(moments, omega, strict=True))
     area = _dot(momentum, gamma)
+    failing = [] if k is not None else [_body_failure(moments, torque)]
     if sign(area) != 0:
-        return "f = Iw.gamma = 0 over |Iw|", area / sqrt(_dot(momentum, momentum))
+        failing.append(("f = Iw.gamma = 0 over |Iw|", area / sqrt(_dot(momentum, momentum))))
+    if k is None or failing:
+        return leading(failing)
     i, j = (k + 1) % 3, (k + 2) % 3
     if is_zero((omega[i], omega[j], gamma[k])):
         return "a motion that is not a pendulum's about the third axis", None

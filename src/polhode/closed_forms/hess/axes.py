@@ -18,9 +18,10 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
+from polhode.closed_forms.families import leading
 from polhode.closed_forms.functions.rounding import log2
 from polhode.closed_forms.principal_scene import PrincipalScene, Rows, of_start
-from polhode.numbers.exact import Exact, sign, sqrt
+from polhode.numbers.exact import ONE, Exact, sign, sqrt
 from polhode.scenes.body import Vector, cross, dot, is_zero, scaled
 
 LIBRATION = "f = 0, libration"
@@ -48,17 +49,19 @@ def failure(scene: PrincipalScene) -> tuple[str, Exact | None] | None:
     i, j, k = order
     A, B, C = moments[i], moments[j], moments[k]
     square = dot(torque, torque)
-    if sign(torque[j]) != 0:
-        return "r0 at right angles to the middle axis", torque[j] / sqrt(square)
     miss = (A * (B - C) * torque[i] * torque[i] - C * (A - B) * torque[k] * torque[k]) / (
         A * C * square
     )
-    if sign(miss) != 0:
-        return "(B/C - 1) T1^2 = (1 - B/A) T3^2 in units of |T|^2", miss
     momentum: Vector = (moments[0] * omega[0], moments[1] * omega[1], moments[2] * omega[2])
     along = dot(momentum, torque)
-    if sign(along) != 0:
-        return "Iw at right angles to r0", along / sqrt(square * dot(momentum, momentum))
+    misses = [
+        ("r0 at right angles to the middle axis", torque[j], square),
+        ("(B/C - 1) T1^2 = (1 - B/A) T3^2 in units of |T|^2", miss, ONE),
+        ("Iw at right angles to r0", along, square * dot(momentum, momentum)),
+    ]
+    failing = [(name, off / sqrt(size)) for name, off, size in misses if sign(off) != 0]
+    if failing:
+        return leading(failing)
     if is_zero(omega) and is_zero(cross(scene.gamma, torque)):
         return "a body that is not in equilibrium", None
     return None

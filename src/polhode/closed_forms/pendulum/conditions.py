@@ -28,10 +28,20 @@ def fits(scene: PrincipalScene) -> bool:
 
 def conditions(scene: Placed) -> Iterator[Condition]:
     """Those of a swing about axis 3."""
-    yield equal("z0 = 0", scene.torque[2], ZERO, sqrt(dot(scene.torque, scene.torque)))
-    yield equal("gamma3 = 0", scene.gamma[2], ZERO, sqrt(dot(scene.gamma, scene.gamma)))
-    yield equal("p = 0", scene.omega[0], ZERO, scene.speed)
-    yield equal("q = 0", scene.omega[1], ZERO, scene.speed)
+    yield equal(
+        "r0 at right angles to the axis of the swing",
+        scene.torque[2],
+        ZERO,
+        sqrt(dot(scene.torque, scene.torque)),
+    )
+    yield equal(
+        "gamma at right angles to the axis of the swing",
+        scene.gamma[2],
+        ZERO,
+        sqrt(dot(scene.gamma, scene.gamma)),
+    )
+    for across in scene.omega[:2]:
+        yield equal("w along the axis of the swing", across, ZERO, scene.speed)
 
 
 def misfit(scene: PrincipalScene) -> Misfit | None:
