@@ -26,7 +26,7 @@ from polhode.enclosures.polynomial import ball
 from polhode.enclosures.quaternion import Approximation, Turned
 from polhode.enclosures.windings import Followed, Leaving
 from polhode.enclosures.zonotope import Step, inside, places
-from polhode.equations.kinematics import starting_attitude
+from polhode.equations.kinematics import phi_leaving_the_pole, starting_attitude
 from polhode.numbers.balls import ctx
 from polhode.numbers.exact import arctan2
 
@@ -84,7 +84,7 @@ class Watch:
         slope = math.hypot(p, q)
         if slope == 0.0:
             return Followed(0.0, 0.0, False)
-        phi = math.atan2(-up * q, up * p)
+        phi = phi_leaving_the_pole(scene, -1 if what.backward else 1)
         psi -= up * phi
         directions = np.exp(1j * np.array([psi, phi]))
         pulls = 2.0 * max(abs(x) for x in self.problem.factors[3:])

@@ -9,15 +9,18 @@ cos theta); the unit quaternion of R, scalar first.  With w = (p, q, r) in body 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
+from polhode.equations.forms.matrices import apply, inverse
 from polhode.numbers import exact
 from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.exact import ONE, Exact, sign
 from polhode.numbers.scalars import Scalar, Value, combination
-from polhode.scenes.body import PrincipalAxes, Vector
+from polhode.scenes.body import PrincipalAxes, Vector, cross, minus
+from polhode.scenes.scene import Scene
 
 
 def starting_attitude(gamma: Vector, psi: Exact) -> tuple[Exact, ...]:
@@ -91,10 +94,33 @@ def angle_rates(omega: Sequence[Scalar], gamma: Sequence[Scalar]) -> list[Scalar
     return [psi_rate, r - psi_rate * g3]
 
 
+def phi_leaving_the_pole(scene: Scene, sense: int) -> float:
+    """The limit of phi at a start at a pole, as time goes on (``sense`` 1) or back (-1).
+
+    gamma' = gamma x w, and gamma'' = gamma x w' where w is along the third axis.  On the negative
+    axis, where phi could be either, it is -pi from the upper pole and pi from the lower one, as the
+    closed forms count it.
+    """
+    assert scene.gamma is not None
+    up, w = sign(scene.gamma[2]), scene.omega
+    if sign(w[0]) == 0 == sign(w[1]):
+        momentum = apply(scene.body.inertia, w)
+        moment = minus(cross(scene.gamma, scene.body.torque), cross(w, momentum))
+        w, sense = apply(inverse(scene.body.inertia), moment), 1
+    across, along = -sense * up * sign(w[1]), sense * up * sign(w[0])
+    if across == 0 and along < 0:
+        return -up * math.pi
+    largest = max(abs(w[0]), abs(w[1]))
+    p, q = (float(x / largest) if sign(x) else 0.0 for x in w[:2])
+    return math.atan2(-sense * up * q if across else 0.0, sense * up * p)
+
+
 def angles_off_the_pole(
-    quaternion: Sequence[Scalar], gamma: Sequence[Scalar], psi: Exact, bits: int
+    quaternion: Sequence[Scalar], gamma: Sequence[Scalar], psi: Exact, leaving: float, bits: int
 ) -> tuple[Fraction, Fraction]:
     """psi and phi a moment after a start at a pole with that psi, from attitude and gamma.
+
+    ``leaving``: the limit of phi at the pole, which tells its turn.
 
     psi + phi = 2 arg(q0 + i q3) and psi - phi = 2 arg(q1 + i q2): the former is continuous over the
     upper pole, the latter over the lower one.
@@ -104,6 +130,7 @@ def angles_off_the_pole(
     with mpmath.workprec(bits + 16):
         q0, q1, q2, q3, g1, g2, g3 = (to_mpf(exactly(x), bits) for x in (*quaternion, *gamma))
         start, phi = to_mpf(psi, bits + 16), mpmath.atan2(g1, g2)
+        phi += 2 * mpmath.pi * mpmath.nint((leaving - phi) / (2 * mpmath.pi))
         whole = 2 * (mpmath.atan2(q3, q0) if g3 > 0 else mpmath.atan2(q2, q1))
         whole += 2 * mpmath.pi * mpmath.nint((start - whole) / (2 * mpmath.pi))
         return exactly(whole - phi if g3 > 0 else whole + phi), exactly(phi)

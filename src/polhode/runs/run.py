@@ -265,7 +265,8 @@ class Run:
             return replace(whole, names=names, outputs=outputs, start=start), Fraction(0)
         variables = len(whole.form.variables)
         kept = row if "attitude" in whole.outputs else row[:variables]
+        leaving = kinematics.phi_leaving_the_pole(self.scene, 1 if moment > 0 else -1)
         psi, phi = kinematics.angles_off_the_pole(
-            row[variables:], gamma, self.scene.psi, self.number.bits
+            row[variables:], gamma, self.scene.psi, leaving, self.number.bits
         )
         return replace(whole, start=(*(exactly(x) for x in kept), psi, phi)), moment
