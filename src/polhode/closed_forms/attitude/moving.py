@@ -15,9 +15,10 @@ import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, of_matrix, product
+from polhode.closed_forms.attitude.settled import Repeating, Settled
 from polhode.closed_forms.attitude.winding import (
     coarse_parameters,
     fine_parameters,
@@ -30,14 +31,6 @@ from polhode.numbers.private import mpf, mpmath
 
 #: Growth of arg al and arg bt from one time to another; ArithmeticError where it cannot be told.
 Between = Callable[[Any, Any], tuple[Any, Any]]
-
-
-class Settled(NamedTuple):
-    """Beyond |t| = edge, F repeats after each period, but for a turn about the vertical."""
-
-    edge: Any
-    period: Any
-    advance: Any  # half of that turn, modulo pi
 
 
 _NEAR = 40  # radians of F up to which its turns are counted anyway
@@ -106,12 +99,8 @@ class Moving:
             with contextlib.suppress(ArithmeticError):
                 counted, known = self._grown(first), self.between(first, t)
                 return counted[0] + known[0], counted[1] + known[1]
-        if self.settled is not None and abs(t) > self.settled.edge + self.settled.period:
-            side = int(mpmath.sign(t))
-            n = int(mpmath.floor((abs(t) - self.settled.edge) / self.settled.period))
-            counted = self._grown(t - side * n * self.settled.period)
-            one, other = self._later[side]
-            return counted[0] + n * one, counted[1] + n * other
+        if self.settled is not None and self.settled.reached(t):
+            return self._repeating.growth(t)
         side, rest, n = (1 if t >= 0 else -1), t, 0
         al, bt = mpmath.mpc(self.start[0], self.start[3]), mpmath.mpc(*self.start[1:3])
         if self.period is not None and al and bt:
@@ -129,19 +118,9 @@ class Moving:
         return {side: self._grown(side * self.period) for side in (1, -1)}
 
     @cached_property
-    def _later(self) -> dict[int, tuple[Any, Any]]:
-        """Growth over a period beyond the edge; of what is counted only the whole turns count."""
+    def _repeating(self) -> Repeating:
         assert self.settled is not None
-        edge, period, advance = self.settled
-        found = {}
-        for side in (1, -1):
-            ends = self._grown(side * edge), self._grown(side * (edge + period))
-            one, other = (
-                side * advance + mpmath.pi * mpmath.nint((b - a - side * advance) / mpmath.pi)
-                for a, b in zip(*ends, strict=True)
-            )
-            found[side] = one, other
-        return found
+        return Repeating(self._grown, self.settled)
 
     def _grown(self, t: Any) -> tuple[float, float]:
         """Growth of the two arguments of F in the scene's axes, from 0 to t, counted."""

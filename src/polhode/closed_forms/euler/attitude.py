@@ -18,8 +18,10 @@ from typing import Any
 
 from polhode.closed_forms.attitude.axes import MotionAxes
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.attitude.settled import Repeating, Settled
+from polhode.closed_forms.attitude.winding import coarse_parameters, fine_parameters, growth
 from polhode.closed_forms.euler.motion import EulerMotion, PermanentRotation, Polhode
-from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
+from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 from polhode.numbers.private import mpmath
 
 
@@ -75,8 +77,32 @@ class EulerAttitude:
         terms = self._terms(self.motion)
         grown = [_dominated(row, self.motion, t) for row in terms]
         if grown[0] is None or grown[1] is None:
-            return None
+            return None if mpmath.isfinite(self.motion.elliptic.K) else self._beyond(t)
         return grown[0], grown[1]
+
+    def _beyond(self, t: Any) -> tuple[Any, Any] | None:
+        """The growth on a separatrix, where the rotation that it tends to has been reached.
+
+        That is one about the middle axis, which then lies along G: the period is its turn.
+        """
+        motion = self.motion
+        assert isinstance(motion, Polhode)
+        edge = (_SURE * mpmath.ln2 + abs(motion.v0)) / motion.rate
+        settled = Settled(edge, 2 * mpmath.pi / abs(motion.omega[1]), mpmath.mpf(0))
+        if not settled.reached(t):
+            return None
+        return Repeating(self._counted, settled).growth(t)
+
+    def _counted(self, t: Any) -> tuple[float, float]:
+        """The growth of both arguments from 0 to t, counted along the motion."""
+        speed, fn = self.speed(), numpy_functions()
+        coarse = self.floats(speed)
+        (found,) = growth(
+            lambda s: fine_parameters(self.at(s / speed, MP)),
+            lambda s: coarse_parameters(coarse.at(s, fn)),
+            [t * speed],
+        )
+        return found
 
     def after(self, turn: Quaternion) -> Quaternion:
         """The attitude after a turn from the start; linear in the turn."""
@@ -94,6 +120,7 @@ class EulerAttitude:
         return rows[0], rows[1]
 
 
+_SURE = 48  # bits to which a separatrix has come to its limit where its turns repeat
 _UNITS: tuple[Quaternion, ...] = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
 
 

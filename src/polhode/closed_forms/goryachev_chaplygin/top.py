@@ -14,8 +14,9 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
-from polhode.closed_forms.attitude.moving import Between, Moving, Settled, moving
+from polhode.closed_forms.attitude.moving import Between, Moving, moving
 from polhode.closed_forms.attitude.quaternion import of_matrix
+from polhode.closed_forms.attitude.settled import Settled
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.goryachev_chaplygin import regimes
