@@ -8,7 +8,7 @@ import math
 import pytest
 
 import polhode
-from polhode.equations.kinematics import phi_leaving_the_pole
+from polhode.equations.poles import phi_leaving_the_pole
 from polhode.scenes import scene_file
 
 TOP, BRICK, ASKEW = "[1, 1, 0.5]", "[1.2, 1, 0.5]", "[0.2, 0.3, 1]"

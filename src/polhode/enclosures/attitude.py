@@ -26,7 +26,8 @@ from polhode.enclosures.polynomial import ball
 from polhode.enclosures.quaternion import Approximation, Turned
 from polhode.enclosures.windings import Followed, Leaving
 from polhode.enclosures.zonotope import Step, inside, places
-from polhode.equations.kinematics import phi_leaving_the_pole, starting_attitude
+from polhode.equations.kinematics import starting_attitude
+from polhode.equations.poles import phi_leaving_the_pole
 from polhode.numbers.balls import ctx
 from polhode.numbers.exact import arctan2
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from polhode.common.errors import BadInput
 from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form
+from polhode.equations.poles import phi_leaving_the_pole
 from polhode.equations.system import System, system
 from polhode.numbers import number_types
 from polhode.numbers.convert import exactly, number_value
@@ -265,7 +266,7 @@ class Run:
             return replace(whole, names=names, outputs=outputs, start=start), Fraction(0)
         variables = len(whole.form.variables)
         kept = row if "attitude" in whole.outputs else row[:variables]
-        leaving = kinematics.phi_leaving_the_pole(self.scene, 1 if moment > 0 else -1)
+        leaving = phi_leaving_the_pole(self.scene, 1 if moment > 0 else -1)
         psi, phi = kinematics.angles_off_the_pole(
             row[variables:], gamma, self.scene.psi, leaving, self.number.bits
         )

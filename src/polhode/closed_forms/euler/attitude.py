@@ -95,7 +95,7 @@ class EulerAttitude:
 
     def _counted(self, t: Any) -> tuple[float, float]:
         """The growth of both arguments from 0 to t, counted along the motion."""
-        speed, fn = self.speed(), numpy_functions()
+        speed, fn = self.speed, numpy_functions()
         coarse = self.floats(speed)
         (found,) = growth(
             lambda s: fine_parameters(self.at(s / speed, MP)),
