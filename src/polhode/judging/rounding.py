@@ -6,11 +6,12 @@ the exact scene's first integrals, the part of v across their level is taken awa
 as a constant component of w can take a number between those of the type: on average alone.
 
 **Steps.**  A step method that rounds the state once a step adds r to it, independent from step to
-step and from component to component, of variance (eps x_i)²/12: that of rounding a number of
-relative spacing eps.  Their sum has the covariance
+step and from component to component, of variance ulp(x_i)²/12: that of rounding to numbers ulp(x_i)
+apart, the power of two between eps |x_i|/2 and eps |x_i|.  Their sum has the covariance
 
-    C(t) = sum over the steps s of Phi(t, s) diag((eps x_i(s))²/12) Phi(t, s)^T.
+    C(t) = sum over the steps s of Phi(t, s) diag(ulp(x_i(s))²/12) Phi(t, s)^T,
 
+taken over moments that stand for the steps about them.
 Components that the equations themselves keep take no rounding.  Of C, too, projection takes the
 part across the level away.
 
@@ -47,6 +48,7 @@ from polhode.taylor.projection import constant_columns, kept_at_zero
 from polhode.taylor.variations import Doubles
 
 VARIANCE = 1 / 12  # of a rounding, in squared spacings
+INCREMENTS = 4  # roundings of a step's increment
 _SAMPLES = 2000  # of the normal deviates; fixed ones, so that the quantiles are always the same
 _QUANTILES = (0.05, 0.5, 0.95)
 _STEP = 2.0**-20  # of the differences for the integrals' gradients
@@ -135,21 +137,30 @@ def scatter(along: Passage, every: int) -> Iterator[Scaled]:
 
     ``every``: steps between two projections; 0 where there are none.
     """
-    k = {name: to_double(x) for name, x in along.plain.coefficients.items()}
-    held, still = kept_at_zero(along.scene), at_rest(along.scene).state
-    clear = _Clearing(along, every)
+    clear, variances = _Clearing(along, every), _Variances(along)
     found = Scaled(np.zeros((6, 6)), 0)
+    before, time = six(along.plain.start), 0.0
     for stretch in along.stretches:
-        x = stretch.state
-        rates = principal.field([float(c) for c in x], k, FLOATS)
-        moving = [not still and i not in held and r != 0 for i, r in enumerate(rates)]
-        once = np.diag(np.ldexp(np.where(moving, x * x, 0.0) * VARIANCE, -found.exponent))
-        values = stretch.carried @ found.values @ stretch.carried.T + stretch.steps * once
+        x, step = stretch.state, (stretch.time - time) / (stretch.steps or 1.0)
+        one, other, once = (
+            np.diag(np.ldexp(variances(at, by), -found.exponent))
+            for at, by in ((before, step), (x, step), (x, 0.0))
+        )
+        half = stretch.steps / 2
+        values = stretch.carried @ (found.values + half * one) @ stretch.carried.T + half * other
         if (count := clear.made(stretch.steps)) > 0:
             keep = clear.removed(x)
             values = keep @ (values + (count - 1) * once) @ keep.T + once
         found = Scaled(values, found.exponent).normalised()
         yield found
+        before, time = x, stretch.time
+
+
+def spacing(x: Doubles) -> Doubles:
+    """From each number to the next one of a type, in eps; 0 for zero."""
+    mantissas, exponents = np.frexp(x)
+    found: Doubles = np.where(mantissas != 0, np.ldexp(1.0, exponents - 1), 0.0)
+    return found
 
 
 def amplification(along: Passage, until: int) -> float:
@@ -188,6 +199,21 @@ def quantiles(along: Passage, error: Scaled, spread: Scaled) -> tuple[float, ...
 def _deviates() -> Doubles:
     """Normal deviates in six dimensions, the same ones for every motion."""
     return np.random.default_rng(1850).standard_normal((_SAMPLES, 6))
+
+
+class _Variances:
+    """What one step rounds, by components, in eps²; none where the equations keep a component."""
+
+    def __init__(self, along: Passage) -> None:
+        self._k = {name: to_double(x) for name, x in along.plain.coefficients.items()}
+        self._held, self._still = kept_at_zero(along.scene), at_rest(along.scene).state
+
+    def __call__(self, state: Doubles, step: float) -> Doubles:
+        """At a state, in a step of this length; 0: of the state alone."""
+        rates = np.array(principal.field([float(c) for c in state], self._k, FLOATS))
+        moving = [not self._still and i not in self._held and r != 0 for i, r in enumerate(rates)]
+        squares = spacing(state) ** 2 + INCREMENTS * spacing(step * rates) ** 2
+        return VARIANCE * np.where(moving, squares, 0.0)
 
 
 class _Clearing:
@@ -248,7 +274,7 @@ class _Rests:
     def __init__(self, along: Passage, start: Doubles) -> None:
         self._start = start
         self._gaps = {
-            i: math.ldexp(0.5, math.frexp(x)[1])  # between neighbours, in eps
+            i: float(spacing(np.float64(x)))
             for i in constant_columns(along.scene)
             if (x := to_double(along.plain.start[i])) != 0
         }
