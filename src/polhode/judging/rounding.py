@@ -5,15 +5,14 @@ is what they cause, to first order: v(t) = Phi(t, 0) dx(0) + U(t) dk.  Where a r
 the exact scene's first integrals, the part of v across their level is taken away as often, as far
 as a constant component of w can take a number between those of the type: on average alone.
 
-**Steps.**  A step method that rounds the state once a step adds r to it, independent from step to
-step and from component to component, of variance ulp(x_i)²/12: that of rounding to numbers ulp(x_i)
-apart, the power of two between eps |x_i|/2 and eps |x_i|.  Their sum has the covariance
+**Steps.**  A step method rounds the state and its increment in each step, independent from step to
+step and from component to component: by a deviate of covariance R, the sum of the squared spacings
+over 12 (:mod:`polhode.judging.step_rounding`).  What the steps round sums up to the covariance
 
-    C(t) = sum over the steps s of Phi(t, s) diag(ulp(x_i(s))²/12) Phi(t, s)^T,
+    C(t) = sum over the steps s of Phi(t, s) R(s) Phi(t, s)^T,
 
-taken over moments that stand for the steps about them.
-Components that the equations themselves keep take no rounding.  Of C, too, projection takes the
-part across the level away.
+taken half at the start and half at the end of each stretch.  Of C, too, projection takes the part
+across the level away, and rounds the state once more.
 
 **Together.**  The error of such a run is v(t) plus a normal deviate of covariance C(t), and its
 size has a distribution: half of such runs have less than its median, nine in ten lie between its
@@ -37,18 +36,16 @@ import numpy as np
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
 from polhode.equations.integrals import FirstIntegrals, first_integrals
+from polhode.judging.step_rounding import StepRounding, spacing
 from polhode.numbers import exact
 from polhode.numbers.convert import to_double
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import LOG10_2, NumberType
-from polhode.numbers.scalars import FLOATS
 from polhode.taylor.leader import six
 from polhode.taylor.passage import Passage
-from polhode.taylor.projection import constant_columns, kept_at_zero
+from polhode.taylor.projection import constant_columns
 from polhode.taylor.variations import Doubles
 
-VARIANCE = 1 / 12  # of a rounding, in squared spacings
-INCREMENTS = 4  # roundings of a step's increment
 _SAMPLES = 2000  # of the normal deviates; fixed ones, so that the quantiles are always the same
 _QUANTILES = (0.05, 0.5, 0.95)
 _STEP = 2.0**-20  # of the differences for the integrals' gradients
@@ -137,7 +134,7 @@ def scatter(along: Passage, every: int) -> Iterator[Scaled]:
 
     ``every``: steps between two projections; 0 where there are none.
     """
-    clear, variances = _Clearing(along, every), _Variances(along)
+    clear, variances = _Clearing(along, every), StepRounding(along)
     found = Scaled(np.zeros((6, 6)), 0)
     before, time = six(along.plain.start), 0.0
     for stretch in along.stretches:
@@ -154,13 +151,6 @@ def scatter(along: Passage, every: int) -> Iterator[Scaled]:
         found = Scaled(values, found.exponent).normalised()
         yield found
         before, time = x, stretch.time
-
-
-def spacing(x: Doubles) -> Doubles:
-    """From each number to the next one of a type, in eps; 0 for zero."""
-    mantissas, exponents = np.frexp(x)
-    found: Doubles = np.where(mantissas != 0, np.ldexp(1.0, exponents - 1), 0.0)
-    return found
 
 
 def amplification(along: Passage, until: int) -> float:
@@ -199,21 +189,6 @@ def quantiles(along: Passage, error: Scaled, spread: Scaled) -> tuple[float, ...
 def _deviates() -> Doubles:
     """Normal deviates in six dimensions, the same ones for every motion."""
     return np.random.default_rng(1850).standard_normal((_SAMPLES, 6))
-
-
-class _Variances:
-    """What one step rounds, by components, in eps²; none where the equations keep a component."""
-
-    def __init__(self, along: Passage) -> None:
-        self._k = {name: to_double(x) for name, x in along.plain.coefficients.items()}
-        self._held, self._still = kept_at_zero(along.scene), at_rest(along.scene).state
-
-    def __call__(self, state: Doubles, step: float) -> Doubles:
-        """At a state, in a step of this length; 0: of the state alone."""
-        rates = np.array(principal.field([float(c) for c in state], self._k, FLOATS))
-        moving = [not self._still and i not in self._held and r != 0 for i, r in enumerate(rates)]
-        squares = spacing(state) ** 2 + INCREMENTS * spacing(step * rates) ** 2
-        return VARIANCE * np.where(moving, squares, 0.0)
 
 
 class _Clearing:
@@ -274,7 +249,7 @@ class _Rests:
     def __init__(self, along: Passage, start: Doubles) -> None:
         self._start = start
         self._gaps = {
-            i: float(spacing(np.float64(x)))
+            i: float(spacing(x))
             for i in constant_columns(along.scene)
             if (x := to_double(along.plain.start[i])) != 0
         }
