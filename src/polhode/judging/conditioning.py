@@ -58,7 +58,7 @@ class Conditioning(ByValue):
     >>> found = polhode.conditioning("euler/separatrix", [10, 120])
     >>> print(found)
                  t      kappa  amplification  expected in double  inputs  bound
-                10       41.2           12.7           14.8-15.6    15.4   14.0
+                10       41.2           14.6           14.8-15.6    15.4   14.0
     no digits left after t = 100
     >>> found.digits_bound("double")[1], found.lost
     (0.0, 'no digits left after t = 100')
