@@ -14,11 +14,13 @@ from polhode.judging import rounding
 from polhode.judging.conditioning import conditioning
 from polhode.judging.digits import digits_of, errors, rate_scale
 from polhode.judging.rounding import Scaled
+from polhode.judging.step_rounding import StepRounding
 from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.runs.integrate import undisturbed
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
+from polhode.taylor.leader import six
 from polhode.taylor.passage import passage
 from shared import plain_taylor
 from shared.motions import asymmetric
@@ -181,21 +183,29 @@ def test_a_projection_takes_its_part_of_the_inputs_error():
 
 
 def test_a_projection_rounds_the_state_once_more():
-    """What is put back after each of n steps has been rounded 2 n times, the last time for good."""
+    """The state put back after each of n steps has been rounded n times more, at last for good."""
     along = passage(polhode.load("euler/largest-axis").at((F(1),)))
     (stretch,) = along.stretches
     n = round(stretch.steps)
     assert n == stretch.steps > 2
-    last = np.diag(rounding.VARIANCE * stretch.state**2)
+    once, step = StepRounding(along), stretch.time / n
+    first, last = (np.diag(once(x, step)) for x in (six(along.plain.start), stretch.state))
+    more = np.diag(once(stretch.state, 0.0))
 
-    def across_taken(every: int) -> np.ndarray:
-        (found,) = rounding.scatter(along, every)
-        return np.ldexp(found.values, found.exponent) - last
+    def found(every: int) -> np.ndarray:
+        (one,) = rounding.scatter(along, every)
+        return np.ldexp(one.values, one.exponent)
 
-    after_each, after_all = across_taken(1), across_taken(n)
-    assert np.allclose(after_each, after_all * (2 * n - 1) / n, rtol=1e-9, atol=0)
-    assert np.trace(after_all) < n * np.trace(last)
-    assert np.allclose(across_taken(n + 1), (n - 1) * last, rtol=1e-9, atol=0)  # not yet
+    steps = n / 2 * (stretch.carried @ first @ stretch.carried.T + last)
+    assert np.allclose(found(0), steps, rtol=1e-12, atol=0)
+    assert np.allclose(found(n + 1), steps, rtol=1e-12, atol=0)  # not yet
+    keep = rounding._Clearing(along, 1).removed(stretch.state)
+    gamma = np.array([0, 0, 0, *stretch.state[3:]])
+    assert np.abs(keep @ gamma).max() < 1e-9 < np.abs(keep).max()
+    assert np.allclose(found(n), keep @ steps @ keep.T + more, rtol=1e-9, atol=1e-12)
+    whole = keep @ (steps + (n - 1) * more) @ keep.T + more
+    assert np.allclose(found(1), whole, rtol=1e-9, atol=1e-12)
+    assert np.trace(found(n)) < np.trace(steps)
 
 
 def test_a_spin_that_stands_still_is_put_back_on_average_alone():

@@ -5,14 +5,14 @@ is what they cause, to first order: v(t) = Phi(t, 0) dx(0) + U(t) dk.  Where a r
 the exact scene's first integrals, the part of v across their level is taken away as often, as far
 as a constant component of w can take a number between those of the type: on average alone.
 
-**Steps.**  A step method that rounds the state once a step adds r to it, independent from step to
-step and from component to component, of variance (eps x_i)²/12: that of rounding a number of
-relative spacing eps.  Their sum has the covariance
+**Steps.**  A step method rounds the state and its increment in each step, independent from step to
+step and from component to component: by a deviate of covariance R, the sum of the squared spacings
+over 12 (:mod:`polhode.judging.step_rounding`).  What the steps round sums up to the covariance
 
-    C(t) = sum over the steps s of Phi(t, s) diag((eps x_i(s))²/12) Phi(t, s)^T.
+    C(t) = sum over the steps s of Phi(t, s) R(s) Phi(t, s)^T,
 
-Components that the equations themselves keep take no rounding.  Of C, too, projection takes the
-part across the level away.
+taken half at the start and half at the end of each stretch.  Of C, too, projection takes the part
+across the level away, and rounds the state once more.
 
 **Together.**  The error of such a run is v(t) plus a normal deviate of covariance C(t), and its
 size has a distribution: half of such runs have less than its median, nine in ten lie between its
@@ -36,17 +36,16 @@ import numpy as np
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
 from polhode.equations.integrals import FirstIntegrals, first_integrals
+from polhode.judging.step_rounding import StepRounding, spacing
 from polhode.numbers import exact
 from polhode.numbers.convert import to_double
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import LOG10_2, NumberType
-from polhode.numbers.scalars import FLOATS
 from polhode.taylor.leader import six
 from polhode.taylor.passage import Passage
-from polhode.taylor.projection import constant_columns, kept_at_zero
+from polhode.taylor.projection import constant_columns
 from polhode.taylor.variations import Doubles
 
-VARIANCE = 1 / 12  # of a rounding, in squared spacings
 _SAMPLES = 2000  # of the normal deviates; fixed ones, so that the quantiles are always the same
 _QUANTILES = (0.05, 0.5, 0.95)
 _STEP = 2.0**-20  # of the differences for the integrals' gradients
@@ -135,21 +134,23 @@ def scatter(along: Passage, every: int) -> Iterator[Scaled]:
 
     ``every``: steps between two projections; 0 where there are none.
     """
-    k = {name: to_double(x) for name, x in along.plain.coefficients.items()}
-    held, still = kept_at_zero(along.scene), at_rest(along.scene).state
-    clear = _Clearing(along, every)
+    clear, variances = _Clearing(along, every), StepRounding(along)
     found = Scaled(np.zeros((6, 6)), 0)
+    before, time = six(along.plain.start), 0.0
     for stretch in along.stretches:
-        x = stretch.state
-        rates = principal.field([float(c) for c in x], k, FLOATS)
-        moving = [not still and i not in held and r != 0 for i, r in enumerate(rates)]
-        once = np.diag(np.ldexp(np.where(moving, x * x, 0.0) * VARIANCE, -found.exponent))
-        values = stretch.carried @ found.values @ stretch.carried.T + stretch.steps * once
+        x, step = stretch.state, (stretch.time - time) / (stretch.steps or 1.0)
+        one, other, once = (
+            np.diag(np.ldexp(variances(at, by), -found.exponent))
+            for at, by in ((before, step), (x, step), (x, 0.0))
+        )
+        half = stretch.steps / 2
+        values = stretch.carried @ (found.values + half * one) @ stretch.carried.T + half * other
         if (count := clear.made(stretch.steps)) > 0:
             keep = clear.removed(x)
             values = keep @ (values + (count - 1) * once) @ keep.T + once
         found = Scaled(values, found.exponent).normalised()
         yield found
+        before, time = x, stretch.time
 
 
 def amplification(along: Passage, until: int) -> float:
@@ -248,7 +249,7 @@ class _Rests:
     def __init__(self, along: Passage, start: Doubles) -> None:
         self._start = start
         self._gaps = {
-            i: math.ldexp(0.5, math.frexp(x)[1])  # between neighbours, in eps
+            i: float(spacing(x))
             for i in constant_columns(along.scene)
             if (x := to_double(along.plain.start[i])) != 0
         }

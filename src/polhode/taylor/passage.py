@@ -32,7 +32,7 @@ from polhode.taylor.leader import Leader, pendulum, six
 from polhode.taylor.outcomes import Outcome
 from polhode.taylor.variations import Doubles, Variations
 
-STRIDES = (4.0, 8.0)  # units of the scene's own time a stretch: at least, at most
+STRIDES = (1.0, 8.0)  # units of the scene's own time a stretch: at least, at most
 MOST_STRETCHES = 4000  # of the shortest
 _DOUBLES_TRUE = 8.0  # log10 of |Phi| up to which the motion in double is the scene's to 7 digits
 
