@@ -146,11 +146,14 @@ def test_the_verb_prints_pages_and_refuses_what_is_none(capsys):
         assert "expected jobs, commands, scene" in capsys.readouterr().err
 
 
+def _options(verb):
+    parser = cli._parser([verb])
+    return next(a for a in parser._actions if a.dest == "verb").choices[verb]._option_string_actions
+
+
 def test_the_options_that_the_guide_names_exist():
     texts = "\n".join(guide.page(topic) for topic in TOPICS)
-    parser = cli._parser()
-    verbs = next(a for a in parser._actions if a.dest == "verb").choices
-    known = {option for verb in verbs.values() for option in verb._option_string_actions}
+    known = {option for verb in cli.VERBS for option in _options(verb)}
     assert set(re.findall(r"(?<![\w`-])--[a-z][a-z-]+", texts)) <= known | {
         "--help",
         "--print-completion",
