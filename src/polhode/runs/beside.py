@@ -10,29 +10,33 @@ quaternions are multiplied and held upright by gamma (:mod:`polhode.equations.tu
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from polhode.equations import turns
-from polhode.equations.system import System
 from polhode.numbers.convert import to_double
 from polhode.numbers.scalars import Doubles, Rows
 from polhode.runs.march import Progress
 from polhode.runs.run import Run
 from polhode.runs.setup import Asked, Setup, setup
+from polhode.scenes.words import ATTITUDE
 from polhode.taylor.outcomes import Outcome
 from polhode.taylor.times import Times, exact_sum
 
 if TYPE_CHECKING:
     from polhode.taylor.turning import Turning
 
-#: In the run's own unit, a radian or two of the fastest rate.  A shorter run's steps cost less than
-#: what is added here; a stretch is as long as what lies between two corrections of the state.
-SHORTEST_RUN = 32
+#: In the run's own unit, a radian or two of the fastest rate: the steps of a shorter run cost less
+#: than what is added here.  Angles make steps the shorter, so with them it is worth it earlier.
+SHORTEST_RUN, SHORTEST_WITH_ANGLES = 512, 64
+
+#: In the same unit: about as long as what lies between two corrections of the state.
 LONGEST_STRETCH = 128
 
 #: Stretches come in so many: as many as the widest batch has lanes, on every machine alike.
@@ -61,17 +65,9 @@ class Plan:
 
 def fits(made: Setup, times: Asked) -> bool:
     """Whether a run's attitude and angles are had like this."""
-    scene = made.scene
-    return (
-        bool(scene.modelled)
-        and made.number.name == "double"
-        and scene.form == "principal"
-        and scene.gamma is not None
-        and not scene.events
-        and abs(times.inside[-1]) >= SHORTEST_RUN
-        and not made.still
-        and not ("angles" in scene.modelled and scene.starts_at_pole)
-    )
+    with_angles = "angles" in made.scene.modelled
+    least = SHORTEST_WITH_ANGLES if with_angles else SHORTEST_RUN
+    return made.apart and abs(times.inside.grid[-1]) >= least
 
 
 def bare(made: Setup) -> Setup:
@@ -123,9 +119,9 @@ def rows(
 
     outcome, states = run.to(wanted.asked, first if progress is not None else None)
     joined = _Joined(made, wanted, states)
-    turning = Turning(made.whole, made.tolerance)
+    turning = Turning(made.whole, made.blueprint)
     run.build_seconds += turning.seconds
-    run.seconds += turning.seconds
+    began = time.perf_counter() - turning.seconds
     try:
         while not joined.complete:
             if not joined.take(turning):
@@ -137,61 +133,74 @@ def rows(
         outcome = Outcome.INTERRUPTED
         run.reached = wanted.asked.exact[joined.done - 1]
     kept = wanted.outputs[: wanted.before(joined.done)]
-    return outcome, np.hstack([states[kept], joined.found[kept]])
+    found = np.hstack([states[kept], joined.rows(kept)])
+    run.seconds += time.perf_counter() - began
+    return outcome, found
 
 
 class _Joined:
-    """Quaternion, psi and phi at the times of a plan: stretch after stretch."""
+    """Quaternion, psi and phi at the times of a plan: stretch after stretch.
+
+    What has turned since a stretch's beginning is kept by itself until all of it is joined.
+    """
 
     def __init__(self, made: Setup, wanted: Plan, states: Rows) -> None:
-        whole: System = made.whole
-        self._plan, self._states, self._first = wanted, states, len(whole.form.variables)
-        self._gamma = made.read.states(states)[:, 3:]
-        start = [to_double(x) for x in whole.start[self._first :]]
-        quaternion = 4 if "attitude" in whole.outputs else 0
-        self._attitude = start[:quaternion]
-        self._angles = [Fraction(x) for x in start[quaternion:]]
-        self.found = np.empty((len(states), len(start)))
-        self.found[:1] = start
-        self.done = min(1, len(states))  # times
-        self._knot = 0
+        self._made, self._plan, self._states = made, wanted, states
+        start = made.first[0, len(made.form.variables) :]
+        self._four = len(ATTITUDE) if "attitude" in made.whole.outputs else 0
+        self._quaternion = start[: self._four].tolist()
+        self._angles = [(x, 0.0) for x in start[self._four :].tolist()]
+        self._turned = np.zeros((len(states), len(start)))
+        if self._four and len(states):
+            self._turned[0, 0] = 1.0
+        # at each stretch's beginning
+        self._begun, self._low = [start.tolist()], [[0.0] * len(start)]
+        self.done = min(1, len(states))
 
     @property
     def complete(self) -> bool:
         """Whether nothing is left to do."""
-        return self.done == len(self.found)
+        return self.done == len(self._states)
 
     def take(self, turning: Turning) -> bool:
         """Go on by as many stretches as the lanes hold; False where one has no end."""
         from polhode.taylor.turning import Stretch
 
-        times, ends, reached = self._plan.times, self._plan.knots, len(self.found)
-        begun = [k for k in ends[self._knot : self._knot + turning.places] if k + 1 < reached]
-        bounds = list(zip(begun, ends[self._knot + 1 :], strict=False))
-        bounds = [(k, min(int(end), reached - 1)) for k, end in bounds]
-        parts = turning.along(
-            [Stretch(self._states[k], times[k + 1 : end + 1] - times[k]) for k, end in bounds]
+        first, last, times = len(self._begun) - 1, len(self._states) - 1, self._plan.times
+        bounds = self._plan.knots[first : first + turning.places + 1].tolist()
+        parts = [(k, min(end, last)) for k, end in pairwise(bounds) if k < last]
+        found = turning.along(
+            [Stretch(self._states[k], times[k + 1 : end + 1] - times[k]) for k, end in parts]
         )
-        if parts is None:
+        if found is None:
             return False
-        for (k, end), part in zip(bounds, parts, strict=True):
-            self._join(slice(k + 1, end + 1), part)
-        self._knot += len(bounds)
-        self.done = bounds[-1][1] + 1
+        for (k, end), part in zip(parts, found, strict=True):
+            self._turned[k + 1 : end + 1] = part
+            self._go_on(part[-1].tolist())
+        self.done = parts[-1][1] + 1
         return True
 
-    def _join(self, here: slice, part: Doubles) -> None:
-        """Rows of one stretch, counted from its beginning, to those from the start on."""
-        count = len(self._attitude)
-        if count:
-            gamma = self._gamma[here].T
-            turned = turns.upright(
-                turns.product(self._attitude, [*part[:, :count].T]), gamma, np.sqrt
-            )
-            self.found[here, :count] = np.array(turned).T
-            self._attitude = self.found[here.stop - 1, :count].tolist()
-        for i, begun in enumerate(self._angles):
-            high = float(begun)
-            near, rest = exact_sum(high, part[:, count + i])
-            self.found[here, count + i] = near + (rest + float(begun - Fraction(high)))
-            self._angles[i] = begun + Fraction(float(part[-1, count + i]))
+    def _go_on(self, by: list[float]) -> None:
+        """Where the next stretch begins: angles as sums of two doubles."""
+        if self._four:
+            self._quaternion = turns.product(self._quaternion, by[: self._four])
+        for i, (high, low) in enumerate(self._angles):
+            near, rest = exact_sum(high, by[self._four + i])
+            self._angles[i] = exact_sum(near, rest + low)
+        self._begun.append([*self._quaternion, *(high for high, _ in self._angles)])
+        self._low.append([*[0.0] * self._four, *(low for _, low in self._angles)])
+
+    def rows(self, kept: npt.NDArray[np.intp]) -> Doubles:
+        """Some of the times' rows, counted from the start on."""
+        four, turned = self._four, self._turned[kept]
+        stretch = np.maximum(np.searchsorted(self._plan.knots, kept) - 1, 0)
+        begun, low = (np.array(x)[stretch] for x in (self._begun, self._low))
+        found = np.empty_like(turned)
+        near, rest = exact_sum(begun[:, four:], turned[:, four:])
+        found[:, four:] = near + (rest + low[:, four:])
+        if four:
+            gamma = self._made.read.states(self._states[kept])[:, 3:]
+            whole = turns.product([*begun[:, :four].T], [*turned[:, :four].T])
+            found[:, :four] = np.array(turns.upright(whole, gamma.T, np.sqrt)).T
+            found[kept == 0, :four] = self._begun[0][:four]
+        return found

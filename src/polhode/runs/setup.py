@@ -69,6 +69,24 @@ class Setup:
         return away is not None and bool(away <= nearest(self.number))
 
     @cached_property
+    def apart(self) -> bool:
+        """Whether attitude and angles may be integrated apart from the state, in doubles.
+
+        Not beside events, whose expressions take part in choosing the steps, and no angles from a
+        pole on (polhode.runs.beside).
+        """
+        scene = self.scene
+        return (
+            self.number.name == "double"
+            and bool(scene.modelled)
+            and scene.form == "principal"
+            and scene.gamma is not None
+            and not scene.events
+            and not self.still
+            and not ("angles" in scene.modelled and scene.starts_at_pole)
+        )
+
+    @cached_property
     def whole(self) -> System:
         """The equations with all that the outputs ask for."""
         return self.rounded(system(self.scene, self.scene.modelled))

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import heyoka as hy
 import numpy as np
@@ -21,7 +20,8 @@ from polhode.numbers.scalars import Doubles
 from polhode.scenes.words import ANGLE_VARIABLES, ATTITUDE
 from polhode.taylor import policy
 from polhode.taylor.batches import width
-from polhode.taylor.heyoka_numbers import EXPRESSIONS, disk_cache, scalars
+from polhode.taylor.heyoka_numbers import EXPRESSIONS, disk_cache
+from polhode.taylor.integrator import Blueprint
 from polhode.taylor.kinds import HeyokaIntegrator
 from polhode.taylor.pool import Idle
 
@@ -41,22 +41,22 @@ class Stretch(NamedTuple):
 
 
 class Turning:
-    """The compiled equations of a system with outputs; see :func:`release`.
+    """The compiled equations of a system with outputs, with its coefficients.
 
-    ``places``: how many stretches are integrated at once.  ``seconds``: the time that compiling
-    took.
+    ``plan``: what an integrator of the system would be built from.  ``places``: how many stretches
+    are integrated at once.  ``seconds``: the time that compiling took.
     """
 
-    def __init__(self, system: System, tolerance: Fraction | None) -> None:
+    def __init__(self, system: System, plan: Blueprint) -> None:
         began = time.perf_counter()
         self.places = width(DOUBLE)
         self._first = len(system.form.variables)
         attitude = [1.0] + [0.0] * (len(ATTITUDE) - 1) if "attitude" in system.outputs else []
         self._cyclic = len(ANGLE_VARIABLES) if "angles" in system.outputs else 0
         self._begin = np.array(attitude + [0.0] * self._cyclic)[:, None]
-        self._key = (system.names, system.outputs, tuple(system.coefficients), tolerance)
-        self._heyoka = _IDLE.take(self._key) or self._built(system, tolerance)
-        self._heyoka.pars[:] = np.array(scalars([*system.coefficients.values()], DOUBLE))[:, None]
+        self._key = (system.names, system.outputs, tuple(system.coefficients), plan.tolerance)
+        self._heyoka = _IDLE.take(self._key) or self._built(system, plan)
+        self._heyoka.pars[:] = np.array(plan.constants)[:, None]
         self.seconds = time.perf_counter() - began
 
     def release(self) -> None:
@@ -64,19 +64,18 @@ class Turning:
         _IDLE.put(self._key, self._heyoka)
         del self._heyoka
 
-    def _built(self, system: System, tolerance: Fraction | None) -> HeyokaIntegrator:
+    def _built(self, system: System, plan: Blueprint) -> HeyokaIntegrator:
         variables = hy.make_vars(*system.names)
         k = {name: hy.par[i] for i, name in enumerate(system.coefficients)}
         rates = system.field(variables, k, EXPRESSIONS)
         if self._cyclic:  # that their size takes no part in choosing the steps
             slow = hy.expression(1.0 / self._divisor)
             rates = [*rates[: -self._cyclic], *(rate * slow for rate in rates[-self._cyclic :])]
-        options: dict[str, Any] = {} if tolerance is None else {"tol": float(tolerance)}
         state = np.zeros((len(variables), self.places))
         pars = np.zeros((len(k), self.places))
         with disk_cache(DOUBLE):
             equations = list(zip(variables, rates, strict=True))
-            return hy.taylor_adaptive_batch(equations, state, pars=pars, **options)
+            return hy.taylor_adaptive_batch(equations, state, pars=pars, **plan.options)
 
     @property
     def _divisor(self) -> int:
