@@ -25,6 +25,7 @@ from polhode.numbers.scalars import Doubles, Rows
 from polhode.runs.march import Progress
 from polhode.runs.run import Run
 from polhode.runs.setup import Asked, Setup, setup
+from polhode.scenes.scene import Scene
 from polhode.scenes.words import ATTITUDE
 from polhode.taylor.outcomes import Outcome
 from polhode.taylor.times import Times, exact_sum
@@ -78,12 +79,15 @@ def bare(made: Setup) -> Setup:
     return setup(scene, made.number, made.tolerance, made.inputs)
 
 
-def plan(made: Setup, times: Asked) -> Plan:
-    """The times of a plain run, from the scene where they are kept."""
+def plan(scene: Scene, made: Setup, times: Asked) -> Plan:
+    """The times of a plain run, from the scene that asks for these, where they are kept.
+
+    (The set-up is shared by scenes of other times.)
+    """
     key = (plan, made.number)
-    found = made.scene.kept_of_times.get(key)
+    found = scene.kept_of_times.get(key)
     if not isinstance(found, Plan):
-        found = made.scene.kept_of_times[key] = _plan(made, times)
+        found = scene.kept_of_times[key] = _plan(made, times)
     return found
 
 

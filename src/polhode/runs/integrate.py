@@ -81,7 +81,7 @@ def integrate(
     if refined is not None:
         return refined
     made = setup(scene, chosen, tolerance, inputs)
-    run, outcome, rows = _stepped(made, times, max_steps, every, progress)
+    run, outcome, rows = _stepped(scene, made, times, max_steps, every, progress)
     _LOG.info(
         "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
         *(scene.name, chosen.name, chosen.bits, outcome.value, run.steps),
@@ -112,6 +112,7 @@ def integrate(
 
 
 def _stepped(
+    scene: Scene,
     made: Setup,
     times: Asked,
     max_steps: int | None,
@@ -121,7 +122,7 @@ def _stepped(
     """A run, how it ended, and its rows: the state's, then quaternion, psi and phi."""
     if beside.fits(made, times):
         run = Run(beside.bare(made), max_steps, every)
-        found = beside.rows(run, made, beside.plan(made, times), progress)
+        found = beside.rows(run, made, beside.plan(scene, made, times), progress)
         if found is not None:
             return run, *found
     run = Run(made, max_steps, every)
