@@ -52,7 +52,8 @@ def test_states_are_those_of_a_plain_run_to_the_bit(name, times):
         alone.reached,
         alone.outcome,
     )
-    assert along.times == alone.times and along.projection == alone.projection
+    assert along.times == alone.times
+    assert along.projection == alone.projection
     middle = along.times[-1] * Fraction(2, 3)
     assert np.array_equal(along(middle), alone(middle))
     for wanted in BOTH:
@@ -90,7 +91,8 @@ def test_a_scene_asked_at_other_times_is_read_at_those():
     integrate(base)
     for at in ([150, 300], [50, 100, 400], [-200]):
         again, alone = integrate(base.at(at)), integrate(scene("kovalevskaya/generic", at))
-        assert np.array_equal(again.states, alone.states) and again.angles == alone.angles
+        assert np.array_equal(again.states, alone.states)
+        assert again.angles == alone.angles
         assert np.array_equal(again.attitude, alone.attitude)
 
 
@@ -99,7 +101,8 @@ def test_short_runs_and_what_has_events_or_a_pole_at_the_start_are_one_system():
         return beside.fits(setup(what, number), asked(what, number))
 
     name = "kovalevskaya/generic"
-    assert fits(scene(name, [100])) and fits(scene(name, [1000], ("attitude",)))
+    assert fits(scene(name, [100]))
+    assert fits(scene(name, [1000], ("attitude",)))
     assert not fits(scene(name, [100], ("attitude",)))
     assert not fits(scene(name, [10]))
     assert not fits(scene(name, [1000], ()))
@@ -138,7 +141,8 @@ def test_a_stretch_that_has_no_end_is_left_to_one_system(monkeypatch):
     expected = together(monkeypatch, what)
     monkeypatch.setattr(Turning, "along", lambda self, stretches: None)
     run = integrate(what)
-    assert np.array_equal(run.states, expected.states) and run.angles == expected.angles
+    assert np.array_equal(run.states, expected.states)
+    assert run.angles == expected.angles
     assert np.array_equal(run.attitude, expected.attitude)
 
 
@@ -147,7 +151,8 @@ def test_a_run_that_ends_early_has_rows_as_far_as_it_came():
     run = integrate(scene("kovalevskaya/generic", times), max_steps=1000)
     alone = integrate(scene("kovalevskaya/generic", times, ()), max_steps=1000)
     assert run.outcome is alone.outcome is Outcome.STEP_LIMIT
-    assert np.array_equal(run.states, alone.states) and run.reached == alone.reached
+    assert np.array_equal(run.states, alone.states)
+    assert run.reached == alone.reached
     assert len(run.angles) == len(run.attitude) == len(run.times) == len(alone.times) > 500
 
 
@@ -156,5 +161,6 @@ def test_progress_grows_from_the_plain_run_to_its_end(monkeypatch):
     seen: list[float] = []
     what = scene("lagrange/nutation", [3000], ("angles",))
     integrate(what, progress=lambda done, steps: seen.append(done))
-    assert len(seen) > 10 and seen == sorted(seen)
+    assert len(seen) > 10
+    assert seen == sorted(seen)
     assert 0 < seen[0] < 0.6 < seen[-1] <= 1
