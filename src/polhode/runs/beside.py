@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 SHORTEST_RUN, SHORTEST_WITH_ANGLES = 512, 64
 
 #: In the same unit.  A stretch runs from the state by itself, so the longer it is the more its own
-#: rounding adds.  13 regular motions to t = 590, against extended: with 32 the errors are the 1.2-fold
-#: (median) of those of one system, with 128 the 1.8-fold.
+#: rounding adds.  13 regular motions to t = 590, against extended: with 32 errors are 1.2 times
+#: those of one system in the median, with 128 they are 1.8 times as large.
 LONGEST_STRETCH = 32
 
 #: Stretches come in so many: as many as the widest batch has lanes, on every machine alike.
