@@ -68,22 +68,30 @@ class Readout:
         states = self.states(rows)
         # a motion that stays at a pole has no psi and phi among its variables
         there = len(rows[0]) > first
+        if self.number.flat:
+            return self._flat_angles(states, self._kept(rows)[:, first : first + 2] if there else 0)
         found = self._angles(states, [row[first : first + 2] if there else (0, 0) for row in rows])
         for row, state in zip(found, states, strict=True):
             if state[3] == 0 == state[4]:
                 row[0] = row[2] = None
         return found
 
-    def _angles(self, states: Rows, integrated: list[Row]) -> list[list[Value | None]]:
-        """psi theta phi beside states and integrated psi and phi."""
-        if self.number.flat:
-            import numpy as np
+    def _flat_angles(self, states: Rows, integrated: Rows) -> list[list[Value | None]]:
+        """psi theta phi beside states and integrated psi and phi, all rows at once."""
+        import numpy as np
 
-            pi = 4 * np.arctan(np.ones(1, dtype=self._kind))[0]
-            fn = AngleFunctions(np.hypot, np.arctan2, pi, np.rint, np.where)
-            columns = angles(states[:, 3:].T, self._kept(integrated).T, fn)
-            flat: list[list[Value | None]] = np.stack(columns, axis=1).tolist()
-            return flat
+        pi = 4 * np.arctan(np.ones(1, dtype=self._kind))[0]
+        fn = AngleFunctions(np.hypot, np.arctan2, pi, np.rint, np.where)
+        turned = np.zeros((len(states), 2), dtype=self._kind) + integrated
+        found: list[list[Value | None]] = np.stack(
+            angles(states[:, 3:].T, turned.T, fn), axis=1
+        ).tolist()
+        for k in np.flatnonzero((states[:, 3] == 0) & (states[:, 4] == 0)).tolist():
+            found[k][0] = found[k][2] = None
+        return found
+
+    def _angles(self, states: Rows, integrated: list[Row]) -> list[list[Value | None]]:
+        """The same above extended."""
         from polhode.numbers.private import mpmath, ordinary, own
 
         fn = AngleFunctions(

@@ -14,12 +14,13 @@ from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
 from polhode.equations.readout import Readout
 from polhode.numbers.number_types import NumberType
-from polhode.runs import refinement
+from polhode.numbers.scalars import Rows
+from polhode.runs import beside, refinement
 from polhode.runs.dense import Dense
 from polhode.runs.march import Progress
 from polhode.runs.request import choose_number, rounded_tolerance
 from polhode.runs.run import Run
-from polhode.runs.setup import asked, setup
+from polhode.runs.setup import Asked, Setup, asked, setup
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -80,8 +81,7 @@ def integrate(
     if refined is not None:
         return refined
     made = setup(scene, chosen, tolerance, inputs)
-    run = Run(made, max_steps, every)
-    outcome, rows = run.to(times, progress)
+    run, outcome, rows = _stepped(scene, made, times, max_steps, every, progress)
     _LOG.info(
         "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
         *(scene.name, chosen.name, chosen.bits, outcome.value, run.steps),
@@ -109,6 +109,24 @@ def integrate(
         },
         dense=Dense(run),
     )
+
+
+def _stepped(
+    scene: Scene,
+    made: Setup,
+    times: Asked,
+    max_steps: int | None,
+    every: int | None,
+    progress: Progress | None,
+) -> tuple[Run, Outcome, Rows]:
+    """A run, how it ended, and its rows: the state's, then quaternion, psi and phi."""
+    if beside.fits(made, times):
+        run = Run(beside.bare(made), max_steps, every)
+        found = beside.rows(run, made, beside.plan(scene, made, times), progress)
+        if found is not None:
+            return run, *found
+    run = Run(made, max_steps, every)
+    return run, *run.to(times, progress)
 
 
 def undisturbed(run: Trajectory) -> Trajectory:

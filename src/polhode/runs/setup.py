@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.equations import equilibrium
 from polhode.equations.form import Form, equations
@@ -69,6 +69,24 @@ class Setup:
         return away is not None and bool(away <= nearest(self.number))
 
     @cached_property
+    def apart(self) -> bool:
+        """Whether attitude and angles may be integrated apart from the state, in doubles.
+
+        Not beside events, whose expressions take part in choosing the steps, and no angles from a
+        pole on (polhode.runs.beside).
+        """
+        scene = self.scene
+        return (
+            self.number.name == "double"
+            and bool(scene.modelled)
+            and scene.form == "principal"
+            and scene.gamma is not None
+            and not scene.events
+            and not self.still
+            and not ("angles" in scene.modelled and scene.starts_at_pole)
+        )
+
+    @cached_property
     def whole(self) -> System:
         """The equations with all that the outputs ask for."""
         return self.rounded(system(self.scene, self.scene.modelled))
@@ -117,18 +135,19 @@ def setup(
     return found
 
 
-class Asked:
-    """A scene's output times rounded to a run's type: ``exact``, and ``inside`` its own unit."""
+class Asked(NamedTuple):
+    """Times rounded to a run's type: ``exact``, and ``inside`` its own unit."""
 
-    def __init__(self, scene: Scene, number: NumberType) -> None:
-        self.exact = tuple(rounded_times(scene, number))
-        unit = Fraction(2) ** scene.time_unit
-        self.inside = Times(self.exact if unit == 1 else [t / unit for t in self.exact], number)
+    exact: tuple[Fraction, ...]
+    inside: Times
 
 
 def asked(scene: Scene, number: NumberType) -> Asked:
     """The output times of a scene's runs, from the scene where they are kept."""
     found = scene.kept_of_times.get(number)
     if not isinstance(found, Asked):
-        found = scene.kept_of_times[number] = Asked(scene, number)
+        exact = tuple(rounded_times(scene, number))
+        unit = Fraction(2) ** scene.time_unit
+        inside = Times(exact if unit == 1 else [t / unit for t in exact], number)
+        found = scene.kept_of_times[number] = Asked(exact, inside)
     return found
