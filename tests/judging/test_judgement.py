@@ -441,3 +441,20 @@ def test_a_data_frame_is_judged_with_its_index_as_time():
     digits = polhode.compare(frame, "lagrange/nutation").digits
     assert polhode.compare(frame.set_index("time"), "lagrange/nutation").digits == digits
     assert min(digits) > 13
+
+
+def test_a_run_without_rows_is_refused_with_what_ended_it():
+    """It was told 15.95 correct digits of angles, of none."""
+    scene = replace(polhode.load("lagrange/lower-pole").at([50]), outputs=("angles",))
+    run = polhode.integrate(scene)
+    assert not run.times
+    with pytest.raises(polhode.BadInput, match="rows: expected a time that the run reached"):
+        polhode.compare(run)
+
+
+def test_empty_columns_have_no_digits(tmp_path):
+    path = tmp_path / "x.csv"
+    path.write_text("t,p,q,r,psi,theta,phi\n1,0,0,0,,,\n")
+    found = polhode.compare(path, "euler/separatrix")
+    assert found.parts == {}
+    assert "angles were not judged: none of them has a value" in found.notes

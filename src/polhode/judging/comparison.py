@@ -92,6 +92,9 @@ def compare(
     if isinstance(against, (Scene, str, Path)):
         against = reference(against)
     if isinstance(what, Trajectory):
+        if not what.times:
+            ended = f"a time that the run reached ({what.outcome.cause}; {what.outcome.advice})"
+            raise BadInput(what.scene.name, "rows", None, ended)
         found = Judgement(of_run(what), against, known, workers, progress)
     else:
         scene = against.scene

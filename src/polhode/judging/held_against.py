@@ -114,6 +114,9 @@ class HeldAgainst:
             own = getattr(self.subject, name)
             if own is None:
                 continue
+            if all(x is None for row in own for x in row):
+                found[name] = "none of them has a value"
+                continue
             if name == "attitude" and self.many is not None and self.many.attitude is not None:
                 held = self.subject.held
                 found[name] = min(digits(self.many.attitude, held), default=held)

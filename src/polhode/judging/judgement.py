@@ -79,6 +79,8 @@ class Judgement(ByValue):
     @property
     def worst(self) -> float:
         """The fewest correct digits of the state; ValueError where no column of it is there."""
+        if not self.digits:
+            raise ValueError(f"{self.subject.name}: no column of the state was judged")
         return min(self.digits)
 
     @property
