@@ -36,7 +36,7 @@ def test_page_and_figure_are_made_from_the_json_alone(found):
 @pytest.mark.slow
 def test_the_top_near_a_pole_meets_the_singular_set_in_angles_and_keeps_its_row():
     motion = next(m for m in rows.MOTIONS if "bruels" in m.case)
-    runs = {run["form"]: run for run in rows._motion(motion, quick=True)["runs"]}
+    runs = {run["form"]: run for run in rows._motion((motion, True))["runs"]}
     singular = {form for form, run in runs.items() if run["outcome"] == "singular set"}
     assert singular == {"lagrangian", "hamiltonian", "routhian"}
     assert all("met its singular set" in runs[form]["reason"] for form in singular)

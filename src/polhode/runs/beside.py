@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 #: than what is added here.  Angles make steps the shorter, so with them it is worth it earlier.
 SHORTEST_RUN, SHORTEST_WITH_ANGLES = 512, 64
 
+#: In the same unit; all stretches are planned before the first step.
+LONGEST_RUN = 2_000_000
+
 #: In the same unit.  A stretch runs from the state by itself, so the longer it is the more its own
 #: rounding adds.  13 regular motions to t = 590, against extended: with 32 errors are 1.2 times
 #: those of one system in the median, with 128 they are 1.8 times as large.
@@ -70,7 +73,7 @@ def fits(made: Setup, times: Asked) -> bool:
     """Whether a run's attitude and angles are had like this."""
     with_angles = "angles" in made.scene.modelled
     least = SHORTEST_WITH_ANGLES if with_angles else SHORTEST_RUN
-    return made.apart and abs(times.inside.grid[-1]) >= least
+    return made.apart and least <= abs(times.inside[-1]) <= LONGEST_RUN
 
 
 def bare(made: Setup) -> Setup:
