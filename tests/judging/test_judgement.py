@@ -458,3 +458,17 @@ def test_empty_columns_have_no_digits(tmp_path):
     found = polhode.compare(path, "euler/separatrix")
     assert found.parts == {}
     assert "angles were not judged: none of them has a value" in found.notes
+
+
+@pytest.mark.parametrize("number", ["double", "extended", "quad"])
+def test_a_runs_file_is_judged_as_the_run(tmp_path, number):
+    """The JSON beside it names the type, unless its decimals have more digits than that."""
+    run = polhode.integrate("lagrange/nutation", number, at=[4, 20])
+    path = tmp_path / "x.csv"
+    asked = ["lagrange/nutation", "--number", number, "--at", "4,20", "-o", str(path)]
+    assert cli.main(["run", *asked]) == 0
+    found, own = polhode.compare(path, "lagrange/nutation"), polhode.compare(run)
+    assert found.subject.number == run.number
+    assert found.digits == own.digits
+    path.write_text(path.read_text().rstrip() + "1" * 9 + "\n")
+    assert polhode.compare(path, "lagrange/nutation").subject.number.name == "mp"

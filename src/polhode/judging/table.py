@@ -19,7 +19,7 @@ from polhode.judging.synonyms import KNOWN, Column, column
 from polhode.numbers import exact, expression
 from polhode.numbers.convert import exact_number, exactly
 from polhode.numbers.expression import ExpressionError
-from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
+from polhode.numbers.number_types import DOUBLE, EXTENDED, NAMES, NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes.words import ANGLES, ATTITUDE, STATE
 
@@ -138,7 +138,11 @@ def _cell(value: Any) -> Fraction | None:
 
 
 def read_table(path: Path, number: NumberType | None) -> Table:
-    """A CSV file as a table; raises BadInput.  ``number``: its decimals stand for numbers of it."""
+    """A CSV file as a table; raises BadInput.
+
+    ``number``: its decimals stand for numbers of it; that which the JSON that polhode wrote beside
+    it names, unless given.
+    """
     found = read_whole(path, MAX_BYTES, "a readable CSV file")
     try:
         text = io.StringIO(found.decode("utf-8-sig"), newline="")
@@ -207,6 +211,10 @@ def _table(
             found[name].append(_radians(value) if degrees else value)
     times = [t for t in found.pop("t") if t is not None]
     ignored = tuple(text for text, known in zip(header, named, strict=True) if known.name is None)
+    own = _type(beside) if held and number is None else None
+    if own is not None and printed <= own.printed_digits:
+        number = own
+        found = {name: [x and own.rounded(x) for x in column] for name, column in found.items()}
     columns = {name: tuple(values) for name, values in found.items()}
     return Table(str(path), tuple(times), columns, ignored, printed, number, _projected(beside))
 
@@ -233,6 +241,14 @@ def _beside(path: Path) -> dict[str, Any]:
     except (OSError, ValueError):
         return {}
     return found if isinstance(found, dict) else {}
+
+
+def _type(beside: dict[str, Any]) -> NumberType | None:
+    """The type of the run's numbers."""
+    name, bits = beside.get("number"), beside.get("bits")
+    if name not in NAMES or not isinstance(bits, int) or bits < 2:
+        return None
+    return NumberType(name, bits)
 
 
 def _projected(beside: dict[str, Any]) -> bool:
