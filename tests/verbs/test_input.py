@@ -230,7 +230,8 @@ def test_a_subset_of_the_columns_in_any_order_is_judged(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     verdict = judged(capsys, "q2,gamma3,note,t,p\n,0.8,hello,0,0.3\n")
-    assert verdict["judged"] == ["p", "gamma3", "attitude"]
+    assert verdict["judged"] == ["p", "gamma3"]
+    assert "attitude was not judged: none of it has a value" in verdict["not_judged"]
     assert any("note" in line for line in verdict["not_judged"])
     assert any("column q is not in the file" in line for line in verdict["not_judged"])
     assert verdict["drift"] is None

@@ -115,7 +115,7 @@ class HeldAgainst:
             if own is None:
                 continue
             if all(x is None for row in own for x in row):
-                found[name] = "none of them has a value"
+                found[name] = f"none of {'them' if name == 'angles' else 'it'} has a value"
                 continue
             if name == "attitude" and self.many is not None and self.many.attitude is not None:
                 held = self.subject.held

@@ -195,7 +195,7 @@ class Judgement(ByValue):
     def notes(self) -> tuple[str, ...]:
         """What was not judged, and why."""
         unjudged = [
-            f"{name} were not judged: {found}"
+            f"{name} {'were' if name == 'angles' else 'was'} not judged: {found}"
             for name, found in self._held.parts.items()
             if isinstance(found, str)
         ]
