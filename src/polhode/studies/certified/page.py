@@ -143,10 +143,10 @@ def _price(rows: list[dict[str, Any]]) -> Iterator[Block]:
     trials = sorted({row["trials"] for row in rows})
     times = " to ".join(str(n) for n in dict.fromkeys((trials[0], trials[-1])))
     told = (
-        f"CPU seconds to one time, {times} times in turn in one process: of a proof "
-        "the least, with the pilot run and every try; of a run the median, after that of a run to "
-        "a thousandth of the time is taken off, which is for building it (a dash: building takes "
-        "too long to tell). Beside it runs that prove nothing: heyoka in MPFR at the proof's own "
+        f"CPU seconds to one time, the median of {times} in turn in one process: of a proof "
+        "with the pilot run and every try; of a run after that of a run to a thousandth of the "
+        "time is taken off, which is for building it (a dash: building takes too long to tell). "
+        "Beside it runs that prove nothing: heyoka in MPFR at the proof's own "
         "precision (mp), in double and in quad, and a refined run in quad."
     )
     if ratios := _over_mp(rows):

@@ -135,7 +135,7 @@ def _growth(name: str, times: Sequence[int]) -> dict[str, Any]:
 
 
 def _cost(name: str, digits: int, end: int) -> dict[str, Any]:
-    """CPU seconds of a proof, the least of several, and of runs that prove nothing, interleaved.
+    """CPU seconds of a proof and of runs that prove nothing, interleaved: medians of several.
 
     What a run to a thousandth of the time takes, mostly for building, is taken off each run: the
     median of the differences, left out where the noise of building is larger.
@@ -168,7 +168,7 @@ def _cost(name: str, digits: int, end: int) -> dict[str, Any]:
             taken[label].append(time.process_time() - began)
             if label == "proof":
                 proof = found
-    seconds = {"proof": min(taken["proof"])}
+    seconds = {"proof": statistics.median(taken["proof"])}
     for label in runs:
         pairs = zip(taken[label], taken[_BUILT + label], strict=True)
         seconds[label] = statistics.median(run - building for run, building in pairs)
