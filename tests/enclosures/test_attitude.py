@@ -16,6 +16,7 @@ from flint import fmpz, fmpz_poly
 import polhode
 from polhode.enclosures import attitude, conserved, fixed, march, quaternion, turn_series, windings
 from polhode.enclosures.quaternion import Turned, Turns
+from polhode.enclosures.result import Part
 from polhode.numbers.convert import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.runs.integrate import integrate
@@ -255,15 +256,40 @@ def _around(turns: float, size: float) -> Any:
 
 
 def test_turns_are_counted_however_many_there_are_in_a_step() -> None:
-    followed = windings.Followed(1.0, 2.0, True)
-    speed = 2 * np.pi * 20 * 0.01
-    found = followed.step(_around(20, 0.01), 1.0, speed, 0.0, np.array([0.5, 1.0]))
+    turns = 20
+    speed = 2 * np.pi * turns * 0.01
+
+    def found(bend: float, asked: Any) -> Any:
+        pace = windings.Pace(speed, 0.0, bend)
+        return windings.Followed(1.0, 2.0, True).step(_around(20, 0.01), 1.0, pace, 0.0, asked)
+
     true = [[1 + 20 * np.pi, 2 - 20 * np.pi], [1 + 40 * np.pi, 2 - 40 * np.pi]]
-    assert np.max(np.abs(found - true)) < 1e-12
-    with without(windings, "Followed.step", "1.01 * length * speed", "0.0"):
-        followed = windings.Followed(1.0, 2.0, True)
-        missed = followed.step(_around(20, 0.01), 1.0, speed, 0.0, np.array([1.0]))
-        assert abs(missed[0][0] - 1 - 40 * np.pi) > 1
+    by_chords, by_speed = (2 * np.pi * turns) ** 2 * 0.01, 1e9
+    for bend in (by_chords, by_speed):
+        assert np.max(np.abs(found(bend, np.array([0.5, 1.0])) - true)) < 1e-12
+    for bend, term in ((by_speed, "1.01 * length * pace.speed"), (by_chords, "1.01 * pace.bend")):
+        with without(windings, "Followed.step", term, "0.0"):
+            assert abs(found(bend, np.array([1.0]))[0][0] - 1 - 40 * np.pi) > 1
+
+
+def test_the_distance_of_a_chord_is_that_of_its_nearest_point() -> None:
+    ends = np.array([[1 + 1j, -1 + 1j, -3 + 1j, -3 + 1j], [2 + 0j, 1 + 0j, 0 + 1j, 0 - 1j]])
+    found = windings._chords(ends)
+    assert np.max(np.abs(found - [[1, 2**0.5, 10**0.5], [1, 0.5**0.5, 0]])) < 1e-15
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_departure_is_followed_until_its_direction_may_be_30_degrees_off(order: int) -> None:
+    """c = size t^order/order! + i sup|c^(order + 1)| t^(order + 1)/(order + 1)!: as far as it may go."""
+    pace, rate = windings.Pace(1.3, 0.4, 0.7), 0.3
+    leaving = windings.Leaving(np.array([1.0, 1.0]), order, 0.2, rate)
+    time = leaving.until(pace)
+    sup = pace.bend if order == 1 else leaving._third(pace, time)
+    off = sup * time / ((order + 1) * leaving.size)
+    assert 0.24 < off <= 0.5
+    if order == 2:  # less than the bound that |w'| and |w''| alone would give
+        grown = 2 * rate * pace.speed + pace.speed**2 * rate * time
+        assert sup > grown
 
 
 def test_a_passage_through_a_pole_loses_psi_and_phi_for_good() -> None:
@@ -272,14 +298,18 @@ def test_a_passage_through_a_pole_loses_psi_and_phi_for_good() -> None:
     def through(nodes: Any) -> Any:
         return np.array([nodes - 1 / 3 + 0j, nodes + 1 + 0j])
 
-    assert followed.step(through, 1.0, 1.0, 0.0, np.array([1.0])) is None
-    assert followed.step(_around(1, 0.5), 1.0, 4.0, 0.0, np.array([1.0])) is None
+    assert followed.step(through, 1.0, windings.Pace(1.0, 0.0, 0.0), 0.0, np.array([1.0])) is None
+    assert (
+        followed.step(_around(1, 0.5), 1.0, windings.Pace(4.0, 0.0, 4.0), 0.0, np.array([1.0]))
+        is None
+    )
 
 
 def test_doubt_adds_up_until_the_turns_are_lost() -> None:
     followed = windings.Followed(0.0, 0.0, True)
+    pace = windings.Pace(0.4, 0.0, 0.1)
     for _ in range(20):
-        if followed.step(_around(0.1, 0.5), 1.0, 0.4, 1e-3, np.array([1.0])) is None:
+        if followed.step(_around(0.1, 0.5), 1.0, pace, 1e-3, np.array([1.0])) is None:
             break
     assert not followed.known
 
@@ -290,24 +320,56 @@ def test_doubt_adds_up_until_the_turns_are_lost() -> None:
 def test_a_start_at_a_pole_is_left_as_a_run_leaves_it(side: int, third: str) -> None:
     body = polhode.Body.of_moments((2, Fraction(3, 2), 1), (0, 1, Fraction(1, 2)), 1)
     omega = (Fraction(-1, 2), Fraction(1, 3), Fraction(2))
-    scene = Scene(body, omega, (0, 0, Fraction(third)), psi=Fraction(4, 5), outputs=OUTPUTS)
-    times = [side * t for t in (Fraction(1, 100), 1, 4)]
+    _left_as_by_a_run(Scene(body, omega, (0, 0, int(third)), psi=Fraction(4, 5)), side)
+
+
+def _left_as_by_a_run(
+    scene: Scene, side: int, times: Sequence[Any] = (Fraction(1, 100), 1, 4)
+) -> None:
+    scene = replace(scene, outputs=OUTPUTS)
+    times = [side * Fraction(t) for t in times]
     found = polhode.certify(scene, at=[0, *times], digits=15)
     assert found.angles is not None
+    assert found.attitude is not None
     assert found.angles.centres[0][0] is None is found.angles.centres[0][2]
     run = integrate(scene.at(times), NumberType("mp", 320))
     apart = replace(
         found,
-        angles=found.angles._replace(
-            centres=found.angles.centres[1:], radii=found.angles.radii[1:]
-        ),
-        attitude=found.attitude._replace(  # type: ignore[union-attr]
-            centres=found.attitude.centres[1:],  # type: ignore[union-attr]
-            radii=found.attitude.radii[1:],  # type: ignore[union-attr]
-        ),
+        angles=_after_the_start(found.angles),
+        attitude=_after_the_start(found.attitude),
     )
     assert None not in [x for row in apart.angles.centres for x in row]  # type: ignore[union-attr]
     assert max(_ratios(apart, run.attitude, run.angles)) <= 1.0
+
+
+def _after_the_start(part: Part) -> Part:
+    """Without the first time, which is 0."""
+    return Part(part.centres[1:], part.radii[1:])
+
+
+#: Released at a pole with w along the third axis: the body, the spin, the pole, the sense of time.
+RELEASED = {
+    "from rest": (((2, Fraction(3, 2), 1), (0, 1, Fraction(1, 2))), 0, 1, 1),
+    "spinning, back": (((2, Fraction(3, 2), 1), (0, 1, Fraction(1, 2))), 2, 1, -1),
+    "from the lower pole": (((2, Fraction(3, 2), 1), (1, -1, Fraction(1, 2))), -1, -1, 1),
+    "fast": (((2, Fraction(3, 2), 1), (0, 1, Fraction(1, 2))), 60, 1, 1),
+    "axes not principal": (((2, 3, 2), (0, 0, 1), Fraction(1, 2)), 2, 1, 1),
+}
+
+
+@pytest.mark.sample(3)
+@pytest.mark.parametrize("name", RELEASED)
+def test_a_release_at_a_pole_is_left_as_a_run_leaves_it(name: str) -> None:
+    """There gamma' = 0, and gamma'' = gamma x w' is of the second order in t."""
+    (moments, centre, *off), spin, up, side = RELEASED[name]
+    if off:  # the centre on the third axis, which is not a principal one
+        inertia = [[moments[i] if i == j else 0 for j in range(3)] for i in range(3)]
+        inertia[1][2] = inertia[2][1] = off[0]
+        body = polhode.Body(inertia, centre, 1)
+    else:
+        body = polhode.Body.of_moments(moments, centre, 1)
+    scene = Scene(body, (0, 0, spin), (0, 0, up), psi=Fraction(4, 5))
+    _left_as_by_a_run(scene, side, (Fraction(1, 10**6), Fraction(1, 4), 1))
 
 
 def test_a_body_that_stays_at_a_pole_has_theta_alone() -> None:
@@ -316,8 +378,18 @@ def test_a_body_that_stays_at_a_pole_has_theta_alone() -> None:
     found = polhode.certify(scene, at=[2], digits=15)
     assert found.angles is not None
     assert found.angles.centres[0][0] is None is found.angles.centres[0][2]
+    ((psi, theta, phi),) = polhode.Certified(scene).angles([2], 15)
+    assert psi is None is phi
+    assert theta is not None
+    assert abs(theta) < 1e-15
+
+
+def test_a_passage_through_a_pole_is_refused_where_angles_are_asked() -> None:
+    """A pendulum about axis 1 that goes over the top."""
+    body = polhode.Body.of_moments((3, 2, Fraction(3, 2)), (0, 1, 1), 1)
+    scene = Scene(body, (3, 0, 0), (0, Fraction(3, 5), Fraction(4, 5)), outputs=OUTPUTS)
     with pytest.raises(polhode.BadInput, match="psi and phi are lost"):
-        polhode.Certified(scene).angles([2], 15)
+        polhode.Certified(scene).angles([5], 15)
 
 
 def test_digits_asked_for_are_those_of_angles_and_attitude_too() -> None:

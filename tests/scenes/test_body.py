@@ -182,6 +182,24 @@ def test_irrational_and_huge_matrices_are_rebuilt_by_the_rule(rows: tuple) -> No
     assert_principal(Body((a, b, c), (ZERO, ZERO, ZERO), ZERO))
 
 
+@pytest.mark.parametrize(
+    ("rows", "rational"),
+    [
+        (((3, 0, 0), (0, 1, 1), (0, 1, 3)), 3),  # 2 +- sqrt(2): the larger is nearest to 3
+        (((2, 0, 0), (0, 3, "1/2"), (0, "1/2", 2)), 2),  # (5 +- sqrt(2))/2: near 2 in halves
+        (((1, 1, 0), (1, 2, 0), (0, 0, "5/2")), "5/2"),
+    ],
+)
+def test_an_irrational_moment_next_to_a_rational_one_is_not_that(
+    rows: tuple, rational: object
+) -> None:
+    a, b, c = (vector(*row) for row in rows)
+    body = Body((a, b, c), (ONE, ZERO, ZERO), ONE)
+    assert_principal(body)
+    assert [x for x in body.moments if x == number(str(rational))] == [number(str(rational))]
+    assert sign(sum(body.moments, ZERO) - (a[0] + b[1] + c[2])) == 0
+
+
 def test_equal_moments_of_an_irrational_matrix_are_recognised() -> None:
     cosine, sine = number("sqrt(3)/2"), number("1/2")
     rotation: Matrix = ((cosine, ZERO, -sine), (ZERO, ONE, ZERO), (sine, ZERO, cosine))

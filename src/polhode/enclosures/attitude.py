@@ -24,10 +24,10 @@ from polhode.enclosures.bound import Bounds
 from polhode.enclosures.fixed import TIME_BITS, UP, Motion, Problem, sharp
 from polhode.enclosures.polynomial import ball
 from polhode.enclosures.quaternion import Approximation, Turned
-from polhode.enclosures.windings import Followed, Leaving
+from polhode.enclosures.windings import Followed, Leaving, Pace
 from polhode.enclosures.zonotope import Step, inside, places
 from polhode.equations.kinematics import starting_attitude
-from polhode.equations.poles import phi_leaving_the_pole
+from polhode.equations.poles import departure, phi_leaving_the_pole
 from polhode.numbers.balls import ctx
 from polhode.numbers.exact import arctan2
 
@@ -72,25 +72,27 @@ class Watch:
         """psi and phi at the start; just after it where that is at a pole.
 
         There psi + phi, at the lower pole psi - phi, is the psi given, and
-        gamma' = gamma x w, n' = R (w x e3) tell where the two numbers go.
+        gamma' = gamma x w, n' = R (w x e3) tell where the two numbers go; gamma'' = gamma x w',
+        n'' = R (w' x e3) where w is along the third axis.
         """
         scene = what.scene
         assert scene.gamma is not None
         psi = float(scene.psi)
         if not scene.starts_at_pole:
             return Followed(psi, float(arctan2(scene.gamma[0], scene.gamma[1])), True)
-        by = math.ldexp(-1.0 if what.backward else 1.0, what.unit)
-        p, q = (by * float(x) for x in scene.omega[:2])
-        up = float(scene.gamma[2])
-        slope = math.hypot(p, q)
-        if slope == 0.0:
+        leaving = departure(scene)
+        if leaving is None:
+            return Followed(0.0, 0.0, False)
+        turning = [math.ldexp(float(x), leaving.order * what.unit) for x in leaving.vector]
+        size = math.hypot(*turning[:2])
+        if size == 0.0:  # too small for a double
             return Followed(0.0, 0.0, False)
         phi = phi_leaving_the_pole(scene, -1 if what.backward else 1)
-        psi -= up * phi
+        psi -= float(scene.gamma[2]) * phi
         directions = np.exp(1j * np.array([psi, phi]))
-        pulls = 2.0 * max(abs(x) for x in self.problem.factors[3:])
-        leaving = Leaving(directions, slope, 1.7321 * self.problem.beta, 1.7321 * pulls)
-        return Followed(psi, phi, True, leaving)
+        return Followed(
+            psi, phi, True, Leaving(directions, leaving.order, size, math.hypot(*turning))
+        )
 
     def window(self, known: Bounds, steps: Sequence[Step]) -> None:
         """A window whose steps have been accepted."""
@@ -137,7 +139,15 @@ class Watch:
         doubt = UP * 8.0 * (float(np.sum(pieces.gap[n])) + off + turn)
         speed = UP * (math.sqrt(float(np.sum(size * size))) + 2.0 * off)
         points = np.array([float(tau.mid()) for tau in taus])
-        return self._followed.step(at, float(pieces.lengths[n]), speed, doubt, points)
+        return self._followed.step(at, float(pieces.lengths[n]), self._pace(speed), doubt, points)
+
+    def _pace(self, speed: float) -> Pace:
+        """Of w_i' = b_i w_j w_k + (two terms of gamma): |w'| <= b |w|^2 + pull with b = max |b_i|."""
+        factors = [
+            UP * (abs(x) + r)
+            for x, r in zip(self.problem.factors, self.problem.factor_slack, strict=True)
+        ]
+        return Pace(speed, max(factors[:3]), 1.7321 * 2.0 * max(factors[3:]))
 
     def _scene(self, turned: list[Any], radius: float) -> list[Any]:
         """The attitude of the scene from the turn since the start and its distance from that."""

@@ -1,15 +1,27 @@
 """How often psi and phi have gone round: complex numbers followed about 0, interval by interval.
 
 Trusted.  sin(theta) exp(i phi) = gamma2 + i gamma1 and sin(theta) exp(i psi) = i n1 - n2, n the
-body's third axis in space, move no faster than |w|.  Over an interval of length l in which an end
-is farther from 0 than l |w|, the number stays in a disc without 0, so its argument grows by the
-principal difference of the ends.  Where that cannot be said the interval is halved, until it is no
-longer than what the ends are known to: the motion then passes a pole, and the angles are lost from
-there on.
+body's third axis in space, are the numbers c; |c'| <= |w| and |c''| <= |w|**2 + |w'|.  Over an
+interval of length l the argument of c grows by the principal difference of the ends
+
+    if an end is farther from 0 than l |w|: c stays in a disc without 0;
+    if the chord of the ends is farther from 0 than l**2/8 sup |c''|, by which c leaves the chord.
+
+Where neither can be said the interval is halved, until it is no longer than what the ends are known
+to: the motion then passes a pole, and the angles are lost from there on.
 
 A number c that is 0 at t = 0 and leaves with c' differs from t c' by at most t**2/2 sup |c''|, so
-up to t = |c'|/sup |c''| it stays within 30 degrees of c'.  For both numbers |c'| = |w x axis| and
-|c''| <= |w|**2 + |w'|.
+up to t = |c'|/sup |c''| it stays within 30 degrees of c'.  One that leaves with c'' differs from
+t**2/2 c'' by at most t**3/6 sup |c'''|, and stays within 30 degrees of c'' up to
+t = 3/2 |c''|/sup |c'''|.  For both numbers |c'| = |w x axis|, and then |c''| = |w' x axis|.
+
+In the second case w is along the third axis at t = 0.  With W >= |w|, v its part across the axis,
+Y >= |w'| up to t, and K = 1 + W t exp(W t)/2,
+
+    |c'| <= v + W |c|,    v <= t Y,    hence    |c|, |gamma x w| <= v + W |c| <= t K Y;
+    |w''| <= sqrt(2) b W |w'| + pull |gamma x w|,    hence
+    Y <= |w'(0)|/(1 - sqrt(2) b W t - pull t**2 K)    while that is positive;
+    |c'''| <= W**2 t K Y + 2 W Y + 2 t K Y**2 + |w''|.
 """
 
 from __future__ import annotations
@@ -24,16 +36,54 @@ _FIRST = 8
 _LEAST = 1e-11  # more than what doubles lose
 
 
-class Leaving(NamedTuple):
-    """How a motion leaves a pole at t = 0: the directions of the two numbers, and their speed.
+class Pace(NamedTuple):
+    """Bounds on a step: of |w|, and of |w'| <= gyration |w|**2 + pull.
 
-    ``bend``, ``pull``: |w'| <= bend |w|**2 + pull.
+    ``gyration``: the largest |(B - C)/A|; ``pull``: of I^-1 (gamma x Mg r0), |gamma| = 1.
+    """
+
+    speed: float
+    gyration: float
+    pull: float
+
+    @property
+    def bend(self) -> float:
+        """A bound of |c''|: |w|**2 + |w'|."""
+        return self.speed**2 * (1.0 + self.gyration) + self.pull
+
+
+class Leaving(NamedTuple):
+    """How a motion leaves a pole at t = 0: the directions of the two numbers, and how they grow.
+
+    ``order``: that of their first derivative that is not 0, 1 or 2; ``size``: its modulus.
+    ``rate``: of order 2, |w'|.
     """
 
     directions: Any
-    slope: float
-    bend: float
-    pull: float
+    order: int
+    size: float
+    rate: float = 0.0
+
+    def until(self, pace: Pace) -> float:
+        """A time up to which both numbers are within 30 degrees of their directions."""
+        if self.order == 1:
+            return self.size / (1.01 * pace.bend)
+        time = 1.0 / pace.speed if pace.speed > 0.0 else 1.0
+        while 1.01 * time * self._third(pace, time) > 1.5 * self.size:
+            time *= 0.5
+        return time
+
+    def _third(self, pace: Pace, time: float) -> float:
+        """sup |c'''| up to a time."""
+        speed, gyration, pull = pace
+        grown = 1.0 + 0.5 * speed * time * math.exp(speed * time)  # K
+        gyration *= math.sqrt(2.0) * speed
+        left = 1.0 - gyration * time - pull * time * time * grown
+        if left <= 0.0:
+            return math.inf
+        rate = self.rate / left
+        moved = time * grown * rate
+        return speed**2 * moved + (2.0 * speed + gyration + 2.0 * moved) * rate + pull * moved
 
 
 class Followed:
@@ -48,27 +98,29 @@ class Followed:
         self.slack = 1e-9 * (1.0 + abs(psi))  # of what was added up
         self.known = known
 
-    def step(self, at: Any, length: float, speed: float, doubt: float, asked: Any) -> Any:
+    def step(self, at: Any, length: float, pace: Pace, doubt: float, asked: Any) -> Any:
         """The angles at the points ``asked`` of a step; None where they are lost.
 
         ``at``: an array of tau in [0, 1] to the two complex numbers, (2, n), each right to
-        ``doubt``; ``speed``: a bound of |w|.
+        ``doubt``.
         """
         if not self.known:
             return None
         doubt = _LEAST + doubt
-        first = self._first(length, speed)
+        first = None if self.leaving is None else min(1.0, self.leaving.until(pace) / length)
         even = np.linspace(0.0, 1.0, _FIRST + 1)
         nodes = np.unique(np.concatenate([even, asked, [] if first is None else [first]]))
         while True:
             values = at(nodes)
             if first is not None and self.leaving is not None:
-                values[:, 0] = self.leaving.directions
+                values[:, nodes < first] = self.leaving.directions[:, None]
             sizes = np.abs(values) - doubt
-            reach = 1.01 * length * speed * np.diff(nodes) + doubt
+            reach = 1.01 * length * pace.speed * np.diff(nodes) + doubt
             sure = np.maximum(sizes[:, :-1], sizes[:, 1:]) > reach
+            bow = 1.01 * pace.bend * (length * np.diff(nodes)) ** 2 / 8.0 + doubt
+            sure |= _chords(values) - doubt > bow
             if first is not None:
-                sure[:, 0] = nodes[1] <= first
+                sure[:, nodes[1:] <= first] = True
             sure &= np.minimum(sizes[:, :-1], sizes[:, 1:]) > 2.0 * doubt
             bad = ~np.all(sure, axis=0)
             if not np.any(bad):
@@ -92,9 +144,10 @@ class Followed:
         self.leaving = None
         return along[:, np.searchsorted(nodes, asked)].T
 
-    def _first(self, length: float, speed: float) -> float | None:
-        """Up to which tau a motion that leaves a pole is near its first direction."""
-        if self.leaving is None:
-            return None
-        _, slope, bend, pull = self.leaving
-        return min(1.0, slope / (1.01 * (speed * speed * (1.0 + bend) + pull) * length))
+
+def _chords(values: Any) -> Any:
+    """The distances from 0 of the chords between neighbours of (2, n) complex numbers."""
+    begin, chord = values[:, :-1], np.diff(values, axis=1)
+    square = np.maximum(np.abs(chord) ** 2, np.finfo(float).tiny)
+    foot = np.clip(-(chord.conj() * begin).real / square, 0.0, 1.0)
+    return np.abs(begin + foot * chord)

@@ -3,26 +3,56 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from polhode.equations.forms.matrices import apply, inverse
 from polhode.numbers.exact import sign
-from polhode.scenes.body import cross, minus
+from polhode.scenes.body import Vector, cross, minus
 from polhode.scenes.scene import Scene
+
+
+class Departure(NamedTuple):
+    """gamma leaves the pole with its derivative of that order, gamma x vector, which is not 0.
+
+    ``vector``: w for order 1, w' for order 2.
+    """
+
+    order: int
+    vector: Vector
+
+
+def departure(scene: Scene) -> Departure | None:
+    """How a start at a pole leaves it; None where the third axis stays vertical for ever.
+
+    gamma' = gamma x w, and gamma'' = gamma x w' where w is along the third axis.  Where both vanish
+    all derivatives do: I w' is then across gamma and w' along it, so that w'.I w' = 0 and w' = 0.
+    """
+    for order, vector in ((1, scene.omega), (2, _slope(scene))):
+        if not sign(vector[0]) == 0 == sign(vector[1]):
+            return Departure(order, vector)
+    return None
+
+
+def _slope(scene: Scene) -> Vector:
+    """w' at the start."""
+    assert scene.gamma is not None
+    momentum = apply(scene.body.inertia, scene.omega)
+    moment = minus(cross(scene.gamma, scene.body.torque), cross(scene.omega, momentum))
+    return apply(inverse(scene.body.inertia), moment)
 
 
 def phi_leaving_the_pole(scene: Scene, sense: int) -> float:
     """The limit of phi at a start at a pole, as time goes on (``sense`` 1) or back (-1).
 
-    gamma' = gamma x w, and gamma'' = gamma x w' where w is along the third axis.  On the negative
-    axis, where phi could be either, it is -pi from the upper pole and pi from the lower one, as the
-    closed forms count it.
+    On the negative axis, where phi could be either, it is -pi from the upper pole and pi from the
+    lower one, as the closed forms count it.  0 where the pole is never left.
     """
     assert scene.gamma is not None
-    up, w = sign(scene.gamma[2]), scene.omega
-    if sign(w[0]) == 0 == sign(w[1]):
-        momentum = apply(scene.body.inertia, w)
-        moment = minus(cross(scene.gamma, scene.body.torque), cross(w, momentum))
-        w, sense = apply(inverse(scene.body.inertia), moment), 1
+    up, leaving = sign(scene.gamma[2]), departure(scene)
+    if leaving is None:
+        return 0.0
+    order, w = leaving
+    sense = sense if order == 1 else 1  # t^2 has the same sign on both sides
     across, along = -sense * up * sign(w[1]), sense * up * sign(w[0])
     if across == 0 and along < 0:
         return -up * math.pi

@@ -87,17 +87,25 @@ class Certified:
     def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
         """Rows psi theta phi in radians, continuous, proven to so many digits.
 
-        psi and phi are None at a start at a pole.  Raises BadInput where a motion stays at one, or
-        passes so close to one that it is not proven on which side.
+        psi and phi are None at a start at a pole, and at all times where the third axis stays
+        vertical.  Raises BadInput where a motion passes so close to a pole that it is not proven on
+        which side.
         """
         found = self._with("angles", times, digits)
         assert found.angles is not None
-        if any(
-            row[0] is None and t != 0 for row, t in zip(found.angles.centres, times, strict=True)
-        ):
+        unknown = [
+            t for row, t in zip(found.angles.centres, found.times, strict=True) if row[0] is None
+        ]
+        if any(t != 0 for t in unknown) and not self._stays_at_a_pole:
             expected = "a motion that keeps away from the poles: psi and phi are lost"
             raise BadInput(self.scene.name, "angles", None, expected)
         return found.angles.midpoints(found.noise + 128)
+
+    @property
+    def _stays_at_a_pole(self) -> bool:
+        from polhode.equations.poles import departure
+
+        return self.scene.starts_at_pole and departure(self.scene) is None
 
     def _with(self, output: str, times: Iterable[AnyNumber], digits: int) -> Enclosure:
         if self.scene.gamma is None:

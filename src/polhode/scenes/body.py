@@ -310,7 +310,7 @@ def _rational_if_so(inertia: Matrix, moment: Exact) -> Exact:
     """The same principal moment as a Fraction, where the matrix is rational and the moment too.
 
     Times the common denominator of the matrix a rational moment is an integer: the nearest one is
-    tried in the characteristic polynomial.
+    tried in the characteristic polynomial, and it must be this moment, not another one near by.
     """
     entries = [entry for row in inertia for entry in row]
     if isinstance(moment, Fraction) or not all(isinstance(x, Fraction) for x in entries):
@@ -321,4 +321,5 @@ def _rational_if_so(inertia: Matrix, moment: Exact) -> Exact:
     mantissa, exponent = exact.rounded(scaled_moment, max(64, exponent + 16))
     candidate = Fraction(round(mantissa * Fraction(2) ** exponent), common)
     x, y, z = _shifted(inertia, candidate)
-    return candidate if sign(dot(x, cross(y, z))) == 0 else moment
+    root = sign(dot(x, cross(y, z))) == 0
+    return candidate if root and sign(moment - candidate) == 0 else moment
