@@ -280,7 +280,7 @@ def test_the_distance_of_a_chord_is_that_of_its_nearest_point() -> None:
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_a_departure_is_followed_until_its_direction_may_be_30_degrees_off(order: int) -> None:
-    """c = size t^order/order! + i sup|c^(order + 1)| t^(order + 1)/(order + 1)!: as far as it may go."""
+    """By sup t/((order + 1) size), the sine of the angle, sup of the next derivative."""
     pace, rate = windings.Pace(1.3, 0.4, 0.7), 0.3
     leaving = windings.Leaving(np.array([1.0, 1.0]), order, 0.2, rate)
     time = leaving.until(pace)
@@ -370,6 +370,24 @@ def test_a_release_at_a_pole_is_left_as_a_run_leaves_it(name: str) -> None:
         body = polhode.Body.of_moments(moments, centre, 1)
     scene = Scene(body, (0, 0, spin), (0, 0, up), psi=Fraction(4, 5))
     _left_as_by_a_run(scene, side, (Fraction(1, 10**6), Fraction(1, 4), 1))
+
+
+@pytest.mark.parametrize("across", [0, Fraction(1, 3)])
+def test_a_departure_is_told_in_the_units_of_the_proof(across: Any) -> None:
+    """The same motion with the second 1024 times as long."""
+    found = []
+    for unit in (1, 2**10):
+        body = polhode.Body.of_moments((2, Fraction(3, 2), 1), (0, 1, 1), unit * unit)
+        scene = Scene(body, (across * unit, 0, 2 * unit), (0, 0, 1), outputs=OUTPUTS)
+        motion = fixed.motion(scene)
+        problem = fixed.problem(motion, 90)
+        watch = attitude.Watch(motion, problem, [], turn_series.approximate, True)
+        assert watch._followed.leaving is not None
+        found.append(watch._followed.leaving)
+    one, other = found
+    assert one.order == other.order == (1 if across else 2)
+    assert one.size == other.size > 0
+    assert one.rate == other.rate >= one.size
 
 
 def test_a_body_that_stays_at_a_pole_has_theta_alone() -> None:

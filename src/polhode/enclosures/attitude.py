@@ -142,7 +142,7 @@ class Watch:
         return self._followed.step(at, float(pieces.lengths[n]), self._pace(speed), doubt, points)
 
     def _pace(self, speed: float) -> Pace:
-        """Of w_i' = b_i w_j w_k + (two terms of gamma): |w'| <= b |w|^2 + pull with b = max |b_i|."""
+        """From w_i' = b_i w_j w_k + (two terms of gamma): |w'| <= b |w|^2 + pull, b = max |b_i|."""
         factors = [
             UP * (abs(x) + r)
             for x, r in zip(self.problem.factors, self.problem.factor_slack, strict=True)
