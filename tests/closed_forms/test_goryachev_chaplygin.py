@@ -305,9 +305,9 @@ def test_a_body_that_does_not_belong_is_told_its_worst_moment():
             for n, x in enumerate((third, one, other)):
                 moments[(axis + n) % 3] = F(x)
             torque[(axis + 1) % 3] = F(1)
-            name, amount = failure(PrincipalScene(tuple(moments), tuple(torque), *rest))
-            assert name == f"{'BAB'[k]} = 4C (in units of C)"
-            assert amount == (1, F(1, 2), -1)[k]
+            found = failure(PrincipalScene(tuple(moments), tuple(torque), *rest))
+            assert found.condition == f"{'BAB'[k]} = 4C (in units of C)"
+            assert found.off == (1, F(1, 2), 1)[k]
 
 
 @pytest.mark.parametrize("unit", [F(2) ** 60, F(2) ** -60])

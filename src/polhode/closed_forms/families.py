@@ -87,39 +87,24 @@ class Maker(Protocol):
         ...
 
 
-def leading(failing: Sequence[tuple[str, Exact]]) -> tuple[str, Exact] | None:
-    """Of conditions that fail, the first that is off by about as much as the worst.
-
-    Those that follow from it fail too.  None where none fails.
-    """
-    if not failing:
-        return None
-    sizes = [log10(abs(off)) for _, off in failing]
-    return next(
-        row for row, size in zip(failing, sizes, strict=True) if size > max(sizes) - _ORDERS
-    )
-
-
-def misfit_of(failure: tuple[str, Exact | None] | None) -> Misfit | None:
-    """A condition that fails, and by how much with a sign, as a misfit; None for none."""
-    if failure is None:
-        return None
-    condition, off = failure
-    return Misfit(condition, None if off is None else abs(off))
-
-
 class Misfit(NamedTuple):
     """Why a scene does not belong to a family: the condition that fails, and by how much.
 
     ``condition``: as in "A = 2C".  ``off``: by how much its two sides differ, relative to the
     size of what is compared; None for a condition that holds or does not, with nothing between.
     ``order``: which principal axes (0, 1, 2) are the family's axes 1, 2, 3, where they have other
-    names there.
+    names there.  ``worst``: by how much the condition that is off most is, where that is another.
     """
 
     condition: str
     off: Exact | None = None
     order: tuple[int, int, int] = (0, 1, 2)
+    worst: Exact | None = None
+
+    def within(self, share: Fraction) -> bool:
+        """Whether all conditions hold up to that share of what is compared."""
+        worst = self.off if self.worst is None else self.worst
+        return worst is not None and worst <= share
 
     def __str__(self) -> str:
         if self.off is None:
@@ -131,19 +116,37 @@ class Misfit(NamedTuple):
         return f"{self.condition}{names}, off by {off}"
 
 
+def leading(failing: Sequence[tuple[str, Exact]]) -> Misfit | None:
+    """Of conditions that fail, the first that is off by about as much as the worst.
+
+    Those that follow from it fail too.  Amounts may have any sign.  None where none fails.
+    """
+    if not failing:
+        return None
+    sizes = [log10(abs(off)) for _, off in failing]
+    worst = max(range(len(sizes)), key=lambda n: sizes[n])
+    condition, off = next(
+        row for row, size in zip(failing, sizes, strict=True) if size > sizes[worst] - _ORDERS
+    )
+    return Misfit(condition, abs(off), worst=abs(failing[worst][1]))
+
+
 class Family(NamedTuple):
     """One row of FAMILIES.  Code is named as ``module:name`` below this package, and imported only
     when it is asked.
 
     ``name``: the word of ``reference.kind`` in a scene file.  ``fits``: whether a PrincipalScene
     belongs, by exact arithmetic alone.  ``closed_form``: the class, a Maker.  ``misfit``: the
-    Misfit of a PrincipalScene, None of one that belongs.
+    Misfit of a PrincipalScene, None of one that belongs.  ``special``: of one that belongs, the
+    names of the family's special motions, each with the Misfit, None where there is none to tell;
+    empty for a family without any.
     """
 
     name: str
     fits: str
     closed_form: str
     misfit: str
+    special: str = ""
 
 
 #: In the order in which a scene is tried; the first that fits is its reference.
@@ -153,24 +156,28 @@ FAMILIES = (
         "euler.conditions:fits",
         "euler.top:EulerTop",
         "euler.conditions:misfit",
+        "euler.special:special",
     ),
     Family(
         "lagrange",
         "lagrange.axes:fits",
         "lagrange.top:LagrangeTop",
         "lagrange.conditions:misfit",
+        "lagrange.special:special",
     ),
     Family(
         "kovalevskaya",
         "kovalevskaya.axes:fits",
         "kovalevskaya.top:KovalevskayaTop",
         "kovalevskaya.conditions:misfit",
+        "kovalevskaya.special:special",
     ),
     Family(
         "pendulum",
         "pendulum.conditions:fits",
         "pendulum.top:Pendulum",
         "pendulum.conditions:misfit",
+        "pendulum.special:special",
     ),
     Family(
         "staude",
@@ -183,6 +190,7 @@ FAMILIES = (
         "bobylev_steklov.conditions:fits",
         "bobylev_steklov.top:BobylevSteklov",
         "bobylev_steklov.conditions:misfit",
+        "bobylev_steklov.special:special",
     ),
     Family(
         "grioli",
@@ -195,8 +203,15 @@ FAMILIES = (
         "goryachev_chaplygin.conditions:fits",
         "goryachev_chaplygin.top:GoryachevChaplyginTop",
         "goryachev_chaplygin.conditions:misfit",
+        "goryachev_chaplygin.special:special",
     ),
-    Family("hess", "hess.conditions:fits", "hess.top:HessTop", "hess.conditions:misfit"),
+    Family(
+        "hess",
+        "hess.conditions:fits",
+        "hess.top:HessTop",
+        "hess.conditions:misfit",
+        "hess.special:special",
+    ),
     Family(
         "steklov",
         "steklov.conditions:fits",
@@ -250,12 +265,29 @@ def misfit(scene: Scene, kind: str) -> Misfit | None:
 
 
 def near(scene: Scene, within: Fraction = _NEAR) -> list[tuple[str, Misfit]]:
-    """The families that a scene misses by no more than ``within``, each with its Misfit."""
-    found, principal = [], in_principal_axes(scene)
+    """The families, and special motions of its own, that a scene is near to, each with its Misfit.
+
+    Near: all conditions hold up to ``within``, but not all of them exactly.  A special motion is
+    named "family, motion"; its family is the first that fits.
+    """
+    found, special = [], None
+    principal = in_principal_axes(scene)
     for family in FAMILIES:
         missed: Misfit | None = _code(family.misfit)(principal)
-        if missed is not None and missed.off is not None and missed.off <= within:
+        if missed is None and special is None:
+            special = family
+        elif missed is not None and missed.within(within):
             found.append((family.name, missed))
+    if special is not None and special.special:
+        motions = _code(special.special)(principal)
+        found = [
+            *(
+                (f"{special.name}, {name}", miss)
+                for name, miss in motions
+                if miss is not None and miss.within(within)
+            ),
+            *found,
+        ]
     return found
 
 

@@ -61,7 +61,7 @@ def described(scene: Scene) -> dict[str, Any]:
 
 
 def _near(scene: Scene) -> dict[str, Any]:
-    """The closed forms that the scene is near to, besides its own, and the condition that fails."""
+    """Families and special motions that the scene is near to, and the condition that fails."""
     found = [f"{name}: {missed}" for name, missed in near(scene)]
     return {"near": found} if found else {}
 

@@ -188,7 +188,7 @@ def shortfall(conditions: Conditions, scene: PrincipalScene) -> Misfit | None:
     """
     if scene.gamma is None or is_zero(scene.torque):
         return Misfit("a body on which the weight has a moment")
-    best, least, order = _NOT_REAL, math.inf, (0, 1, 2)
+    best, least = Misfit(_NOT_REAL.text), math.inf
     for axes in ALL_AXES:
         placed = axes.placed(scene.moments, scene.torque, scene.omega, scene.gamma)
         failing = _failing(conditions, placed, least)
@@ -197,9 +197,25 @@ def shortfall(conditions: Conditions, scene: PrincipalScene) -> Misfit | None:
         worst = max(log10(condition.off) for condition in failing)
         if worst < least:
             first = leading([(condition.text, condition.off) for condition in failing])
-            best = next(c for c in failing if (c.text, c.off) == first)
-            least, order = worst, axes.order
-    return Misfit(best.text, best.off, order) if best.graded else Misfit(best.text)
+            assert first is not None
+            graded = any(c.graded for c in failing if c.text == first.condition)
+            best = first._replace(order=axes.order) if graded else Misfit(first.condition)
+            least = worst
+    return best
+
+
+def missing(*conditions: Condition) -> Misfit | None:
+    """By how much conditions fail together; None where all hold, or an ungraded one fails."""
+    failing = [(c.text, c.off) for c in conditions if not c.holds]
+    if any(not (c.holds or c.graded) for c in conditions):
+        return None
+    return leading(failing)
+
+
+def size_of(scene: PrincipalScene) -> Exact:
+    """:attr:`Placed.speed` of a scene in its own principal axes."""
+    assert scene.gamma is not None
+    return Placed(scene.moments, scene.torque, scene.omega, scene.gamma).speed
 
 
 def _failing(conditions: Conditions, placed: Placed, least: float) -> list[Condition]:

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from polhode.closed_forms.families import leading
+from polhode.closed_forms.families import Misfit, leading
 from polhode.closed_forms.functions.rounding import log2, number
 from polhode.closed_forms.principal_scene import PrincipalScene, Rows, of_start
 from polhode.numbers.exact import Exact, sign, sqrt
@@ -35,14 +35,14 @@ def third_axis(moments: Vector, torque: Vector) -> int | None:
     return None
 
 
-def failure(scene: PrincipalScene) -> tuple[str, Exact | None] | None:
+def failure(scene: PrincipalScene) -> Misfit | None:
     """The condition that body and start do not meet, and by how much; None where they belong.
 
     A pendulum about the third axis (p = q = gamma3 = 0) is left to the pendulum.
     """
     moments, torque, omega, gamma = scene.moments, scene.torque, scene.omega, scene.gamma
     if gamma is None or is_zero(torque):
-        return "a weight that has a moment about the fixed point", None
+        return Misfit("a weight that has a moment about the fixed point")
     k = third_axis(moments, torque)
     momentum = tuple(x * y for x, y in zip(moments, omega, strict=True))
     area = _dot(momentum, gamma)
@@ -53,7 +53,7 @@ def failure(scene: PrincipalScene) -> tuple[str, Exact | None] | None:
         return leading(failing)
     i, j = (k + 1) % 3, (k + 2) % 3
     if is_zero((omega[i], omega[j], gamma[k])):
-        return "a motion that is not a pendulum's about the third axis", None
+        return Misfit("a motion that is not a pendulum's about the third axis")
     return None
 
 

@@ -18,7 +18,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-from polhode.closed_forms.families import leading
+from polhode.closed_forms.families import Misfit, leading
 from polhode.closed_forms.functions.rounding import log2
 from polhode.closed_forms.principal_scene import PrincipalScene, Rows, of_start
 from polhode.numbers.exact import ONE, Exact, sign, sqrt
@@ -35,17 +35,17 @@ PLANE = (LIBRATION, ROTATION, SEPARATRIX)
 CONES = (CONE_TURNING, CONE_TENDING, CONE_LIMIT)
 
 
-def failure(scene: PrincipalScene) -> tuple[str, Exact | None] | None:
+def failure(scene: PrincipalScene) -> Misfit | None:
     """The condition that body and start do not meet, and by how much; None where they belong.
 
     ``gamma`` is free.
     """
     moments, torque, omega = scene.moments, scene.torque, scene.omega
     if scene.gamma is None or is_zero(torque):
-        return "a weight that has a moment about the fixed point", None
+        return Misfit("a weight that has a moment about the fixed point")
     order = _ranked(moments)
     if order is None:
-        return "three different principal moments", None
+        return Misfit("three different principal moments")
     i, j, k = order
     A, B, C = moments[i], moments[j], moments[k]
     square = dot(torque, torque)
@@ -63,7 +63,7 @@ def failure(scene: PrincipalScene) -> tuple[str, Exact | None] | None:
     if failing:
         return leading(failing)
     if is_zero(omega) and is_zero(cross(scene.gamma, torque)):
-        return "a body that is not in equilibrium", None
+        return Misfit("a body that is not in equilibrium")
     return None
 
 

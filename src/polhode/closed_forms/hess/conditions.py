@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms.families import Misfit, misfit_of
+from polhode.closed_forms.families import Misfit
 from polhode.closed_forms.hess.axes import failure
 from polhode.closed_forms.principal_scene import PrincipalScene
 
@@ -14,4 +14,4 @@ def fits(scene: PrincipalScene) -> bool:
 
 def misfit(scene: PrincipalScene) -> Misfit | None:
     """The condition that body and start do not meet, and by how much."""
-    return misfit_of(failure(scene))
+    return failure(scene)

@@ -216,9 +216,14 @@ def curve(start: KovalevskayaStart, prec: int) -> KovalevskayaCurve:
 
     Raises Unresolved where the branch points do not stand apart.
     """
-    with mpmath.workprec(prec):
-        points = (*cubic_roots(start, prec), *_ends(start, prec))
+    points = branch_points(start, prec)
     return KovalevskayaCurve(points, _numbered(points))
+
+
+def branch_points(start: KovalevskayaStart, prec: int) -> tuple[Any, ...]:
+    """e1, e2, e3, k, -k with ``prec`` bits."""
+    with mpmath.workprec(prec):
+        return (*cubic_roots(start, prec), *_ends(start, prec))
 
 
 def _ends(start: KovalevskayaStart, prec: int) -> tuple[Any, Any]:

@@ -81,6 +81,13 @@ def passes_poles(start: KovalevskayaStart) -> bool:
     return sign(side * side - k2 * a2 * a2) == 0
 
 
+def discriminant(start: KovalevskayaStart) -> Exact:
+    """disc S; S = s^3 + H s^2 + c s + d."""
+    H, c = start.H, start.b
+    d = H * c - 2 * start.m2
+    return 18 * H * c * d - 4 * H * H * H * d + H * H * c * c - 4 * c * c * c - 27 * d * d
+
+
 def _degenerate(start: KovalevskayaStart) -> str | None:
     """The name of a motion on a degenerate curve, k > 0; None where the curve is none.
 
@@ -91,8 +98,7 @@ def _degenerate(start: KovalevskayaStart) -> str | None:
     side = 2 * m2 - H * a2  # S(k) = k a^2 - side, S(-k) = -k a^2 - side
     at_k = passes_poles(start)
     c, d = b, H * b - 2 * m2  # s^3 + H s^2 + c s + d
-    disc = 18 * H * c * d - 4 * H * H * H * d + H * H * c * c - 4 * c * c * c - 27 * d * d
-    twice = sign(disc) == 0
+    twice = sign(discriminant(start)) == 0
     if not at_k and not twice:
         return None
     if at_k and twice:

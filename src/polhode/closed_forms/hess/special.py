@@ -1,0 +1,26 @@
+"""The special motions on Hess's surface that another one is near to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from polhode.closed_forms.attitude.normal_form import equal, missing
+from polhode.closed_forms.families import Misfit
+from polhode.closed_forms.hess.axes import start
+from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.numbers.exact import ZERO, sign, sqrt
+
+
+def special(scene: PrincipalScene) -> Iterator[tuple[str, Misfit | None]]:
+    """Each special motion and by how much this one misses it; symbols as in :mod:`.axes`."""
+    assert scene.gamma is not None
+    s = start(scene.moments, scene.torque, scene.omega, scene.gamma, None)
+    (M2, M3), (g2, g3) = s.Z, s.g
+    square, level = M2 * M2 + M3 * M3, g2 * g2 + g3 * g3
+    if sign(s.f) == 0:
+        yield "separatrix", missing(equal("h = |Mg r0|", s.h, s.P))
+        return
+    yield "f = 0", missing(equal("Iw.gamma = 0", s.f, ZERO, sqrt(square)))
+    along = equal("gamma1' = 0", g2 * M3 - g3 * M2, ZERO, sqrt(square))
+    even = equal("gamma1'' = 0", s.u * square, -s.P * level, square + s.P)
+    yield "steady cone", missing(along, even)
