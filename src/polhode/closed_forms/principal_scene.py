@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple, TypeAlias
 
-from polhode.numbers.exact import Exact
-from polhode.scenes.body import IDENTITY, Vector
+from polhode.numbers.exact import Exact, sqrt
+from polhode.scenes.body import IDENTITY, Vector, dot
 from polhode.scenes.scene import Scene
 
 
@@ -25,6 +25,11 @@ class PrincipalScene(NamedTuple):
 
 #: Row i is an axis of a body or of a motion in the scene's axes.
 Rows: TypeAlias = tuple[tuple[Exact, ...], ...]
+
+
+def squared_momentum_of_weight(moments: Vector, torque: Vector) -> Exact:
+    """The size of |Iw|^2 that the weight makes of rest: the largest moment times |Mg r0|."""
+    return max(moments) * sqrt(dot(torque, torque))
 
 
 def of_start(

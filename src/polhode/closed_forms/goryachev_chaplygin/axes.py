@@ -21,7 +21,12 @@ from typing import Any
 
 from polhode.closed_forms.families import Misfit, leading
 from polhode.closed_forms.functions.rounding import log2, number
-from polhode.closed_forms.principal_scene import PrincipalScene, Rows, of_start
+from polhode.closed_forms.principal_scene import (
+    PrincipalScene,
+    Rows,
+    squared_momentum_of_weight,
+    of_start,
+)
 from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.scenes.body import Vector, is_zero
 
@@ -48,7 +53,8 @@ def failure(scene: PrincipalScene) -> Misfit | None:
     area = _dot(momentum, gamma)
     failing = [] if k is not None else [_body_failure(moments, torque)]
     if sign(area) != 0:
-        failing.append(("f = Iw.gamma = 0 over |Iw|", area / sqrt(_dot(momentum, momentum))))
+        size = sqrt(max(_dot(momentum, momentum), squared_momentum_of_weight(moments, torque)))
+        failing.append(("f = Iw.gamma = 0", area / size))
     if k is None or failing:
         return leading(failing)
     i, j = (k + 1) % 3, (k + 2) % 3

@@ -20,7 +20,12 @@ from fractions import Fraction
 
 from polhode.closed_forms.families import Misfit, leading
 from polhode.closed_forms.functions.rounding import log2
-from polhode.closed_forms.principal_scene import PrincipalScene, Rows, of_start
+from polhode.closed_forms.principal_scene import (
+    PrincipalScene,
+    Rows,
+    squared_momentum_of_weight,
+    of_start,
+)
 from polhode.numbers.exact import ONE, Exact, sign, sqrt
 from polhode.scenes.body import Vector, cross, dot, is_zero, scaled
 
@@ -54,12 +59,13 @@ def failure(scene: PrincipalScene) -> Misfit | None:
     )
     momentum: Vector = (moments[0] * omega[0], moments[1] * omega[1], moments[2] * omega[2])
     along = dot(momentum, torque)
+    size = max(dot(momentum, momentum), squared_momentum_of_weight(moments, torque))
     misses = [
         ("r0 at right angles to the middle axis", torque[j], square),
         ("(B/C - 1) T1^2 = (1 - B/A) T3^2 in units of |T|^2", miss, ONE),
-        ("Iw at right angles to r0", along, square * dot(momentum, momentum)),
+        ("Iw at right angles to r0", along, square * size),
     ]
-    failing = [(name, off / sqrt(size)) for name, off, size in misses if sign(off) != 0]
+    failing = [(name, off / sqrt(whole)) for name, off, whole in misses if sign(off) != 0]
     if failing:
         return leading(failing)
     if is_zero(omega) and is_zero(cross(scene.gamma, torque)):

@@ -20,7 +20,8 @@ def special(scene: PrincipalScene) -> Iterator[tuple[str, Misfit | None]]:
     if sign(s.f) == 0:
         yield "separatrix", missing(equal("h = |Mg r0|", s.h, s.P))
         return
-    yield "f = 0", missing(equal("Iw.gamma = 0", s.f, ZERO, sqrt(square)))
-    along = equal("gamma1' = 0", g2 * M3 - g3 * M2, ZERO, sqrt(square))
+    size = sqrt(max(square, s.P))
+    yield "f = 0", missing(equal("Iw.gamma = 0", s.f, ZERO, size))
+    along = equal("gamma1' = 0", g2 * M3 - g3 * M2, ZERO, size)
     even = equal("gamma1'' = 0", s.u * square, -s.P * level, square + s.P)
     yield "steady cone", missing(along, even)
