@@ -23,8 +23,8 @@ from polhode.closed_forms.functions.rounding import log2
 from polhode.closed_forms.principal_scene import (
     PrincipalScene,
     Rows,
-    squared_momentum_of_weight,
     of_start,
+    squared_momentum_of_weight,
 )
 from polhode.numbers.exact import ONE, Exact, sign, sqrt
 from polhode.scenes.body import Vector, cross, dot, is_zero, scaled
