@@ -106,6 +106,17 @@ def test_what_is_expected_is_what_is_had(name, number):
     assert -0.5 < had - run.expected.digits[-1] < 1.5
 
 
+@pytest.mark.parametrize("name", ["euler/long", "lagrange/nutation", "kovalevskaya/generic"])
+@pytest.mark.parametrize("end", [1000, 30_000])
+def test_a_run_kept_on_its_torus_is_expected_to_lose_less(name, end):
+    """Not the 3/2 power of the time, by which half of the digits would be gone at 240 000."""
+    run = polhode.integrate(name, at=[end])
+    assert run.projection.count > 0
+    assert -0.8 < polhode.compare(run).worst - run.expected.digits[-1] < 1.6
+    bare = polhode.integrate(name, at=[end], project=False)
+    assert run.expected.digits[-1] > bare.expected.digits[-1] + (0.3 if end == 1000 else 1.0)
+
+
 def test_a_state_that_stands_still_loses_nothing():
     run = once("euler/rest")
     assert min(run.expected.digits) == run.number.most_digits

@@ -314,7 +314,7 @@ def test_a_chaotic_run_past_its_digits_is_given_no_number():
         (14.0, (11.9, 12.4, 13.0), 15.0, math.inf, "conditioning"),
         (11.8, (11.9, 12.4, 13.0), 12.4, math.inf, "method (of it)"),
         (13.8, (13.9, 14.4, 15.0), 14.0, math.inf, "method (of it)"),
-        (11.9, None, None, math.inf, "method (of it)"),
+        (11.9, None, None, math.inf, limits.UNKNOWN),
         (11.8, (11.9, 12.4, 13.0), 12.4, 12.5, "reference"),
         (0.1, (0.0, 0.0, 0.0), 0.0, 30.0, "conditioning"),
     ],

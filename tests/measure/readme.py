@@ -85,8 +85,8 @@ def _engine(motions: Any) -> str:
     most = max(row["overhead_most"] for row in rows)
     return (
         f"Beside heyoka written by hand a run to t = 1000 at the tolerance eps takes {tight} times "
-        f"as long, a looser one up to {most:.2g} times: for checking the scene, exact output times, "
-        "and putting the state back on its integrals."
+        f"as long, a looser one up to {most:.2g} times: for checking the scene, exact output "
+        "times, and putting the state back on its integrals."
     )
 
 

@@ -177,8 +177,6 @@ class Judgement(ByValue):
         if cheap in ("rounding", "reference"):  # needs nothing of the motion
             return cheap
         at = self.digits.index(worst)
-        if self.expected[at] is None:
-            steps += "; digits to expect not computed"
         expected, inputs, times = self.expected[at], self.inputs[at], len(self.times)
         return limit(worst, held, expected, inputs, agreement, steps, times)
 

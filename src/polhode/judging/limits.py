@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 LAST = 1.0  # digits: the type's own last ones
 MOTION_TAKES = 2.0  # digits: what the motion takes before it is named
+UNKNOWN = "unknown (the digits to expect were not computed)"
 ALONE = 0.03  # digits: what steps add to an error three times theirs
 
 
@@ -37,14 +38,16 @@ def limit(
     motion takes few.  *inputs*: no fewer than expected, and it is rounding the scene's numbers that
     costs them: the steps add next to nothing.  *conditioning*: no fewer than expected; any method
     that rounds its state at each step in this type loses as much.  *method*: fewer than nineteen in
-    twenty such runs have at their worst time; ``steps`` says what the method does.  Where nothing
-    is known of what to expect, it is the method.
+    twenty such runs have at their worst time; ``steps`` says what the method does.  *unknown*:
+    what to expect was not computed, for the motion is too long.
     """
     if reference < digits + LAST:
         return "reference"
     if digits >= held - LAST:
         return "rounding"
-    if expected is None or digits < expected.least - selected(times):
+    if expected is None:
+        return UNKNOWN
+    if digits < expected.least - selected(times):
         return f"method ({steps})"
     if expected.middle >= held - MOTION_TAKES:
         return "rounding"
