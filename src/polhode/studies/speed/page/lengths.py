@@ -120,7 +120,7 @@ def finding(cells: Sequence[dict[str, Any]]) -> str:
 
 def beside_engine(cells: Sequence[dict[str, Any]]) -> str:
     """polhode's time over that of heyoka written by hand, medians, by length of the run."""
-    told = []
+    told: list[str] = []
     for end in sorted({cell["end"] for cell in cells}):
         here = [
             1 / m["factor"][0]
