@@ -165,4 +165,4 @@ def test_the_verb_tells_them(tmp_path, capsys):
     assert main(["section", "lagrange/nutation", "--grid", "2x1", "--crossings", "3"]) == 0
     printed = capsys.readouterr()
     assert printed.out.splitlines()[0].split() == ["orbit", "crossing", "t", "l", "L/G", "digits"]
-    assert "every crossing has 1" in printed.err
+    assert "digits or more are to be expected of every crossing" in printed.err

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import time
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -185,6 +186,12 @@ def test_backward_and_forward_are_the_same_motion() -> None:
         (Fraction(2, 3), 0.6, ""),
         (Fraction(9999999, 10**7), 1e-9, "0.99999990"),
         (Fraction(1, 7), float("inf"), ""),
+        (Fraction(8079370361), 20.0, "8.079370e+09"),
+        (Fraction(-8079370361) * 10**60, 1e61, "-8.0793704e+69"),
+        (Fraction(96), 3.0, "1e+02"),
+        (Fraction(1, 3 * 10**40), 1e-45, "3.333e-41"),
+        (Fraction(0), 1e9, ""),
+        (Fraction(7, 10**6), 1e-9, "0.00000700"),
     ],
 )
 def test_a_ball_prints_the_digits_that_all_its_numbers_round_to(
@@ -196,13 +203,14 @@ def test_a_ball_prints_the_digits_that_all_its_numbers_round_to(
 def test_printed_digits_are_those_of_every_number_in_the_ball() -> None:
     rng = random.Random(5)
     for _ in range(500):
-        centre = Fraction(rng.randrange(-(10**12), 10**12), 10 ** rng.randrange(6, 14))
-        radius = 10.0 ** rng.uniform(-9, 1)
+        size = Fraction(10) ** rng.choice([-60, 0, 0, 60])  # units of any size
+        centre = size * Fraction(rng.randrange(-(10**12), 10**12), 10 ** rng.randrange(6, 14))
+        radius = float(size) * 10.0 ** rng.uniform(-9, 1)
         text = guaranteed(centre, radius)
         if not text:
-            assert radius > 0.01
+            assert radius > abs(centre) / 20
             continue
-        unit = Fraction(1, 10 ** len(text.partition(".")[2]))
+        unit = Fraction(10) ** Decimal(text).as_tuple().exponent
         for part in (-1, -0.5, 0, 0.3, 1):
             assert abs(centre + Fraction(part) * Fraction(radius) - Fraction(text)) <= unit / 2
 

@@ -50,6 +50,42 @@ def test_json_has_balls_that_hold_the_truth(capsys: pytest.CaptureFixture[str]) 
     assert all(float(error) <= 1e-18 for error in answer["error"])
 
 
+@pytest.mark.parametrize("rate", [75, -75])
+def test_proven_numbers_of_any_size_are_printed(rate, tmp_path, capsys) -> None:
+    """Rates of 1e75: not one digit before the point that is proven may be left out, nor a cell."""
+    top = tmp_path / "top.toml"
+    top.write_text(
+        'schema = 1\nbody = { moments = [1, 2, 3], weight = 0 }\nrun.end = "1e-80"\n'
+        f'start = {{ omega = ["1e{rate}", "2e{rate}", "1e{rate}"], gamma = [0, "3/5", "4/5"] }}\n'
+    )
+    end = f"3e{-rate}"
+    code, out, _ = run(capsys, "reference", str(top), "--at", end, "--digits", "15", "--certified")
+    assert code == 0
+    (row,) = ([float(x) for x in line.split()[1:]] for line in out.splitlines()[1:])
+    (exact,) = polhode.reference(str(top)).at([end], digits=20)
+    assert row == pytest.approx([float(x) for x in exact], rel=1e-13)
+    assert max(len(text) for text in out.splitlines()[1].split()[1:]) < 30
+
+
+def test_a_zero_at_the_start_is_no_event_and_where_a_proof_is_open_is_told(
+    tmp_path, capsys
+) -> None:
+    top = tmp_path / "top.toml"
+    top.write_text(
+        "schema = 1\nbody = { moments = [1, 1.2, 0.5], centre = [0, 0, 1], weight = 1 }\n"
+        'start = { angles = [0, "pi/2", 0], rates = [0, 1, 4] }\nrun.end = 2\n'
+        '[[events]]\nname = "equator"\n'
+    )
+    arguments = ("--at", "2", "--digits", "12", "--certified", "--events")
+    code, _, err = run(capsys, "reference", str(top), *arguments)
+    assert code == 0
+    assert "event equator: 1 proven at t = 1.64484294505897" in err
+    assert "; undecided from 0 to 0." in err
+    for number in ("double", "quad"):
+        (found,) = polhode.integrate(str(top), number).events
+        assert [round(float(t), 12) for t in found.times] == [1.644842945059]
+
+
 def test_more_digits_than_can_be_proven_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = run(capsys, "reference", CASE, "--at", "1", "--digits", "400", "--certified")
     assert code == 2

@@ -10,7 +10,7 @@ import polhode
 from polhode import cli
 from polhode.judging import assured
 from polhode.judging.digits import worst_digits
-from polhode.numbers.number_types import mp
+from polhode.numbers.number_types import DOUBLE, mp
 from polhode.runs.integrate import integrate as once
 from polhode.taylor.outcomes import Outcome
 
@@ -104,6 +104,24 @@ def test_what_is_expected_is_what_is_had(name, number):
     run = once(name, number, project=False, method="taylor")
     had = polhode.compare(run).digits[-1]
     assert -0.5 < had - run.expected.digits[-1] < 1.5
+
+
+@pytest.mark.parametrize("name", ["euler/long", "lagrange/nutation", "kovalevskaya/generic"])
+@pytest.mark.parametrize("end", [1000, 30_000])
+def test_a_run_kept_on_its_torus_is_expected_to_lose_less(name, end):
+    """Not the 3/2 power of the time, by which half of the digits would be gone at 240 000."""
+    run = polhode.integrate(name, at=[end])
+    assert run.projection.count > 0
+    assert -0.8 < polhode.compare(run).worst - run.expected.digits[-1] < 1.6
+    bare = polhode.integrate(name, at=[end], project=False)
+    assert run.expected.digits[-1] > bare.expected.digits[-1] + (0.3 if end == 1000 else 1.0)
+
+
+def test_half_of_the_digits_are_told_to_be_gone_where_they_are():
+    said = polhode.integrate("euler/separatrix", at=[400]).expected
+    assert said.halved_after < said.lost_after < 400
+    (left,) = polhode.integrate("euler/separatrix", at=[said.halved_after]).expected.digits
+    assert abs(left - DOUBLE.most_digits / 2) < 0.5
 
 
 def test_a_state_that_stands_still_loses_nothing():

@@ -9,6 +9,7 @@ import pytest
 
 import polhode
 from polhode.equations.equilibrium import at_rest
+from polhode.judging.limits import selected
 from polhode.numbers import exact, number_types
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.numbers.private import mpmath
@@ -157,7 +158,8 @@ def test_the_committed_study_names_the_reason_of_every_run_that_stays_behind():
         for run in case["runs"]:
             assert run["outcome"] == "reached end"
             if run["behind"] is not None and run["behind"] > 0:
-                assert run["limit"].startswith(("method", "rounding"))
+                chance = run["behind"] <= selected(run.get("times", 1))
+                assert chance or run["limit"].startswith(("method", "rounding"))
                 assert run["inputs"] is not None
     assert all(row["changed"] == 0 for row in found["units"])
     assert {row["number"] for row in found["units"]} == {*number_types.NAMES[:3]}

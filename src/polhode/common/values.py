@@ -55,14 +55,23 @@ class _Packed(NamedTuple):
 
 
 def packed(value: Any) -> Any:
-    """A value with every mpf in lists, tuples and arrays made ready for pickling."""
+    """A value with every mpf in lists, tuples, NamedTuples and arrays made ready for pickling."""
     if (raw := getattr(value, "_mpf_", None)) is not None:
         return _Packed(tuple(int(x) for x in raw))  # type: ignore[arg-type]
     if type(value) in (list, tuple):
         return type(value)(map(packed, value))
+    if isinstance(value, tuple) and hasattr(value, "_fields"):  # a NamedTuple
+        return _PackedRow(type(value), [packed(x) for x in value])
     if hasattr(value, "dtype") and value.dtype.kind == "O":
         return _PackedArray(value.shape, packed(value.ravel().tolist()))
     return value
+
+
+class _PackedRow(NamedTuple):
+    """A NamedTuple for pickling."""
+
+    kind: type
+    values: list[Any]
 
 
 class _PackedArray(NamedTuple):
@@ -78,6 +87,8 @@ def unpacked(value: Any) -> Any:
         from mpmath import mp
 
         return mp.make_mpf(value.raw)
+    if isinstance(value, _PackedRow):
+        return value.kind(*map(unpacked, value.values))
     if isinstance(value, _PackedArray):
         import numpy as np
 

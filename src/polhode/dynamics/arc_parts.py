@@ -154,8 +154,12 @@ def morse_index(body: RationalBody, s: fmpq, squares: Sequence[fmpq], d: fmpq) -
 
 
 def is_root(root: Root, a: Fraction) -> bool:
-    """Whether an isolated root of a polynomial that vanishes at a is a."""
-    return bool(root.ball.contains(arb(rational(a))))
+    """Whether an isolated root of a polynomial that vanishes at a is a.
+
+    Both are balls, that of a tenth as well: that they overlap is enough, for a root's ball holds
+    no other one, and ``a`` is one.
+    """
+    return bool(root.ball.overlaps(arb(rational(a))))
 
 
 def value_at(polynomial: Polynomial, s: arb) -> arb:

@@ -24,6 +24,7 @@ from typing import Any
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
+from polhode.common.values import ByValue
 from polhode.dynamics import chaos_motions
 from polhode.dynamics.first_tangents import tangents_of
 from polhode.dynamics.jobs import Progress, carried_out
@@ -44,8 +45,8 @@ VERDICTS = ("regular", "undecided", "chaotic")
 MOST = 10_000_000  # units of time
 
 
-@dataclass(frozen=True, repr=False)
-class ChaosMap:
+@dataclass(frozen=True, repr=False, eq=False)
+class ChaosMap(ByValue):
     """Verdicts of many motions: arrays with a row a motion.
 
     ``keys``: what the two coordinates are; ``at`` (n, 2): theirs.  ``shape``: cells of the grid,

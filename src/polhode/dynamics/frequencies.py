@@ -15,6 +15,7 @@ import numpy as np
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, nearest
 from polhode.common.provenance import provenance
+from polhode.common.values import ByValue
 from polhode.dynamics import laskar
 from polhode.judging.assured import integrate
 from polhode.judging.reference import reference
@@ -57,8 +58,8 @@ class Line(NamedTuple):
     combination: Mapping[str, int]
 
 
-@dataclass(frozen=True, repr=False)
-class Frequencies:
+@dataclass(frozen=True, repr=False, eq=False)
+class Frequencies(ByValue):
     """The lines of each signal, strongest first, in radians per unit of time.
 
     ``known``: frequencies by name that the lines are combinations of: a closed form's where
@@ -153,12 +154,14 @@ def _names(source: str, of: Sequence[str] | None, scene: Scene | None) -> tuple[
 
 def _fastest(scene: Scene) -> float:
     """A rate that |w| hardly exceeds: its bound by the energy."""
-    body = scene.body
-    torque = math.sqrt(sum(to_double(x) ** 2 for x in body.torque))
-    least = min(to_double(a) for a in body.moments)
-    energy = to_double(scene.integrals.energy) + (torque if scene.gamma is not None else 0.0)
-    slow = math.sqrt(torque / max(to_double(a) for a in body.moments))
-    return max(math.sqrt(max(0.0, 2 * energy / least)), slow) or 1.0
+    body, unit = scene.body, Fraction(2) ** scene.time_unit
+    largest = max(body.moments)  # and the run's unit of time: all numbers are of order one
+    torque = math.sqrt(sum(to_double(unit * unit * x / largest) ** 2 for x in body.torque))
+    least = to_double(min(body.moments) / largest)
+    energy = to_double(unit * unit * scene.integrals.energy / largest)
+    energy += torque if scene.gamma is not None else 0.0
+    fastest = max(math.sqrt(max(0.0, 2 * energy / least)), math.sqrt(torque))
+    return math.ldexp(fastest, -scene.time_unit) or 1.0
 
 
 def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:

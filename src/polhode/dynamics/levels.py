@@ -6,15 +6,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, NamedTuple
-
-from flint import arb
+from typing import NamedTuple
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
+from polhode.common.values import ByValue
 from polhode.dynamics import arc_parts, permanent, reduced
-from polhode.dynamics.arc_parts import FIRST, RationalBody, Segment
+from polhode.dynamics.arc_parts import RationalBody, Segment
+from polhode.dynamics.arc_points import points
 from polhode.dynamics.fourth_integral import FourthIntegral, fourth_integral
 from polhode.dynamics.permanent import Arc
 from polhode.dynamics.reduced import Doubles, Region, Undecided
@@ -28,9 +28,7 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 
 DIGIT_BITS = 128  # of what is isolated exactly: 38 digits
-SAMPLES = 257  # points of a curve's piece
 COLUMNS = 48  # of the regions of a diagram
-_CLUSTER = 14.0  # pieces are followed to e^-14 of their length from an open end
 
 
 class Mark(NamedTuple):
@@ -87,8 +85,8 @@ class Here(NamedTuple):
     fourth: FourthIntegral | None
 
 
-@dataclass(frozen=True, repr=False)
-class Levels:
+@dataclass(frozen=True, repr=False, eq=False)
+class Levels(ByValue):
     """The diagram of a body, and where a scene lies in it; f and -f mirror each other.
 
     ``exact``: whether the body's numbers and the scene's level are rational, so that types, cusps
@@ -219,72 +217,5 @@ def _curve(arc: Arc, segment: Segment) -> Curve:
         segment.morse,
         ends[0],
         ends[1],
-        _points(arc, segment),
+        points(arc, segment),
     )
-
-
-def _points(arc: Arc, segment: Segment) -> Doubles:
-    """f and h on a piece, denser towards its ends."""
-    import numpy as np
-
-    rising = np.linspace(-_CLUSTER, _CLUSTER, SAMPLES)
-    first, last = (None if x is None else float(x) for x in (segment.first, segment.last))
-    body = arc.body
-    if first is not None and last is not None:
-        nearer = 1 / (1 + np.exp(np.abs(rising)))  # the part of the length to the nearer end
-        at = np.where(rising < 0, first + (last - first) * nearer, last - (last - first) * nearer)
-    elif last is not None:  # first family, s -> -inf
-        at = last - (abs(last) or 1.0) * np.exp(-rising)
-    else:
-        assert first is not None
-        length = first or _om_scale(body)
-        at = first + length * np.exp(rising if arc.family == FIRST else rising / 2)
-    f, h = _f_and_h(arc, at)
-    closed = _closed_ends(arc, segment)
-    rows = [*closed[0], *zip(f, h, strict=True), *closed[1]]
-    return np.array([row for row in rows if all(map(np.isfinite, row))], dtype=float).reshape(-1, 2)
-
-
-def _om_scale(body: RationalBody) -> float:
-    """A rate of turning, where nothing but the unit of time says one."""
-    torque = float(sum((t * t for t in body.torque), Fraction(0))) ** 0.5
-    return float((torque / float(max(body.moments))) ** 0.5) or 1.0
-
-
-def _f_and_h(arc: Arc, at: Doubles) -> tuple[Doubles, Doubles]:
-    """f and h at many parameters, in doubles."""
-    import numpy as np
-
-    moments = np.array([float(x) for x in arc.body.moments])
-    torque = np.array([float(x) for x in arc.body.torque])
-    with np.errstate(all="ignore"):
-        if arc.family == FIRST:
-            heavy = torque != 0
-            v = torque[heavy] / (moments[heavy] - at[:, None])
-            square = (v * v).sum(axis=1)
-            inertia = (moments[heavy] * v * v).sum(axis=1)
-            f = inertia / square**0.75
-            return f, (inertia / 2 + (torque[heavy] * v).sum(axis=1)) / np.sqrt(square)
-        a = moments[arc.axis]
-        others = (torque != 0) & (moments != a)
-        excess = float((torque[others] ** 2 / (moments[others] - a)).sum())
-        return at * a + excess / at**3, at**2 * a / 2 + 1.5 * excess / at**2
-
-
-def _closed_ends(arc: Arc, segment: Segment) -> tuple[list[Any], list[Any]]:
-    """The ends that belong to the piece, as rows (f, h): special points, and a family's start."""
-    ends: list[list[Any]] = [[], []]
-    for k, end in enumerate((segment.first, segment.last)):
-        for special in arc.special:
-            if end is special.at.parameter or (
-                end is not None and _same(end, special.at.parameter)
-            ):
-                ends[k] = [(float(special.at.f), float(special.at.h))]
-        if k == 0 and arc.family != FIRST and end is not None and end > 0:
-            point = arc.at(end)
-            ends[k] = [(float(point.f), float(point.h))]
-    return ends[0], ends[1]
-
-
-def _same(a: arb, b: arb) -> bool:
-    return bool(a.overlaps(b))

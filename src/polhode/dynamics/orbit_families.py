@@ -12,6 +12,7 @@ import numpy as np
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, nearest
 from polhode.common.provenance import provenance
+from polhode.common.values import ByValue
 from polhode.dynamics.closing import Closed, NotClosed, at_level, closed
 from polhode.dynamics.continuation import BY, FIRST_STEP, TARGET, Arc, Member, stepped
 from polhode.dynamics.orbits import DIGITS, Orbit, Tell, completed, kind_of, orbit
@@ -59,7 +60,7 @@ class Bifurcation(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class OrbitFamily:
+class OrbitFamily(ByValue):
     """Periodic orbits along a curve on which h (or f) changes and f (or h) is held.
 
     ``by``: h or f.  ``points``: from the first orbit on.  ``bifurcations``: in the order in which

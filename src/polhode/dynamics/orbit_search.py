@@ -16,6 +16,7 @@ import numpy as np
 
 from polhode.common.arguments import cells, whole
 from polhode.common.provenance import provenance
+from polhode.common.values import ByValue
 from polhode.dynamics import section_states as geometry
 from polhode.dynamics.closing import Closed, NotClosed, at_level, closed
 from polhode.dynamics.orbit_families import FamilyPoint, point_of
@@ -49,7 +50,7 @@ class Guess(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class OrbitSearch:
+class OrbitSearch(ByValue):
     """The periodic orbits that were found on one level, by rising period.
 
     ``orbits``: each with its period, residue and a state.  ``guesses``: how many were tried.

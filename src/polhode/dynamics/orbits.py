@@ -14,6 +14,7 @@ import numpy as np
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
+from polhode.common.values import ByValue
 from polhode.dynamics import refining
 from polhode.dynamics.azimuth_advance import advance
 from polhode.dynamics.closing import Closed, NotClosed, at_level, closed, is_still
@@ -55,7 +56,7 @@ Tell = Callable[[str], None]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Orbit:
+class Orbit(ByValue):
     """A periodic orbit of (omega, gamma) on one level: its start, its period, its stability.
 
     ``scene``: the found start as an exact scene that ends after one period.  ``period``: exactly

@@ -159,7 +159,7 @@ def _at_rest(body: RationalBody) -> list[Critical]:
 
 
 def _parts(body: RationalBody, below: Sequence[Critical], f: Fraction) -> Region:
-    landscape = _Landscape(body, float(f))
+    landscape = _Landscape(body, f)
     part = list(range(len(below)))
 
     def root(k: int) -> int:
@@ -179,12 +179,13 @@ def _parts(body: RationalBody, below: Sequence[Critical], f: Fraction) -> Region
 class _Landscape:
     """W_f in doubles, scaled to order one."""
 
-    def __init__(self, body: RationalBody, f: float) -> None:
-        self.inertia = np.array([float(a) for a in body.moments])
-        self.torque = np.array([float(t) for t in body.torque])
-        self.f2 = f * f
-        scale = self.f2 / self.inertia.min() + float(np.linalg.norm(self.torque))
-        self.f2, self.torque = self.f2 / scale, self.torque / scale
+    def __init__(self, body: RationalBody, f: Fraction) -> None:
+        largest = max(body.moments)
+        f2 = f * f / largest
+        scale = f2 / min(body.moments) * largest + max(map(abs, body.torque))
+        self.inertia = np.array([float(a / largest) for a in body.moments])
+        self.torque = np.array([float(t / scale) for t in body.torque])
+        self.f2 = float(f2 / scale)
 
     def value(self, g: Doubles) -> float:
         """W_f."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -168,9 +169,11 @@ def _height_start(asked: Asked, on: Any, key: str, row: Sequence[float]) -> Any:
     if not len(found.states):
         inertia = float((gamma[0] ** 2 * on.moments).sum())
         least = on.f**2 / (2 * inertia) + float(gamma[0] @ on.torque)
-        unit = 2.0 ** (2 * asked.scene.time_unit)
         if least > on.h:
-            expected = f"a gamma that the level allows: h is at least {least / unit:.12g} there"
+            body = asked.scene.body
+            unit = to_double(max(body.moments)) / on.moments.max()
+            least = math.ldexp(least * unit, -2 * asked.scene.time_unit)
+            expected = f"a gamma that the level allows: h is at least {least:.12g} there"
         else:
             expected = "a gamma that is not along the centre of mass"
         raise BadInput(name, key, shown_row, expected)

@@ -17,6 +17,7 @@ Without weight e3 is the third principal axis, and y = ±sqrt(2h/kappa - f^2).
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,6 +32,8 @@ from polhode.taylor.variations import Doubles
 class Ground(NamedTuple):
     """A body and a level as doubles, in principal axes and the run's unit of time.
 
+    Moments, torque, h and f are in the scene's unit of mass, or where that is far from the body's,
+    all divided by one power of 2**64: products of several stay in the range of doubles.
     ``frame``: rows e1, e2, e3.  ``weight``: Mg|r0|, its sign that of Mg; 0 without a moment.
     """
 
@@ -61,16 +64,18 @@ class Ground(NamedTuple):
 
 def ground(scene: Scene, h: Exact, f: Exact) -> Ground:
     """Of a scene's body on the level (h, f)."""
-    body, unit = scene.body, 2.0**scene.time_unit
-    moments = np.array([to_double(a) for a in body.moments])
+    body, unit = scene.body, Fraction(2) ** scene.time_unit
+    mantissa, exponent = exact.rounded(max(body.moments), 8)
+    mass = Fraction(2) ** -(64 * round((exponent + mantissa.bit_length()) / 64))
+    moments = np.array([to_double(mass * a) for a in body.moments])
     arm = body.axes.components(body.centre)
     weight = 0.0
     centre = np.array([0.0, 0.0, 1.0])
     if not body.torque_free:
         size = exact.sqrt(exact.total(x * x for x in arm))
-        weight = to_double(body.weight * size) * unit**2
+        weight = to_double(mass * unit * unit * body.weight * size)
         centre = np.array([to_double(x / size) for x in arm])
-    wide = to_extended(h) * unit**2, to_extended(f) * unit
+    wide = to_extended(mass * unit * unit * h), to_extended(mass * unit * f)
     numbers = float(wide[0]), float(wide[1])
     return Ground(moments, _frame(centre), weight, *numbers, *wide)
 

@@ -13,6 +13,7 @@ from typing import Any
 from polhode.common.arguments import whole
 from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
+from polhode.common.values import ByValue
 from polhode.dynamics import crossing_digits, section_jobs
 from polhode.dynamics.jobs import Progress, carried_out
 from polhode.dynamics.kept import Kept
@@ -27,8 +28,8 @@ from polhode.scenes.scene import Scene
 MOST_CROSSINGS = 1_000_000
 
 
-@dataclass(frozen=True, repr=False)
-class Section:
+@dataclass(frozen=True, repr=False, eq=False)
+class Section(ByValue):
     """Crossings of a section by orbits on one level, an orbit a row; nan past an orbit's last one.
 
     ``by``: momentum, height, or an expression.  ``starts`` (n, 2): coordinates of the starts;

@@ -16,6 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
+from polhode.common.values import ByValue
 from polhode.equations.forms import principal
 from polhode.numbers.convert import to_double
 from polhode.numbers.exact import Exact
@@ -27,7 +28,7 @@ from polhode.taylor.variations import Doubles
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class Surface(ByValue):
     """The level (h, f) of a scene's body; ``h`` and ``f`` exact, in the scene's units."""
 
     scene: Scene

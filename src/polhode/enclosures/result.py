@@ -143,17 +143,17 @@ def guaranteed(centre: Fraction, radius: float) -> str:
     """The longest decimal to which every number of a ball rounds: no digit more than is proven.
 
     ``centre`` +- ``radius``.  Zeros alone, as many as are proven, where the ball is around 0.
-    Empty where not even the integer nearest to it is known.
+    Empty where not even the first digit is known.
     """
     if not math.isfinite(radius):
         return ""
     low, high = centre - Fraction(radius), centre + Fraction(radius)
-    places = math.floor(-math.log10(2.0 * radius)) + 1 if radius else 60
-    for n in range(places, max(-1, places - 40), -1):
+    places = math.floor(-math.log10(radius) - math.log10(2.0)) + 1 if radius else 60
+    for n in range(places, places - 40, -1):
         scale = Fraction(10) ** n
         near = round(low * scale)
         if near == round(high * scale):
-            return _positional(near, n)
+            return _written(near, n) if near or n >= 0 else ""
     return ""
 
 
@@ -163,6 +163,16 @@ def _decimal_ball(centre: Fraction, radius: float) -> tuple[str, str]:
     near = round(centre * 10**places)
     wider = Fraction(radius) + abs(centre - Fraction(near, 10**places))
     return _positional(near, places), rounded_up([float(wider) * (1.0 + 1e-9)])[0]
+
+
+def _written(value: int, places: int) -> str:
+    """value·10**-places, with an exponent where that is shorter than many zeros."""
+    digits = str(abs(value))
+    power = len(digits) - 1 - places
+    if value == 0 or (places >= 0 and power > -7):
+        return _positional(value, places)
+    sign, point = "-" * (value < 0), "." * (len(digits) > 1)
+    return f"{sign}{digits[0]}{point}{digits[1:]}e{power:+03d}"
 
 
 def _positional(value: int, places: int) -> str:

@@ -38,11 +38,15 @@ def field(scene: Scene | str | Path) -> Callable[[float, npt.ArrayLike], Doubles
 
 class _Field:
     def __init__(self, scene: Scene) -> None:
+        self._name = scene.name
         body = scene.body
         self.inertia = np.array([[to_double(x) for x in row] for row in body.inertia])
         self.inverse = np.array([[to_double(x) for x in row] for row in inverse(body.inertia)])
         self.torque = np.array([to_double(x) for x in body.torque])
         self.start: Any = np.array([to_double(x) for x in scene.start])
+
+    def __repr__(self) -> str:
+        return f"<field of {self._name}: f(t, y)>"
 
     def __call__(self, t: float, y: npt.ArrayLike) -> Doubles:
         state = np.asarray(y, dtype=np.float64)

@@ -62,8 +62,9 @@ def compare(
     DataFrame or an xarray Dataset; or rows of numbers, which hold at the times ``at`` and have
     the columns ``columns`` (those of the scene unless given).  ``against``: a reference, or the
     scene whose reference it is; of a run its own scene unless given.  ``number`` (and ``digits`` of
-    mp): the type whose rounded values a file's decimals, or the rows, are; rows of doubles are
-    known as such.  ``known``: the scene's conditioning, to spare its computation.
+    mp): the type whose rounded values a file's decimals, or the rows, are; floats, of Python or of
+    arrays (single, double or long double), are known as such.
+    ``known``: the scene's conditioning, to spare its computation.
     ``first``: called with a judgement of a few rows of a file of more than a thousand, and how many
     those are, before the others are judged.  ``workers``: processes that a closed form whose rows
     cost seconds may be asked by (a script that wants more than one is guarded by

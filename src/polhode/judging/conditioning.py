@@ -115,8 +115,8 @@ class Conditioning(ByValue):
         of the type's runs unless given.
         """
         kind = self._kind(number)
-        row = policy.of(kind)
         if every is None:
+            row = policy.of(kind)
             every = row.project_every if row.projected else 0
         both = zip(self._inputs(kind, every), rounding.scatter(self.along, every), strict=True)
         wanted = {k for k in self._places if k is not None}
@@ -270,7 +270,7 @@ def conditioning(
     scene = library.load(scene)
     if times is not None:
         scene = scene.at(times)
-    kind = choose_number(scene, number, None)
+    kind = number if isinstance(number, NumberType) else choose_number(scene, number, None)
     most = steps(scene.name, max_steps)
     along = passage(scene, most, _limit(kind) + _BEYOND)
     return Conditioning(scene, scene.times, kind, along)

@@ -177,9 +177,8 @@ class Judgement(ByValue):
         if cheap in ("rounding", "reference"):  # needs nothing of the motion
             return cheap
         at = self.digits.index(worst)
-        if self.expected[at] is None:
-            steps += "; digits to expect not computed"
-        return limit(worst, held, self.expected[at], self.inputs[at], agreement, steps)
+        expected, inputs, times = self.expected[at], self.inputs[at], len(self.times)
+        return limit(worst, held, expected, inputs, agreement, steps, times)
 
     @property
     def parts(self) -> dict[str, float]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -12,6 +14,7 @@ if TYPE_CHECKING:
 
 LAST = 1.0  # digits: the type's own last ones
 MOTION_TAKES = 2.0  # digits: what the motion takes before it is named
+UNKNOWN = "unknown (the digits to expect were not computed)"
 ALONE = 0.03  # digits: what steps add to an error three times theirs
 
 
@@ -22,31 +25,47 @@ def limit(
     inputs: float | None,
     reference: float,
     steps: str,
+    times: int = 1,
 ) -> str:
     """The name of what limits so many correct digits.
 
     ``held``: the most that the number type holds.  ``expected``: those of a run that rounds once a
     step.  ``inputs``: those that rounding the scene's numbers leaves.  ``reference``: those that
-    the reference is good for, inf for a closed form.
+    the reference is good for, inf for a closed form.  ``times``: of so many these digits are the
+    fewest.
 
     *reference*: it is not good for more.  *rounding*: these are the type's own last digits, or the
     motion takes few.  *inputs*: no fewer than expected, and it is rounding the scene's numbers that
     costs them: the steps add next to nothing.  *conditioning*: no fewer than expected; any method
     that rounds its state at each step in this type loses as much.  *method*: fewer than nineteen in
-    twenty such runs have; ``steps`` says what the method does.  Where nothing is known of what to
-    expect, it is the method.
+    twenty such runs have at their worst time; ``steps`` says what the method does.  *unknown*:
+    what to expect was not computed, for the motion is too long.
     """
     if reference < digits + LAST:
         return "reference"
     if digits >= held - LAST:
         return "rounding"
-    if expected is None or digits < expected.least:
+    if expected is None:
+        return UNKNOWN
+    if digits < expected.least - selected(times):
         return f"method ({steps})"
     if expected.middle >= held - MOTION_TAKES:
         return "rounding"
     lost = expected.most == 0
     alone = inputs is not None and inputs < expected.middle + ALONE and not lost
     return "inputs" if alone else "conditioning"
+
+
+def selected(times: int) -> float:
+    """How many digits below the band of its time the worst one of several may lie.
+
+    At one time a run in twenty has fewer digits than the band's least.  A run whose worst time is
+    looked for has many chances; with n times it is no more likely than that to fall short anywhere
+    if each is allowed what happens once in 20 n (Bonferroni; however the times depend on each
+    other).  For a normal deviate that is an error z(20 n)/z(20) times as large.
+    """
+    once, each = (NormalDist().inv_cdf(1 - 1 / (40 * n)) for n in (1, max(1, times)))
+    return math.log10(each / once)
 
 
 def is_lost(digits: float, expected: Band | None) -> bool:

@@ -15,11 +15,12 @@ from typing import Any, TextIO
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
 from polhode.common.files import read_whole
+from polhode.judging.cells import type_of
 from polhode.judging.synonyms import KNOWN, Column, column
 from polhode.numbers import exact, expression
 from polhode.numbers.convert import exact_number, exactly
 from polhode.numbers.expression import ExpressionError
-from polhode.numbers.number_types import DOUBLE, EXTENDED, NAMES, NumberType
+from polhode.numbers.number_types import NAMES, NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes.words import ANGLES, ATTITUDE, STATE
 
@@ -65,13 +66,12 @@ def table_of_rows(
 ) -> Table:
     """Rows of numbers as a table; raises BadInput.  ``number``: their type, where it is not plain.
 
-    An array of doubles or long doubles says so itself; other numbers without ``number`` are exact.
+    Floats, of Python or of an array, say so themselves; other numbers without ``number`` are exact.
     """
-    kinds = {"float64": DOUBLE, "longdouble": EXTENDED, "float128": EXTENDED}
-    number = number or kinds.get(str(getattr(states, "dtype", "")))
     times = each("compare", "at", () if at is None else at, _exactly, "a list of times")
     try:
-        rows = [[_exactly(x) for x in row] for row in states]
+        given = [row if hasattr(row, "dtype") else list(row) for row in states]
+        rows = [[_exactly(x) for x in row] for row in given]
     except (TypeError, ValueError) as fault:
         raise BadInput("compare", "states", None, f"rows of finite numbers ({fault})") from None
     if at is None or len(times) != len(rows) or not rows:
@@ -83,6 +83,7 @@ def table_of_rows(
     if any(len(row) != len(columns) for row in rows):
         expected = f"{len(columns)} numbers in each row: {', '.join(columns)}"
         raise BadInput("compare", "states", None, expected)
+    number = number or type_of(given)
     named = dict(zip(columns, zip(*rows, strict=True), strict=True))
     printed = number.printed_digits if number else MOST_PRINTED
     return Table("states", times, named, (), printed, number)
@@ -91,7 +92,7 @@ def table_of_rows(
 def table_of_columns(given: Any, number: NumberType | None = None) -> Table:
     """Columns by name as a table: a mapping, a pandas DataFrame, an xarray Dataset.
 
-    Names are those of a file's header; the time may be a DataFrame's index.  Columns of doubles
+    Names are those of a file's header; the time may be a DataFrame's index.  Columns of floats
     are known as such; nan, NaT and None are empty cells.  Raises BadInput.
     """
     if hasattr(given, "iloc"):  # a DataFrame
@@ -111,9 +112,8 @@ def table_of_columns(given: Any, number: NumberType | None = None) -> Table:
     if all(found.name in (None, "t") for found in named.values()):
         expected = f"columns beside t that can be judged, of {', '.join(KNOWN[1:])}"
         raise BadInput("compare", "columns", header, expected)
-    kinds = {str(getattr(held[name], "dtype", "")) for name, k in named.items() if k.name}
-    known = {frozenset({"float64"}): DOUBLE, frozenset({"longdouble"}): EXTENDED}
-    number = number or known.get(frozenset(k.replace("float128", "longdouble") for k in kinds))
+    if number is None:
+        number = type_of(held[name] for name, k in named.items() if k.name not in (None, "t"))
     found: dict[str, tuple[Fraction | None, ...]] = {}
     for name, (known_name, degrees) in named.items():
         if known_name is not None:

@@ -61,6 +61,7 @@ class NumberType:
         return exact.binary(*exact.rounded(x, self.bits))
 
 
+SINGLE = NumberType("single", 24)  # of somebody's arrays; nothing runs in it
 DOUBLE = NumberType("double", 53)
 EXTENDED = NumberType("extended", 64)
 QUAD = NumberType("quad", 113)

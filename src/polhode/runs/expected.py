@@ -37,8 +37,11 @@ def expected(
     steps: int,
     times: Sequence[Fraction],
     states: Any,
+    every: int = 0,
 ) -> Expected:
     """What a run of so many steps at this tolerance is expected to have; see Expected.
+
+    ``every``: the steps after which it was put back on all integrals of an integrable top, or 0.
 
     One tangent is followed, see :mod:`polhode.taylor.growth`, in double for a twentieth of the
     run's time or some milliseconds; then its law is continued.  Where the run's type is wider, and
@@ -53,9 +56,9 @@ def expected(
     held = number.most_digits if full else -math.log10(tolerance)
     asked = scene.at((times[-1],))
     most = max(_FEWEST_STEPS, int(_SHARE * policy.seconds(number, steps) / _TANGENT))
-    found = growth(asked, held, most)
+    found = growth(asked, held, most, every=every)
     if not number.flat and max(found.lost) > LED_FROM:
-        found = growth(asked, held, most, _leading(scene, times, states) or True)
+        found = growth(asked, held, most, _leading(scene, times, states) or True, every=every)
     digits = tuple(max(0.0, held - found.at(to_double(t))) for t in times)
     return Expected(digits, found.reaches(held / 2), found.reaches(held))
 

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
     from polhode.common.page import Page
 
+_TORUS = 4  # integrals that fix the torus of an integrable top with gamma
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory(ByValue):
@@ -172,8 +174,8 @@ class Trajectory(ByValue):
     def expected(self) -> Expected:
         """The correct digits to expect, from how much the motion multiplies errors.
 
-        For a method that rounds the state once a step: putting it back on the integrals can only
-        save more.  A refined run has its own estimates.
+        For a method that rounds the state once a step; of an integrable top, what putting it back
+        on all its integrals leaves.  A refined run has its own estimates.
 
         >>> import polhode
         >>> run = polhode.integrate("euler/separatrix", at=[1, 30, 400])
@@ -182,8 +184,10 @@ class Trajectory(ByValue):
         """
         if self.errors is not None:
             return by_errors(self.errors, self.number, self.times, self.states)
+        held = self.projection
         return expected(
-            self.scene, self.number, self.tolerance, self.steps, self.times, self.states
+            *(self.scene, self.number, self.tolerance, self.steps, self.times, self.states),
+            every=held.every if held is not None and len(held.onto) == _TORUS else 0,
         )
 
     @cached_property

@@ -6,6 +6,13 @@ v along no special direction, w measured by the largest |w|, gamma as it is; n t
 far, each of which rounds the state once.  A run whose numbers hold so many digits is expected to
 have lost so many of them at t.  Components that the equations keep at exactly zero take no
 rounding, and none is given to them here.
+
+Where a run is put back, once in m steps, on as many integrals as fix its torus, its frequencies
+walk at random for m steps at most.  What each walk shifts is another number at random, so that
+
+    lost(t) = log10 max(G, sqrt(n), G m/sqrt(n)),    n > m,
+
+the first for the rounded inputs, which no projection puts right.
 """
 
 from __future__ import annotations
@@ -72,6 +79,7 @@ def growth(
     max_steps: int = MOST_STEPS,
     led: Led | bool = False,
     trusted: float = TRUSTED,
+    every: int = 0,
 ) -> Growth:
     """The digits lost from 0 to the scene's end, followed until ``limit`` of them are.
 
@@ -80,7 +88,8 @@ def growth(
     scene's own once G has passed 1e10: its states, where somebody has them, by time in the scene's
     own unit; or True for an integration of wider type made here, which may cost as much as the run
     itself.  Unled, the law is continued from where G passes 10**trusted; up to there, or
-    everywhere with inf, the tangent may be that of a neighbour's motion.
+    everywhere with inf, the tangent may be that of a neighbour's motion.  ``every``: the steps
+    between two projections of an integrable top onto all its integrals, 0 without.
     """
     unit = 2.0**scene.time_unit
     end = to_double(scene.end / Fraction(2) ** scene.time_unit)
@@ -113,7 +122,7 @@ def growth(
             flow.state = leader[t]
         elif passed > trusted * math.log(10):
             break
-    return _continued(looks, _grown(looks, scene), end, unit)
+    return _continued(looks, _grown(looks, scene), end, unit, every)
 
 
 class _Look(NamedTuple):
@@ -142,13 +151,13 @@ def _grown(looks: list[_Look], scene: Scene) -> list[float]:
     return found
 
 
-def _continued(looks: list[_Look], grown: list[float], end: float, unit: float) -> Growth:
+def _continued(
+    looks: list[_Look], grown: list[float], end: float, unit: float, every: int
+) -> Growth:
     """Growth from what was seen, its law continued to the end."""
     times, last = [look.time for look in looks], looks[-1].time
-    lost = [
-        (g + 0.5 * math.log(max(1, look.steps))) / math.log(10)
-        for g, look in zip(grown, looks, strict=True)
-    ]
+    added = [0.5 * math.log(max(1, look.steps)) for look in looks]  # ln of sqrt(n)
+    whole = [*grown]
     if abs(last) < abs(end):
         half = float(np.interp(abs(last) / 2, np.abs(times), grown))
         ahead = np.geomspace(abs(last) or 1e-3 * abs(end), abs(end), 16)[1:]
@@ -158,9 +167,18 @@ def _continued(looks: list[_Look], grown: list[float], end: float, unit: float) 
             ratio = float(t) / (abs(last) or float(t))
             more = per_time * (float(t) - abs(last)) if exponential else math.log(ratio)
             times.append(math.copysign(float(t), end))
-            lost.append(lost[len(looks) - 1] + (more + 0.5 * math.log(ratio)) / math.log(10))
+            whole.append(grown[-1] + more)
+            added.append(added[len(looks) - 1] + 0.5 * math.log(ratio))
+    lost = [_lost(g, n, every) / math.log(10) for g, n in zip(whole, added, strict=True)]
     steps = math.ceil(looks[-1].steps * abs(end / last)) if last else looks[-1].steps
     return Growth(tuple(t * unit for t in times), tuple(lost), last * unit, steps)
+
+
+def _lost(grown: float, root: float, every: int) -> float:
+    """ln of what a rounding has become: by ln of G and of sqrt(n), see the module."""
+    if every == 0 or 2 * root <= math.log(every):
+        return grown + root
+    return max(grown, root, grown + math.log(every) - root)
 
 
 def _moments(end: float, led: bool) -> Iterator[float]:

@@ -153,5 +153,8 @@ def _told(event: CertifiedEvents) -> str:
     shown = [guaranteed(t.time, t.radius) for t in event.times[:10]]
     more = ", ..." * (len(event.times) > len(shown))
     when = f" at t = {', '.join(shown)}{more}" if shown else ""
-    left = f"; undecided in {len(event.undecided)} intervals" if event.undecided else ", no others"
+    left = ", no others"
+    if event.undecided:
+        open_ = [f"{low:.6g} to {high:.6g}" for low, high in event.undecided[:3]]
+        left = f"; undecided from {', '.join(open_)}" + ", ..." * (len(event.undecided) > 3)
     return f"event {event.name}: {len(event.times)} proven{when}{left}"

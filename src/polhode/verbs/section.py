@@ -132,7 +132,7 @@ def lost(found: Any) -> str:
         import numpy as np
 
         least = float(np.nanmin(found.digits))
-        return f"every crossing has {least:.1f} digits or more"
+        return f"{least:.1f} digits or more are to be expected of every crossing"
     gone = sorted(first[first > 0].tolist())
     where = f"{gone[0]}" if gone[0] == gone[-1] else f"{gone[0]} to {gone[-1]}"
     return f"no digit is left from crossing {where} on in {len(gone)} of {len(first)} orbits"

@@ -50,7 +50,9 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "double: *rounding*, the type's last digits, or nearly; *inputs*, rounding the "
         "scene's numbers costs them, the steps next to nothing; *conditioning*, the motion "
         "multiplies rounding, and the run has as many digits as expected or more; *method*, it "
-        "has fewer; *reference*, it is good for no more."
+        "has fewer than chance explains; *reference*, it is good for no more. The band is that of "
+        "one time, the digits are those of the worst of many: by chance more than one run in "
+        "twenty lies below, and the limit allows for it."
     )
     yield Text(finding(found))
     yield from _two_methods(found["cases"])
@@ -139,16 +141,18 @@ def finding(found: dict[str, Any]) -> str:
     """How many runs of all types end within what was expected of them."""
     cases = found["cases"]
     judged = [
-        (run["correct_digits"], run["expected"])
+        (run["correct_digits"], run["expected"], run["limit"])
         for case in cases
         for run in case["runs"]
         if run.get("expected") and not run["lost"] and run["limit"] != "reference"
     ]
-    fewer = sum(digits < band[0] for digits, band in judged)
-    more = sum(digits > band[2] for digits, band in judged)
+    fewer = sum(digits < band[0] for digits, band, _ in judged)
+    more = sum(digits > band[2] for digits, band, _ in judged)
+    method = sum(digits < band[0] and by.startswith("method") for digits, band, by in judged)
     return (
         f"Of {len(judged)} runs in all types that have digits left {len(judged) - fewer - more} "
-        f"end within the nine-in-ten band, {fewer} with fewer digits, {more} with more."
+        f"end within the nine-in-ten band of their worst time, {fewer} with fewer digits, {more} "
+        f"with more; {method} of those with fewer have fewer than chance explains."
     )
 
 

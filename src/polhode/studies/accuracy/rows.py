@@ -108,6 +108,7 @@ def _run(
         found |= {
             "correct_digits": round(judged.worst, 2),
             "worst_time": float(judged.worst_time),
+            "times": len(judged.times),
             "inputs": rounded(judged.inputs[at]),
             "expected": band(judged.expected[at]),
             "limit": judged.limit,

@@ -93,7 +93,9 @@ def _behind(found: dict[str, Any]) -> Iterator[Block]:
         )
         yield Text(
             "*Inputs*: the digits that the exact motion of the rounded inputs keeps. *Behind*: the "
-            "least digits expected less those correct; by chance alone one run in twenty is behind."
+            "least digits expected less those correct; by chance alone one run in twenty is behind "
+            "at one time, and more are at the worst of several. *Method* is said of those that are "
+            "further behind than that."
         )
     if unknown:
         yield Text("Not judged so, for nothing is known of what to expect, or without an end:")

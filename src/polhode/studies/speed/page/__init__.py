@@ -93,7 +93,7 @@ def _by_status(motions: list[dict[str, Any]]) -> dict[str, list[str]]:
 def finding(found: dict[str, Any]) -> str:
     """The study in a sentence."""
     if found.get("cells"):
-        return lengths.claim(found["cells"], lengths.SHOWN)
+        return lengths.finding(found["cells"])
     return verdicts.on_regular(found)
 
 

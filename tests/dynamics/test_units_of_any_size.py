@@ -1,0 +1,118 @@
+"""Levels, sections, maps and frequencies in units of any size; their results as values."""
+
+from __future__ import annotations
+
+import pickle
+import warnings
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+
+import polhode
+
+BIG = Fraction(2) ** 500
+UNITS = [(BIG, 1), (1 / BIG, 1), (1, BIG), (1, 1 / BIG), (1 / BIG, BIG)]  # of inertia, of rates
+
+
+def scene(inertia=1, rate=1):
+    """A body of moments 1, 2, 5/2 in other units: every number of its motion is scaled exactly."""
+    size, rate = Fraction(inertia), Fraction(rate)
+    return polhode.top(
+        moments=[size, 2 * size, size * 5 / 2],
+        centre=[size * rate**2 / 2, 0, size * rate**2],
+        weight=1,
+        omega=[rate, rate, 0],
+        gamma=[0, "3/5", "4/5"],
+        end=1 / rate,
+    )
+
+
+@pytest.fixture(autouse=True)
+def _no_warnings():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        yield
+
+
+@pytest.mark.parametrize(("inertia", "rate"), UNITS)
+def test_a_section_is_to_the_bit_that_in_other_units(inertia, rate):
+    plain = polhode.section(scene(), grid=(2, 2), crossings=2)
+    found = polhode.section(scene(inertia, rate), grid=(2, 2), crossings=2)
+    assert len(plain.counts) > 1
+    for name in ("l", "ratio", "counts", "starts"):
+        assert np.array_equal(getattr(found, name), getattr(plain, name))
+    assert np.array_equal(found.times * float(rate), plain.times)
+
+
+@pytest.mark.parametrize(("inertia", "rate"), UNITS)
+def test_a_map_and_frequencies_are_those_in_other_units(inertia, rate):
+    plain, found = (
+        polhode.chaos_map(top, (2, 2), end=20 / Fraction(by))
+        for top, by in ((scene(), 1), (scene(inertia, rate), rate))
+    )
+    assert np.array_equal(found.fli, plain.fli)
+    lines = polhode.frequencies(scene(), of=["gamma3"], end=50, lines=2).lines["gamma3"]
+    other = polhode.frequencies(
+        scene(inertia, rate), of=["gamma3"], end=50 / Fraction(rate), lines=2
+    )
+    for one, again in zip(lines, other.lines["gamma3"], strict=True):
+        assert again.frequency == one.frequency * float(rate)
+
+
+@pytest.mark.parametrize(("inertia", "rate"), UNITS)
+def test_levels_are_those_in_other_units(inertia, rate):
+    plain, found = polhode.levels(scene()), polhode.levels(scene(inertia, rate))
+    assert [mark.kind for mark in found.marks] == [mark.kind for mark in plain.marks]
+    assert found.here.region == plain.here.region
+    unit = np.array([float(Fraction(inertia) * Fraction(rate) ** k) for k in (1, 2)])
+    for curve, other in zip(found.curves, plain.curves, strict=True):
+        assert len(curve.points) > 200
+        np.testing.assert_allclose(curve.points / unit, other.points, rtol=1e-14, atol=1e-14)
+
+
+def test_a_gamma_that_the_level_forbids_is_told_the_least_energy_in_the_scenes_units():
+    top = scene(1 / BIG, BIG)
+    with pytest.raises(polhode.BadInput, match="h is at least") as caught:
+        polhode.section(top, by="height", starts=[[0, 0, 1, 1]], h=BIG * Fraction(-9, 10), f=0)
+    least = float(str(caught.value).split("at least ")[1].split()[0])
+    assert least == pytest.approx(float(BIG), rel=1e-11)
+
+
+@pytest.mark.parametrize("by", [Fraction(1, 3), Fraction(1, 10), Fraction(10) ** -46])
+def test_a_branch_is_a_branch_whatever_the_denominators(by):
+    """s = A and s = B of a body whose centre of mass lies on its third axis."""
+    top = polhode.top(
+        moments=[by, 2 * by, by * 5 / 2],
+        centre=[0, 0, by],
+        weight=1,
+        omega=[1, 1, 0],
+        gamma=[0, "3/5", "4/5"],
+        end=1,
+    )
+    found = polhode.levels(top)
+    assert [(mark.kind, mark.family) for mark in found.marks] == [
+        *(("branch", "first"), ("branch", "first"), ("cusp", "second"))
+    ]
+    assert [float(mark.parameter / by) for mark in found.marks[:2]] == [1.0, 2.0]
+
+
+def test_results_are_values():
+    """Equal to themselves when read again, every digit of mpmath numbers included."""
+    top = scene()
+    made = [
+        polhode.levels(top),
+        polhode.section(top, grid=(2, 1), crossings=2),
+        polhode.chaos_map(top, (1, 2), end=10),
+        polhode.frequencies(top, of=["gamma3"], end=50, lines=1),
+        polhode.orbit("grioli/precession", digits=20),
+        polhode.orbit_family("grioli/precession", "h", "0.85"),
+    ]
+    for one in made:
+        with mpmath.workprec(53):  # what a process begins with
+            again = pickle.loads(pickle.dumps(one))
+        assert again == one
+        assert all(again != other for other in made if other is not one)
+    assert made[0].marks[-1].f._mpf_[3] > 100  # bits
+    assert repr(polhode.field(top)) == "<field of top: f(t, y)>"
