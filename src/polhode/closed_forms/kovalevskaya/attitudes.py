@@ -6,7 +6,6 @@ one has panels over one period, one that tends to a permanent rotation as far as
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
@@ -171,11 +170,32 @@ class Attitudes:
         """The growth of both arguments from 0 to t.
 
         A neighbour is nearer than 2^-(bits/4) all the way: it turns as the motion does, unless that
-        passes poles, where neighbours pass on either side: then turns are counted along the motion.
+        passes poles.  There two neighbours pass on either side (:func:`regimes.side`), at all poles
+        of one kind on the same one: half turns are counted upwards, so the larger growth is meant.
         """
-        if not regimes.passes_poles(self._start):
-            with contextlib.suppress(ArithmeticError):
-                return self._neighbour(self._averaged(t, bits).formulas[0], bits).arguments(t)
+        third = self._axes.third
+        if not third:
+            return self._tallied(t)
+        made = self._averaged(t, bits)
+        both = range(1)
+        if regimes.passes_poles(self._start):
+            if sorted(map(regimes.side, made.motions.starts[:2])) != [-1, 1]:
+                return self._tallied(t)
+            both = range(2)
+        with mpmath.workprec(made.bits):
+            time = mpmath.ldexp(t, self._start.exponent)
+            grown = [made.turns(i, time) for i in both]
+            w, x, y, z = self._first(bits)
+            if not (w or z) or not (x or y):  # from a pole: from where the motion leaves it
+                soon = mpmath.sign(t) / self._start.fastest(bits)
+                soon = mpmath.ldexp(soon, -made.motions.closeness // 2)
+                begun = [made.turns(i, soon) for i in both]
+                grown = [(a - c, b - d) for (a, b), (c, d) in zip(grown, begun, strict=True)]
+            xi, eta = (max(row) for row in zip(*grown, strict=True))
+        return (eta, xi) if third > 0 else (xi, eta)
+
+    def _tallied(self, t: Any) -> tuple[Any, Any]:
+        """The same, counted along the motion."""
         side, far = mpmath.sign(t), mpmath.ldexp(1, int(mpmath.mag(t)))
         if (side, far) not in self._counts:
             with mpmath.workprec(TRACKING):
@@ -183,21 +203,6 @@ class Attitudes:
                 self._counts[side, far] = Counted(partial(self._along, made), self._rate(TRACKING))
         with mpmath.workprec(TRACKING):
             return self._counts[side, far].arguments(t)
-
-    def _neighbour(self, formula: CayleyKlein, bits: int) -> ThetaAttitude:
-        """The attitude of a neighbour, for its turns."""
-        used = bits + CERTIFIED
-        return ThetaAttitude(
-            formula=lambda more: formula,
-            bits=bits,
-            start=self._first(used),
-            turn=self._turn(used),
-            exponent=self._start.exponent,
-            speed=self._rate(bits) * (1 + mpmath.ldexp(1, -16)),
-            third=self._axes.third,
-            coarse=lambda: formula,
-            tracking=used,
-        )
 
     def _along(self, made: AveragedAttitude, t: Any) -> Quaternion:
         """The attitude at a time not beyond that of the constants."""

@@ -73,9 +73,7 @@ def _period(curve: KovalevskayaCurve, row: Sequence[int]) -> RealPeriod:
     return RealPeriod((l1, l2), (k1, k2), (u[0], u[1]), z)
 
 
-def _reduced(
-    curve: KovalevskayaCurve, made: Sequence[RealPeriod]
-) -> tuple[RealPeriod, RealPeriod]:
+def _reduced(curve: KovalevskayaCurve, made: Sequence[RealPeriod]) -> tuple[RealPeriod, RealPeriod]:
     """The shortest and one independent of it, reduced as Gauss reduces a form (Lagrange 1773)."""
 
     def dot(a: RealPeriod, b: RealPeriod) -> Any:

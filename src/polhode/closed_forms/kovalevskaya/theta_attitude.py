@@ -1,15 +1,15 @@
 """The attitude of a Kovalevskaya top at a cost that does not grow with time.
 
 Generic motion: Cayley-Klein parameters in theta functions, each answer with its certificate; turns
-of psi and phi from those over the two cycles L1, L2 of u (both parameters gain constant phases over
-2 L1 and 2 L2, and vanish nowhere on the torus) and a short way tracked.  One frequency: the panels
-over one period, and a turn about the vertical for every other one.
+of psi and phi by :mod:`.torus_turns`.  One frequency: the panels over one period, and a turn about
+the vertical for every other one.
 """
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -24,7 +24,7 @@ from polhode.numbers.private import mpc, mpf, mpmath
 _TRIALS = 6
 _MORE = 64  # bits more at each trial
 _SLACK = 24  # bits that an answer may miss its certificate by
-TRACKING = 128  # bits of the way that is tracked
+TRACKING = 128  # bits of a way along which turns are counted
 
 
 class Formula(Protocol):
@@ -46,8 +46,8 @@ class ThetaAttitude:
     exponent: int  # the top's unit of time is 2^-exponent
     speed: Any  # a bound of |w|
     third: int  # 1, -1: the scene's third axis is the top's, or its reverse; 0: neither
-    coarse: Callable[[], CayleyKlein]  # at ``tracking`` bits
-    tracking: int = TRACKING
+    coarse: Callable[[], CayleyKlein]  # at TRACKING bits, to count with
+    _tori: dict[int, TorusTurns] = field(default_factory=dict)
 
     def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t; ArithmeticError where it has no certificate."""
@@ -68,20 +68,22 @@ class ThetaAttitude:
             return mpf(0), mpf(0)
         if not self.third:
             return self._counted(t)
-        return self._closed(t)
+        for trial in range(_TRIALS):
+            with contextlib.suppress(ArithmeticError):
+                xi, eta = self._torus(trial).growth(mpmath.ldexp(t, self.exponent))
+                # eta has the turns of al, xi those of bt; the other way round for the reversed axis
+                return (eta, xi) if self.third > 0 else (xi, eta)
+        raise ArithmeticError("a parameter of the attitude comes too near 0")
 
-    def _closed(self, t: Any) -> tuple[Any, Any]:
-        xi, eta = self._turns.growth(mpmath.ldexp(t, self.exponent))
-        # eta has the turns of al, xi those of bt; the other way round for the reversed axis.
-        return (eta, xi) if self.third > 0 else (xi, eta)
-
-    @cached_property
-    def _turns(self) -> TorusTurns:
-        return TorusTurns(self.formula(0))
+    def _torus(self, trial: int) -> TorusTurns:
+        if trial not in self._tori:
+            bits = self.bits + trial * _MORE + _SLACK
+            self._tori[trial] = TorusTurns(self.formula(trial * _MORE), bits)
+        return self._tori[trial]
 
     def _counted(self, t: Any) -> tuple[Any, Any]:
         """The growth counted along the motion, about the scene's own third axis."""
-        with mpmath.workprec(self.tracking):
+        with mpmath.workprec(TRACKING):
             return self._pieces.arguments(t)
 
     @cached_property

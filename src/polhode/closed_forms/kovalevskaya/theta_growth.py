@@ -19,6 +19,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,7 @@ _LOST = 1e-11  # of the sum of the terms' moduli: more than the errors of double
 _SHARE = 0.5  # of x and of y (z = x + tau y) that a piece may move to either side
 _FIRST = 8  # pieces
 _LEVELS = 24  # halvings in doubles
+_MOST = 256  # pieces without an end: the line goes along zeros, not past them
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -43,7 +45,7 @@ Flags = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Piece:
-    """A piece that is settled: its centre, the argument there, its growth to either end."""
+    """A settled piece: its centre, the argument there, and its growth to either end."""
 
     at: Any
     argument: float
@@ -68,7 +70,7 @@ class ThetaSum:
         line = Line(self, z, way)
         pieces = [line.end(mpf(0)), *sorted(line.pieces(), key=lambda x: x.at), line.end(mpf(1))]
         total = 0.0
-        for one, other in zip(pieces[:-1], pieces[1:], strict=True):
+        for one, other in pairwise(pieces):
             told, found = one.ahead - other.back, other.argument - one.argument
             total += found + 2 * math.pi * round((told - found) / (2 * math.pi))
         return total
@@ -89,6 +91,16 @@ class ThetaSum:
     def fine(self) -> Integers:
         """Those that count at the precision in force."""
         return self.window(mpmath.prec * math.log(2) + 10)
+
+    @cached_property
+    def kept(self) -> list[tuple[int, int, Any]]:
+        """Those N with exp(pi i N.tau N/2)."""
+        t11, t12, t22 = self.tau
+        half = 0.5j * mpmath.pi
+        return [
+            (n1, n2, mpmath.exp(half * (t11 * n1 * n1 + 2 * t12 * n1 * n2 + t22 * n2 * n2)))
+            for n1, n2 in self.fine.T.tolist()
+        ]
 
     def window(self, decay: float) -> Integers:
         """The N with terms above e^-decay of the largest, for |y1|, |y2| <= 1/2."""
@@ -118,7 +130,7 @@ class Line:
 
     def end(self, s: Any) -> Piece:
         """A piece without length."""
-        terms, rates = self._terms(s)
+        terms, _ = self._terms(s)
         return Piece(s, float(mpmath.arg(mpmath.fsum(terms))), 0.0, 0.0)
 
     def pieces(self) -> Iterator[Piece]:
@@ -136,6 +148,8 @@ class Line:
             left = centres[~good & ~blind]
             if not len(left):
                 return
+            if len(left) > _MOST:
+                raise ArithmeticError("a way too near zeros all along")
             half /= 2
             centres = np.concatenate([left - half, left + half])
 
@@ -181,50 +195,81 @@ class Line:
     def _refined(self, c: Any, half: Any) -> Iterator[Piece]:
         """The same at the precision in force."""
         pending = [(c, half)]
-        least = mpmath.ldexp(1, -mpmath.prec // 3)
-        while pending:
+        for _ in range(_MOST):
             c, half = pending.pop()
             terms, rates = self._terms(c)
-            sizes = [abs(E) for E in terms]
-            total = mpmath.fsum(sizes)
-            mean = mpmath.fdot(rates, sizes) / total
+            sizes = np.array([float(abs(complex(E))) for E in terms])
+            weights = [mpf(x) for x in sizes]
+            mean = mpmath.fdot(rates, weights) / mpmath.fsum(weights)
             rest = [nu - mean for nu in rates]
-            f0, f1, f2 = (mpmath.fdot(terms, [v**j for v in rest]) for j in range(3))
-            bound = abs(f2) * half * half / 2 + mpmath.ldexp(total, 16 - mpmath.prec)
-            for size, v in zip(sizes, rest, strict=True):
-                y = abs(v) * half
-                bound += size * y**3 * mpmath.exp(y) / 6
+            f0, f1 = mpmath.fsum(terms), mpmath.fdot(terms, rest)
+            f2 = mpmath.fdot(terms, [v * v for v in rest])
+            y = np.array([abs(complex(v)) for v in rest]) * float(half)
+            bound = abs(f2) * half * half / 2 + float((sizes * y**3 * np.exp(y)).sum()) / 6
+            bound += mpmath.ldexp(mpf(float(sizes.sum())), 16 - mpmath.prec)
             if _nearest(f0, f1 * half) > bound:
-                yield _piece(
-                    c, float(mpmath.arg(f0)), complex(f1 / f0 * half), float(mean.imag * half)
-                )
-                continue
-            if half < least:
-                raise ArithmeticError("a parameter of the attitude comes too near 0")
-            half = half / 2
-            pending += [(c - half, half), (c + half, half)]
+                argument, turn = float(mpmath.arg(f0)), float(mean.imag * half)
+                yield _piece(c, argument, complex(f1 / f0 * half), turn)
+            else:
+                pending += _cut(c, half, f0, f1, bound)
+            if not pending:
+                return
+        raise ArithmeticError("a parameter of the attitude comes too near 0")
 
     def _terms(self, s: Any) -> tuple[list[Any], list[Any]]:
         """The terms, over a positive number, and their nu."""
         t11, t12, t22 = self._f.tau
         z1, z2 = (a + s * b for a, b in zip(self._z, self._way, strict=True))
         _, ((y1, y2), (k1, k2)) = whole_parts(self._f.tau, (z1, z2))
-        quarter = 0.5j * mpmath.pi
-        most = (quarter * (t11 * y1 * y1 + 2 * t12 * y1 * y2 + t22 * y2 * y2)).real
+        half = 0.5j * mpmath.pi
+        # N = M - k: pi i N.tau N/2 + pi i N.z is that of M and z - tau k, and what is common
+        most = (half * (t11 * y1 * y1 + 2 * t12 * y1 * y2 + t22 * y2 * y2)).real
+        common = t11 * k1 * k1 + 2 * t12 * k1 * k2 + t22 * k2 * k2 - 2 * (k1 * z1 + k2 * z2)
+        factor = mpmath.exp(half * common + most)
+        kept = self._f.kept
+        last = int(np.abs(self._f.fine).max())
+        one = _powers(mpmath.exp(2 * half * (z1 - t11 * k1 - t12 * k2)), last)
+        other = _powers(mpmath.exp(2 * half * (z2 - t12 * k1 - t22 * k2)), last)
+        rows = [factor * A for A in self._f.coefficients]
+        d1, d2 = (2 * half * d for d in self._way)
         terms, rates = [], []
-        for one, other in zip(*self._f.fine.tolist(), strict=True):
-            n1, n2 = one - k1, other - k2
-            A = self._f.coefficients[2 * (n1 % 2) + n2 % 2]
-            power = t11 * n1 * n1 + 2 * t12 * n1 * n2 + t22 * n2 * n2 + 2 * (n1 * z1 + n2 * z2)
-            terms.append(A * mpmath.exp(quarter * power + most))
-            rates.append(2 * quarter * (n1 * self._way[0] + n2 * self._way[1]))
+        for m1, m2, value in kept:
+            n1, n2 = m1 - k1, m2 - k2
+            terms.append(rows[2 * (n1 % 2) + n2 % 2] * value * one[m1] * other[m2])
+            rates.append(n1 * d1 + n2 * d2)
         return terms, rates
+
+
+def _powers(x: Any, last: int) -> dict[int, Any]:
+    """x^n for |n| <= last."""
+    found = {0: mpf(1)}
+    over = 1 / x
+    for n in range(1, last + 1):
+        found[n], found[-n] = found[n - 1] * x, found[1 - n] * over
+    return found
 
 
 def _piece(at: Any, argument: float, slope: complex, turn: float) -> Piece:
     """The growth of e^(la x) (1 + slope x/h), ``turn`` being that of e^(la h)."""
     ahead, back = (math.atan2(side * slope.imag, 1 + side * slope.real) for side in (1, -1))
     return Piece(at, argument, ahead + turn, back - turn)
+
+
+def _cut(c: Any, half: Any, f0: Any, f1: Any, bound: Any) -> list[tuple[Any, Any]]:
+    """Parts of a piece, as centres and half lengths: halves, or what is next to a zero apart.
+
+    Where f0 + f1 x is 0 at x = x0, the middle part reaches as far as the geometric mean of the
+    piece and of the zero's distance from the line: a few cuts come to any zero.
+    """
+    if f1:
+        x0 = -f0 / f1
+        reach = mpmath.sqrt(half * (abs(x0.imag) + bound / abs(f1)))
+        if abs(x0.real) < half and reach < half / 2:
+            marks = [-half, x0.real - reach, x0.real + reach, half]
+            marks = [min(max(x, -half), half) for x in marks]
+            parts = pairwise(marks)
+            return [(c + (a + b) / 2, (b - a) / 2) for a, b in parts if b > a]
+    return [(c - half / 2, half / 2), (c + half / 2, half / 2)]
 
 
 def _nearest(f0: Any, step: Any) -> Any:

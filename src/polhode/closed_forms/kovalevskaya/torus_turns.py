@@ -1,8 +1,8 @@
-"""The turns of the Cayley-Klein parameters of generic motion at a cost that does not grow with time.
+"""The turns of the Cayley-Klein parameters of generic motion, at the same cost at any time.
 
-u moves in the real plane.  Neither parameter vanishes there (that needs a degenerate curve), so that
-its argument is a function of u, and over twice a real lattice vector, z + 2l + 2 tau k, it grows
-by the constant
+u moves in the real plane.  Neither parameter vanishes there (that needs a degenerate curve), so
+that its argument is a function of u, and over twice a real lattice vector, z + 2l + 2 tau k, it
+grows by the constant
 
     Im(c t + c1 u1 - 2 pi i k.e) + 2 pi n,    (u1, t) that vector,
 
@@ -31,18 +31,24 @@ Growths = tuple[Any, Any]
 
 @dataclass(eq=False)
 class TorusTurns:
-    """Growth of arg xi and arg eta along the real plane of u, at the precision in force."""
+    """Growth of arg xi and arg eta along the real plane of u."""
 
     made: CayleyKlein
+    bits: int
 
     def growth(self, t: Any) -> Growths:
-        """From time 0 to t, in the top's units."""
+        """From time 0 to t, in the top's units; ArithmeticError where more bits are needed."""
+        with mpmath.workprec(self.bits):
+            return self._growth(t)
+
+    def _growth(self, t: Any) -> Growths:
         (one, other), (first, second) = self._periods, self._loops
         x1, x2 = solved((one.u, other.u), (mpf(0), t))
         n1, n2 = int(mpmath.nint(x1 / 2)), int(mpmath.nint(x2 / 2))
-        rest = tuple(z - 2 * (n1 * a + n2 * b) for z, a, b in zip((0, t), one.u, other.u, strict=True))
-        near = self.along((rest[0], rest[1]))
-        return tuple(n1 * a + n2 * b + c for a, b, c in zip(first, second, near, strict=True))
+        u1, u2 = (2 * (n1 * a + n2 * b) for a, b in zip(one.u, other.u, strict=True))
+        near = self.along((-u1, t - u2))
+        xi, eta = (n1 * a + n2 * b + c for a, b, c in zip(first, second, near, strict=True))
+        return xi, eta
 
     def along(self, way: Pair) -> Growths:
         """Along a way of u from the start: straight, or around a place where both theta sums are 0.
