@@ -137,7 +137,7 @@ class Line:
         """Settled ones that cover the line."""
         count = max(_FIRST, math.ceil(max(map(abs, self._move)) / (2 * _SHARE)))
         half = 0.5 / count
-        centres = (2 * np.arange(count) + 1) * half
+        centres: Floats = (2 * np.arange(count, dtype=np.float64) + 1) * half
         for level in range(_LEVELS):
             good, blind, found = self._tried(centres, half)
             yield from found

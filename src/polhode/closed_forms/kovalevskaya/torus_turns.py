@@ -21,8 +21,7 @@ from polhode.closed_forms.kovalevskaya.real_periods import RealPeriod, real_peri
 from polhode.closed_forms.kovalevskaya.theta_growth import ThetaSum
 from polhode.numbers.private import mpf, mpmath
 
-_AGREE = 1e-6  # radians
-
+_AGREE = 1e-6  # turns
 _ASIDE = (0, mpf(1) / 8, -mpf(1) / 8, mpf(1) / 5, -mpf(1) / 5)  # of a period, tried in turn
 _ORIGIN = (mpf(0), mpf(0))
 
@@ -39,7 +38,16 @@ class TorusTurns:
     def growth(self, t: Any) -> Growths:
         """From time 0 to t, in the top's units; ArithmeticError where more bits are needed."""
         with mpmath.workprec(self.bits):
-            return self._growth(t)
+            found = self._growth(t)
+            for grown, first, last in zip(found, self._first, self.made.at(t), strict=True):
+                turns = (grown - mpmath.arg(last / first)) / (2 * mpmath.pi)
+                if not abs(turns - mpmath.nint(turns)) < _AGREE:
+                    raise ArithmeticError("the attitude's turns are not whole beside itself")
+            return found
+
+    @cached_property
+    def _first(self) -> Growths:
+        return self.made.at(mpf(0))
 
     def _growth(self, t: Any) -> Growths:
         (one, other), (first, second) = self._periods, self._loops
