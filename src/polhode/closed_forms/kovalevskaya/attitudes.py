@@ -6,6 +6,7 @@ one has panels over one period, one that tends to a permanent rotation as far as
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
@@ -173,14 +174,18 @@ class Attitudes:
         passes poles.  There two neighbours pass on either side (:func:`regimes.side`), at all poles
         of one kind on the same one: half turns are counted upwards, so the larger growth is meant.
         """
-        third = self._axes.third
-        if not third:
-            return self._tallied(t)
-        made = self._averaged(t, bits)
+        if self._axes.third:
+            with contextlib.suppress(ArithmeticError):
+                xi, eta = self._neighbours_turns(self._averaged(t, bits), bits, t)
+                return (eta, xi) if self._axes.third > 0 else (xi, eta)
+        return self._tallied(t)
+
+    def _neighbours_turns(self, made: AveragedAttitude, bits: int, t: Any) -> tuple[Any, Any]:
+        """The growth of arg xi and arg eta; ArithmeticError where neighbours do not tell it."""
         both = range(1)
         if regimes.passes_poles(self._start):
             if sorted(map(regimes.side, made.motions.starts[:2])) != [-1, 1]:
-                return self._tallied(t)
+                raise ArithmeticError("neighbours on one side")
             both = range(2)
         with mpmath.workprec(made.bits):
             time = mpmath.ldexp(t, self._start.exponent)
@@ -192,7 +197,7 @@ class Attitudes:
                 begun = [made.turns(i, soon) for i in both]
                 grown = [(a - c, b - d) for (a, b), (c, d) in zip(grown, begun, strict=True)]
             xi, eta = (max(row) for row in zip(*grown, strict=True))
-        return (eta, xi) if third > 0 else (xi, eta)
+        return xi, eta
 
     def _tallied(self, t: Any) -> tuple[Any, Any]:
         """The same, counted along the motion."""

@@ -73,7 +73,7 @@ class ThetaAttitude:
                 xi, eta = self._torus(trial).growth(mpmath.ldexp(t, self.exponent))
                 # eta has the turns of al, xi those of bt; the other way round for the reversed axis
                 return (eta, xi) if self.third > 0 else (xi, eta)
-        raise ArithmeticError("a parameter of the attitude comes too near 0")
+        return self._counted(t)
 
     def _torus(self, trial: int) -> TorusTurns:
         if trial not in self._tori:
