@@ -171,11 +171,36 @@ class Attitudes:
         """The growth of both arguments from 0 to t.
 
         A neighbour is nearer than 2^-(bits/4) all the way: it turns as the motion does, unless that
-        passes poles, where neighbours pass on either side: then turns are counted along the motion.
+        passes poles.  There two neighbours pass on either side (:func:`regimes.side`), at all poles
+        of one kind on the same one: half turns are counted upwards, so the larger growth is meant.
         """
-        if not regimes.passes_poles(self._start):
+        if self._axes.third:
             with contextlib.suppress(ArithmeticError):
-                return self._neighbour(self._averaged(t, bits).formulas[0], bits).arguments(t)
+                xi, eta = self._neighbours_turns(self._averaged(t, bits), bits, t)
+                return (eta, xi) if self._axes.third > 0 else (xi, eta)
+        return self._tallied(t)
+
+    def _neighbours_turns(self, made: AveragedAttitude, bits: int, t: Any) -> tuple[Any, Any]:
+        """The growth of arg xi and arg eta; ArithmeticError where neighbours do not tell it."""
+        both = range(1)
+        if regimes.passes_poles(self._start):
+            if sorted(map(regimes.side, made.motions.starts[:2])) != [-1, 1]:
+                raise ArithmeticError("neighbours on one side")
+            both = range(2)
+        with mpmath.workprec(made.bits):
+            time = mpmath.ldexp(t, self._start.exponent)
+            grown = [made.turns(i, time) for i in both]
+            w, x, y, z = self._first(bits)
+            if not (w or z) or not (x or y):  # from a pole: from where the motion leaves it
+                soon = mpmath.sign(t) / self._start.fastest(bits)
+                soon = mpmath.ldexp(soon, -made.motions.closeness // 2)
+                begun = [made.turns(i, soon) for i in both]
+                grown = [(a - c, b - d) for (a, b), (c, d) in zip(grown, begun, strict=True)]
+            xi, eta = (max(row) for row in zip(*grown, strict=True))
+        return xi, eta
+
+    def _tallied(self, t: Any) -> tuple[Any, Any]:
+        """The same, counted along the motion."""
         side, far = mpmath.sign(t), mpmath.ldexp(1, int(mpmath.mag(t)))
         if (side, far) not in self._counts:
             with mpmath.workprec(TRACKING):
@@ -183,21 +208,6 @@ class Attitudes:
                 self._counts[side, far] = Counted(partial(self._along, made), self._rate(TRACKING))
         with mpmath.workprec(TRACKING):
             return self._counts[side, far].arguments(t)
-
-    def _neighbour(self, formula: CayleyKlein, bits: int) -> ThetaAttitude:
-        """The attitude of a neighbour, for its turns."""
-        used = bits + CERTIFIED
-        return ThetaAttitude(
-            formula=lambda more: formula,
-            bits=bits,
-            start=self._first(used),
-            turn=self._turn(used),
-            exponent=self._start.exponent,
-            speed=self._rate(bits) * (1 + mpmath.ldexp(1, -16)),
-            third=self._axes.third,
-            coarse=lambda: formula,
-            tracking=used,
-        )
 
     def _along(self, made: AveragedAttitude, t: Any) -> Quaternion:
         """The attitude at a time not beyond that of the constants."""

@@ -1,7 +1,7 @@
 """Turns of both Cayley-Klein parameters along a motion, counted piece by piece and kept.
 
 The work grows with time: it serves where the turns are not known in closed form, which is about
-another axis than the top's, and next to a separatrix.
+another axis than the top's.
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
@@ -17,6 +18,7 @@ from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.cayley_klein import CayleyKlein, cayley_klein, quaternion
 from polhode.closed_forms.kovalevskaya.degenerate import Averaged, combined
+from polhode.closed_forms.kovalevskaya.torus_turns import TorusTurns
 from polhode.numbers.private import mpf, mpmath
 
 _TRIALS = 6
@@ -27,6 +29,7 @@ _MORE = 16  # bits more at each trial, at least
 class AveragedAttitude:
     """The neighbours' Cayley-Klein parameters at one precision."""
 
+    motions: Averaged
     formulas: Sequence[CayleyKlein]  # at eps, -eps, 2 eps, -2 eps
     bits: int  # at which they were made, and are to be asked
 
@@ -34,6 +37,14 @@ class AveragedAttitude:
     def defect(self) -> Any:
         """The largest of the neighbours."""
         return max(formula.defect for formula in self.formulas)
+
+    def turns(self, which: int, t: Any) -> tuple[Any, Any]:
+        """The growth of arg xi and arg eta of a neighbour from 0 to t in the top's units."""
+        return self._tori[which].growth(t)
+
+    @cached_property
+    def _tori(self) -> list[TorusTurns]:
+        return [TorusTurns(formula, self.bits) for formula in self.formulas]
 
     def certified(self, t: Any) -> tuple[list[Any], Any]:
         """The quaternion in the top's axes at t in its units, and an estimate of its error."""
@@ -56,7 +67,7 @@ def averaged_attitude(
     for moved, motion in zip(made.starts, made.neighbours, strict=True):
         turn = _least_turn([number(x, bits) for x in moved.G], vertical)
         formulas.append(cayley_klein(moved, motion, product(first, turn)))
-    return AveragedAttitude(formulas, bits)
+    return AveragedAttitude(made, formulas, bits)
 
 
 def _least_turn(one: Sequence[Any], other: Sequence[Any]) -> Quaternion:

@@ -76,9 +76,24 @@ def passes_poles(start: KovalevskayaStart) -> bool:
 
     There it is vertical along curves on the torus, which a motion crosses again and again.
     """
+    return side(start) == 0
+
+
+def side(start: KovalevskayaStart) -> int:
+    """The sign of (H a^2 - 2m^2)^2 - k^2 a^4: on which side of such a curve a motion passes.
+
+    Next to G = (0, 0, -+a), where r = -+2m/a and p^2 + q^2 = k, the first factor that vanishes,
+    H a^2 - 2m^2 - k a^2, is to first order
+
+        (p G1 + q G2) Y a/k,    Y = 2 a p - (2m/a)(p^2 + q^2 + k),
+
+    and p G1 + q G2, which stays the same as G passes by, tells the side.  Y is nowhere 0 but on
+    Appelrot's special motion, for Y^2 = 4 q^2 (s1 + k)(-k - s2): along one motion it keeps its
+    sign, and with it the side.
+    """
     H, m2, a2, k2 = start.H, start.m2, start.a2, start.k2
-    side = 2 * m2 - H * a2
-    return sign(side * side - k2 * a2 * a2) == 0
+    lever = 2 * m2 - H * a2
+    return sign(lever * lever - k2 * a2 * a2)
 
 
 def discriminant(start: KovalevskayaStart) -> Exact:
