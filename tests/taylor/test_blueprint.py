@@ -8,7 +8,6 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from shared.policies import change_policy
 
 import polhode
 from polhode.numbers.exact import exact
@@ -18,6 +17,7 @@ from polhode.scenes.event import Event
 from polhode.taylor import batch_jobs, batches, integrator
 from polhode.taylor.blueprint import FIRST_KEPT, built
 from polhode.taylor.pool import Idle
+from shared.policies import change_policy
 
 #: Case, what the equations keep, and the products of two variables that are left.
 TOPS = [

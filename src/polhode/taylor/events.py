@@ -207,7 +207,9 @@ class Watch:
         after = state.copy()
         after[: len(moved)] = moved
         for k, both in enumerate(self.desk.evaluate):
-            options = {"pars": ta.pars[:FIRST_KEPT], "time": ta.time} if self.desk.with_time[k] else {}
+            options = (
+                {"pars": ta.pars[:FIRST_KEPT], "time": ta.time} if self.desk.with_time[k] else {}
+            )
             value, slope = both(state, **options)
             new_value, new_slope = both(after, **options)
             if abs(new_value - value) > abs(value) / 4:
