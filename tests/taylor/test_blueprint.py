@@ -114,6 +114,18 @@ def test_each_lane_has_its_own_spin():
     assert np.array_equal(alone.states[0], many.states[0])
 
 
+def test_what_no_rate_asks_for_is_no_parameter():
+    """A sphere turning freely, without gamma: nothing changes, one by one and in lanes."""
+    scene = replace(plain("euler/sphere", 3), gamma=None)
+    made = built(setup(scene, DOUBLE).blueprint, None, None)
+    assert (made.kept, len(made.heyoka.pars)) == ((), 0)
+    events = (Event("alarm", "t - 1"),)
+    run = polhode.integrate(replace(scene, events=events))
+    assert run.events[0].times == (1,)
+    many = polhode.integrate_many(scene, {"start.omega[3]": [1, 2]}, workers=1)
+    assert many.states[:, 0, 2].tolist() == [1, 2]
+
+
 def test_lanes_multiply_out_as_little():
     zeros = np.zeros((8, 6))
     names = ("p.gamma2", "p.qr", "q.gamma1", "q.rp")

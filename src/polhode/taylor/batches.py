@@ -54,14 +54,16 @@ def solve(job: BatchJob, stop: Callable[[], bool] | None = None) -> Solved:
 
 def _with_kept(job: BatchJob) -> BatchJob:
     """A job whose lanes have, after their coefficients, the variables that the equations keep."""
-    starts = job.lanes.starts[:, _kept(job.names)]
+    starts = job.lanes.starts[:, _kept(job.names, job.columns)]
     table = np.hstack([job.lanes.coefficients, starts])
     return job._replace(lanes=job.lanes._replace(coefficients=table))
 
 
-def _kept(names: tuple[str, ...]) -> list[int]:
-    """The components of w on which no coefficient of these names acts."""
+def _kept(names: tuple[str, ...], columns: int) -> list[int]:
+    """The components of w on which no coefficient of these names acts, and which others feel."""
     moving = {name[0] for name in names}
+    if not moving and columns == len("pqr"):
+        return []
     return [i for i, name in enumerate("pqr") if name not in moving]
 
 
@@ -98,7 +100,7 @@ def _compiled(
     names: tuple[str, ...], columns: int, number: NumberType, tolerance: Fraction | None
 ) -> HeyokaIntegrator:
     variables = hy.make_vars(*("p", "q", "r", "gamma1", "gamma2", "gamma3")[:columns])
-    k, kept = {name: hy.par[i] for i, name in enumerate(names)}, _kept(names)
+    k, kept = {name: hy.par[i] for i, name in enumerate(names)}, _kept(names, columns)
     state = as_parameters(variables, kept, len(names))
     rates = principal.field(state, k, heyoka_numbers.EXPRESSIONS)
     equations = list(zip(variables, rates, strict=True))

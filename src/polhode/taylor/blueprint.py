@@ -92,7 +92,7 @@ class Blueprint:
 class Built(NamedTuple):
     """heyoka's integrator, the desk of its events, and the columns that the equations keep.
 
-    ``again``: whether another run may take it up.
+    ``again``: whether another run may take it up: a terminal event leaves traces in it.
     """
 
     heyoka: HeyokaIntegrator
@@ -120,8 +120,8 @@ def built(plan: Blueprint, watcher: Watcher | None, cyclic: Cyclic | None) -> Bu
             options["t_events"] = [terminal_event(away, plan.number)]
         equations = list(zip(variables, stepped, strict=True))
         heyoka = hy.taylor_adaptive(equations, plan.state, **options)
-    # a terminal event leaves traces in an integrator
-    return Built(heyoka, desk, kept, away is None)
+    used = kept[: max(0, len(heyoka.pars) - FIRST_KEPT)]  # no rate asks for those after
+    return Built(heyoka, desk, used, away is None)
 
 
 def kept_columns(rates: Sequence[Expression]) -> tuple[int, ...]:
