@@ -124,7 +124,7 @@ def test_members_of_one_unit_of_time_go_together():
 
 def test_neighbours_of_another_unit_change_no_bit(monkeypatch):
     """Where a run is cut into stretches depended on the fastest lane beside it."""
-    monkeypatch.setattr("polhode.taylor.batches._UNITS_PER_STEP", 1)
+    monkeypatch.setattr("polhode.taylor.stretches._UNITS_PER_STEP", 1)
     from shared.policies import change_policy
 
     change_policy(monkeypatch, chunk=12)

@@ -184,9 +184,9 @@ def dot(a, b):
 
 def marched(form, times, number=DOUBLE):
     """The form's variables at the times (the scene's unit) by heyoka, the run and its outcome."""
-    from polhode.taylor import heyoka_numbers, integrator
+    from polhode.taylor import blueprint, heyoka_numbers, integrator
 
-    plan = integrator.Blueprint(
+    plan = blueprint.Blueprint(
         form.variables,
         lambda values, k: form.field(values, k, heyoka_numbers.EXPRESSIONS),
         form.coefficients,

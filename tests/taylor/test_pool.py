@@ -21,13 +21,13 @@ def built(monkeypatch) -> list:
     """The integrators that are built from now on, none being idle."""
     monkeypatch.setattr(integrator, "_IDLE", Idle())
     made: list = []
-    build = integrator.Integrator._built
+    build = integrator.built
 
-    def counted(self, *arguments):
-        made.append(build(self, *arguments))
+    def counted(*arguments):
+        made.append(build(*arguments))
         return made[-1]
 
-    monkeypatch.setattr(integrator.Integrator, "_built", counted)
+    monkeypatch.setattr(integrator, "built", counted)
     return made
 
 

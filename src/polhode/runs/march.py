@@ -31,7 +31,6 @@ def march(
             if steps <= 0:
                 outcome = Outcome.STEP_LIMIT
                 break
-            before = integrator.time
             found, outcome = integrator.chunk(times[done:], steps)
             if outcome is Outcome.NON_FINITE:
                 finite = [k for k, row in enumerate(found) if all(x - x == 0 for x in row)]
@@ -40,7 +39,7 @@ def march(
             done += len(found)
             if outcome is not Outcome.STEP_LIMIT:
                 break
-            passed = abs(integrator.time - before)
+            passed = abs(integrator.time - integrator.marks[-1].offset)
             if passed <= steps * abs(integrator.time) * integrator.number.eps:
                 outcome = Outcome.STEP_UNDERFLOW
                 break

@@ -22,7 +22,6 @@ from polhode.runs.setup import Asked, Setup
 from polhode.taylor import policy
 from polhode.taylor.outcomes import EventTimes, Outcome, Projection
 from polhode.taylor.protocols import Corrector, Integrating, Mark, Watcher
-from polhode.taylor.times import Times
 
 if TYPE_CHECKING:
     from polhode.taylor.events import Watch
@@ -84,7 +83,7 @@ class Run:
         began = time.perf_counter()
         try:
             watch = self._watch = self._new_watch()
-            outcome, rows = self._to(asked.exact, asked.inside, progress)
+            outcome, rows = self._to(asked, progress)
         except heyoka_numbers.OutOfRange as fault:
             expected = f"a type of wider range ({fault})"
             raise BadInput(self.scene.name, "number", self.number.name, expected) from None
@@ -95,12 +94,10 @@ class Run:
         self.seconds = time.perf_counter() - began
         return outcome, rows
 
-    def _to(
-        self, times: tuple[Fraction, ...], inside: Times, progress: Progress | None
-    ) -> tuple[Outcome, Rows]:
-        made = self.setup
+    def _to(self, asked: Asked, progress: Progress | None) -> tuple[Outcome, Rows]:
+        made, inside = self.setup, asked.inside
         if made.still:
-            return self._stand_still(times, inside, progress)
+            return self._stand_still(asked, progress)
         began = time.perf_counter()
         whole = made.whole
         rows = made.first[: inside[0] == 0]
@@ -114,8 +111,8 @@ class Run:
             whole, origin = self._off_the_pole(whole, inside[len(rows)])
             if made.number.flat:  # a motion that stays at the pole has no angles
                 rows = rows[:, : len(whole.start)]
-        rows, outcome = self._advanced(whole, origin, inside, rows, progress)
-        return outcome, rows[: self._before_stop(times, len(rows))]
+        rows, outcome = self._advanced(whole, origin, asked, rows, progress)
+        return outcome, rows[: self._before_stop(asked.exact, len(rows))]
 
     def _before_stop(self, times: tuple[Fraction, ...], count: int) -> int:
         """How many of the first times are not beyond an event that ended the run."""
@@ -127,12 +124,11 @@ class Run:
         self,
         whole: System,
         origin: Fraction,
-        inside: Times,
+        asked: Asked,
         rows: Rows,
         progress: Progress | None,
     ) -> tuple[Rows, Outcome]:
         """Integrate a system that stands at time ``origin``; ``rows`` and those to come."""
-
         made = self.setup
         outcome = Outcome.STOPPED_AT_EVENT
         if not self._stopped:
@@ -141,15 +137,14 @@ class Run:
             self._refuse_what_never_moves()
             choices = policy.of(self.number)
             limit = self.max_steps if self.max_steps is not None else choices.max_steps
-            rows, outcome = march(integrator, inside, rows, limit, choices.chunk, progress)
+            rows, outcome = march(integrator, asked.inside, rows, limit, choices.chunk, progress)
             if corrector is not None:
                 self.projection = corrector.found()
                 self.build_seconds += corrector.seconds
             self.steps += integrator.steps
             # the end itself, not its rounding relative to where the last chunk began
             done = outcome is Outcome.REACHED_END
-            last = inside[-1] if done else integrator.time
-            self.reached = last if made.unit == 1 else last * made.unit
+            self.reached = asked.exact[-1] if done else integrator.time * made.unit
             if self._watch is not None:
                 self._working = integrator  # its events are told first
             elif outcome.done:
@@ -158,10 +153,9 @@ class Run:
             self.reached = self.number.rounded(self._watch.stop) * made.unit
         return rows, outcome
 
-    def _stand_still(
-        self, times: tuple[Fraction, ...], inside: Times, progress: Progress | None
-    ) -> tuple[Outcome, Rows]:
+    def _stand_still(self, asked: Asked, progress: Progress | None) -> tuple[Outcome, Rows]:
         """Rows of a state that never changes; only its events, those of t, need an integrator."""
+        times, inside = asked.exact, asked.inside
         rows = self.setup.rows(
             [
                 [number_value(x, self.number) for x in equilibrium.variables(self.scene, t)]
@@ -175,7 +169,7 @@ class Run:
         columns = len(whole.start)
         passed = [row[:columns] for row in rows[: inside[0] == 0]]
         watched, outcome = self._advanced(
-            whole, Fraction(0), inside, self.setup.rows(passed), progress
+            whole, Fraction(0), asked, self.setup.rows(passed), progress
         )
         return outcome, rows[: self._before_stop(times, len(watched))]
 

@@ -20,7 +20,7 @@ from polhode.scenes.scene import Scene
 from polhode.taylor.times import Times
 
 if TYPE_CHECKING:
-    from polhode.taylor.integrator import Blueprint
+    from polhode.taylor.blueprint import Blueprint
 
 
 @dataclass(frozen=True, eq=False)

@@ -275,7 +275,7 @@ class Scene:
         mantissa, exponent = exact.rounded(fourth, 8)
         return -((exponent + mantissa.bit_length() - 1) // 4)
 
-    @property
+    @cached_property
     def modelled(self) -> tuple[str, ...]:
         """The outputs that are integrated beside the state: hodographs need the attitude."""
         needed = {"attitude" if name == "hodographs" else name for name in self.outputs}

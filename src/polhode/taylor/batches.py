@@ -10,10 +10,9 @@ from __future__ import annotations
 import copy
 import itertools
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, NamedTuple
 
 import heyoka as hy
 import numpy as np
@@ -23,15 +22,13 @@ from polhode.equations.forms import principal
 from polhode.numbers.convert import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Rows
-from polhode.taylor import heyoka_numbers, lane_order, policy
+from polhode.taylor import heyoka_numbers, lane_order
 from polhode.taylor.batch_jobs import BatchJob, Solved
+from polhode.taylor.blueprint import as_parameters
 from polhode.taylor.endings import ending
 from polhode.taylor.kinds import HeyokaIntegrator
 from polhode.taylor.outcomes import Outcome, code
-
-#: Internal time units (a radian or two of the fastest rate) between two looks at the keyboard, for
-#: each step between them: at two or three steps a unit, a fifth of a second.
-_UNITS_PER_STEP = Fraction(1, 4)
+from polhode.taylor.stretches import Stretch, Stretches
 
 _REACHED = hy.taylor_outcome.time_limit
 
@@ -46,6 +43,7 @@ def solve(job: BatchJob, stop: Callable[[], bool] | None = None) -> Solved:
 
     Each gives the same bits in whichever order they are.
     """
+    job = _with_kept(job)
     places = width(job.number)
     end = float(job.times[-1] / Fraction(2) ** job.time_unit)
     if job.number.name != "double" or not lane_order.worth_it(end, job.lanes, places):
@@ -54,10 +52,25 @@ def solve(job: BatchJob, stop: Callable[[], bool] | None = None) -> Solved:
     return _solved(job._replace(lanes=job.lanes.some(order)), stop).in_order(order)
 
 
+def _with_kept(job: BatchJob) -> BatchJob:
+    """A job whose lanes have, after their coefficients, the variables that the equations keep."""
+    starts = job.lanes.starts[:, _kept(job.names, job.columns)]
+    table = np.hstack([job.lanes.coefficients, starts])
+    return job._replace(lanes=job.lanes._replace(coefficients=table))
+
+
+def _kept(names: tuple[str, ...], columns: int) -> list[int]:
+    """The components of w on which no coefficient of these names acts, and which others feel."""
+    moving = {name[0] for name in names}
+    if not moving and columns == len("pqr"):
+        return []
+    return [i for i, name in enumerate("pqr") if name not in moving]
+
+
 def _solved(job: BatchJob, stop: Callable[[], bool] | None) -> Solved:
     """The same in the order in which they are."""
     found, size = Solved.none_of(job), width(job.number)
-    stretches = _Stretches(job)
+    stretches = Stretches(job)
     firsts: Iterable[int] = range(0, job.lanes.many, size)
     if job.number.name == "double":
         firsts = _in_one_go(job, stretches, found, firsts, stop)
@@ -87,8 +100,9 @@ def _compiled(
     names: tuple[str, ...], columns: int, number: NumberType, tolerance: Fraction | None
 ) -> HeyokaIntegrator:
     variables = hy.make_vars(*("p", "q", "r", "gamma1", "gamma2", "gamma3")[:columns])
-    k = {name: hy.par[i] for i, name in enumerate(names)}
-    rates = principal.field(variables, k, heyoka_numbers.EXPRESSIONS)
+    k, kept = {name: hy.par[i] for i, name in enumerate(names)}, _kept(names, columns)
+    state = as_parameters(variables, kept, len(names))
+    rates = principal.field(state, k, heyoka_numbers.EXPRESSIONS)
     equations = list(zip(variables, rates, strict=True))
     options = heyoka_numbers.type_options(number)
     if tolerance is not None:
@@ -96,65 +110,18 @@ def _compiled(
     with heyoka_numbers.disk_cache(number):
         if number.name == "double":
             lanes = width(number)
-            shapes = np.zeros((columns, lanes)), np.zeros((len(names), lanes))
+            shapes = np.zeros((columns, lanes)), np.zeros((len(names) + len(kept), lanes))
             return hy.taylor_adaptive_batch(equations, shapes[0], pars=shapes[1], **options)
         start, pars = (
             heyoka_numbers.array([heyoka_numbers.scalar(0, number)] * n, number)
-            for n in (columns, len(names))
+            for n in (columns, len(names) + len(kept))
         )
         return hy.taylor_adaptive(equations, start, pars=pars, **options)
 
 
-class _Stretch(NamedTuple):
-    """A part of the way: its end, the outputs in it, and where it stops, as heyoka takes them.
-
-    ``targets``: from the stretch's beginning, in the run's unit, the last one being its end.
-    """
-
-    to: Fraction
-    first: int
-    last: int  # of the outputs, not included
-    targets: list[Any]
-
-
-class _Stretches:
-    """The stretches of a job, each made once, and none beyond those that are come to."""
-
-    def __init__(self, job: BatchJob) -> None:
-        self._made: list[_Stretch] = []
-        self._more = _stretches(job)
-
-    def __iter__(self) -> Iterator[_Stretch]:
-        yield from self._made
-        for stretch in self._more:
-            self._made.append(stretch)
-            yield stretch
-
-
-def _stretches(job: BatchJob) -> Iterator[_Stretch]:
-    """Stretches of a fifth of a second's work; they depend on the unit of time alone."""
-    done = 1 if job.times[0] == 0 else 0
-    if done == len(job.times):
-        return
-    end, unit = job.times[-1], Fraction(2) ** job.time_unit
-    count = -(-abs(end) / unit // (policy.of(job.number).chunk * _UNITS_PER_STEP))
-    j, since = 0, Fraction(0)
-    while done < len(job.times):
-        j += 1
-        to = end if j == count else job.number.rounded(end * Fraction(j, count))
-        first = done
-        while done < len(job.times) and abs(job.times[done]) <= abs(to):
-            done += 1
-        at = list(job.times[first:done])
-        targets = at if at and at[-1] == to else [*at, to]
-        scaled = [heyoka_numbers.scalar((t - since) / unit, job.number) for t in targets]
-        yield _Stretch(to, first, done, scaled)
-        since = to
-
-
 def _in_one_go(
     job: BatchJob,
-    stretches: _Stretches,
+    stretches: Stretches,
     found: Solved,
     firsts: Iterable[int],
     stop: Callable[[], bool] | None,
@@ -213,7 +180,7 @@ def _in_one_go(
 
 def _solve(
     job: BatchJob,
-    stretches: _Stretches,
+    stretches: Stretches,
     found: Solved,
     which: range,
     stop: Callable[[], bool] | None,
@@ -234,7 +201,7 @@ def _solve(
 
 def _march(
     job: BatchJob,
-    stretches: _Stretches,
+    stretches: Stretches,
     found: Solved,
     which: range,
     stop: Callable[[], bool] | None,
@@ -275,8 +242,7 @@ class _Doubles:
         self.integrator = compiled(job)
         lanes = job.lanes.some(slice(which.start, which.stop))
         self._put(self.integrator.state, lanes.starts)
-        if job.names:
-            self._put(self.integrator.pars, lanes.coefficients)
+        self._put(self.integrator.pars, lanes.coefficients)
 
     def _put(self, target: Rows, rows: Rows) -> None:
         target[:, : self.count] = rows.T
@@ -284,7 +250,7 @@ class _Doubles:
             target[:, self.count :] = rows[-1][:, None]
 
     def advance(
-        self, stretch: _Stretch, limit: int
+        self, stretch: Stretch, limit: int
     ) -> tuple[Rows, npt.NDArray[np.int64], Outcome, int]:
         """States (lanes, outputs, columns), steps, the ending, how many outputs were met."""
         ta, targets = self.integrator, stretch.targets
@@ -320,7 +286,7 @@ class _Single:
                 target[i] = x if self.number.flat else heyoka_numbers.scalar(x, self.number)
 
     def advance(
-        self, stretch: _Stretch, limit: int
+        self, stretch: Stretch, limit: int
     ) -> tuple[Rows, npt.NDArray[np.int64], Outcome, int]:
         """The same of one lane."""
         zero = heyoka_numbers.scalar(0, self.number)

@@ -7,8 +7,9 @@ from fractions import Fraction
 from polhode.equations.system import System
 from polhode.numbers.number_types import NumberType
 from polhode.scenes.words import ANGLE_VARIABLES
+from polhode.taylor.blueprint import Blueprint
 from polhode.taylor.heyoka_numbers import EXPRESSIONS
-from polhode.taylor.integrator import Blueprint, Integrator
+from polhode.taylor.integrator import Integrator
 from polhode.taylor.protocols import Corrector, Watcher
 
 

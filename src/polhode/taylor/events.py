@@ -30,6 +30,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row
 from polhode.scenes.scene import Scene
 from polhode.taylor import heyoka_numbers
+from polhode.taylor.blueprint import FIRST_KEPT
 from polhode.taylor.event_crossings import (
     NO_CROSSINGS,
     Crossings,
@@ -175,7 +176,8 @@ class Watch:
         ta = self.heyoka
         ta.update_d_output(ago, rel_time=True)
         if self.desk.with_time[k]:
-            value, slope = self.desk.evaluate[k](self.row, pars=ta.pars, time=ta.time + ago)
+            clock = ta.pars[:FIRST_KEPT]
+            value, slope = self.desk.evaluate[k](self.row, pars=clock, time=ta.time + ago)
         else:
             value, slope = self.desk.evaluate[k](self.row)
         return value, slope
@@ -205,7 +207,9 @@ class Watch:
         after = state.copy()
         after[: len(moved)] = moved
         for k, both in enumerate(self.desk.evaluate):
-            options = {"pars": ta.pars, "time": ta.time} if self.desk.with_time[k] else {}
+            options = (
+                {"pars": ta.pars[:FIRST_KEPT], "time": ta.time} if self.desk.with_time[k] else {}
+            )
             value, slope = both(state, **options)
             new_value, new_slope = both(after, **options)
             if abs(new_value - value) > abs(value) / 4:

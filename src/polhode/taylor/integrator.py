@@ -4,42 +4,29 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Hashable, Sequence
 from fractions import Fraction
-from functools import cached_property
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import heyoka as hy
 import numpy as np
 
 from polhode.numbers.convert import joined
-from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row, Rows
+from polhode.taylor.blueprint import FIRST_KEPT, Blueprint, Built, built
 from polhode.taylor.cyclic import Cyclic
 from polhode.taylor.endings import ending
-from polhode.taylor.heyoka_numbers import (
-    array,
-    as_fraction,
-    disk_cache,
-    numbers,
-    scalar,
-    scalars,
-    type_options,
-)
-from polhode.taylor.kinds import Expression, HeyokaIntegrator, HeyokaNumber
+from polhode.taylor.heyoka_numbers import array, as_fraction, numbers, scalar
+from polhode.taylor.kinds import HeyokaNumber
 from polhode.taylor.outcomes import Outcome
 from polhode.taylor.pool import Idle
 from polhode.taylor.protocols import Corrector, Mark, Memory, Piece, Watcher
-from polhode.taylor.singular_set import terminal_event
 from polhode.taylor.times import Times
 
-#: Expressions in variables and coefficients: the rates, or a distance.
-Field: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], list[Expression]]
-Distance: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], Expression | None]
-
 _IDLE = Idle()
+
+_REACH = 1.25
 
 
 class Polynomials(NamedTuple):
@@ -58,56 +45,6 @@ class Polynomials(NamedTuple):
         """About the memory that it takes."""
         x = self.output.tcs.flat[0]
         return int(self.output.tcs.size) * (48 + x.prec // 8 if isinstance(x, hy.real) else 16)
-
-
-@dataclass(frozen=True)
-class Blueprint:
-    """What an integrator of one autonomous system is built from, in one number type.  Immutable.
-
-    ``field``: rates from a list of variables and the coefficients.  ``distance``, of the variables
-    and the coefficients, ends a run where it falls to :func:`polhode.taylor.singular_set.nearest`.
-    ``cyclic``: so many of the last variables are cyclic, see :mod:`polhode.taylor.cyclic`.
-    ``equations``: what tells this field and this distance from others of the same names and
-    coefficients; an integrator of the same equations that is idle is then taken up again.
-    """
-
-    names: Sequence[str]
-    field: Field
-    coefficients: Mapping[str, Number]
-    start: Sequence[Number]
-    number: NumberType
-    tolerance: Number | None = None
-    distance: Distance | None = None
-    equations: Hashable = None
-    cyclic: int = 0
-
-    @cached_property
-    def state(self) -> Row:
-        """The start as heyoka's numbers, cyclic variables at zero; raises OutOfRange."""
-        first = len(self.start) - self.cyclic
-        values = [*self.start[:first], *[Fraction(0)] * self.cyclic]
-        return array(scalars(values, self.number), self.number)
-
-    @cached_property
-    def constants(self) -> list[HeyokaNumber]:
-        """The coefficients as heyoka's numbers; raises OutOfRange."""
-        return scalars([*self.coefficients.values()], self.number)
-
-    @cached_property
-    def options(self) -> dict[str, Any]:
-        """heyoka's options of an integrator without events."""
-        found = type_options(self.number)
-        if self.tolerance is not None:
-            found["tol"] = scalar(self.tolerance, self.number)
-        return found
-
-    @cached_property
-    def key(self) -> Hashable:
-        """What an idle integrator of these equations is found by; None where none is kept."""
-        if self.equations is None or not self.number.flat:
-            return None
-        named = (*self.names, *self.coefficients, *self.constants)
-        return (self.equations, *named, self.number.name, self.options.get("tol"))
 
 
 class Integrator:
@@ -140,40 +77,22 @@ class Integrator:
         if watcher is not None and self._key is not None:
             self._key = (self._key, watcher.rules)
         idle = None if self._key is None else _IDLE.take(self._key)
-        if idle is None:
-            self.heyoka, self._desk = self._built(plan)
-        else:
-            self.heyoka, self._desk = idle
+        self._built: Built = idle or built(plan, watcher, self._cyclic)
+        self.heyoka = self._built.heyoka
+        if idle is not None:
             self.heyoka.state[:] = plan.state
             self.heyoka.time = scalar(0, plan.number)
-        self.state = self.heyoka.state  # a view of its memory
-        if watcher is not None:
-            watcher.sit_down(self._desk)
+        self.state, self._parameters = self.heyoka.state, self.heyoka.pars  # views of its memory
+        self._tell_kept()
+        if watcher is not None and self._built.desk is not None:
+            watcher.sit_down(self._built.desk)
             watcher.counts_from(origin, self.heyoka)
-
-    def _built(self, plan: Blueprint) -> tuple[HeyokaIntegrator, Any]:
-        variables = hy.make_vars(*plan.names)
-        named = zip(plan.coefficients, plan.constants, strict=True)
-        k = {name: hy.expression(x) for name, x in named}
-        rates = plan.field(variables, k)
-        if self._cyclic is not None:
-            rates = self._cyclic.slowed(rates)
-        options, desk = dict(plan.options), None
-        with disk_cache(plan.number):
-            if self.watcher is not None:
-                options["nt_events"], desk = self.watcher.attach(variables, rates)
-            away = None if plan.distance is None else plan.distance(variables, k)
-            if away is not None:
-                self._key = None  # a terminal event leaves traces in an integrator
-                options["t_events"] = [terminal_event(away, plan.number)]
-            system = list(zip(variables, rates, strict=True))
-            return hy.taylor_adaptive(system, plan.state, **options), desk
 
     def release(self) -> None:
         """Leave the compiled code to the next run of the same equations; the last call of all."""
-        if self._key is not None:
-            _IDLE.put(self._key, (self.heyoka, self._desk))
-        del self.heyoka, self.state
+        if self._key is not None and self._built.again:
+            _IDLE.put(self._key, self._built)
+        del self._built, self.heyoka, self.state, self._parameters
 
     @property
     def decomposition(self) -> Any:
@@ -216,6 +135,7 @@ class Integrator:
         self.heyoka.time = scalar(0, self.number)
         for i, x in enumerate(mark.state):
             self.state[i] = x
+        self._tell_kept()
         if self.corrector is not None:
             self.corrector.recall(mark.memory)
         self._tell_offset()
@@ -226,8 +146,9 @@ class Integrator:
 
     def _through(self, grid: Row, steps: int) -> tuple[Rows, Outcome]:
         """A chunk's steps, with its corrections; rows of the run's numbers, and how it ended."""
+        ahead = joined([grid[:1], grid], self.number)
         if self.corrector is None and self._cyclic is None:
-            rows, ended = self._onwards(grid, steps)
+            rows, ended = self._onwards(ahead, steps)
             return self._rows([rows]), ended
         found, done, last = [], 0, self.steps + steps
         while True:
@@ -235,7 +156,7 @@ class Integrator:
             if self._cyclic is not None:
                 every = self._cyclic.every
                 pause = min(pause, (self.steps // every + 1) * every)
-            rows, ended = self._advance(grid, done, pause - self.steps)
+            rows, ended = self._advance(ahead, done, pause - self.steps)
             if len(rows):
                 found.append(rows if self._cyclic is None else self._cyclic.completed(rows))
                 done += len(rows)
@@ -251,65 +172,82 @@ class Integrator:
         return self._rows(found), ended
 
     def _correct(self, corrector: Corrector) -> bool:
-        return corrector.correct(self.state)
+        done = corrector.correct(self.state)
+        self._tell_kept()
+        return done
 
-    def _advance(self, grid: Row, done: int, steps: int) -> tuple[Rows, Outcome]:
+    def _tell_kept(self) -> None:
+        """Give the rates the variables that the equations keep, from where they stand."""
+        for parameter, column in enumerate(self._built.kept, FIRST_KEPT):
+            self._parameters[parameter] = self.state[column]
+
+    def _advance(self, ahead: Row, done: int, steps: int) -> tuple[Rows, Outcome]:
         """Up to ``steps`` steps; output times that are out of reach are not looked at.
 
-        Reach is four times the longest advance so far.  Should an output time be passed all the
-        same, the advance is taken back and made again with an eye on all of them.
+        ``ahead``: the chunk's times, after one place to spare; ``done`` of them are passed.  Reach
+        is a quarter more than the longest advance so far: heyoka takes longer for a grid, the more
+        times it has.  Should an output time be passed all the same, the advance is taken back and
+        made again with an eye on all of them.
         """
-        ta, count = self.heyoka, len(grid)
+        ta, count = self.heyoka, len(ahead) - 1
         if done == count - 1:
-            return self._onwards(grid[-1:], steps)
+            return self._onwards(ahead[-2:], steps)
         begun, kept, before = ta.dtime, self.state.copy(), self.steps
         marks = None if self.watcher is None else self.watcher.marks()
         reach = abs(float(begun[0])) + self._reach
-        beyond = bisect_right(grid, reach, lo=done, key=abs)
-        if beyond == done:
-            rows, ended = self._onwards(grid[-1:], steps)
-        elif beyond < count - 1:
-            rows, ended = self._onwards(joined([grid[done:beyond], grid[-1:]], self.number), steps)
+        beyond = bisect_right(ahead, reach, lo=done + 1, key=abs)  # its place
+        short = beyond < count
+        if not short:
+            rows, ended = self._onwards(ahead[done:], steps)
+        elif beyond == done + 1:
+            rows, ended = self._onwards(ahead[-2:], steps)
         else:
-            rows, ended = self._onwards(grid[done:], steps)
+            lent, ahead[beyond] = ahead[beyond], ahead[-1]
+            rows, ended = self._onwards(ahead[done : beyond + 1], steps)
+            ahead[beyond] = lent
         passed = abs(ta.time)
-        if beyond < count - 1 and passed > abs(grid[beyond]):
+        if short and passed > abs(ahead[beyond]):
             self.state[:], ta.dtime, self.steps = kept, begun, before
             if self.watcher is not None and marks is not None:
                 self.watcher.take_back(marks)
-            rows, ended = self._onwards(grid[done:], steps)
-        advance = 4 * float(passed - abs(begun[0]))
+            rows, ended = self._onwards(ahead[done:], steps)
+        advance = _REACH * float(passed - abs(begun[0]))
         if advance > self._reach or self._reach == math.inf:
             self._reach = advance
         return rows, ended
 
-    def _onwards(self, times: Row, steps: int) -> tuple[Rows, Outcome]:
-        """Up to ``steps`` steps towards the last time; rows at the times passed and outcome."""
+    def _onwards(self, ahead: Row, steps: int) -> tuple[Rows, Outcome]:
+        """Up to ``steps`` steps towards the last time; rows at the times passed and outcome.
+
+        ``ahead``: a place for the time at which it begins, then the times.
+        """
         ta = self.heyoka
-        if times[0] == ta.time:  # a step ended there: heyoka has not given that row
+        now = ta.time
+        if ahead[1] == now:  # a step ended there: heyoka has not given that row
             here = self.state.copy()[None]
-            if len(times) == 1:
+            if len(ahead) == 2:
                 return here, Outcome.REACHED_END
-            rows, ended = self._onwards(times[1:], steps)
+            rows, ended = self._onwards(ahead[1:], steps)
             return np.concatenate([here, rows]), ended
         options: dict[str, Any] = {"max_steps": steps}
         if self.watcher is not None and self.watcher.after_step is not None:
             options["callback"] = self.watcher.after_step
-        if len(times) == 1:
+        if len(ahead) == 2:
             # As a grid begins: the step that leaves no low part of the time.  So output times
             # change no bit of the motion.
-            ta.propagate_until(ta.time)
-            begun, dense = ta.time, self._pieces is not None
-            result = ta.propagate_until(times[0], c_output=dense, **options)
-            if self._pieces is not None and result[4] is not None:
-                self._pieces.append(Polynomials(begun, result[4]))
+            ta.propagate_until(now)
+            if self._pieces is None:
+                result = ta.propagate_until(ahead[1], **options)
+            else:
+                result = ta.propagate_until(ahead[1], c_output=True, **options)
+                if result[4] is not None:
+                    self._pieces.append(Polynomials(now, result[4]))
             ended = ending(result[0])
             rows = self.state[None]
             rows = rows.copy() if ended is Outcome.REACHED_END else rows[:0]
         else:
-            here = [ta.time]
-            flat = self.number.flat
-            grid = np.concatenate([here, times]) if flat else array([*here, *times], self.number)
+            ahead[0] = now
+            grid = ahead if self.number.flat else array(ahead, self.number)
             result = ta.propagate_grid(grid, **options)
             rows, ended = result[-1][1:], ending(result[0])
         self.steps += int(result[3])

@@ -22,31 +22,26 @@ expression over zero, nor more than a quarter of the way there.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache
 
 import heyoka as hy
-import numpy as np
 
 from polhode.equations.forms import principal
 from polhode.equations.integrals import FirstIntegrals, exact_values, first_integrals
 from polhode.numbers.exact import ZERO, Number, sign
-from polhode.numbers.number_types import EXTENDED, QUAD, NumberType, extended_here
+from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import EXACT, Row, Scalar
 from polhode.scenes.scene import Scene
 from polhode.taylor import heyoka_numbers
 from polhode.taylor.kinds import CompiledFunction, Expression, HeyokaNumber
 from polhode.taylor.outcomes import Projection
 from polhode.taylor.protocols import Memory, Watcher
+from polhode.taylor.widening import Conversions, conversions, wider
 
 #: Numbers among which nothing cancels by accident.
 _GENERIC = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47)
-
-#: Between two number types: a state into an array, an array to a state, one number.
-_Conversions = tuple[
-    Callable[[Row, Row], None], Callable[[Row], Row], Callable[[HeyokaNumber], HeyokaNumber]
-]
 
 #: Steps that a correction waits for an event beside it to pass, before it is given up.
 _MOST_WAITS = 16
@@ -66,34 +61,54 @@ class Target:
         return first_integrals(self.scene)
 
     @cached_property
-    def conversions(self) -> _Conversions:
+    def conversions(self) -> Conversions:
         """Ways between the number type and the wider one."""
-        return _conversions(self.number, _wider(self.number))
+        return conversions(self.number, wider(self.number))
 
     @cached_property
-    def step(self) -> Callable[..., object]:
-        """The correction, compiled, for this scene's values."""
-        wide, known, held = _wider(self.number), self.integrals, frozenset(kept_at_zero(self.scene))
-        names = tuple(sorted(known.coefficients))
-        constants = [known.coefficients[name] for name in names]
-        constants += exact_values(self.scene, known)
-        step = _newton_step(self.scene.columns, known.onto, known.order, names, held, self.number)
-        used = constants[: step.nparams]
-        pars = heyoka_numbers.array([heyoka_numbers.scalar(x, wide) for x in used], wide)
-        return partial(step, pars=pars)
+    def step(self) -> CompiledFunction:
+        """The correction, compiled: of a state and :attr:`constants`."""
+        known, held = self.integrals, frozenset(kept_at_zero(self.scene))
+        return _newton_step(
+            self.scene.columns, known.onto, known.order, self._names, held, self.number
+        )
+
+    @cached_property
+    def constants(self) -> Sequence[HeyokaNumber]:
+        """The integrals' coefficients and this scene's values of them, in the wider type."""
+        known = self.integrals
+        found = [known.coefficients[name] for name in self._names]
+        found += exact_values(self.scene, known)
+        return [heyoka_numbers.scalar(x, wider(self.number)) for x in found]
+
+    @cached_property
+    def _names(self) -> tuple[str, ...]:
+        return tuple(sorted(self.integrals.coefficients))
 
     @cached_property
     def unrested(self) -> Mapping[int, HeyokaNumber]:
         """The columns that the equations keep, with nothing rounded off yet."""
         return dict.fromkeys(constant_columns(self.scene), self._zero)
 
-    def array(self, count: int) -> Row:
-        """So many zeros of the wider type."""
-        return heyoka_numbers.array([self._zero] * count, _wider(self.number))
+    def inputs(self) -> Row:
+        """What the correction is given: room for a state, and :attr:`constants`; the caller's."""
+        return self._inputs.copy() if self.number.name == "double" else self._made(self.constants)
+
+    def outputs(self) -> Row:
+        """Room for what it gives: a state, and how far that was moved; the caller's."""
+        return self._made([self._zero])
+
+    @cached_property
+    def _inputs(self) -> Row:
+        return self._made(self.constants)
+
+    def _made(self, last: Sequence[HeyokaNumber]) -> Row:
+        """An array of zeros for a state, and these after it."""
+        return heyoka_numbers.array([self._zero] * self.columns + [*last], wider(self.number))
 
     @cached_property
     def _zero(self) -> HeyokaNumber:
-        return heyoka_numbers.scalar(ZERO, _wider(self.number))
+        return heyoka_numbers.scalar(ZERO, wider(self.number))
 
 
 def target(scene: Scene, number: NumberType) -> Target:
@@ -119,7 +134,7 @@ class Projector:
         self.target = target(scene, number)
         self.count = self.waits = 0
         self.largest = self.sum = self.seconds = 0.0
-        self._step: Callable[..., object] | None = None
+        self._step: CompiledFunction | None = None
         self._rests: dict[
             int, HeyokaNumber
         ] = {}  # what was rounded off components that stand still
@@ -143,32 +158,33 @@ class Projector:
     def correct(self, state: Row) -> bool:
         """Correct a state where it stands, in heyoka's numbers; False: try again a step later."""
         step = self._step or self._begin()
-        columns = self.target.columns
-        self._load(self._before, state[:columns])
-        step(self._before, outputs=self._after)
+        here, after = state[: self.target.columns], self._moved
+        self._load(self._entry, here)
+        step(self._before, self._after)
         size = float(self._after[-1])
         if not size < self.target.limit:  # not finite, or no rounding: not to be mended like this
             return True
         for i, rest in self._rests.items():
-            self._after[i] += rest
-        moved = self._rounded(self._after[:-1])
+            after[i] += rest
+        moved = self._rounded(after)
         if self.watcher is not None and self.watcher.disturbed(state, moved):
             self.waits = (self.waits + 1) % _MOST_WAITS
             return self.waits == 0
         for i in self._rests:
-            self._rests[i] = self._after[i] - self._widened(moved[i])
-        state[:columns] = moved
+            self._rests[i] = after[i] - self._widened(moved[i])
+        here[:] = moved
         self.waits = 0
         self.count += 1
         self.sum += size
         self.largest = max(self.largest, size)
         return True
 
-    def _begin(self) -> Callable[..., object]:
+    def _begin(self) -> CompiledFunction:
         began, target = time.perf_counter(), self.target
         self._step = found = target.step
         self._load, self._rounded, self._widened = target.conversions
-        self._before, self._after = target.array(target.columns), target.array(target.columns + 1)
+        self._before, self._after = target.inputs(), target.outputs()
+        self._entry, self._moved = self._before[: target.columns], self._after[:-1]
         self._rests = dict(target.unrested)
         self.seconds += time.perf_counter() - began
         return found
@@ -185,16 +201,16 @@ def _newton_step(
 ) -> CompiledFunction:
     """The state after a correction and the size of that, compiled.
 
-    Parameters: the integrals' coefficients of these names, then the exact scene's values.  So one
-    function serves all scenes that have the same integrals.  An integral that depends on nothing
-    but what is held at zero drops out, and its value with it: the last may not be asked for.
+    Beside the state it takes the integrals' coefficients of these names and the exact scene's
+    values, as variables, for heyoka takes longer to be given parameters than to evaluate all this.
+    So one function serves all scenes that have the same integrals.
     """
-    wide = _wider(number)
+    wide = wider(number)
     variables = hy.make_vars(*columns)
-    pars = [hy.par[i] for i in range(len(names) + len(onto))]
-    k = dict(zip(names, pars, strict=False))
+    known = [hy.expression(f"k{i}") for i in range(len(names) + len(onto))]
+    k = dict(zip(names, known, strict=False))
     values = FirstIntegrals(onto, order, {}).values(variables, k, heyoka_numbers.EXPRESSIONS.zero)
-    residuals = [target - value for target, value in zip(pars[len(names) :], values, strict=True)]
+    residuals = [target - value for target, value in zip(known[len(names) :], values, strict=True)]
 
     def constant(x: Number) -> Expression:
         return hy.expression(heyoka_numbers.scalar(x, wide))
@@ -210,7 +226,9 @@ def _newton_step(
     size = hy.sqrt(sum((d * d for d in step[1:]), step[0] * step[0]))
     moved = [x + d for x, d in zip(variables, step, strict=True)]
     with heyoka_numbers.disk_cache(wide):
-        return hy.cfunc([*moved, size], vars=variables, **heyoka_numbers.type_options(wide))
+        return hy.cfunc(
+            [*moved, size], vars=[*variables, *known], **heyoka_numbers.type_options(wide)
+        )
 
 
 def least_norm(
@@ -275,37 +293,3 @@ def constant_columns(scene: Scene) -> list[int]:
     """
     moving = {name[0] for name in principal.coefficients(scene.body)}
     return [i for i, name in enumerate("pqr") if name not in moving]
-
-
-def _wider(number: NumberType) -> NumberType:
-    """The type in which corrections of a run in ``number`` are computed."""
-    if number.name == "double" and extended_here():
-        return EXTENDED
-    if number.flat:
-        return QUAD
-    return NumberType("mp", number.bits + 64)
-
-
-def _conversions(number: NumberType, wide: NumberType) -> _Conversions:
-    """Ways between the two types: a state into an array, an array to a state, one number."""
-    if wide.name == "extended":
-        return np.copyto, lambda row: row.astype(np.float64), np.longdouble
-    bits = number.bits
-
-    def widened(x: HeyokaNumber) -> HeyokaNumber:
-        return hy.real128(x) if wide.name == "quad" else hy.real(x, wide.bits)
-
-    def narrowed(x: HeyokaNumber) -> HeyokaNumber:
-        if number.name == "double":
-            return float(x)
-        if number.name == "extended":
-            high = float(x)
-            return np.longdouble(high) + np.longdouble(float(x - hy.real128(high)))
-        rounded = hy.real(x, bits)
-        return hy.real128(rounded) if number.name == "quad" else rounded
-
-    def load(into: Row, row: Row) -> None:
-        for i, x in enumerate(row):
-            into[i] = widened(x)
-
-    return load, lambda row: heyoka_numbers.array([narrowed(x) for x in row], number), widened

@@ -20,8 +20,8 @@ from polhode.numbers.scalars import Doubles
 from polhode.scenes.words import ANGLE_VARIABLES, ATTITUDE
 from polhode.taylor import policy
 from polhode.taylor.batches import width
+from polhode.taylor.blueprint import Blueprint
 from polhode.taylor.heyoka_numbers import EXPRESSIONS, disk_cache
-from polhode.taylor.integrator import Blueprint
 from polhode.taylor.kinds import HeyokaIntegrator
 from polhode.taylor.pool import Idle
 
