@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
@@ -96,7 +97,7 @@ class Run:
         return outcome, rows
 
     def _to(
-        self, times: tuple[Fraction, ...], inside: Times, progress: Progress | None
+        self, times: Sequence[Fraction], inside: Times, progress: Progress | None
     ) -> tuple[Outcome, Rows]:
         made = self.setup
         if made.still:
@@ -117,7 +118,7 @@ class Run:
         rows, outcome = self._advanced(whole, origin, inside, rows, progress)
         return outcome, rows[: self._before_stop(times, len(rows))]
 
-    def _before_stop(self, times: tuple[Fraction, ...], count: int) -> int:
+    def _before_stop(self, times: Sequence[Fraction], count: int) -> int:
         """How many of the first times are not beyond an event that ended the run."""
         if not self._stopped:
             return count
@@ -159,7 +160,7 @@ class Run:
         return rows, outcome
 
     def _stand_still(
-        self, times: tuple[Fraction, ...], inside: Times, progress: Progress | None
+        self, times: Sequence[Fraction], inside: Times, progress: Progress | None
     ) -> tuple[Outcome, Rows]:
         """Rows of a state that never changes; only its events, those of t, need an integrator."""
         rows = self.setup.rows(

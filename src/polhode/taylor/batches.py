@@ -86,6 +86,13 @@ _compiling = threading.Lock()
 def _compiled(
     names: tuple[str, ...], columns: int, number: NumberType, tolerance: Fraction | None
 ) -> HeyokaIntegrator:
+    return built(names, columns, number, tolerance)
+
+
+def built(
+    names: tuple[str, ...], columns: int, number: NumberType, tolerance: Fraction | None
+) -> HeyokaIntegrator:
+    """An integrator of the principal form, its coefficients of these names as parameters."""
     variables = hy.make_vars(*("p", "q", "r", "gamma1", "gamma2", "gamma3")[:columns])
     k = {name: hy.par[i] for i, name in enumerate(names)}
     rates = principal.field(variables, k, heyoka_numbers.EXPRESSIONS)

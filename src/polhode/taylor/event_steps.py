@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from polhode.numbers.expression import Algebra, evaluate
@@ -41,13 +41,21 @@ def is_entire(scene: Scene, event: Event) -> bool:
 
     True without division by what varies, negative powers of it, and roots.
     """
-    if event.expression is None:
-        return True
-    names = dict.fromkeys((*scene.columns, "t"), _Sort(True, True))
+    return _sort(event, (*scene.columns, "t"), ()).entire
+
+
+def tells_time(scene: Scene, event: Event) -> bool:
+    """Whether an event's expression depends on t itself."""
+    return _sort(event, ("t",), scene.columns).varies
+
+
+def _sort(event: Event, varying: Sequence[str], constant: Sequence[str]) -> _Sort:
+    """What is known of an event's expression where some of its names vary."""
+    names = dict.fromkeys(constant, _Sort(False, True)) | dict.fromkeys(varying, _Sort(True, True))
     functions = {"sin": _same, "cos": _same, "sqrt": _root}
     algebra = Algebra(lambda _: _Sort(False, True), functions)
-    found = evaluate(event.expression, names, algebra)
-    return not isinstance(found, _Sort) or found.entire
+    found = evaluate(event.expression, names, algebra) if event.expression is not None else None
+    return found if isinstance(found, _Sort) else _Sort(False, True)
 
 
 @dataclass(frozen=True)

@@ -31,12 +31,15 @@ from polhode.numbers.scalars import Row
 from polhode.scenes.scene import Scene
 from polhode.taylor import heyoka_numbers
 from polhode.taylor.event_crossings import (
-    NO_CROSSINGS,
-    Crossings,
-    Seen,
+    Met,
+    Zeros,
+    after_start,
     crossings,
     exact_times,
+    gathered,
     in_order,
+    joined,
+    since_start,
     those,
 )
 from polhode.taylor.event_crossings import marks as plain_marks
@@ -95,7 +98,8 @@ class Watch:
             AfterStep(lambda: self.stop is not None, number) if self.rules.asked else None
         )
         self.raw: list[list[_Raw]] = [[] for _ in scene.events]
-        self.seen: list[list[Seen]] = [[] for _ in scene.events]
+        self.seen: list[list[Met]] = [[] for _ in scene.events]
+        self.known: list[list[Zeros]] = [[] for _ in scene.events]  # plain crossings found otherwise
         # Of the integrator attached last: itself, the exact time from which its own counts, and
         # what it hands to callbacks, with its dense output, a view of its memory.
         self.stepping: HeyokaIntegrator = None
@@ -220,11 +224,12 @@ class Watch:
         counts = tuple((len(raw), len(seen)) for raw, seen in zip(self.raw, self.seen, strict=True))
         return Found(counts, self.stop)
 
-    def take_back(self, found: Found) -> None:
-        """Forget what was found since."""
+    def take_back(self, found: Found, all_but: int | None = None) -> None:
+        """Forget what was found since, but of one event where that is said."""
         self.stop = found.stop
         for k, (raw, seen) in enumerate(found.counts):
-            del self.raw[k][raw:], self.seen[k][seen:]
+            if k != all_but:
+                del self.raw[k][raw:], self.seen[k][seen:]
 
     # -- what was found -----------------------------------------------------------------------
 
@@ -234,14 +239,15 @@ class Watch:
         answers = []
         for k, event in enumerate(self.scene.events):
             before = self.start[k] if self.forward else -self.start[k]
-            seen, found = self._crossings(k)
-            plain = None if self.raw[k] else in_order(seen, found, before, self.number)
+            zeros = after_start(self._zeros(k), before, self.number)
+            found = zeros[1]
+            plain = None if self.raw[k] else in_order(zeros, before)
             complete, rows, slopes = True, found.rows, found.slopes.tolist()
             if plain is not None and self.stop is None:
                 times = exact_times(plain, self.scene.time_unit, self.number)
             else:
-                marks = self._marks(k) + plain_marks(*those(seen, found, found.plain))
-                marks += self._one_by_one(k, those(seen, found, ~found.plain)[0])
+                marks = self._marks(k) + plain_marks(those(zeros, found.plain))
+                marks += self._one_by_one(k, those(zeros, ~found.plain))
                 marks, complete = sorted_out(marks, before, self.stop, self.number, ZERO)
                 times = [self.number.rounded(m.time) * unit for m in marks]
                 rows = [heyoka_numbers.numbers(m.row, self.number) for m in marks]
@@ -261,13 +267,14 @@ class Watch:
             )
         return tuple(answers)
 
-    def _crossings(self, k: int) -> tuple[list[Seen], Crossings]:
+    def _zeros(self, k: int) -> Zeros:
         """What was noted of an event and may be a zero, polished."""
-        seen = self.seen[k]
-        if not seen:
-            return [], NO_CROSSINGS
-        found = crossings(seen, self.desk.evaluate[k], self.desk.motion, self.limits[k])
-        return those(seen, found, ~found.none)
+        parts = self.known[k].copy()
+        if self.seen[k]:
+            seen = gathered(self.seen[k], self.number)
+            found = crossings(seen, self.desk.evaluate[k], self.desk.motion, self.limits[k])
+            parts.append(those((seen, found), ~found.none))
+        return joined(parts)
 
     def _marks(self, k: int) -> list[Mark]:
         """What was polished at once."""
@@ -281,12 +288,14 @@ class Watch:
             for raw in self.raw[k]
         ]
 
-    def _one_by_one(self, k: int, seen: Sequence[Seen]) -> list[Mark]:
+    def _one_by_one(self, k: int, zeros: Zeros) -> list[Mark]:
         """Places that are no plain crossings, each looked at along a step from there."""
-        marks = []
+        seen, marks = zeros[0], []
+        if len(seen.rows) == 0:
+            return []
         self.muted, self.heyoka = True, self.stepping
         self.row = self.heyoka.d_output
-        for offset, time, row in seen:
+        for since, row in zip(since_start(seen), seen.rows, strict=True):
             self.heyoka.time = self.limits[k].zero
             self.heyoka.state[:] = row
             self.heyoka.step(write_tc=True)
@@ -294,10 +303,9 @@ class Watch:
             if found is not None:
                 self.heyoka.update_d_output(found.time, rel_time=True)
                 high, low = self.heyoka.dtime
-                raw = _Raw(offset, high, low + found.time, self.row.copy(), *found[1:])
+                raw = _Raw(since, high, low + found.time, self.row.copy(), *found[1:])
                 width = ZERO if raw.slope else self._exactly(raw.width)
-                since = self._time(raw) + self._exactly(time)
-                marks.append(Mark(since, raw.row, raw.slope, width))
+                marks.append(Mark(self._time(raw), raw.row, raw.slope, width))
         self.muted = False
         return marks
 

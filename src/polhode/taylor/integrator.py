@@ -17,6 +17,7 @@ from polhode.numbers.convert import joined
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row, Rows
+from polhode.taylor import policy
 from polhode.taylor.cyclic import Cyclic
 from polhode.taylor.endings import ending
 from polhode.taylor.heyoka_numbers import (
@@ -223,6 +224,14 @@ class Integrator:
         self._pieces = pieces
         self._through(Times([mark.end], self.number).since(mark.offset), mark.steps)
         return pieces
+
+    def stretch(self, begin: Fraction, state: Row, length: HeyokaNumber) -> Outcome:
+        """Take a stretch of a motion by itself, from a state, for the watcher."""
+        self.offset = begin
+        self.heyoka.time = scalar(0, self.number)
+        self.state[:] = state
+        self._tell_offset()
+        return self._onwards(array([length], self.number), policy.of(self.number).max_steps)[1]
 
     def _through(self, grid: Row, steps: int) -> tuple[Rows, Outcome]:
         """A chunk's steps, with its corrections; rows of the run's numbers, and how it ended."""
