@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+
+T = TypeVar("T")
 
 
 class ByValue:
@@ -46,6 +48,26 @@ def same(one: Any, other: Any) -> bool:
         alike = isinstance(other, Mapping) and one.keys() == other.keys()
         return alike and all(same(one[key], other[key]) for key in one)
     return bool(one == other) or (one != one and other != other)
+
+
+class Later(Generic[T]):
+    """A field of a dataclass that may be given as a function, called when it is first asked for."""
+
+    def __set_name__(self, _: type, name: str) -> None:
+        self._name = f"_{name}"
+
+    def __get__(self, instance: object, _: type | None = None) -> T:
+        if instance is None:  # a dataclass asks for a default: there is none
+            raise AttributeError(self._name)
+        held = vars(instance)
+        value = held[self._name]
+        if callable(value):
+            value = held[self._name] = value()
+        found: T = value
+        return found
+
+    def __set__(self, instance: object, value: T | Callable[[], T]) -> None:
+        vars(instance)[self._name] = value
 
 
 class _Packed(NamedTuple):

@@ -131,8 +131,8 @@ def _plan(bare: Setup, times: Asked, hops: Hops) -> Plan | None:
     pace = hops.pace(bare.first[0])
     if not 0 < pace < math.inf:
         return None
-    # one or two steps: a power of two, that last bits do not change it
-    count = max(_FEWEST_KNOTS, math.ceil(abs(end) / 2.0 ** math.floor(math.log2(2 * pace))))
+    # two to four steps: a power of two, that last bits do not change it
+    count = max(_FEWEST_KNOTS, math.ceil(abs(end) / 2.0 ** math.floor(math.log2(4 * pace))))
     if count >= MOST_KNOTS:
         return None
     knots = np.abs(end) * (np.arange(count + 1) / count)

@@ -1,8 +1,8 @@
 """Plain crossings of zero, all of a run at once, in types that numpy holds.
 
 heyoka finds a crossing to about the last digit of the time.  From the state there, Newton's method
-takes the rest: along the motion's own Taylor polynomial of second order, since what is left to go
-is far shorter than the square root of the type's rounding.
+takes the rest: along the motion's own Taylor polynomial of second or third order, since what is
+left to go is far shorter than the third or fourth root of the type's rounding.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from polhode.taylor.event_polish import Mark, near
 from polhode.taylor.kinds import CompiledFunction, HeyokaNumber
 from polhode.taylor.times import exact_sum
 
-_ROUNDS = 2  # of Newton's method
 _SMALL, _SHIFT = 2.0**-300, 300
-NEAR = 2.0**-20  # in the run's unit: the cube of it is a rounding
+#: In the run's unit, by the order of the polynomial: its power beyond that is a rounding.
+NEAR = {2: 2.0**-20, 3: 2.0**-13}
 
 
 #: A zero of an expression, or of its rate, as heyoka met it: an exact offset, the time since then,
@@ -77,22 +77,40 @@ def gathered(met: list[Met], number: NumberType) -> Seen:
 def crossings(
     seen: Seen, evaluate: CompiledFunction, motion: CompiledFunction, limits: Limits
 ) -> Crossings:
-    """Polish zeros that are met: ``evaluate`` an expression and its rate, ``motion`` x' and x''."""
+    """Polish zeros that are met, by as many steps of Newton's method as ``motion`` has orders.
+
+    ``evaluate``: an expression, its rate and its rate's; ``motion``: the variables' first and
+    second derivatives, or the third as well.  A small slope is steep enough where no extremum
+    beside it may be a contact (:func:`polhode.taylor.event_polish.polished`).
+    """
     columns = seen.rows.T.copy()
     moved = np.zeros_like(columns[0])
-    value, slope = evaluate(columns)
-    steep = np.abs(slope) > limits.steep
-    none = ~steep & (np.abs(slope) <= limits.flat) & (np.abs(value) > limits.contact)
+    value, slope, bend = evaluate(columns)
+    small = np.abs(slope) <= limits.flat
+    steep = ~small & (slope * slope > 2 * limits.contact * np.abs(bend))
+    steep |= np.abs(slope) > limits.steep
+    none = small & ~steep & (np.abs(value) > limits.contact)
     plain = steep
-    for k in range(_ROUNDS):
+    rates = motion(columns).reshape(-1, *columns.shape)
+    order = len(rates)
+    for k in range(1, order + 1):
         step = np.where(plain, -value, 0) / np.where(plain, slope, 1)
-        plain = plain & (np.abs(step) <= (limits.converged if k else NEAR))
+        plain = plain & (np.abs(step) <= (limits.converged if k == order else NEAR[order]))
         step[~plain] = 0
-        rates, bends = np.split(motion(columns), 2)
-        columns = columns + step * (rates + step / 2 * bends)
+        columns = along(columns, rates, step)
         moved = moved + step
-        value, slope = evaluate(columns)
+        value, slope, _ = evaluate(columns)
+        if k < order:
+            rates = motion(columns).reshape(-1, *columns.shape)
     return Crossings(moved, columns.T, np.sign(slope), plain, none)
+
+
+def along(columns: Rows, rates: Rows, step: Row) -> Rows:
+    """States a little later by a Taylor polynomial: ``rates``, first derivatives and so on."""
+    bend = rates[-1]
+    for k in range(len(rates) - 1, 0, -1):
+        bend = rates[k - 1] + step / (k + 1) * bend
+    return columns + step * bend
 
 
 def in_order(zeros: Zeros, before: int) -> Row | None:

@@ -20,9 +20,11 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import partial
 from typing import NamedTuple
 
 import heyoka as hy
+import numpy as np
 
 from polhode.equations.readout import Readout
 from polhode.numbers.exact import ZERO, sign
@@ -135,8 +137,9 @@ class Watch:
                 for f in (value, slope)
                 if hy.get_variables([f])  # a constant has no zeros
             ]
-            both = hy.subs([value, slope], {TIME: clock})
-            desk.evaluate.append(hy.cfunc(both, vars=list(variables), **options))
+            jet = [value, slope, rate(slope)] if self.number.flat else [value, slope]
+            jet = hy.subs(jet, {TIME: clock})
+            desk.evaluate.append(hy.cfunc(jet, vars=list(variables), **options))
         if self.number.flat:
             derivatives = [*rates, *(rate(x) for x in rates)]
             desk.motion = hy.cfunc(derivatives, vars=list(variables), **options)
@@ -179,10 +182,10 @@ class Watch:
         ta = self.heyoka
         ta.update_d_output(ago, rel_time=True)
         if self.desk.with_time[k]:
-            value, slope = self.desk.evaluate[k](self.row, pars=ta.pars, time=ta.time + ago)
+            found = self.desk.evaluate[k](self.row, pars=ta.pars, time=ta.time + ago)
         else:
-            value, slope = self.desk.evaluate[k](self.row)
-        return value, slope
+            found = self.desk.evaluate[k](self.row)
+        return found[0], found[1]
 
     def _mark(self, k: int, place: Place) -> None:
         high, low = self.heyoka.dtime
@@ -208,10 +211,10 @@ class Watch:
         ta = self.stepping
         after = state.copy()
         after[: len(moved)] = moved
-        for k, both in enumerate(self.desk.evaluate):
+        for k, jet in enumerate(self.desk.evaluate):
             options = {"pars": ta.pars, "time": ta.time} if self.desk.with_time[k] else {}
-            value, slope = both(state, **options)
-            new_value, new_slope = both(after, **options)
+            value, slope = jet(state, **options)[:2]
+            new_value, new_slope = jet(after, **options)[:2]
             if abs(new_value - value) > abs(value) / 4:
                 return True
             grazing = abs(value) <= 2 * self.limits[k].contact
@@ -241,31 +244,27 @@ class Watch:
             before = self.start[k] if self.forward else -self.start[k]
             zeros = after_start(self._zeros(k), before, self.number)
             found = zeros[1]
-            plain = None if self.raw[k] else in_order(zeros, before)
-            complete, rows, slopes = True, found.rows, found.slopes.tolist()
-            if plain is not None and self.stop is None:
-                times = exact_times(plain, self.scene.time_unit, self.number)
+            plain = None if self.raw[k] or self.stop is not None else in_order(zeros, before)
+            if plain is not None:
+                slopes, rows, complete = found.slopes, found.rows, True
+                if event.direction != "any":
+                    counted = np.array([event.counts(slope) for slope in slopes.tolist()], bool)
+                    plain, slopes, rows = plain[counted], slopes[counted], rows[counted]
+                times = partial(self._exact_times, plain)
+                grazing = (False,) * len(slopes)
             else:
                 marks = self._marks(k) + plain_marks(those(zeros, found.plain))
                 marks += self._one_by_one(k, those(zeros, ~found.plain))
                 marks, complete = sorted_out(marks, before, self.stop, self.number, ZERO)
-                times = [self.number.rounded(m.time) * unit for m in marks]
+                marks = [m for m in marks if event.counts(m.slope)]
+                times = tuple(self.number.rounded(m.time) * unit for m in marks)
                 rows = [heyoka_numbers.numbers(m.row, self.number) for m in marks]
-                slopes = [m.slope for m in marks]
-            if event.direction != "any":
-                counted = [i for i, slope in enumerate(slopes) if event.counts(slope)]
-                times, slopes = [times[i] for i in counted], [slopes[i] for i in counted]
-                rows = [rows[i] for i in counted]
-            answers.append(
-                EventTimes(
-                    name=event.name,
-                    times=tuple(times),
-                    states=read.states(rows),
-                    grazing=tuple(bool(slope == 0) for slope in slopes),
-                    complete=complete,
-                )
-            )
+                grazing = tuple(m.slope == 0 for m in marks)
+            answers.append(EventTimes(event.name, times, read.states(rows), grazing, complete))
         return tuple(answers)
+
+    def _exact_times(self, times: Row) -> tuple[Fraction, ...]:
+        return tuple(exact_times(times, self.scene.time_unit, self.number))
 
     def _zeros(self, k: int) -> Zeros:
         """What was noted of an event and may be a zero, polished."""

@@ -1,40 +1,56 @@
 """Where a function crosses zero between knots at which its first derivatives are known.
 
-Between two knots the function is its Hermite interpolant of degree 7, in Bernstein's form: the
-coefficients are sums of the derivatives at the ends, the values lie between the smallest and the
-largest, and the function is monotone where they are.  So an interval holds no zero, or one that
-the signs at its ends tell, or it is halved.  A knot's sign serves both its neighbours: no crossing
-is lost or counted twice at a knot.
+Between two knots the function is its Hermite interpolant of degree 9, in Bernstein's form: the
+coefficients are sums of the derivatives at the ends, and it has no more zeros than their signs
+change (Descartes).  So an interval holds no zero, or one that the signs at its ends tell, or it is
+halved.  Coefficients near zero count as of either sign, and have to rise or fall: so no shift that
+small makes two zeros of one, or of none.  A knot's sign serves both its neighbours: no crossing is
+lost or counted twice at a knot.
 
 How far the interpolant is off is told by that over two intervals at the knot between them: the
-error falls with the eighth power of the length, so over one it is 256 times smaller.
+error falls with the tenth power of the length, so over one it is 1024 times smaller.
 """
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import comb, perm
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from polhode.numbers.scalars import Doubles
 
+Cells: TypeAlias = npt.NDArray[np.intp]
+
 #: Derivatives that are asked for at each knot, the value first.
-DERIVATIVES = 4
+DERIVATIVES = 5
 
 _DEGREE = 2 * DERIVATIVES - 1
-_SAFETY = 16  # of the factor 256
+_SAFETY = 64  # of the factor 1024
+_BLOCK = 1024  # knots whose arrays fit into a processor's own memory
 _HALVINGS = 10
-_ROUNDS = 5  # of Newton's method, from a place between the ends where the polynomial is monotone
-_KEPT = 2.0**-20  # of an interval: how near a place is told
-_LEFT = np.array([[comb(i, j) / 2.0**i for j in range(_DEGREE + 1)] for i in range(_DEGREE + 1)])
+_ROUNDS = 4  # of Newton's method
+_KEPT = 2.0**-12  # of an interval: a last step below this tells a place to 2**-20 or so
+_ORDERS, _ENDS = range(DERIVATIVES), range(_DEGREE + 1)
+
+#: The coefficients next to a knot from the derivatives there, times powers of the width: those
+#: of the interval after it, and of that before it; and a knot's part in the value at the next one,
+#: over the two intervals that it is between.
+_AFTER = np.array([[float(comb(j, k)) for k in _ORDERS] for j in _ORDERS])
+_TURN = np.array([(-1.0) ** k for k in _ORDERS])
+_ACROSS = np.array(
+    [sum(comb(_DEGREE, j) * comb(j, k) for j in _ORDERS) * 2.0 ** (k - _DEGREE) for k in _ORDERS]
+)
+_FROM_KNOT = np.vstack([_AFTER, (_AFTER * _TURN)[::-1], _ACROSS, _ACROSS * _TURN])
+
+#: The coefficients of both halves, and those of powers.
+_LEFT = np.array([[comb(i, j) / 2.0**i for j in _ENDS] for i in _ENDS])
 _HALVES = np.vstack([_LEFT, _LEFT[::-1, ::-1]])
+_EXPONENTS = np.arange(1.0, _DEGREE + 1)[:, None]
 _POWERS = np.array(
-    [
-        [comb(_DEGREE, k) * comb(k, j) * (-1.0) ** (k - j) for j in range(_DEGREE + 1)]
-        for k in range(_DEGREE + 1)
-    ]
+    [[comb(_DEGREE, k) * comb(k, j) * (-1.0) ** (k - j) for j in _ENDS] for k in _ENDS]
 )
 
 
@@ -45,14 +61,46 @@ class Crossed(NamedTuple):
     ``near``: the knots at which the function may be zero.
     """
 
-    cells: npt.NDArray[np.intp]
+    cells: Cells
     places: Doubles
     unsure: npt.NDArray[np.bool_]
     near: npt.NDArray[np.bool_]
 
 
+class _Open(NamedTuple):
+    """Intervals that may hold zeros: in which cells, where they begin there, and coefficients.
+
+    ``error``: how far the interpolants may be off; ``margin``: below which a value may be a zero.
+    """
+
+    cells: Cells
+    begin: Doubles
+    coefficients: Doubles
+    error: Doubles
+    margin: Doubles
+
+    @classmethod
+    def joined(cls, parts: list[_Open]) -> _Open:
+        """Several lists in one."""
+        return cls(*(np.concatenate(x, axis=-1) for x in zip(*parts, strict=True)))
+
+    def those(self, which: npt.NDArray[np.bool_]) -> _Open:
+        """Some of them."""
+        places = np.flatnonzero(which)
+        return _Open(*(part.take(places, axis=-1) for part in self))
+
+    def halved(self, part: float) -> _Open:
+        """The halves of intervals of this part of a cell."""
+        halves = _HALVES @ self.coefficients
+        left, right = np.split(halves, 2)
+        right[0] = left[-1]
+        begin = np.concatenate([self.begin, self.begin + part / 2])
+        both = np.hstack([left, right])
+        return _Open(np.tile(self.cells, 2), begin, both, *(np.tile(x, 2) for x in self[3:]))
+
+
 def crossed(values: Doubles, width: float, contact: float, flat: float) -> Crossed:
-    """Zeros of a function from ``values`` (4, knots), itself and its derivatives.
+    """Zeros of a function from ``values`` (5, knots), itself and its derivatives.
 
     ``width``: between two knots, negative where time runs backward.  A zero next to an extremum of
     at most ``contact``, or of a slope of at most ``flat``, is unsure.
@@ -61,15 +109,16 @@ def crossed(values: Doubles, width: float, contact: float, flat: float) -> Cross
     if count < 2:
         none = np.empty(0)
         return Crossed(none.astype(int), none, np.ones(count, bool), np.ones(count + 1, bool))
-    scales = [width**k / perm(_DEGREE, k) for k in range(DERIVATIVES)]
-    scaled = values * np.array(scales)[:, None]
+    scales = np.array([width**k / perm(_DEGREE, k) for k in _ORDERS])
+    near, unsure = np.zeros(count + 1, bool), np.zeros(count, bool)
+    edges = [*range(0, max(count - _BLOCK // 2, 1), _BLOCK), count]
     with np.errstate(all="ignore"):
-        error = _errors(scaled)
-        margin = error + contact
-        ends = np.maximum(np.append(margin, margin[-1]), np.append(margin[:1], margin))
-        near = ~(np.abs(values[0]) > ends)
-        found, unsure = _sorted_out(_bernstein(scaled), error, margin, flat * abs(width) / _DEGREE)
-    cells, places = found
+        parts = []
+        for first, last in pairwise(edges):
+            part, beside = _open(values[:, first : last + 1], _FROM_KNOT * scales, contact)
+            near[first : last + 1] |= beside
+            parts.append(part._replace(cells=part.cells + first))
+        cells, places = _sorted_out(_Open.joined(parts), unsure, flat * abs(width) / _DEGREE)
     unsure[cells[np.isnan(places)]] = True
     kept = ~unsure[cells]
     cells, places = cells[kept], places[kept]
@@ -77,72 +126,68 @@ def crossed(values: Doubles, width: float, contact: float, flat: float) -> Cross
     return Crossed(cells[order], places[order], unsure, near)
 
 
-def _errors(scaled: Doubles) -> Doubles:
-    """How far the interpolants may be off, cell by cell."""
-    left, right = scaled[:, :-2], scaled[:, 2:]
-    middle = (left[0] + right[0]) / 2
-    middle += (77 * (left[1] - right[1]) + 126 * (left[2] + right[2])) / 32
-    middle += (left[3] - right[3]) * (70 / 32)
-    off = np.abs(middle - scaled[0, 1:-1]) / _SAFETY
-    at: Doubles = np.concatenate([off[:1], off, off[-1:]])
-    return np.maximum(at[:-1], at[1:])
-
-
-def _bernstein(scaled: Doubles) -> Doubles:
-    """Bernstein's coefficients of the interpolants (8, cells)."""
-    found = np.empty((_DEGREE + 1, scaled.shape[1] - 1))
-    for side, sign, rows in ((slice(None, -1), 1, (0, 1, 2, 3)), (slice(1, None), -1, (7, 6, 5, 4))):
-        value, first, second, third = scaled[:, side]
-        first, third = sign * first, sign * third
-        found[rows[0]] = value
-        found[rows[1]] = value + first
-        found[rows[2]] = value + 2 * first + second
-        found[rows[3]] = value + 3 * (first + second) + third
-    return found
+def _open(
+    values: Doubles, from_knot: Doubles, contact: float
+) -> tuple[_Open, npt.NDArray[np.bool_]]:
+    """The cells that may hold zeros, and the knots that may be some."""
+    found = from_knot @ values
+    after, before = found[:DERIVATIVES], found[DERIVATIVES:-2]
+    off = np.abs(found[-2, :-2] + found[-1, 2:] - values[0, 1:-1]) / _SAFETY
+    at = np.concatenate([off[:1], off, off[-1:]])
+    near = ~(np.abs(values[0]) > at + contact)
+    error = np.maximum(at[:-1], at[1:])
+    margin = error + contact
+    sure = np.minimum(after.min(0)[:-1], before.min(0)[1:]) > margin
+    sure |= np.maximum(after.max(0)[:-1], before.max(0)[1:]) < -margin
+    cells = np.flatnonzero(~sure)
+    coefficients = np.vstack([after[:, cells], before[:, cells + 1]])
+    coefficients[0], coefficients[-1] = values[0, cells], values[0, cells + 1]
+    return _Open(cells, np.zeros(len(cells)), coefficients, error[cells], margin[cells]), near
 
 
 def _sorted_out(
-    coefficients: Doubles, error: Doubles, margin: Doubles, flat: float
-) -> tuple[tuple[npt.NDArray[np.intp], Doubles], npt.NDArray[np.bool_]]:
-    """Cells and places of zeros; and the cells about which nothing is sure."""
-    unsure = np.zeros(len(error), bool)
-    cell = np.arange(len(error))
-    begin, part = np.zeros(len(error)), 1.0
-    cells, places = [cell[:0]], [begin[:0]]
-    for halving in range(_HALVINGS + 1):
-        open_ = ~(coefficients.min(0) > margin) & ~(coefficients.max(0) < -margin)
-        coefficients, begin = coefficients[:, open_], begin[open_]
-        cell, error, margin = cell[open_], error[open_], margin[open_]
-        steps, slack = np.diff(coefficients, axis=0), part * (4 * error + flat)
-        monotone = (steps.min(0) > slack) | (steps.max(0) < -slack)
-        turned = monotone & ((coefficients[0] < 0) != (coefficients[-1] < 0))
-        if turned.any():
-            cells.append(cell[turned])
-            places.append(begin[turned] + part * _roots(coefficients[:, turned]))
-        rest = ~monotone
-        if not rest.any():
+    left: _Open, unsure: npt.NDArray[np.bool_], flat: float
+) -> tuple[Cells, Doubles]:
+    """Cells and places of zeros; the cells about which nothing is sure are noted."""
+    turned, parts, part = [], [], 1.0
+    for _ in range(_HALVINGS + 1):
+        b = left.coefficients
+        cut = np.minimum(np.maximum(b, -left.margin), left.margin)
+        steps, small = np.diff(cut, axis=0), np.abs(b) <= left.margin
+        once = (steps.min(0) >= 0) | (steps.max(0) <= 0)
+        flat_steps = np.abs(np.diff(b, axis=0)) <= part * (4 * left.error + flat)
+        once &= ~(flat_steps & (small[1:] | small[:-1])).any(0)
+        turned.append(left.those(once & ((b[0] < 0) != (b[-1] < 0))))
+        parts.append(np.full(len(turned[-1].cells), part))
+        if once.all():
             break
-        if halving == _HALVINGS:
-            unsure[cell[rest]] = True
-            break
-        halves = _HALVES @ coefficients[:, rest]
-        left, right = np.split(halves, 2)
-        right[0] = left[-1]
-        coefficients = np.hstack([left, right])
+        left = left.those(~once).halved(part)
         part /= 2
-        begin = np.concatenate([begin[rest], begin[rest] + part])
-        cell, error, margin = (np.tile(x[rest], 2) for x in (cell, error, margin))
-    return (np.concatenate(cells), np.concatenate(places)), unsure
+        b = left.coefficients
+        left = left.those(~((b.min(0) > left.margin) | (b.max(0) < -left.margin)))
+    else:
+        unsure[left.cells] = True
+    found, part = _Open.joined(turned), np.concatenate(parts)
+    roots = _roots(found.coefficients, part * (4 * found.error + flat))
+    return found.cells, found.begin + part * roots
 
 
-def _roots(coefficients: Doubles) -> Doubles:
-    """The zeros of monotone polynomials that change their sign; nan where one is not found."""
+def _roots(coefficients: Doubles, least: Doubles) -> Doubles:
+    """The only zeros of polynomials; nan where one is not found, or of a slope below the least.
+
+    Newton's method from where the polygon of the coefficients crosses zero.
+    """
+    count = coefficients.shape[1]
+    after = ((coefficients < 0) != (coefficients[0] < 0)).argmax(0)
+    column = np.arange(count)
+    low, high = coefficients[after - 1, column], coefficients[after, column]
+    place = (after - 1 + low / (low - high)) / _DEGREE
     powers = _POWERS @ coefficients
-    place = coefficients[0] / (coefficients[0] - coefficients[-1])
+    rates = powers[1:] * _EXPONENTS
     for _ in range(_ROUNDS):
-        value, slope = powers[-1], np.zeros_like(place)
-        for power in powers[-2::-1]:
-            slope = slope * place + value
-            value = value * place + power
+        basis = np.multiply.accumulate(np.broadcast_to(place, rates.shape), axis=0)
+        value = powers[0] + (powers[1:] * basis).sum(0)
+        slope = rates[0] + (rates[1:] * basis[:-1]).sum(0)
         before, place = place, np.clip(place - value / slope, 0.0, 1.0)
-    return np.where(np.abs(place - before) < _KEPT, place, np.nan)
+    sure = (np.abs(place - before) < _KEPT) & (np.abs(slope) > least)
+    return np.where(sure, place, np.nan)

@@ -265,7 +265,7 @@ class Integrator:
     def _advance(self, grid: Row, done: int, steps: int) -> tuple[Rows, Outcome]:
         """Up to ``steps`` steps; output times that are out of reach are not looked at.
 
-        Reach is four times the longest advance so far.  Should an output time be passed all the
+        Reach is half as long again as the longest advance so far.  Should an output time be passed all the
         same, the advance is taken back and made again with an eye on all of them.
         """
         ta, count = self.heyoka, len(grid)
@@ -287,7 +287,7 @@ class Integrator:
             if self.watcher is not None and marks is not None:
                 self.watcher.take_back(marks)
             rows, ended = self._onwards(grid[done:], steps)
-        advance = 4 * float(passed - abs(begun[0]))
+        advance = 1.5 * float(passed - abs(begun[0]))
         if advance > self._reach or self._reach == math.inf:
             self._reach = advance
         return rows, ended

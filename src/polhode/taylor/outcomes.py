@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
 
-from polhode.common.values import ByValue
+from polhode.common.values import ByValue, Later
 from polhode.numbers.decimals import decimal_in_full, shown
 from polhode.numbers.scalars import Rows
 
@@ -110,7 +110,7 @@ class EventTimes(ByValue):
     """
 
     name: str
-    times: tuple[Fraction, ...]
+    times: Later[tuple[Fraction, ...]] = Later()
     states: Rows
     grazing: tuple[bool, ...]
     complete: bool = True

@@ -11,7 +11,6 @@ together, steps too long for it - heyoka looks for events itself, from a knot to
 from __future__ import annotations
 
 from fractions import Fraction
-from itertools import pairwise
 from typing import NamedTuple
 
 import heyoka as hy
@@ -33,7 +32,6 @@ from polhode.taylor.kinds import CompiledFunction
 from polhode.taylor.protocols import Desk
 
 _HOPS = 3  # towards one crossing
-_BLOCK = 4096  # knots whose arrays fit into a processor's own memory
 _LONGEST = 32  # cells in a row that heyoka looks at
 _FEW = 8  # cells, and a quarter of them all: more are not looked at once more
 
@@ -74,15 +72,16 @@ class Outlook:
                     jet.append(rate(jet[-1]))
                 compiled = hy.cfunc(jet, vars=variables, **options)
                 self.jets.append(compiled)
-                self.desk.evaluate.append(_first_two(compiled))
+                self.desk.evaluate.append(_first_three(compiled))
                 self.desk.with_time.append(False)
-            motion = [*rates, *(rate(x) for x in rates)]
+            bends = [rate(x) for x in rates]
+            motion = [*rates, *bends, *(rate(x) for x in bends)]
             self.desk.motion = hy.cfunc(motion, vars=variables, **options)
 
 
-def _first_two(jet: CompiledFunction) -> CompiledFunction:
+def _first_three(jet: CompiledFunction) -> CompiledFunction:
     def evaluate(columns: Doubles) -> Doubles:
-        found: Doubles = jet(columns)[:2]
+        found: Doubles = jet(columns)[:3]
         return found
 
     return evaluate
@@ -133,7 +132,7 @@ class Sightings:
     ) -> tuple[Zeros | None, list[tuple[int, int]]]:
         """Plain crossings of an event; and from which knots to which it is to be looked for."""
         limits = self.watch.limits[k]
-        found = _in_blocks(values, knots.width, float(limits.contact), float(limits.flat))
+        found = hermite.crossed(values, knots.width, float(limits.contact), float(limits.flat))
         after = found.places > 0.5
         knot = found.cells + after
         ahead = (found.places - after) * knots.width
@@ -164,9 +163,9 @@ class Sightings:
                 if len(far) == 0:
                     break
                 rows[far] = self.hops.along(knots.states[knot[far]], ahead[far])
-                value, slope = evaluate(rows[far].T.copy())
+                value, slope, _ = evaluate(rows[far].T.copy())
                 step = -value / slope
-                more = (np.abs(step) > NEAR) & (np.abs(step) < abs(knots.width))
+                more = (np.abs(step) > NEAR[3]) & (np.abs(step) < abs(knots.width))
                 far = far[more]
                 ahead[far] += step[more]
         at = knots.times[knot]
@@ -183,26 +182,6 @@ class Sightings:
                     Fraction(float(ends[begin])), knots.states[begin], float(ends[end] - ends[begin])
                 )
                 self.watch.take_back(before, all_but=k)
-
-
-def _in_blocks(values: Doubles, width: float, contact: float, flat: float) -> hermite.Crossed:
-    """Zeros, block by block of knots."""
-    count = values.shape[1]
-    edges = [*range(0, max(count - _BLOCK // 2, 1), _BLOCK), count - 1]
-    parts = [
-        (a, hermite.crossed(values[:, a : b + 1], width, contact, flat)) for a, b in pairwise(edges)
-    ]
-    if len(parts) == 1:
-        return parts[0][1]
-    near = np.zeros(count, bool)
-    for a, part in parts:
-        near[a : a + len(part.near)] |= part.near
-    return hermite.Crossed(
-        np.concatenate([part.cells + a for a, part in parts]),
-        np.concatenate([part.places for _, part in parts]),
-        np.concatenate([part.unsure for _, part in parts]),
-        near,
-    )
 
 
 def _stretches(
