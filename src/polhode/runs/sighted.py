@@ -85,7 +85,7 @@ def rows(
     began = time.perf_counter()
     bare = run.setup
     blueprint = bare.blueprint
-    hops = Hops(blueprint.coefficients, len(blueprint.names))
+    hops = Hops(blueprint)
     outlook = _IDLE.take(made) or Outlook(made.scene, blueprint)
     wanted = _kept_plan(made, bare, times, hops)
     built = time.perf_counter() - began

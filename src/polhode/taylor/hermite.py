@@ -17,10 +17,14 @@ from itertools import pairwise
 from math import comb, perm
 from typing import NamedTuple, TypeAlias
 
+import heyoka as hy
 import numpy as np
 import numpy.typing as npt
 
+from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.scalars import Doubles
+from polhode.taylor.heyoka_numbers import EXPRESSIONS, disk_cache
+from polhode.taylor.kinds import CompiledFunction
 
 Cells: TypeAlias = npt.NDArray[np.intp]
 
@@ -32,7 +36,7 @@ _SAFETY = 64  # of the factor 1024
 _BLOCK = 1024  # knots whose arrays fit into a processor's own memory
 _HALVINGS = 10
 _ROUNDS = 4  # of Newton's method
-_KEPT = 2.0**-12  # of an interval: a last step below this tells a place to 2**-20 or so
+_KEPT = 2.0**-12  # of an interval: after a step below this a place is right to 2**-20 or so
 _ORDERS, _ENDS = range(DERIVATIVES), range(_DEGREE + 1)
 
 #: The coefficients next to a knot from the derivatives there, times powers of the width: those
@@ -48,7 +52,6 @@ _FROM_KNOT = np.vstack([_AFTER, (_AFTER * _TURN)[::-1], _ACROSS, _ACROSS * _TURN
 #: The coefficients of both halves, and those of powers.
 _LEFT = np.array([[comb(i, j) / 2.0**i for j in _ENDS] for i in _ENDS])
 _HALVES = np.vstack([_LEFT, _LEFT[::-1, ::-1]])
-_EXPONENTS = np.arange(1.0, _DEGREE + 1)[:, None]
 _POWERS = np.array(
     [[comb(_DEGREE, k) * comb(k, j) * (-1.0) ** (k - j) for j in _ENDS] for k in _ENDS]
 )
@@ -84,9 +87,9 @@ class _Open(NamedTuple):
         """Several lists in one."""
         return cls(*(np.concatenate(x, axis=-1) for x in zip(*parts, strict=True)))
 
-    def those(self, which: npt.NDArray[np.bool_]) -> _Open:
+    def those(self, which: npt.NDArray[np.bool_] | Cells) -> _Open:
         """Some of them."""
-        places = np.flatnonzero(which)
+        places = np.flatnonzero(which) if which.dtype == bool else which
         return _Open(*(part.take(places, axis=-1) for part in self))
 
     def halved(self, part: float) -> _Open:
@@ -99,10 +102,12 @@ class _Open(NamedTuple):
         return _Open(np.tile(self.cells, 2), begin, both, *(np.tile(x, 2) for x in self[3:]))
 
 
-def crossed(values: Doubles, width: float, contact: float, flat: float) -> Crossed:
+def crossed(
+    values: Doubles, width: float, contact: float, flat: float, newton: CompiledFunction
+) -> Crossed:
     """Zeros of a function from ``values`` (5, knots), itself and its derivatives.
 
-    ``width``: between two knots, negative where time runs backward.  A zero next to an extremum of
+    ``newton``: of :func:`newton`.  ``width``: between two knots, negative where time runs backward.  A zero next to an extremum of
     at most ``contact``, or of a slope of at most ``flat``, is unsure.
     """
     count = values.shape[1] - 1
@@ -118,7 +123,7 @@ def crossed(values: Doubles, width: float, contact: float, flat: float) -> Cross
             part, beside = _open(values[:, first : last + 1], _FROM_KNOT * scales, contact)
             near[first : last + 1] |= beside
             parts.append(part._replace(cells=part.cells + first))
-        cells, places = _sorted_out(_Open.joined(parts), unsure, flat * abs(width) / _DEGREE)
+        cells, places = _sorted_out(_Open.joined(parts), unsure, flat * abs(width) / _DEGREE, newton)
     unsure[cells[np.isnan(places)]] = True
     kept = ~unsure[cells]
     cells, places = cells[kept], places[kept]
@@ -146,17 +151,17 @@ def _open(
 
 
 def _sorted_out(
-    left: _Open, unsure: npt.NDArray[np.bool_], flat: float
+    left: _Open, unsure: npt.NDArray[np.bool_], flat: float, newton: CompiledFunction
 ) -> tuple[Cells, Doubles]:
     """Cells and places of zeros; the cells about which nothing is sure are noted."""
     turned, parts, part = [], [], 1.0
     for _ in range(_HALVINGS + 1):
         b = left.coefficients
-        cut = np.minimum(np.maximum(b, -left.margin), left.margin)
-        steps, small = np.diff(cut, axis=0), np.abs(b) <= left.margin
-        once = (steps.min(0) >= 0) | (steps.max(0) <= 0)
-        flat_steps = np.abs(np.diff(b, axis=0)) <= part * (4 * left.error + flat)
-        once &= ~(flat_steps & (small[1:] | small[:-1])).any(0)
+        negative, small = b < 0, np.abs(b) <= left.margin
+        once = (negative[1:] != negative[:-1]).sum(0) <= 1
+        doubtful = np.flatnonzero(small.any(0))
+        if len(doubtful):
+            once[doubtful] = _at_most_one(left.those(doubtful), part, flat)
         turned.append(left.those(once & ((b[0] < 0) != (b[-1] < 0))))
         parts.append(np.full(len(turned[-1].cells), part))
         if once.all():
@@ -168,26 +173,48 @@ def _sorted_out(
     else:
         unsure[left.cells] = True
     found, part = _Open.joined(turned), np.concatenate(parts)
-    roots = _roots(found.coefficients, part * (4 * found.error + flat))
+    roots = _roots(newton, found.coefficients, part * (4 * found.error + flat))
     return found.cells, found.begin + part * roots
 
 
-def _roots(coefficients: Doubles, least: Doubles) -> Doubles:
+def _at_most_one(left: _Open, part: float, flat: float) -> npt.NDArray[np.bool_]:
+    """Whether coefficients, some of them near zero, rise or fall through zero, never flat there."""
+    b, margin = left.coefficients, left.margin
+    small = np.abs(b) <= margin
+    cut = np.diff(np.minimum(np.maximum(b, -margin), margin), axis=0)
+    level = np.abs(np.diff(b, axis=0)) <= part * (4 * left.error + flat)
+    found: npt.NDArray[np.bool_] = (cut.min(0) >= 0) | (cut.max(0) <= 0)
+    return found & ~(level & (small[1:] | small[:-1])).any(0)
+
+
+def newton() -> CompiledFunction:
+    """From the coefficients of a polynomial's powers and a place: the place after some steps of
+    Newton's method, the last step, and the slope there.
+    """
+    variables = hy.make_vars(*(f"c{k}" for k in _ENDS), "x")
+    powers, place = variables[:-1], variables[-1]
+    for _ in range(_ROUNDS):
+        value, slope = powers[-1], EXPRESSIONS.zero
+        for power in powers[-2::-1]:
+            slope = slope * place + value
+            value = value * place + power
+        step = value / slope
+        place = place - step
+    with disk_cache(DOUBLE):
+        return hy.cfunc([place, step, slope], vars=variables)
+
+
+def _roots(
+    newton: CompiledFunction, coefficients: Doubles, least: Doubles
+) -> Doubles:
     """The only zeros of polynomials; nan where one is not found, or of a slope below the least.
 
-    Newton's method from where the polygon of the coefficients crosses zero.
+    Newton's method begins where the polygon of the coefficients crosses zero.
     """
-    count = coefficients.shape[1]
+    column = np.arange(coefficients.shape[1])
     after = ((coefficients < 0) != (coefficients[0] < 0)).argmax(0)
-    column = np.arange(count)
     low, high = coefficients[after - 1, column], coefficients[after, column]
-    place = (after - 1 + low / (low - high)) / _DEGREE
-    powers = _POWERS @ coefficients
-    rates = powers[1:] * _EXPONENTS
-    for _ in range(_ROUNDS):
-        basis = np.multiply.accumulate(np.broadcast_to(place, rates.shape), axis=0)
-        value = powers[0] + (powers[1:] * basis).sum(0)
-        slope = rates[0] + (rates[1:] * basis[:-1]).sum(0)
-        before, place = place, np.clip(place - value / slope, 0.0, 1.0)
-    sure = (np.abs(place - before) < _KEPT) & (np.abs(slope) > least)
-    return np.where(sure, place, np.nan)
+    guess = (after - 1 + low / (low - high)) / _DEGREE
+    place, step, slope = newton(np.vstack([_POWERS @ coefficients, guess]))
+    sure = (np.abs(step) < _KEPT) & (np.abs(slope) > least) & (np.abs(place - 0.5) < 0.5 + _KEPT)
+    return np.where(sure, np.clip(place, 0.0, 1.0), np.nan)

@@ -56,6 +56,7 @@ class Outlook:
         named = zip(plan.coefficients, plan.constants, strict=True)
         rates = plan.field(variables, {name: hy.expression(x) for name, x in named})
         self.jets: list[CompiledFunction] = []
+        self.newton = hermite.newton()
         self.desk = Desk()
         options = type_options(DOUBLE)
 
@@ -132,7 +133,8 @@ class Sightings:
     ) -> tuple[Zeros | None, list[tuple[int, int]]]:
         """Plain crossings of an event; and from which knots to which it is to be looked for."""
         limits = self.watch.limits[k]
-        found = hermite.crossed(values, knots.width, float(limits.contact), float(limits.flat))
+        thresholds = float(limits.contact), float(limits.flat)
+        found = hermite.crossed(values, knots.width, *thresholds, self.outlook.newton)
         after = found.places > 0.5
         knot = found.cells + after
         ahead = (found.places - after) * knots.width
