@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,13 +22,20 @@ from polhode.taylor import times as of_runs
 from polhode.taylor.outcomes import Outcome
 from polhode.taylor.pool import Idle
 
+if TYPE_CHECKING:
+    from polhode.taylor.hops import Hops
+    from polhode.taylor.sightings import Outlook
+
 #: In the run's own unit, a radian or two of the fastest rate: a shorter run costs less than what
 #: is compiled here.
-SHORTEST_RUN = 64
+SHORTEST_RUN = 256
 
 #: All knots' states are kept until the run is over: 50 megabytes.
 MOST_KNOTS = 2**20
 _FEWEST_KNOTS = 16
+
+_LOOKED_AT = 64  # times at first
+_CLOSE = 2.0**-8  # of an expression: how far off it may be over two intervals; over one 1024th of it
 
 _IDLE = Idle()
 
@@ -87,7 +94,7 @@ def rows(
     blueprint = bare.blueprint
     hops = Hops(blueprint)
     outlook = _IDLE.take(made) or Outlook(made.scene, blueprint)
-    wanted = _kept_plan(made, bare, times, hops)
+    wanted = _kept_plan(made, bare, times, hops, outlook)
     built = time.perf_counter() - began
     if wanted is None:
         return None
@@ -116,23 +123,19 @@ def rows(
     return outcome, states[given]
 
 
-def _kept_plan(made: Setup, bare: Setup, times: Asked, hops: Hops) -> Plan | None:
+def _kept_plan(made: Setup, bare: Setup, times: Asked, hops: Hops, outlook: Outlook) -> Plan | None:
     """The times of a plain run, from the scene that asks for these, where they are kept."""
     key = (Plan, made.number)
-    found = made.scene.kept_of_times.get(key)
-    if not isinstance(found, Plan):
-        found = _plan(bare, times, hops)
-        made.scene.kept_of_times[key] = found
+    if key not in made.scene.kept_of_times:
+        made.scene.kept_of_times[key] = _plan(bare, times, hops, outlook)
+    found: Plan | None = made.scene.kept_of_times[key]
     return found
 
 
-def _plan(bare: Setup, times: Asked, hops: Hops) -> Plan | None:
+def _plan(bare: Setup, times: Asked, hops: Hops, outlook: Outlook) -> Plan | None:
     end = float(times.inside[-1])
-    pace = hops.pace(bare.first[0])
-    if not 0 < pace < math.inf:
-        return None
-    # two to four steps: a power of two, that last bits do not change it
-    count = max(_FEWEST_KNOTS, math.ceil(abs(end) / 2.0 ** math.floor(math.log2(4 * pace))))
+    width = _width(bare.first[0], end, hops, outlook)
+    count = max(_FEWEST_KNOTS, math.ceil(abs(end) / width)) if width else MOST_KNOTS
     if count >= MOST_KNOTS:
         return None
     knots = np.abs(end) * (np.arange(count + 1) / count)
@@ -146,3 +149,25 @@ def _plan(bare: Setup, times: Asked, hops: Hops) -> Plan | None:
         np.searchsorted(every, knots),
         end / count,
     )
+
+
+def _width(start: Doubles, end: float, hops: Hops, outlook: Outlook) -> float:
+    """How far apart knots may be: 8 to 1/2 steps, as interpolation allows at first; 0 for no way.
+
+    A power of two, that last bits do not change it.
+    """
+    from polhode.taylor import hermite
+
+    pace = hops.pace(start)
+    if not 0 < pace < math.inf:
+        return 0.0
+    least = 2.0 ** math.floor(math.log2(pace))
+    states = hops.beginning(start, math.copysign(least, end) * np.arange(_LOOKED_AT + 1))
+    with np.errstate(all="ignore"):
+        jets = [jet(states.T.copy()) for jet in outlook.jets]
+    for apart in (8, 4, 2, 1):
+        width = apart * least
+        signed = math.copysign(width, end)
+        if all(hermite.error(x[:, ::apart], signed) <= _CLOSE for x in jets):
+            return width
+    return 0.0

@@ -8,7 +8,8 @@ small makes two zeros of one, or of none.  A knot's sign serves both its neighbo
 lost or counted twice at a knot.
 
 How far the interpolant is off is told by that over two intervals at the knot between them: the
-error falls with the tenth power of the length, so over one it is 1024 times smaller.
+error falls with the tenth power of the length, so over one it is 1024 times smaller.  That is so
+where two intervals are not too long for interpolation; where they are, nothing is gained on them.
 """
 
 from __future__ import annotations
@@ -33,6 +34,8 @@ DERIVATIVES = 5
 
 _DEGREE = 2 * DERIVATIVES - 1
 _SAFETY = 64  # of the factor 1024
+_WILD = 16  # of the values there: an error as large as that over two intervals makes them too long
+_BESIDE = 2  # knots
 _BLOCK = 1024  # knots whose arrays fit into a processor's own memory
 _HALVINGS = 10
 _ROUNDS = 4  # of Newton's method
@@ -114,13 +117,13 @@ def crossed(
     if count < 2:
         none = np.empty(0)
         return Crossed(none.astype(int), none, np.ones(count, bool), np.ones(count + 1, bool))
-    scales = np.array([width**k / perm(_DEGREE, k) for k in _ORDERS])
+    from_knot = _FROM_KNOT * _scales(width)
     near, unsure = np.zeros(count + 1, bool), np.zeros(count, bool)
     edges = [*range(0, max(count - _BLOCK // 2, 1), _BLOCK), count]
     with np.errstate(all="ignore"):
         parts = []
         for first, last in pairwise(edges):
-            part, beside = _open(values[:, first : last + 1], _FROM_KNOT * scales, contact)
+            part, beside = _open(values[:, first : last + 1], from_knot, contact)
             near[first : last + 1] |= beside
             parts.append(part._replace(cells=part.cells + first))
         cells, places = _sorted_out(_Open.joined(parts), unsure, flat * abs(width) / _DEGREE, newton)
@@ -131,15 +134,32 @@ def crossed(
     return Crossed(cells[order], places[order], unsure, near)
 
 
+def _scales(width: float) -> Doubles:
+    return np.array([width**k / perm(_DEGREE, k) for k in _ORDERS])
+
+
+def error(values: Doubles, width: float) -> float:
+    """The largest error of interpolation over two intervals, beside the largest value."""
+    with np.errstate(all="ignore"):
+        found = _FROM_KNOT[-2:] * _scales(width) @ values
+        off = np.abs(found[0, :-2] + found[1, 2:] - values[0, 1:-1]).max()
+        return float(off / np.abs(values[0]).max())
+
+
 def _open(
     values: Doubles, from_knot: Doubles, contact: float
 ) -> tuple[_Open, npt.NDArray[np.bool_]]:
     """The cells that may hold zeros, and the knots that may be some."""
     found = from_knot @ values
     after, before = found[:DERIVATIVES], found[DERIVATIVES:-2]
-    off = np.abs(found[-2, :-2] + found[-1, 2:] - values[0, 1:-1]) / _SAFETY
+    value = np.abs(values[0])
+    off = np.abs(found[-2, :-2] + found[-1, 2:] - values[0, 1:-1])
+    wild = ~(off <= (value[:-2] + value[1:-1] + value[2:]) / _WILD)
+    off /= _SAFETY
+    if wild.any():
+        off = _guarded(off, wild)
     at = np.concatenate([off[:1], off, off[-1:]])
-    near = ~(np.abs(values[0]) > at + contact)
+    near = ~(value > at + contact)
     error = np.maximum(at[:-1], at[1:])
     margin = error + contact
     sure = np.minimum(after.min(0)[:-1], before.min(0)[1:]) > margin
@@ -148,6 +168,17 @@ def _open(
     coefficients = np.vstack([after[:, cells], before[:, cells + 1]])
     coefficients[0], coefficients[-1] = values[0, cells], values[0, cells + 1]
     return _Open(cells, np.zeros(len(cells)), coefficients, error[cells], margin[cells]), near
+
+
+def _guarded(off: Doubles, wild: npt.NDArray[np.bool_]) -> Doubles:
+    """Errors at knots where intervals are too long, and at those beside: by accident one is small."""
+    spread = np.arange(-_BESIDE, _BESIDE + 1)
+    beside = np.unique(np.clip(np.add.outer(np.flatnonzero(wild), spread), 0, len(off) - 1))
+    around = np.clip(np.add.outer(beside, spread), 0, len(off) - 1)
+    guarded = off.copy()
+    guarded[beside] = 2 * _SAFETY * off[around].max(1)
+    guarded[np.isnan(guarded)] = np.inf
+    return guarded
 
 
 def _sorted_out(
@@ -164,9 +195,11 @@ def _sorted_out(
             once[doubtful] = _at_most_one(left.those(doubtful), part, flat)
         turned.append(left.those(once & ((b[0] < 0) != (b[-1] < 0))))
         parts.append(np.full(len(turned[-1].cells), part))
-        if once.all():
+        hopeless = small.all(0) & ~once
+        unsure[left.cells[hopeless]] = True
+        if np.all(once | hopeless):
             break
-        left = left.those(~once).halved(part)
+        left = left.those(~(once | hopeless)).halved(part)
         part /= 2
         b = left.coefficients
         left = left.those(~((b.min(0) > left.margin) | (b.max(0) < -left.margin)))

@@ -41,6 +41,14 @@ class Hops:
             ta.step()
         return float(ta.time[0]) / _LOOKED_AT
 
+    def beginning(self, start: Doubles, times: Doubles) -> Doubles:
+        """States (n, columns) at times from a start on, the first time 0."""
+        ta = self._heyoka
+        ta.set_time(0.0)
+        ta.state[:] = start[:, None]
+        found: Doubles = ta.propagate_grid(np.repeat(times[:, None], self.places, 1))[1][:, :, 0]
+        return found
+
     def along(self, states: Doubles, times: Doubles) -> Doubles:
         """States (n, columns) after so much time each; not finite where the motion is not."""
         ta, (count, width), size = self._heyoka, states.shape, self.places
