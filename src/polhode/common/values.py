@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 T = TypeVar("T")
 
@@ -50,23 +50,31 @@ def same(one: Any, other: Any) -> bool:
     return bool(one == other) or (one != one and other != other)
 
 
-class Later(Generic[T]):
-    """A field of a dataclass that may be given as a function, called when it is first asked for."""
+def may_wait(name: str) -> Callable[[type[T]], type[T]]:
+    """Let a field of a dataclass be given as a function, called when it is first asked for."""
 
-    def __set_name__(self, _: type, name: str) -> None:
-        self._name = f"_{name}"
+    def decorated(cls: type[T]) -> type[T]:
+        setattr(cls, name, _Waiting(f"_{name}"))
+        return cls
 
-    def __get__(self, instance: object, _: type | None = None) -> T:
-        if instance is None:  # a dataclass asks for a default: there is none
-            raise AttributeError(self._name)
+    return decorated
+
+
+class _Waiting:
+    """A field that is a value, or a function without arguments that makes it."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __get__(self, instance: object, _: type | None = None) -> Any:
+        if instance is None:
+            return self
         held = vars(instance)
-        value = held[self._name]
-        if callable(value):
-            value = held[self._name] = value()
-        found: T = value
-        return found
+        if callable(held[self._name]):
+            held[self._name] = held[self._name]()
+        return held[self._name]
 
-    def __set__(self, instance: object, value: T | Callable[[], T]) -> None:
+    def __set__(self, instance: object, value: Any) -> None:
         vars(instance)[self._name] = value
 
 

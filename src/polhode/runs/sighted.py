@@ -35,7 +35,9 @@ MOST_KNOTS = 2**20
 _FEWEST_KNOTS = 16
 
 _LOOKED_AT = 64  # times at first
-_CLOSE = 2.0**-8  # of an expression: how far off it may be over two intervals; over one 1024th of it
+_CLOSE = (
+    2.0**-8
+)  # of an expression: how far off it may be over two intervals; over one 1024th of it
 
 _IDLE = Idle()
 
@@ -54,7 +56,7 @@ def fits(made: Setup, times: Asked) -> bool:
     scene = made.scene
     return (
         bool(scene.events)
-        and SHORTEST_RUN <= abs(times.inside[-1])
+        and abs(times.inside[-1]) >= SHORTEST_RUN
         and made.number.name == "double"
         and made.tolerance is None
         and scene.form == "principal"
@@ -145,7 +147,7 @@ def _plan(bare: Setup, times: Asked, hops: Hops, outlook: Outlook) -> Plan | Non
     inside, exact = of_runs.Doubles(signed), of_runs.Doubles(signed * float(bare.unit))
     return Plan(
         Asked(exact, inside),
-        np.searchsorted(every, asked),
+        np.searchsorted(every, np.asarray(asked)),
         np.searchsorted(every, knots),
         end / count,
     )
@@ -162,7 +164,7 @@ def _width(start: Doubles, end: float, hops: Hops, outlook: Outlook) -> float:
     if not 0 < pace < math.inf:
         return 0.0
     least = 2.0 ** math.floor(math.log2(pace))
-    states = hops.beginning(start, math.copysign(least, end) * np.arange(_LOOKED_AT + 1))
+    states = hops.beginning(start, math.copysign(least, end) * np.arange(_LOOKED_AT + 1.0))
     with np.errstate(all="ignore"):
         jets = [jet(states.T.copy()) for jet in outlook.jets]
     for apart in (8, 4, 2, 1):

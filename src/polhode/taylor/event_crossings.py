@@ -139,7 +139,9 @@ def joined(parts: list[Zeros]) -> Zeros:
         none = np.empty(0)
         empty = Seen(none, none, none, none), Crossings(none, none, none, none > 0, none > 0)
         return empty
-    seen, found = (type(x[0])(*map(np.concatenate, zip(*x, strict=True))) for x in zip(*parts, strict=True))
+    seen, found = (
+        type(x[0])(*map(np.concatenate, zip(*x, strict=True))) for x in zip(*parts, strict=True)
+    )
     order = np.argsort(np.abs(_rounded(seen, found.moved)), kind="stable")
     return those((seen, found), order)
 
@@ -179,7 +181,9 @@ def marks(zeros: Zeros) -> list[Mark]:
     """Plain crossings with their exact times."""
     seen, found = zeros
     places = zip(since_start(seen), found.moved, found.rows, found.slopes.tolist(), strict=True)
-    return [Mark(time + exactly(moved), row, int(slope), ZERO) for time, moved, row, slope in places]
+    return [
+        Mark(time + exactly(moved), row, int(slope), ZERO) for time, moved, row, slope in places
+    ]
 
 
 def those(zeros: Zeros, which: Row) -> Zeros:

@@ -1,4 +1,4 @@
-"""What heyoka asks after each step of a run with events: whether to go on."""
+"""What heyoka calls in a run with events: where one is met, and after each step, to go on?"""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from polhode.numbers.number_types import NumberType
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.taylor import heyoka_numbers
-from polhode.taylor.kinds import HeyokaIntegrator
+from polhode.taylor.kinds import HeyokaIntegrator, HeyokaNumber
+from polhode.taylor.protocols import Desk
 
 _PATIENCE = 8  # steps in a row that do not change the time; the last one before an end may be such
 
@@ -33,6 +34,21 @@ class AfterStep:
         return not self.stopped() and self.idle < _PATIENCE
 
     def __deepcopy__(self, _: object) -> AfterStep:
+        return self
+
+
+class Callback:
+    """heyoka's call where an event is met; heyoka copies its callbacks, this one stays one."""
+
+    def __init__(self, desk: Desk, k: int) -> None:
+        self.desk, self.k = desk, k
+
+    def __call__(self, ta: HeyokaIntegrator, t: HeyokaNumber, _: int) -> None:
+        """Tell whoever watches."""
+        if self.desk.watch is not None:
+            self.desk.watch.met(self.k, ta, t)
+
+    def __deepcopy__(self, _: object) -> Callback:
         return self
 
 

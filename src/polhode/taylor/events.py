@@ -21,7 +21,7 @@ import copy
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import heyoka as hy
 import numpy as np
@@ -45,10 +45,10 @@ from polhode.taylor.event_crossings import (
     those,
 )
 from polhode.taylor.event_crossings import marks as plain_marks
-from polhode.taylor.event_expressions import TIME, event_expression
+from polhode.taylor.event_expressions import TIME, event_expression, rate
 from polhode.taylor.event_polish import Mark, Place, is_start, polished, sorted_out
 from polhode.taylor.event_rules import rules
-from polhode.taylor.event_steps import AfterStep
+from polhode.taylor.event_steps import AfterStep, Callback
 from polhode.taylor.kinds import (
     Expression,
     HeyokaEvent,
@@ -101,7 +101,9 @@ class Watch:
         )
         self.raw: list[list[_Raw]] = [[] for _ in scene.events]
         self.seen: list[list[Met]] = [[] for _ in scene.events]
-        self.known: list[list[Zeros]] = [[] for _ in scene.events]  # plain crossings found otherwise
+        self.known: list[list[Zeros]] = [
+            [] for _ in scene.events
+        ]  # plain crossings found otherwise
         # Of the integrator attached last: itself, the exact time from which its own counts, and
         # what it hands to callbacks, with its dense output, a view of its memory.
         self.stepping: HeyokaIntegrator = None
@@ -123,25 +125,25 @@ class Watch:
         kind = {name: x for name, x in options.items() if name == "fp_type"}
         clock = hy.time + hy.par[1] + hy.par[0]
 
-        def rate(value: Expression) -> Expression:
-            terms = zip(variables, rates, strict=True)
-            return sum((hy.diff(value, x) * dx for x, dx in terms), hy.diff(value, TIME))
-
         for k, event in enumerate(self.scene.events):
             value = event_expression(self.scene, event, self.number, variables)
-            slope = rate(value)
+            slope = rate(value, variables, rates)
             desk.with_time.append("t" in hy.get_variables([value]))
             damping = hy.expression(self.limits[k].damping)
             events += [
-                hy.nt_event(hy.subs(f * damping, {TIME: clock}), _Callback(desk, k), **kind)
+                hy.nt_event(hy.subs(f * damping, {TIME: clock}), Callback(desk, k), **kind)
                 for f in (value, slope)
                 if hy.get_variables([f])  # a constant has no zeros
             ]
-            jet = [value, slope, rate(slope)] if self.number.flat else [value, slope]
+            jet = (
+                [value, slope, rate(slope, variables, rates)]
+                if self.number.flat
+                else [value, slope]
+            )
             jet = hy.subs(jet, {TIME: clock})
             desk.evaluate.append(hy.cfunc(jet, vars=list(variables), **options))
         if self.number.flat:
-            derivatives = [*rates, *(rate(x) for x in rates)]
+            derivatives = [*rates, *(rate(x, variables, rates) for x in rates)]
             desk.motion = hy.cfunc(derivatives, vars=list(variables), **options)
         return events, desk
 
@@ -250,7 +252,7 @@ class Watch:
                 if event.direction != "any":
                     counted = np.array([event.counts(slope) for slope in slopes.tolist()], bool)
                     plain, slopes, rows = plain[counted], slopes[counted], rows[counted]
-                times = partial(self._exact_times, plain)
+                times: Any = partial(self._exact_times, plain)
                 grazing = (False,) * len(slopes)
             else:
                 marks = self._marks(k) + plain_marks(those(zeros, found.plain))
@@ -332,17 +334,3 @@ class Watch:
             }
         self.muted = False
         return sorted(suspects)
-
-
-class _Callback:
-    """heyoka's call where an event is met; heyoka copies its callbacks, this one stays one."""
-
-    def __init__(self, desk: Desk, k: int) -> None:
-        self.desk, self.k = desk, k
-
-    def __call__(self, ta: HeyokaIntegrator, t: HeyokaNumber, _: int) -> None:
-        if self.desk.watch is not None:
-            self.desk.watch.met(self.k, ta, t)
-
-    def __deepcopy__(self, _: object) -> _Callback:
-        return self

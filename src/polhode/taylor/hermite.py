@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 from math import comb, perm
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import heyoka as hy
 import numpy as np
@@ -93,7 +93,8 @@ class _Open(NamedTuple):
     def those(self, which: npt.NDArray[np.bool_] | Cells) -> _Open:
         """Some of them."""
         places = np.flatnonzero(which) if which.dtype == bool else which
-        return _Open(*(part.take(places, axis=-1) for part in self))
+        taken: Any = [part.take(places, axis=-1) for part in self]
+        return _Open(*taken)
 
     def halved(self, part: float) -> _Open:
         """The halves of intervals of this part of a cell."""
@@ -110,8 +111,9 @@ def crossed(
 ) -> Crossed:
     """Zeros of a function from ``values`` (5, knots), itself and its derivatives.
 
-    ``newton``: of :func:`newton`.  ``width``: between two knots, negative where time runs backward.  A zero next to an extremum of
-    at most ``contact``, or of a slope of at most ``flat``, is unsure.
+    ``width``: between two knots, negative where time runs backward.  A zero next to an extremum of
+    at most ``contact``, or of a slope of at most ``flat``, is unsure.  ``newton``: what
+    :func:`newton` compiled.
     """
     count = values.shape[1] - 1
     if count < 2:
@@ -126,7 +128,9 @@ def crossed(
             part, beside = _open(values[:, first : last + 1], from_knot, contact)
             near[first : last + 1] |= beside
             parts.append(part._replace(cells=part.cells + first))
-        cells, places = _sorted_out(_Open.joined(parts), unsure, flat * abs(width) / _DEGREE, newton)
+        cells, places = _sorted_out(
+            _Open.joined(parts), unsure, flat * abs(width) / _DEGREE, newton
+        )
     unsure[cells[np.isnan(places)]] = True
     kept = ~unsure[cells]
     cells, places = cells[kept], places[kept]
@@ -171,7 +175,7 @@ def _open(
 
 
 def _guarded(off: Doubles, wild: npt.NDArray[np.bool_]) -> Doubles:
-    """Errors at knots where intervals are too long, and at those beside: by accident one is small."""
+    """Errors at knots, where intervals are too long and beside: one may be small by accident."""
     spread = np.arange(-_BESIDE, _BESIDE + 1)
     beside = np.unique(np.clip(np.add.outer(np.flatnonzero(wild), spread), 0, len(off) - 1))
     around = np.clip(np.add.outer(beside, spread), 0, len(off) - 1)
@@ -188,7 +192,7 @@ def _sorted_out(
     turned, parts, part = [], [], 1.0
     for _ in range(_HALVINGS + 1):
         b = left.coefficients
-        negative, small = b < 0, np.abs(b) <= left.margin
+        negative, small = b < 0, ~(np.abs(b) > left.margin)
         once = (negative[1:] != negative[:-1]).sum(0) <= 1
         doubtful = np.flatnonzero(small.any(0))
         if len(doubtful):
@@ -205,15 +209,15 @@ def _sorted_out(
         left = left.those(~((b.min(0) > left.margin) | (b.max(0) < -left.margin)))
     else:
         unsure[left.cells] = True
-    found, part = _Open.joined(turned), np.concatenate(parts)
-    roots = _roots(newton, found.coefficients, part * (4 * found.error + flat))
-    return found.cells, found.begin + part * roots
+    found, lengths = _Open.joined(turned), np.concatenate(parts)
+    roots = _roots(newton, found.coefficients, lengths * (4 * found.error + flat))
+    return found.cells, found.begin + lengths * roots
 
 
 def _at_most_one(left: _Open, part: float, flat: float) -> npt.NDArray[np.bool_]:
     """Whether coefficients, some of them near zero, rise or fall through zero, never flat there."""
     b, margin = left.coefficients, left.margin
-    small = np.abs(b) <= margin
+    small = ~(np.abs(b) > margin)
     cut = np.diff(np.minimum(np.maximum(b, -margin), margin), axis=0)
     level = np.abs(np.diff(b, axis=0)) <= part * (4 * left.error + flat)
     found: npt.NDArray[np.bool_] = (cut.min(0) >= 0) | (cut.max(0) <= 0)
@@ -237,9 +241,7 @@ def newton() -> CompiledFunction:
         return hy.cfunc([place, step, slope], vars=variables)
 
 
-def _roots(
-    newton: CompiledFunction, coefficients: Doubles, least: Doubles
-) -> Doubles:
+def _roots(newton: CompiledFunction, coefficients: Doubles, least: Doubles) -> Doubles:
     """The only zeros of polynomials; nan where one is not found, or of a slope below the least.
 
     Newton's method begins where the polygon of the coefficients crosses zero.

@@ -17,7 +17,6 @@ from polhode.numbers.convert import joined
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row, Rows
-from polhode.taylor import policy
 from polhode.taylor.cyclic import Cyclic
 from polhode.taylor.endings import ending
 from polhode.taylor.heyoka_numbers import (
@@ -225,14 +224,6 @@ class Integrator:
         self._through(Times([mark.end], self.number).since(mark.offset), mark.steps)
         return pieces
 
-    def stretch(self, begin: Fraction, state: Row, length: HeyokaNumber) -> Outcome:
-        """Take a stretch of a motion by itself, from a state, for the watcher."""
-        self.offset = begin
-        self.heyoka.time = scalar(0, self.number)
-        self.state[:] = state
-        self._tell_offset()
-        return self._onwards(array([length], self.number), policy.of(self.number).max_steps)[1]
-
     def _through(self, grid: Row, steps: int) -> tuple[Rows, Outcome]:
         """A chunk's steps, with its corrections; rows of the run's numbers, and how it ended."""
         if self.corrector is None and self._cyclic is None:
@@ -265,8 +256,8 @@ class Integrator:
     def _advance(self, grid: Row, done: int, steps: int) -> tuple[Rows, Outcome]:
         """Up to ``steps`` steps; output times that are out of reach are not looked at.
 
-        Reach is half as long again as the longest advance so far.  Should an output time be passed all the
-        same, the advance is taken back and made again with an eye on all of them.
+        Reach is half as long again as the longest advance so far.  Should an output time be passed
+        all the same, the advance is taken back and made again with an eye on all of them.
         """
         ta, count = self.heyoka, len(grid)
         if done == count - 1:

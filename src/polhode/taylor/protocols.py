@@ -109,7 +109,8 @@ class Desk:
     the run.
 
     ``evaluate``: each expression and its rate, compiled, and in types that numpy holds the rate of
-    that; ``with_time`` where it depends on t.  ``motion``: the first and second derivatives of the variables.
+    that; ``with_time`` where it depends on t.  ``motion``: the variables' first and second
+    derivatives, or the third as well.
     """
 
     def __init__(self) -> None:

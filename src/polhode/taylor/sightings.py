@@ -23,9 +23,9 @@ from polhode.numbers.scalars import Doubles
 from polhode.scenes.scene import Scene
 from polhode.taylor import hermite
 from polhode.taylor.event_crossings import NEAR, Crossings, Seen, Zeros, crossings
-from polhode.taylor.event_expressions import event_expression
+from polhode.taylor.event_expressions import event_expression, rate
 from polhode.taylor.events import Watch
-from polhode.taylor.heyoka_numbers import EXPRESSIONS, disk_cache, type_options
+from polhode.taylor.heyoka_numbers import disk_cache, type_options
 from polhode.taylor.hops import Hops
 from polhode.taylor.integrator import Blueprint, Integrator
 from polhode.taylor.kinds import CompiledFunction
@@ -60,23 +60,17 @@ class Outlook:
         self.desk = Desk()
         options = type_options(DOUBLE)
 
-        def rate(value: hy.expression) -> hy.expression:
-            return sum(
-                (hy.diff(value, x) * dx for x, dx in zip(variables, rates, strict=True)),
-                EXPRESSIONS.zero,
-            )
-
         with disk_cache(DOUBLE):
             for event in scene.events:
                 jet = [event_expression(scene, event, DOUBLE, variables)]
                 for _ in range(hermite.DERIVATIVES - 1):
-                    jet.append(rate(jet[-1]))
+                    jet.append(rate(jet[-1], variables, rates))
                 compiled = hy.cfunc(jet, vars=variables, **options)
                 self.jets.append(compiled)
                 self.desk.evaluate.append(_first_three(compiled))
                 self.desk.with_time.append(False)
-            bends = [rate(x) for x in rates]
-            motion = [*rates, *bends, *(rate(x) for x in bends)]
+            bends = [rate(x, variables, rates) for x in rates]
+            motion = [*rates, *bends, *(rate(x, variables, rates) for x in bends)]
             self.desk.motion = hy.cfunc(motion, vars=variables, **options)
 
 
@@ -154,9 +148,7 @@ class Sightings:
     def _functions(self, k: int) -> tuple[CompiledFunction, CompiledFunction]:
         return self.watch.desk.evaluate[k], self.watch.desk.motion
 
-    def _hop(
-        self, k: int, knots: Knots, knot: npt.NDArray[np.intp], ahead: Doubles
-    ) -> Seen:
+    def _hop(self, k: int, knots: Knots, knot: npt.NDArray[np.intp], ahead: Doubles) -> Seen:
         """The states at crossings, brought so near that Newton's method does the rest."""
         rows = np.empty((len(knot), knots.states.shape[1]))
         evaluate, far = self._functions(k)[0], np.arange(len(knot))
@@ -179,16 +171,15 @@ class Sightings:
         ends = np.append(knots.times, knots.reached)
         for k, stretches in asked:
             for begin, end in stretches:
-                before = self.watch.marks()
-                integrator.stretch(
-                    Fraction(float(ends[begin])), knots.states[begin], float(ends[end] - ends[begin])
-                )
+                before, length = self.watch.marks(), float(ends[end] - ends[begin])
+                integrator.heyoka.time = 0.0
+                integrator.state[:] = knots.states[begin]
+                self.watch.counts_from(Fraction(float(ends[begin])), integrator.heyoka)
+                integrator.heyoka.propagate_until(length)
                 self.watch.take_back(before, all_but=k)
 
 
-def _stretches(
-    unsure: npt.NDArray[np.bool_], near: npt.NDArray[np.bool_]
-) -> list[tuple[int, int]]:
+def _stretches(unsure: npt.NDArray[np.bool_], near: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
     """From which knot to which: cells in a row, begun and ended where there is no zero.
 
     The last cell leads from the last knot to where the run ended.
