@@ -44,9 +44,11 @@ def test_zeros_of_a_cosine_are_found_once_or_their_cells_are_unsure(shift, width
     assert crossed.unsure.sum() <= most * len(true)
     true = true[~crossed.unsure[(true / width).astype(int)]]
     assert len(times) == len(true)
-    # what one interval's interpolation is off by at most, and roundings of time
+    # what one interval's interpolation is off by at most, roundings of time, and where Newton's
+    # method is left; nearly double zeros are left earlier
     off = ((width / 2) ** 10 / math.factorial(10) + 1e-15 * end) / math.sin(angle)
-    assert np.all(np.abs(np.abs(times) - true) < 2 * off + width * 2.0**-20)
+    left = width * (2.0**-20 if abs(shift) < 0.99 else 2.0**-14)
+    assert np.all(np.abs(np.abs(times) - true) < 2 * off + left)
 
 
 def test_a_zero_at_a_knot_is_counted_once(newton):

@@ -164,7 +164,10 @@ def _open(
         off = _guarded(off, wild)
     at = np.concatenate([off[:1], off, off[-1:]])
     near = ~(value > at + contact)
-    error = np.maximum(at[:-1], at[1:])
+    beside = np.maximum(at[:-1], at[1:])
+    error = beside.copy()  # of four knots: at two of them the tenth derivative may vanish
+    np.maximum(error[1:], beside[:-1], out=error[1:])
+    np.maximum(error[:-1], beside[1:], out=error[:-1])
     margin = error + contact
     sure = np.minimum(after.min(0)[:-1], before.min(0)[1:]) > margin
     sure |= np.maximum(after.max(0)[:-1], before.max(0)[1:]) < -margin
