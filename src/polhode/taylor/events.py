@@ -8,6 +8,9 @@ polynomial is still right to sqrt(eps), which is enough to start from): a run wi
 steps of a run without them, unless an expression varies far faster than the motion.  Last bits may
 differ, where an event shares terms with the equations.
 
+Long runs in double mostly have their events found beside them (polhode.taylor.sightings); heyoka
+then looks like this only at what is left open.
+
 *Grazing*: where an expression comes within sqrt(eps) of zero at an extremum, or crosses zero at
 a slope that small, rounding decides whether and how often it vanishes.  The extrema are watched
 too, and such a contact is reported once, as undecided, at the extremum; it never ends a run.
