@@ -65,8 +65,7 @@ def alike(one, other, unit, slack=16):
         ("lagrange/nutation", -100, ("p*gamma2 - q*gamma1",)),
         *(
             pytest.param(name, end, ZEROS, marks=pytest.mark.slow)
-            for name in MOTIONS
-            for end in (600, -600)
+            for name, end in zip(MOTIONS, (600, -600, 600, -600), strict=True)
         ),
     ],
 )
