@@ -164,11 +164,11 @@ def test_only_what_is_open_is_looked_at(monkeypatch):
     monkeypatch.setattr(
         sightings.Sightings, "_look", lambda self, *a: (looked.append(a[1]), look(self, *a))[1]
     )
-    scene = watched("euler/largest-axis", [1000], "q - sqrt(7/25)", "q")
-    touch, cross = beside(monkeypatch, scene).events
+    scene = watched("euler/largest-axis", [1000], "q", "q - sqrt(7/25)")
+    cross, touch = beside(monkeypatch, scene).events
     ((first, second),) = looked
-    assert len(first[1]) == len(touch.times) == 101
-    assert second[1] == []
+    assert first[1] == []
+    assert len(second[1]) == len(touch.times) == 101
     assert len(cross.times) == 203
 
 

@@ -67,7 +67,8 @@ def test_a_zero_at_a_knot_is_counted_once(newton):
 
 @pytest.mark.parametrize("off", [0.0, 1e-9, -1e-9, 1e-12])
 def test_a_touch_is_unsure_wherever_it_is_and_a_miss_is_not(off, newton):
-    for begin in np.linspace(0, 1, 23):
+    at_knots = [2 * math.pi - 3 - k / 8 for k in range(8)]  # and where an interval is halved
+    for begin in (*np.linspace(0, 1, 23), *at_knots):
         knots = begin + np.arange(51)
         crossed, times = found(cosine(1.0, 1 + off, knots), 1.0, newton)
         touches = 2 * math.pi * np.arange(1, 9) - begin
