@@ -17,6 +17,7 @@ from polhode.numbers import number_types
 from polhode.numbers.convert import exactly, to_mpf
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.numbers.private import mpmath
+from polhode.runs import sighted
 from polhode.scenes import columns, scene_file
 from polhode.scenes.event import Event
 from polhode.taylor.outcomes import Outcome
@@ -404,6 +405,7 @@ def test_crossings_polished_together_are_those_polished_where_they_are_met(
     number, way, monkeypatch
 ):
     """An event that would end the run, and never comes, has each crossing polished where it is."""
+    monkeypatch.setattr(sighted, "fits", lambda *_: False)
     change_policy(monkeypatch, chunk=400)
     never = Event("never", "q - 100", stop=True)
     asked = Event("plain", "q"), Event("up", "p*gamma2 - q*gamma1", "rising")
@@ -429,6 +431,7 @@ def test_a_second_run_watches_with_the_integrator_of_the_first(monkeypatch):
     from polhode.taylor.pool import Idle
 
     monkeypatch.setattr(integrator, "_IDLE", Idle())
+    monkeypatch.setattr(sighted, "fits", lambda *_: False)
     scene = watched(polhode.load("kovalevskaya/generic"), Event("q", "q"))
     first = polhode.integrate(scene)
     monkeypatch.setattr(integrator, "built", None)

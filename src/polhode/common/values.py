@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, TypeVar
+
+T = TypeVar("T")
 
 
 class ByValue:
@@ -46,6 +48,34 @@ def same(one: Any, other: Any) -> bool:
         alike = isinstance(other, Mapping) and one.keys() == other.keys()
         return alike and all(same(one[key], other[key]) for key in one)
     return bool(one == other) or (one != one and other != other)
+
+
+def may_wait(name: str) -> Callable[[type[T]], type[T]]:
+    """Let a field of a dataclass be given as a function, called when it is first asked for."""
+
+    def decorated(cls: type[T]) -> type[T]:
+        setattr(cls, name, _Waiting(f"_{name}"))
+        return cls
+
+    return decorated
+
+
+class _Waiting:
+    """A field that is a value, or a function without arguments that makes it."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __get__(self, instance: object, _: type | None = None) -> Any:
+        if instance is None:
+            return self
+        held = vars(instance)
+        if callable(held[self._name]):
+            held[self._name] = held[self._name]()
+        return held[self._name]
+
+    def __set__(self, instance: object, value: Any) -> None:
+        vars(instance)[self._name] = value
 
 
 class _Packed(NamedTuple):

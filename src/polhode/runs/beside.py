@@ -77,10 +77,10 @@ def fits(made: Setup, times: Asked) -> bool:
 
 
 def bare(made: Setup) -> Setup:
-    """The set-up of the same run without outputs, from the scene where it is kept."""
+    """The set-up of the same run without outputs and events, from the scene where it is kept."""
     scene = made.scene.kept.get(bare)
     if scene is None:
-        scene = made.scene.kept[bare] = replace(made.scene, outputs=())
+        scene = made.scene.kept[bare] = replace(made.scene, outputs=(), events=())
     return setup(scene, made.number, made.tolerance, made.inputs)
 
 

@@ -15,7 +15,7 @@ from polhode.common.provenance import provenance
 from polhode.equations.readout import Readout
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Rows
-from polhode.runs import beside, refinement
+from polhode.runs import beside, refinement, sighted
 from polhode.runs.dense import Dense
 from polhode.runs.march import Progress
 from polhode.runs.request import choose_number, rounded_tolerance
@@ -91,7 +91,7 @@ def integrate(
     return Trajectory(
         scene=scene,
         number=chosen,
-        times=times.exact[: len(rows)],
+        times=tuple(times.exact[: len(rows)]),
         states=read.states(rows),
         attitude=read.attitude(rows),
         angles=read.angles(rows),
@@ -120,6 +120,11 @@ def _stepped(
     progress: Progress | None,
 ) -> tuple[Run, Outcome, Rows]:
     """A run, how it ended, and its rows: the state's, then quaternion, psi and phi."""
+    if sighted.fits(made, times):
+        run = Run(beside.bare(made), max_steps, every)
+        seen = sighted.rows(run, made, times, progress)
+        if seen is not None:
+            return run, *seen
     if beside.fits(made, times):
         run = Run(beside.bare(made), max_steps, every)
         found = beside.rows(run, made, beside.plan(scene, made, times), progress)

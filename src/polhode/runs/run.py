@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
@@ -114,7 +115,7 @@ class Run:
         rows, outcome = self._advanced(whole, origin, asked, rows, progress)
         return outcome, rows[: self._before_stop(asked.exact, len(rows))]
 
-    def _before_stop(self, times: tuple[Fraction, ...], count: int) -> int:
+    def _before_stop(self, times: Sequence[Fraction], count: int) -> int:
         """How many of the first times are not beyond an event that ended the run."""
         if not self._stopped:
             return count

@@ -138,7 +138,7 @@ def setup(
 class Asked(NamedTuple):
     """Times rounded to a run's type: ``exact``, and ``inside`` its own unit."""
 
-    exact: tuple[Fraction, ...]
+    exact: Sequence[Fraction]
     inside: Times
 
 

@@ -54,12 +54,12 @@ def solve(job: BatchJob, stop: Callable[[], bool] | None = None) -> Solved:
 
 def _with_kept(job: BatchJob) -> BatchJob:
     """A job whose lanes have, after their coefficients, the variables that the equations keep."""
-    starts = job.lanes.starts[:, _kept(job.names, job.columns)]
+    starts = job.lanes.starts[:, kept_rates(job.names, job.columns)]
     table = np.hstack([job.lanes.coefficients, starts])
     return job._replace(lanes=job.lanes._replace(coefficients=table))
 
 
-def _kept(names: tuple[str, ...], columns: int) -> list[int]:
+def kept_rates(names: tuple[str, ...], columns: int) -> list[int]:
     """The components of w on which no coefficient of these names acts, and which others feel."""
     moving = {name[0] for name in names}
     if not moving and columns == len("pqr"):
@@ -99,9 +99,16 @@ _compiling = threading.Lock()
 def _compiled(
     names: tuple[str, ...], columns: int, number: NumberType, tolerance: Fraction | None
 ) -> HeyokaIntegrator:
+    return built(names, columns, number, tolerance)
+
+
+def built(
+    names: tuple[str, ...], columns: int, number: NumberType, tolerance: Fraction | None
+) -> HeyokaIntegrator:
+    """An integrator of the principal form, its coefficients of these names as parameters."""
     variables = hy.make_vars(*("p", "q", "r", "gamma1", "gamma2", "gamma3")[:columns])
-    k, kept = {name: hy.par[i] for i, name in enumerate(names)}, _kept(names, columns)
-    state = as_parameters(variables, kept, len(names))
+    k, constant = {name: hy.par[i] for i, name in enumerate(names)}, kept_rates(names, columns)
+    state = as_parameters(variables, constant, len(names))
     rates = principal.field(state, k, heyoka_numbers.EXPRESSIONS)
     equations = list(zip(variables, rates, strict=True))
     options = heyoka_numbers.type_options(number)
@@ -110,11 +117,11 @@ def _compiled(
     with heyoka_numbers.disk_cache(number):
         if number.name == "double":
             lanes = width(number)
-            shapes = np.zeros((columns, lanes)), np.zeros((len(names) + len(kept), lanes))
+            shapes = np.zeros((columns, lanes)), np.zeros((len(names) + len(constant), lanes))
             return hy.taylor_adaptive_batch(equations, shapes[0], pars=shapes[1], **options)
         start, pars = (
             heyoka_numbers.array([heyoka_numbers.scalar(0, number)] * n, number)
-            for n in (columns, len(names) + len(kept))
+            for n in (columns, len(names) + len(constant))
         )
         return hy.taylor_adaptive(equations, start, pars=pars, **options)
 

@@ -53,6 +53,14 @@ def event_expression(
     return found if isinstance(found, hy.expression) else constant(found)
 
 
+def rate(
+    value: Expression, variables: Sequence[Expression], rates: Sequence[Expression]
+) -> Expression:
+    """The derivative of an expression along the motion."""
+    terms = zip(variables, rates, strict=True)
+    return sum((hy.diff(value, x) * dx for x, dx in terms), hy.diff(value, TIME))
+
+
 def _along_the_middle_axis(
     scene: Scene, omega: Sequence[Expression], constant: Callable[[Number], Expression]
 ) -> Expression:

@@ -1,8 +1,8 @@
-"""What heyoka asks after each step of a run with events: whether to go on."""
+"""What heyoka calls in a run with events: where one is met, and after each step, to go on?"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from polhode.numbers.expression import Algebra, evaluate
@@ -10,7 +10,8 @@ from polhode.numbers.number_types import NumberType
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.taylor import heyoka_numbers
-from polhode.taylor.kinds import HeyokaIntegrator
+from polhode.taylor.kinds import HeyokaIntegrator, HeyokaNumber
+from polhode.taylor.protocols import Desk
 
 _PATIENCE = 8  # steps in a row that do not change the time; the last one before an end may be such
 
@@ -36,18 +37,41 @@ class AfterStep:
         return self
 
 
+class Callback:
+    """heyoka's call where an event is met; heyoka copies its callbacks, this one stays one."""
+
+    def __init__(self, desk: Desk, k: int) -> None:
+        self.desk, self.k = desk, k
+
+    def __call__(self, ta: HeyokaIntegrator, t: HeyokaNumber, _: int) -> None:
+        """Tell whoever watches."""
+        if self.desk.watch is not None:
+            self.desk.watch.met(self.k, ta, t)
+
+    def __deepcopy__(self, _: object) -> Callback:
+        return self
+
+
 def is_entire(scene: Scene, event: Event) -> bool:
     """Whether an event's expression has a value wherever the motion goes, and so no pole.
 
     True without division by what varies, negative powers of it, and roots.
     """
-    if event.expression is None:
-        return True
-    names = dict.fromkeys((*scene.columns, "t"), _Sort(True, True))
+    return _sort(event, (*scene.columns, "t"), ()).entire
+
+
+def tells_time(scene: Scene, event: Event) -> bool:
+    """Whether an event's expression depends on t itself."""
+    return _sort(event, ("t",), scene.columns).varies
+
+
+def _sort(event: Event, varying: Sequence[str], constant: Sequence[str]) -> _Sort:
+    """What is known of an event's expression where some of its names vary."""
+    names = dict.fromkeys(constant, _Sort(False, True)) | dict.fromkeys(varying, _Sort(True, True))
     functions = {"sin": _same, "cos": _same, "sqrt": _root}
     algebra = Algebra(lambda _: _Sort(False, True), functions)
-    found = evaluate(event.expression, names, algebra)
-    return not isinstance(found, _Sort) or found.entire
+    found = evaluate(event.expression, names, algebra) if event.expression is not None else None
+    return found if isinstance(found, _Sort) else _Sort(False, True)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,9 @@ polynomial is still right to sqrt(eps), which is enough to start from): a run wi
 steps of a run without them, unless an expression varies far faster than the motion.  Last bits may
 differ, where an event shares terms with the equations.
 
+Long runs in double mostly have their events found beside them (polhode.taylor.sightings); heyoka
+then looks like this only at what is left open.
+
 *Grazing*: where an expression comes within sqrt(eps) of zero at an extremum, or crosses zero at
 a slope that small, rounding decides whether and how often it vanishes.  The extrema are watched
 too, and such a contact is reported once, as undecided, at the extremum; it never ends a run.
@@ -20,9 +23,11 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 import heyoka as hy
+import numpy as np
 
 from polhode.equations.readout import Readout
 from polhode.numbers.exact import ZERO, sign
@@ -32,19 +37,22 @@ from polhode.scenes.scene import Scene
 from polhode.taylor import heyoka_numbers
 from polhode.taylor.blueprint import FIRST_KEPT
 from polhode.taylor.event_crossings import (
-    NO_CROSSINGS,
-    Crossings,
-    Seen,
+    Met,
+    Zeros,
+    after_start,
     crossings,
     exact_times,
+    gathered,
     in_order,
+    joined,
+    since_start,
     those,
 )
 from polhode.taylor.event_crossings import marks as plain_marks
-from polhode.taylor.event_expressions import TIME, event_expression
+from polhode.taylor.event_expressions import TIME, event_expression, rate
 from polhode.taylor.event_polish import Mark, Place, is_start, polished, sorted_out
 from polhode.taylor.event_rules import rules
-from polhode.taylor.event_steps import AfterStep
+from polhode.taylor.event_steps import AfterStep, Callback
 from polhode.taylor.kinds import (
     Expression,
     HeyokaEvent,
@@ -96,7 +104,10 @@ class Watch:
             AfterStep(lambda: self.stop is not None, number) if self.rules.asked else None
         )
         self.raw: list[list[_Raw]] = [[] for _ in scene.events]
-        self.seen: list[list[Seen]] = [[] for _ in scene.events]
+        self.seen: list[list[Met]] = [[] for _ in scene.events]
+        self.known: list[list[Zeros]] = [
+            [] for _ in scene.events
+        ]  # plain crossings found otherwise
         # Of the integrator attached last: itself, the exact time from which its own counts, and
         # what it hands to callbacks, with its dense output, a view of its memory.
         self.stepping: HeyokaIntegrator = None
@@ -118,24 +129,25 @@ class Watch:
         kind = {name: x for name, x in options.items() if name == "fp_type"}
         clock = hy.time + hy.par[1] + hy.par[0]
 
-        def rate(value: Expression) -> Expression:
-            terms = zip(variables, rates, strict=True)
-            return sum((hy.diff(value, x) * dx for x, dx in terms), hy.diff(value, TIME))
-
         for k, event in enumerate(self.scene.events):
             value = event_expression(self.scene, event, self.number, variables)
-            slope = rate(value)
+            slope = rate(value, variables, rates)
             desk.with_time.append("t" in hy.get_variables([value]))
             damping = hy.expression(self.limits[k].damping)
             events += [
-                hy.nt_event(hy.subs(f * damping, {TIME: clock}), _Callback(desk, k), **kind)
+                hy.nt_event(hy.subs(f * damping, {TIME: clock}), Callback(desk, k), **kind)
                 for f in (value, slope)
                 if hy.get_variables([f])  # a constant has no zeros
             ]
-            both = hy.subs([value, slope], {TIME: clock})
-            desk.evaluate.append(hy.cfunc(both, vars=list(variables), **options))
+            jet = (
+                [value, slope, rate(slope, variables, rates)]
+                if self.number.flat
+                else [value, slope]
+            )
+            jet = hy.subs(jet, {TIME: clock})
+            desk.evaluate.append(hy.cfunc(jet, vars=list(variables), **options))
         if self.number.flat:
-            derivatives = [*rates, *(rate(x) for x in rates)]
+            derivatives = [*rates, *(rate(x, variables, rates) for x in rates)]
             desk.motion = hy.cfunc(derivatives, vars=list(variables), **options)
         return events, desk
 
@@ -177,10 +189,10 @@ class Watch:
         ta.update_d_output(ago, rel_time=True)
         if self.desk.with_time[k]:
             clock = ta.pars[:FIRST_KEPT]
-            value, slope = self.desk.evaluate[k](self.row, pars=clock, time=ta.time + ago)
+            found = self.desk.evaluate[k](self.row, pars=clock, time=ta.time + ago)
         else:
-            value, slope = self.desk.evaluate[k](self.row)
-        return value, slope
+            found = self.desk.evaluate[k](self.row)
+        return found[0], found[1]
 
     def _mark(self, k: int, place: Place) -> None:
         high, low = self.heyoka.dtime
@@ -206,12 +218,12 @@ class Watch:
         ta = self.stepping
         after = state.copy()
         after[: len(moved)] = moved
-        for k, both in enumerate(self.desk.evaluate):
+        for k, jet in enumerate(self.desk.evaluate):
             options = (
                 {"pars": ta.pars[:FIRST_KEPT], "time": ta.time} if self.desk.with_time[k] else {}
             )
-            value, slope = both(state, **options)
-            new_value, new_slope = both(after, **options)
+            value, slope = jet(state, **options)[:2]
+            new_value, new_slope = jet(after, **options)[:2]
             if abs(new_value - value) > abs(value) / 4:
                 return True
             grazing = abs(value) <= 2 * self.limits[k].contact
@@ -224,11 +236,12 @@ class Watch:
         counts = tuple((len(raw), len(seen)) for raw, seen in zip(self.raw, self.seen, strict=True))
         return Found(counts, self.stop)
 
-    def take_back(self, found: Found) -> None:
-        """Forget what was found since."""
+    def take_back(self, found: Found, all_but: int | None = None) -> None:
+        """Forget what was found since, but of one event where that is said."""
         self.stop = found.stop
         for k, (raw, seen) in enumerate(found.counts):
-            del self.raw[k][raw:], self.seen[k][seen:]
+            if k != all_but:
+                del self.raw[k][raw:], self.seen[k][seen:]
 
     # -- what was found -----------------------------------------------------------------------
 
@@ -238,40 +251,38 @@ class Watch:
         answers = []
         for k, event in enumerate(self.scene.events):
             before = self.start[k] if self.forward else -self.start[k]
-            seen, found = self._crossings(k)
-            plain = None if self.raw[k] else in_order(seen, found, before, self.number)
-            complete, rows, slopes = True, found.rows, found.slopes.tolist()
-            if plain is not None and self.stop is None:
-                times = exact_times(plain, self.scene.time_unit, self.number)
+            zeros = after_start(self._zeros(k), before, self.number)
+            found = zeros[1]
+            plain = None if self.raw[k] or self.stop is not None else in_order(zeros, before)
+            if plain is not None:
+                slopes, rows, complete = found.slopes, found.rows, True
+                if event.direction != "any":
+                    counted = np.array([event.counts(slope) for slope in slopes.tolist()], bool)
+                    plain, slopes, rows = plain[counted], slopes[counted], rows[counted]
+                times: Any = partial(self._exact_times, plain)
+                grazing = (False,) * len(slopes)
             else:
-                marks = self._marks(k) + plain_marks(*those(seen, found, found.plain))
-                marks += self._one_by_one(k, those(seen, found, ~found.plain)[0])
+                marks = self._marks(k) + plain_marks(those(zeros, found.plain))
+                marks += self._one_by_one(k, those(zeros, ~found.plain))
                 marks, complete = sorted_out(marks, before, self.stop, self.number, ZERO)
-                times = [self.number.rounded(m.time) * unit for m in marks]
+                marks = [m for m in marks if event.counts(m.slope)]
+                times = tuple(self.number.rounded(m.time) * unit for m in marks)
                 rows = [heyoka_numbers.numbers(m.row, self.number) for m in marks]
-                slopes = [m.slope for m in marks]
-            if event.direction != "any":
-                counted = [i for i, slope in enumerate(slopes) if event.counts(slope)]
-                times, slopes = [times[i] for i in counted], [slopes[i] for i in counted]
-                rows = [rows[i] for i in counted]
-            answers.append(
-                EventTimes(
-                    name=event.name,
-                    times=tuple(times),
-                    states=read.states(rows),
-                    grazing=tuple(bool(slope == 0) for slope in slopes),
-                    complete=complete,
-                )
-            )
+                grazing = tuple(m.slope == 0 for m in marks)
+            answers.append(EventTimes(event.name, times, read.states(rows), grazing, complete))
         return tuple(answers)
 
-    def _crossings(self, k: int) -> tuple[list[Seen], Crossings]:
+    def _exact_times(self, times: Row) -> tuple[Fraction, ...]:
+        return tuple(exact_times(times, self.scene.time_unit, self.number))
+
+    def _zeros(self, k: int) -> Zeros:
         """What was noted of an event and may be a zero, polished."""
-        seen = self.seen[k]
-        if not seen:
-            return [], NO_CROSSINGS
-        found = crossings(seen, self.desk.evaluate[k], self.desk.motion, self.limits[k])
-        return those(seen, found, ~found.none)
+        parts = self.known[k].copy()
+        if self.seen[k]:
+            seen = gathered(self.seen[k], self.number)
+            found = crossings(seen, self.desk.evaluate[k], self.desk.motion, self.limits[k])
+            parts.append(those((seen, found), ~found.none))
+        return joined(parts)
 
     def _marks(self, k: int) -> list[Mark]:
         """What was polished at once."""
@@ -285,12 +296,14 @@ class Watch:
             for raw in self.raw[k]
         ]
 
-    def _one_by_one(self, k: int, seen: Sequence[Seen]) -> list[Mark]:
+    def _one_by_one(self, k: int, zeros: Zeros) -> list[Mark]:
         """Places that are no plain crossings, each looked at along a step from there."""
-        marks = []
+        seen, marks = zeros[0], []
+        if len(seen.rows) == 0:
+            return []
         self.muted, self.heyoka = True, self.stepping
         self.row = self.heyoka.d_output
-        for offset, time, row in seen:
+        for since, row in zip(since_start(seen), seen.rows, strict=True):
             self.heyoka.time = self.limits[k].zero
             self.heyoka.state[:] = row
             self.heyoka.step(write_tc=True)
@@ -298,10 +311,9 @@ class Watch:
             if found is not None:
                 self.heyoka.update_d_output(found.time, rel_time=True)
                 high, low = self.heyoka.dtime
-                raw = _Raw(offset, high, low + found.time, self.row.copy(), *found[1:])
+                raw = _Raw(since, high, low + found.time, self.row.copy(), *found[1:])
                 width = ZERO if raw.slope else self._exactly(raw.width)
-                since = self._time(raw) + self._exactly(time)
-                marks.append(Mark(since, raw.row, raw.slope, width))
+                marks.append(Mark(self._time(raw), raw.row, raw.slope, width))
         self.muted = False
         return marks
 
@@ -329,17 +341,3 @@ class Watch:
             }
         self.muted = False
         return sorted(suspects)
-
-
-class _Callback:
-    """heyoka's call where an event is met; heyoka copies its callbacks, this one stays one."""
-
-    def __init__(self, desk: Desk, k: int) -> None:
-        self.desk, self.k = desk, k
-
-    def __call__(self, ta: HeyokaIntegrator, t: HeyokaNumber, _: int) -> None:
-        if self.desk.watch is not None:
-            self.desk.watch.met(self.k, ta, t)
-
-    def __deepcopy__(self, _: object) -> _Callback:
-        return self

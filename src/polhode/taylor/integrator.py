@@ -133,9 +133,7 @@ class Integrator:
         """The polynomials of a chunk, taken again with the same steps to the bit."""
         self.offset, self.steps, self._due = mark.offset, mark.taken, mark.due
         self.heyoka.time = scalar(0, self.number)
-        for i, x in enumerate(mark.state):
-            self.state[i] = x
-        self._tell_kept()
+        self.stand_at(mark.state)
         if self.corrector is not None:
             self.corrector.recall(mark.memory)
         self._tell_offset()
@@ -175,6 +173,12 @@ class Integrator:
         done = corrector.correct(self.state)
         self._tell_kept()
         return done
+
+    def stand_at(self, state: Sequence[HeyokaNumber]) -> None:
+        """Stand at another state, the time unchanged."""
+        for i, x in enumerate(state):
+            self.state[i] = x
+        self._tell_kept()
 
     def _tell_kept(self) -> None:
         """Give the rates the variables that the equations keep, from where they stand."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
 
-from polhode.common.values import ByValue
+from polhode.common.values import ByValue, may_wait
 from polhode.numbers.decimals import decimal_in_full, shown
 from polhode.numbers.scalars import Rows
 
@@ -92,6 +92,7 @@ _CAUSES = {
 }
 
 
+@may_wait("times")
 @dataclass(frozen=True, eq=False, repr=False)
 class EventTimes(ByValue):
     """When one event of a scene happened, in order of integration, and the states then.

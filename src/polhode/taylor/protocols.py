@@ -108,8 +108,9 @@ class Desk:
     """What belongs to an integrator with events, whichever run takes it up: ``watch`` is that of
     the run.
 
-    ``evaluate``: each expression and its rate, compiled, ``with_time`` where it depends on t;
-    ``motion``: the first and second derivatives of the variables.
+    ``evaluate``: each expression and its rate, compiled, and in types that numpy holds the rate of
+    that; ``with_time`` where it depends on t.  ``motion``: the variables' first and second
+    derivatives, or the third as well.
     """
 
     def __init__(self) -> None:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
-from polhode.numbers.number_types import NumberType
+from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.numbers.scalars import Row
 
 if TYPE_CHECKING:
@@ -60,8 +60,28 @@ class Times(Sequence[Fraction]):
             return Times([t - offset for t in self._exact], self.number).grid
         found, doubtful = differences(self.grid, offset)
         for k in doubtful:
-            found[k] = Times([self._exact[k] - offset], self.number).grid[0]
+            found[k] = Times([self[k] - offset], self.number).grid[0]
         return found
+
+
+class Doubles(Times):
+    """Such times of a run in double, given as doubles: many of them, of which few are looked at."""
+
+    def __init__(self, grid: Row) -> None:
+        super().__init__((), DOUBLE)
+        self.__dict__["grid"] = grid
+
+    def __len__(self) -> int:
+        return len(self.grid)
+
+    @overload
+    def __getitem__(self, k: int) -> Fraction: ...
+    @overload
+    def __getitem__(self, k: slice) -> Times: ...
+    def __getitem__(self, k: int | slice) -> Fraction | Times:
+        if isinstance(k, slice):
+            return Doubles(self.grid[k])
+        return Fraction(float(self.grid[k]))
 
 
 def differences(

@@ -177,7 +177,8 @@ def _cost(rows: list[dict[str, Any]]) -> Iterator[Block]:
     yield Text(
         "Microseconds a step of `general/asymmetric-regular` with no event, one and three, the "
         "least of several interleaved runs, compilation not counted, and what each event found "
-        f"costs: it is polished and its state read in Python. {_same_steps(rows)}"
+        "costs, all included. In double the events of a long run are found beside it, all at once; "
+        f"in other types heyoka calls Python where it meets one. {_same_steps(rows)}"
     )
     yield PageTable(
         (
