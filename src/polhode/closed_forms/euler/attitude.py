@@ -14,15 +14,17 @@ argument counts the turns.  That covers every motion with gamma along G in princ
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.axes import MotionAxes
-from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, of_matrix, product
 from polhode.closed_forms.attitude.settled import Repeating, Settled
 from polhode.closed_forms.attitude.winding import coarse_parameters, fine_parameters, growth
 from polhode.closed_forms.euler.motion import EulerMotion, PermanentRotation, Polhode
+from polhode.closed_forms.euler.turns import PolhodeTurns
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
-from polhode.numbers.private import mpmath
+from polhode.numbers.private import mpf, mpmath
 
 
 @dataclass(frozen=True)
@@ -74,11 +76,31 @@ class EulerAttitude:
                 _along_ellipse(mpmath.mpc(one[0], one[3]), mpmath.mpc(other[0], other[3]), x),
                 _along_ellipse(mpmath.mpc(one[1], one[2]), mpmath.mpc(other[1], other[2]), x),
             )
+        if mpmath.isfinite(self.motion.elliptic.K):
+            return self._turned(t)
         terms = self._terms(self.motion)
         grown = [_dominated(row, self.motion, t) for row in terms]
         if grown[0] is None or grown[1] is None:
-            return None if mpmath.isfinite(self.motion.elliptic.K) else self._beyond(t)
+            return self._beyond(t)
         return grown[0], grown[1]
+
+    def _turned(self, t: Any) -> tuple[Any, Any] | None:
+        """The growth of both arguments where the polhode is closed; None: it is to be counted."""
+        begin = mpf(0)
+        if not all(fine_parameters(self.start)):  # from a pole on, arguments begin with their limits
+            begin = mpmath.sign(t) * mpmath.ldexp(1, -mpmath.prec // 4) / self.speed
+        try:
+            return self._turns.growth(begin, t)
+        except ArithmeticError:
+            return None
+
+    @cached_property
+    def _turns(self) -> PolhodeTurns:
+        assert isinstance(self.motion, Polhode)
+        columns = [self.axes.scene(unit) for unit in _AXES]
+        turn = of_matrix(list(zip(*columns, strict=True)))
+        left = product(product(self.start, turn), self.motion.start)
+        return PolhodeTurns(self.motion, left, conjugate(turn))
 
     def _beyond(self, t: Any) -> tuple[Any, Any] | None:
         """The growth on a separatrix, where the rotation that it tends to has been reached.
@@ -121,6 +143,7 @@ class EulerAttitude:
 
 
 _SURE = 48  # bits to which a separatrix has come to its limit where its turns repeat
+_AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 _UNITS: tuple[Quaternion, ...] = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
 
 
