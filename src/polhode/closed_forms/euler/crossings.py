@@ -1,11 +1,13 @@
 """Where a sum of Jacobi's functions takes a value: every place in a period, none missed.
 
 In a quarter of the period sn, cn and dn are monotone, so that their values at both ends of a part
-bound the sum and its slope there.  A part is halved until one of the two has a sign.
+bound the sum and its slope there.  A part is halved until one of the two has a sign.  On the
+separatrix, whose period is infinite, the line is cut where the functions are their limits.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -14,10 +16,11 @@ from polhode.numbers.private import mpmath
 
 _NOISE = 16  # last bits of a sum that are not trusted
 _STEPS = 200  # of a bracketed Newton iteration
+_POINT = -20  # log2 of the longest part that a touched value may take up
 
 
 class Crossing(NamedTuple):
-    """A phase u in [0, 4K) where the sum passes the value, and the sum's slope there."""
+    """A phase u where the sum passes the value, and the sum's slope there."""
 
     u: Any
     slope: Any
@@ -37,38 +40,58 @@ class _Node(NamedTuple):
 def crossings(
     elliptic: Jacobi, row: Sequence[Any], value: Any
 ) -> tuple[bool, tuple[Crossing, ...]]:
-    """Whether row.(cn, sn, dn) >= ``value`` at u = 0+, and where in [0, 4K) that changes.
+    """Whether row.(cn, sn, dn) >= ``value`` at first, and where in a period that changes.
 
-    A value that is met but not passed is no crossing.
+    The period is [0, 4K), on the separatrix the whole line.  A value that is met but not passed is
+    no crossing.  Raises ArithmeticError where the precision in force does not tell.
     """
     found = _Crossings(elliptic, row, value)
     places = tuple(found.places())
-    if len(places) % 2 or any(a.rises == b.rises for a, b in zip(places, places[1:], strict=False)):
-        raise ArithmeticError("places where two terms are equal are too near each other")
+    if mpmath.isfinite(elliptic.K):
+        nowhere = not any(node.above for node in found.ends)
+        if len(places) % 2 or (found.hidden and not nowhere):
+            raise ArithmeticError("two terms are too nearly equal")
+    if any(a.rises == b.rises for a, b in itertools.pairwise(places)):
+        raise ArithmeticError("two terms are too nearly equal")
     if places:
         return not places[0].rises, places
-    return max((node.above for node in found.quarters), key=abs) >= 0, ()
+    return max((node.above for node in found.ends), key=abs) >= 0, ()
 
 
 class _Crossings:
     def __init__(self, elliptic: Jacobi, row: Sequence[Any], value: Any) -> None:
         self._elliptic, self._row, self._value = elliptic, row, value
+        self.hidden = False  # whether a part of the period lies too near the value to tell
         K = elliptic.K
-        self._k2 = 1 - self._waves(K)[2] ** 2
-        self.quarters = [self._node(K * n) for n in range(4)]
-        self.quarters.append(self.quarters[0]._replace(u=4 * K))
+        if mpmath.isfinite(K):
+            self._k2 = 1 - self._waves(K)[2] ** 2
+            self.ends = [self._node(K * n) for n in range(4)]
+            self.ends.append(self.ends[0]._replace(u=4 * K))
+        else:
+            self._k2, far = mpmath.one, mpmath.prec * mpmath.ln2
+            self.ends = [self._node(far * n) for n in (-1, 0, 1)]
 
-    def places(self) -> Iterator[Crossing]:
-        """In order."""
-        for one, two in zip(self.quarters, self.quarters[1:], strict=False):
+    def places(self) -> list[Crossing]:
+        """In order; a place that is not told from the value is passed if its sides differ."""
+        found = []
+        first = last = self.ends[0]
+        for node in self._nodes():
+            if last.above and (last.above > 0) != (node.above > 0):
+                found.append(self._solved(last, node))
+            first, last = first if first.above else node, node
+        if mpmath.isfinite(self._elliptic.K) and first.above * last.above < 0:
+            found.insert(0, Crossing(mpmath.zero, self._slope(self.ends[0].waves)))
+        return found
+
+    def _nodes(self) -> Iterator[_Node]:
+        """Ends of parts with no crossing or one, in order, where the sum is not the value."""
+        for one, two in itertools.pairwise(self.ends):
             pending = [(one, two)]
             while pending:
                 a, b = pending.pop()
-                if self._clear(a, b):
-                    continue
-                if self._monotone(a, b):
-                    if (a.above > 0) != (b.above > 0):
-                        yield self._solved(a, b)
+                if self._clear(a, b) or self._monotone(a, b):
+                    if b.above:
+                        yield b
                     continue
                 middle = self._node((a.u + b.u) / 2)
                 pending += [(middle, b), (a, middle)]
@@ -94,7 +117,10 @@ class _Crossings:
             low, high = low + min(ends), high + max(ends)
             size = max(size, *(abs(y) for y in ends))
         noise = mpmath.ldexp(size, _NOISE - mpmath.prec)
-        return bool(low > noise or high < -noise or max(high, -low) <= noise)
+        if max(high, -low) <= noise:
+            self.hidden |= bool(b.u - a.u > mpmath.ldexp(1, _POINT))
+            return True
+        return bool(low > noise or high < -noise)
 
     def _monotone(self, a: _Node, b: _Node) -> bool:
         low = high = mpmath.zero
@@ -118,6 +144,8 @@ class _Crossings:
         low, high = a.u, b.u
         for _ in range(_STEPS):
             node = self._node(u)
+            if not node.above:
+                break
             if (node.above > 0) == rises:
                 high = u
             else:
@@ -127,7 +155,7 @@ class _Crossings:
             if not low < after < high:
                 after = (low + high) / 2
             step, u = abs(after - u), after
-            if step <= mpmath.ldexp(1 + abs(u), 8 - mpmath.prec) or not node.above:
+            if step <= mpmath.ldexp(1 + abs(u), 8 - mpmath.prec):
                 break
         return Crossing(u, self._slope(self._waves(u)))
 

@@ -1,4 +1,4 @@
-"""The turns of psi and phi of a torque-free body about any vertical, at a cost that no time changes.
+"""Turns of psi and phi of a torque-free body about any vertical, at a cost that no time changes.
 
 Seen from G the numbered axes have Cayley-Klein parameters al', bt' whose moduli have the period 4K
 of the polhode's phase u and whose arguments are known for all time; so are those of
@@ -24,7 +24,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from polhode.closed_forms.attitude.lattice import floors
-from polhode.closed_forms.attitude.quaternion import Quaternion
+from polhode.closed_forms.attitude.quaternion import AnyVector, Quaternion
 from polhode.closed_forms.euler.crossings import Crossing, crossings
 from polhode.closed_forms.euler.motion import Polhode
 from polhode.closed_forms.functions.jacobi import MP
@@ -56,15 +56,14 @@ Terms = tuple[Polar, Polar]
 
 @dataclass(frozen=True)
 class Sum:
-    """The sum of two terms over a period of u, from 0 to 4K.
+    """The sum of two terms over a period of u, from 0 to 4K, or over the line of a separatrix.
 
-    ``advances`` is what the terms' arguments gain in a period; the first outweighs the second where
-    the function of :func:`crossings` is positive.
+    ``advances`` is what the terms' arguments gain in a period.
     """
 
     terms: Callable[[Any], Terms]
     advances: tuple[Any, Any]
-    begins: int  # the term that leads at u = 0
+    begins: int  # the term that leads at first
     places: tuple[Crossing, ...]
 
     def at(self, u: Any) -> Polar:
@@ -140,6 +139,8 @@ class Turning:
     def _phase(self, t: Any) -> tuple[int, Any]:
         """Whole periods since u = 0, and u within one."""
         u, period = self.motion.v0 + self.motion.rate * t, 4 * self.motion.elliptic.K
+        if not mpmath.isfinite(period):
+            return 0, u
         n = int(mpmath.floor(u / period))
         return n, u - n * period
 
@@ -159,8 +160,10 @@ class Turning:
         """The sum of nint(de/2 pi) at a place over so many periods."""
         place, (one, two) = self.whole.places[i], self.whole.ends[i]
         rate, turn = self.motion.rate, 2 * mpmath.pi
-        slope = self.whole.advances[1] - self.whole.advances[0]
-        slope -= 2 * self.spin * 4 * self.motion.elliptic.K / rate
+        slope = mpf(0)
+        if mpmath.isfinite(self.motion.elliptic.K):
+            slope = self.whole.advances[1] - self.whole.advances[0]
+            slope -= 2 * self.spin * 4 * self.motion.elliptic.K / rate
         base = two.argument - one.argument - 2 * self.spin * (place.u - self.motion.v0) / rate
         base += slope * begin
         base, slope = base / turn + mpf(1) / 2, slope / turn
@@ -171,13 +174,16 @@ class Turning:
 
 
 class PolhodeTurns:
-    """Growth of arg al and arg bt of one motion with a period, at the precision in force.
+    """Growth of arg al and arg bt of one motion, at the precision in force.
 
     ``left`` and ``right``: q(t) = left q'(t) right, q' the quaternion of the numbered axes in the
-    space axes along G (:meth:`Polhode.place`).
+    space axes along G (:meth:`Polhode.place`).  ``axis`` is the scene's third axis in the numbered
+    axes, ``cosine`` that of the angle between the vertical and G; their zeros are exact.
     """
 
-    def __init__(self, motion: Polhode, left: Quaternion, right: Quaternion) -> None:
+    def __init__(
+        self, motion: Polhode, left: Quaternion, right: Quaternion, axis: AnyVector, cosine: Any
+    ) -> None:
         self._motion = motion
         # The same as a function of u, without what turns evenly in time.
         self._own = replace(motion, rate=mpf(1), v0=mpf(0), precession=mpf(0))
@@ -185,7 +191,7 @@ class PolhodeTurns:
         la, mu = _parameters(right)
         about_third = motion.jump, -motion.sense * mpmath.pi  # half of psi and of phi, in 4K
         begun = about_third[0] + about_third[1], about_third[0] - about_third[1]
-        third, along = abs(la) ** 2 - abs(mu) ** 2, (mpf(0), mpf(0), motion.momentum[2])
+        third, along = axis[2], (mpf(0), mpf(0), motion.momentum[2])
         one = self._sum((la, -mpmath.conj(mu)), begun, self._numbered, along, -third)
         two = self._sum((mu, mpmath.conj(la)), begun, self._numbered, along, third)
         if (not a or not b) and (one.vanishes() or two.vanishes()):
@@ -197,12 +203,9 @@ class PolhodeTurns:
         def behind(u: Any) -> Terms:
             return two.at(u), one.at(u).conjugate()
 
-        # The scene's third axis e in the numbered axes, against G: e.z = cos of their angle.
-        q0, q1, q2, q3 = right
-        e = 2 * (q1 * q3 + q0 * q2), 2 * (q2 * q3 - q0 * q1), third
-        row = tuple(x * z for x, z in zip(e, motion.momentum, strict=True))
+        # (cn, sn, dn) times the row is the cosine of the angle between the axis and G.
+        row = tuple(x * z for x, z in zip(axis, motion.momentum, strict=True))
         back = tuple(-x for x in row)
-        cosine = abs(a) ** 2 - abs(b) ** 2
         advances = (one.advance, -two.advance), (two.advance, -one.advance)
         spin = motion.precession / 2
         al = self._sum((a, -b), advances[0], ahead, row, -cosine)
