@@ -80,9 +80,7 @@ class EulerAttitude:
     def _turned(self, t: Any) -> tuple[Any, Any] | None:
         """The growth of both arguments along a polhode; None: it is to be counted."""
         begin = mpf(0)
-        if not all(
-            fine_parameters(self.start)
-        ):  # from a pole on, arguments begin with their limits
+        if not all(fine_parameters(self.start)):  # a pole is left with the arguments' limits
             begin = mpmath.sign(t) * mpmath.ldexp(1, -mpmath.prec // 4) / self.speed
         try:
             return self._turns.growth(begin, t)
