@@ -10,11 +10,11 @@ from fractions import Fraction
 
 import pytest
 
+from polhode.closed_forms.attitude.two_terms import Sum, Turning
 from polhode.closed_forms.euler import turns
 from polhode.closed_forms.euler.attitude import EulerAttitude
 from polhode.closed_forms.euler.crossings import crossings
 from polhode.closed_forms.euler.top import EulerTop
-from polhode.closed_forms.euler.turns import Sum, Turning
 from polhode.closed_forms.functions.jacobi import MP, jacobi
 from polhode.numbers.exact import sqrt
 from polhode.numbers.private import mpf, mpmath
@@ -216,10 +216,8 @@ def test_a_fault_is_noticed(fault, monkeypatch):
         known = Sum.advance.func
         monkeypatch.setattr(Sum, "advance", property(lambda s: known(s) + 2 * mpmath.pi))
     elif fault == "spin":
-        begin = Turning.__init__
-        monkeypatch.setattr(
-            Turning, "__init__", lambda s, w, m, spin: begin(s, w, m, spin * (1 + mpf("1e-2")))
-        )
+        known = Turning._argument
+        monkeypatch.setattr(Turning, "_argument", lambda s, t, *a: known(s, t * mpf("1.01"), *a))
     elif fault == "missed":
         known = turns.crossings
         monkeypatch.setattr(turns, "crossings", lambda *a: (known(*a)[0], known(*a)[1][2:]))

@@ -11,24 +11,13 @@ import itertools
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
+from polhode.closed_forms.attitude.two_terms import Crossing
 from polhode.closed_forms.functions.jacobi import MP, Jacobi
 from polhode.numbers.private import mpmath
 
 _NOISE = 16  # last bits of a sum that are not trusted
 _STEPS = 200  # of a bracketed Newton iteration
 _POINT = -20  # log2 of the longest part that a touched value may take up
-
-
-class Crossing(NamedTuple):
-    """A phase u where the sum passes the value, and the sum's slope there."""
-
-    u: Any
-    slope: Any
-
-    @property
-    def rises(self) -> bool:
-        """Whether the sum grows through the value."""
-        return bool(self.slope > 0)
 
 
 class _Node(NamedTuple):
