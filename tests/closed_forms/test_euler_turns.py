@@ -217,7 +217,7 @@ def test_a_fault_is_noticed(fault, monkeypatch):
         monkeypatch.setattr(Sum, "advance", property(lambda s: known(s) + 2 * mpmath.pi))
     elif fault == "spin":
         known = Turning._argument
-        monkeypatch.setattr(Turning, "_argument", lambda s, t, *a: known(s, t * mpf("1.01"), *a))
+        monkeypatch.setattr(Turning, "_argument", lambda s, t, *a: known(s, 2 * t, *a))
     elif fault == "missed":
         known = turns.crossings
         monkeypatch.setattr(turns, "crossings", lambda *a: (known(*a)[0], known(*a)[1][2:]))
