@@ -187,7 +187,7 @@ def test_far_away(given, axes):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("given", "t"), [(TURNOVER, 3000), (WIDE, 4 * 10**5)])
+@pytest.mark.parametrize(("given", "t"), [(TURNOVER, 400), (WIDE, 5 * 10**4)])
 def test_counted_over_a_long_way(given, t, monkeypatch):
     top, times = made(given), [F(t), F(-t)]
     assert off(top.angles(times, 15), counted(top, times, monkeypatch)) == 0
