@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 from polhode.closed_forms.attitude.quaternion import AnyVector, Quaternion
@@ -46,8 +47,9 @@ class PolhodeTurns:
         about_third = motion.jump, -motion.sense * mpmath.pi  # half of psi and of phi, in 4K
         begun = about_third[0] + about_third[1], about_third[0] - about_third[1]
         third, along = axis[2], (mpf(0), mpf(0), motion.momentum[2])
-        one = self._sum((la, -mpmath.conj(mu)), begun, self._numbered, along, -third)
-        two = self._sum((mu, mpmath.conj(la)), begun, self._numbered, along, third)
+        numbered = lru_cache(maxsize=4)(self._numbered)  # asked four times for each of two times
+        one = self._sum((la, -mpmath.conj(mu)), begun, numbered, along, -third)
+        two = self._sum((mu, mpmath.conj(la)), begun, numbered, along, third)
         if (not a or not b) and (one.vanishes() or two.vanishes()):
             raise ArithmeticError("the third axis passes through the vertical")
 
