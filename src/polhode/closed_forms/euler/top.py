@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
@@ -22,7 +23,7 @@ from polhode.closed_forms.euler.motion import EulerMotion, permanent_rotation, p
 from polhode.closed_forms.euler.regimes import exact_numbers, is_permanent, regime
 from polhode.closed_forms.functions.jacobi import MP, pair_functions
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened, vector
-from polhode.numbers.exact import Exact, sign
+from polhode.numbers.exact import Exact, sign, sqrt, total
 from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector, is_zero
 
@@ -155,8 +156,19 @@ class EulerTop(FromAttitude):
             start = self._first_quaternion(bits)
             with mpmath.workprec(bits):
                 axes = self._axes.mapped(lambda x: number(x, bits))
-                self._attitudes[bits] = EulerAttitude(self._motion(bits), axes, start)
+                cosine = number(self._cosine, bits)
+                self._attitudes[bits] = EulerAttitude(self._motion(bits), axes, start, cosine)
         return self._attitudes[bits]
+
+    @cached_property
+    def _cosine(self) -> Exact:
+        """Of the angle between gamma and G; 0 at rest."""
+        gamma = self._axes.numbered(self._gamma)
+        momentum = [a * x for a, x in zip(self._moments, self._omega, strict=True)]
+        size = total(x * x for x in momentum)
+        if sign(size) == 0:
+            return _ZERO
+        return total(x * y for x, y in zip(momentum, gamma, strict=True)) / sqrt(size)
 
     def _bits(self, times: Sequence[Exact], digits: int) -> int:
         """Working precision: the digits, what phases and the spread of the moments cost, a guard.

@@ -14,10 +14,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.axes import RowMatrix
 from polhode.closed_forms.attitude.quaternion import Quaternion, of_matrix, product
+from polhode.closed_forms.attitude.two_terms import Turning
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.lagrange.motion import (
@@ -29,6 +31,7 @@ from polhode.closed_forms.lagrange.motion import (
     times,
 )
 from polhode.closed_forms.lagrange.regimes import Constants
+from polhode.closed_forms.lagrange.turns import turning
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.private import mpc, mpf, mpmath
 
@@ -81,15 +84,36 @@ class LagrangeAttitude:
         for which, row in enumerate(self.rows):
             lead = self._lead(row)
             if lead is None:
-                return None
+                found = self._turned(which, t)
+                if found is None:
+                    return None
+                grown.append(found)
+                continue
             if lead < 0:
                 grown.append(None)
                 continue
-            begin = mpf(0)
-            if not mpc(*_part(self.start, which)) and self.motion.speed:
-                begin = mpmath.sign(t) * mpmath.ldexp(1, -mpmath.prec // 4) / self.motion.speed
+            begin = self._begin(which, t)
             grown.append(self._argument(row, lead, t) - self._argument(row, lead, begin))
         return grown[0], grown[1]
+
+    def _begin(self, which: int, t: Any) -> Any:
+        """The time from which an argument is known: 0, or just after a pole."""
+        if any(_part(self.start, which)) or not self.motion.speed:
+            return mpf(0)
+        return mpmath.sign(t) * mpmath.ldexp(1, -mpmath.prec // 4) / self.motion.speed
+
+    def _turned(self, which: int, t: Any) -> Any | None:
+        """The growth of an argument of which now one term leads, now the other; None: unknown."""
+        found = self._turnings[which]
+        try:
+            return found.growth(self._begin(which, t), t) if found else None
+        except ArithmeticError:
+            return None
+
+    @cached_property
+    def _turnings(self) -> list[Turning | None]:
+        assert isinstance(self.motion, Nutating)
+        return [turning(self.motion, row) for row in self.rows]
 
     def _lead(self, row: tuple[Parts, Parts]) -> int | None:
         """Which term outweighs the other at all times (0 or 1), -1 where both are 0."""
