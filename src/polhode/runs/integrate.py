@@ -120,9 +120,10 @@ def _stepped(
     progress: Progress | None,
 ) -> tuple[Run, Outcome, Rows]:
     """A run, how it ended, and its rows: the state's, then quaternion, psi and phi."""
-    if beside.fits(made, times):
+    wanted = beside.plan(scene, made, times)
+    if wanted is not None:
         run = Run(beside.bare(made), max_steps, every)
-        found = beside.rows(run, made, beside.plan(scene, made, times), progress)
+        found = beside.rows(run, made, wanted, progress)
         if found is not None:
             return run, *found
     run = Run(made, max_steps, every)
