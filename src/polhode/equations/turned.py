@@ -13,7 +13,7 @@ Arrays of numpy in double or extended: a vector's components, panels, nodes.
 """
 
 from __future__ import annotations
-
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,8 +21,11 @@ import numpy as np
 from polhode.equations import spinors
 from polhode.numbers.lobatto import Lobatto
 
+_TAIL = 16.0  # in eps: an integral's error is a twentieth of the square of its rule's last terms
+_NEARER = 0.2  # in 1 + gamma·a: by this much the second direction has to be better
+_NEWTON = 3
+_EDGE = 1e-9  # of a panel
 _CHORD = 3.0  # a path's distance from its chord, at most so many times that of a parabola
-_PI = 4 * np.arctan(np.longdouble(1))
 
 
 class Panels(NamedTuple):
@@ -44,8 +47,8 @@ class Turned(NamedTuple):
 
     ``phase``: X/2's growth, of length one.  ``first``, ``last``: the spinors of gamma at the ends,
     in whose units it is.  ``psi``, ``phi``: what they grow by, to far less than a turn.
-    ``across``: gamma2 + i gamma1 at the ends, whose argument is phi.  ``settled``: whether all of
-    it is right.
+    ``across``: gamma2 + i gamma1 at the ends, whose argument is phi.  ``split``: where in the panel
+    to split it, as a fraction; 0 where it is settled: all of this is right.
     """
 
     begin: Any
@@ -55,7 +58,12 @@ class Turned(NamedTuple):
     psi: Any
     phi: Any
     across: Any
-    settled: Any
+    split: Any
+
+    @property
+    def settled(self) -> Any:
+        """Which panels need not be split."""
+        return self.split == 0
 
 
 def turned(panels: Panels, rule: Lobatto, turn: Any | None, counted: bool) -> Turned:
@@ -74,7 +82,7 @@ def turned(panels: Panels, rule: Lobatto, turn: Any | None, counted: bool) -> Tu
     rate -= inmost[:, None]
     largest = np.maximum(np.abs(rate).max(axis=1), np.maximum(np.abs(inmost), size))
     tail = np.abs(rate @ last).max(axis=1)
-    settled = tail * tail <= np.finfo(kind).eps * largest * largest
+    enough = tail * tail <= _TAIL * np.finfo(kind).eps * largest * largest
     grown = panels.length * (inmost.astype(np.longdouble) + rate @ weights)
     if panels.shift is not None:
         slopes = rate.astype(np.float64) @ rule.slopes.astype(np.float64)
@@ -84,14 +92,16 @@ def turned(panels: Panels, rule: Lobatto, turn: Any | None, counted: bool) -> Tu
     k = spinors.of_direction(a)
     first, final = (spinors.section(k, gamma[:, :, i]) for i in (0, -1))
     psi = phi = np.zeros(len(half))
+    split = np.where(enough, 0, 0.5)
     across = np.zeros((2, len(half)))
     if counted:
         if turn is not None:
             omega, gamma = (np.tensordot(turn.T.astype(kind), x, 1) for x in (omega, gamma))
-        psi, phi, sure = _angles(omega, gamma, panels.length, rule, weights)
-        settled &= sure
+        rough = (x.astype(np.float64) for x in (omega, gamma, panels.length))
+        psi, phi, where = _angles(*rough, rule)
+        split = np.where(enough, where, split)
         across = (gamma[1] + 1j * (gamma[0] + 0.0))[:, [0, -1]].T
-    return Turned(panels.begin, phase, first, final, psi, phi, across, settled)
+    return Turned(panels.begin, phase, first, final, psi, phi, across, split)
 
 
 def _direction(omega: Any, gamma: Any, middle: int) -> tuple[Any, Any]:
@@ -101,7 +111,7 @@ def _direction(omega: Any, gamma: Any, middle: int) -> tuple[Any, Any]:
     toward = w[0] * a[0] + w[1] * a[1] + w[2] * a[2]
     about = w / np.where(size > 0, np.where(toward < 0, -size, size), 1)
     nearest = [_dot(some, x).min(axis=1) for x in (a, about)]
-    found = np.where(nearest[1] > nearest[0], about, a)
+    found = np.where(nearest[1] > nearest[0] + _NEARER, about, a)
     return found / np.sqrt((found * found).sum(axis=0)), size
 
 
@@ -109,30 +119,30 @@ def _dot(vectors: Any, a: Any) -> Any:
     return vectors[0] * a[0][:, None] + vectors[1] * a[1][:, None] + vectors[2] * a[2][:, None]
 
 
-def _angles(
-    omega: Any, gamma: Any, length: Any, rule: Lobatto, weights: Any
-) -> tuple[Any, Any, Any]:
-    """By how much psi and phi grow on each panel, roughly, and whether the turns are sure."""
+def _angles(omega: Any, gamma: Any, length: Any, rule: Lobatto) -> tuple[Any, Any, Any]:
+    """By how much psi and phi grow on each panel, roughly, and where to split it, or 0."""
     (p, q, r), (g1, g2, g3) = omega, gamma
-    panels = np.arange(len(g1))
+    panels, weights = np.arange(len(g1)), rule.weights.astype(np.float64)
     across = p * g1 + q * g2
     square = g1 * g1 + g2 * g2
     fastest = (p * p + q * q + r * r).max(axis=1)
     step = length * rule.gap
-    upper = np.where(g3[panels, square.argmin(axis=1)] < 0, -1, 1).astype(g3.dtype)[:, None]
+    upper = np.where(g3[panels, square.argmin(axis=1)] < 0, -1.0, 1.0)[:, None]
     near = square <= (fastest * step * step)[:, None]
     close = near.any(axis=1)
-    sure = ~(near & (g3 * upper < 0)).any(axis=1)
+    split = np.where((near & (g3 * upper < 0)).any(axis=1), 0.5, 0)
     both = length * ((r * upper + across / (1 + g3 * upper)) @ weights)
     start, end = (np.arctan2(g1[:, i] + 0.0, g2[:, i]) for i in (0, -1))
-    phi = end - start + 2 * _PI * _crossings(g1, g2)
+    phi = end - start + 2 * math.pi * _crossings(g1, g2)
     psi = both - upper[:, 0] * phi
-    for k in np.flatnonzero(close).tolist():
-        if not across[k].any():  # in a plane with the third axis, over the pole or not
-            psi[k], phi[k], sure[k] = 0, length[k] * (r[k] @ weights), True
-        elif sure[k]:
-            sure[k] = _chords_pass(omega[:, k], gamma[:, k], length[k] * np.diff(rule.nodes))
-    return psi, phi, sure
+    k = np.flatnonzero(close)
+    if k.size:
+        flat = ~across[k].any(axis=1)  # in a plane with the third axis, over the pole or not
+        doubt = _doubtful(omega[:, k], gamma[:, k], length[k], rule)
+        split[k] = np.where(doubt > 0, doubt, split[k])
+        k = k[flat]
+        psi[k], phi[k], split[k] = 0, length[k] * (r[k] @ weights), 0
+    return psi, phi, split
 
 
 def _crossings(g1: Any, g2: Any) -> Any:
@@ -145,14 +155,38 @@ def _crossings(g1: Any, g2: Any) -> Any:
     return np.bincount(panel, sense, len(g1))
 
 
-def _chords_pass(omega: Any, gamma: Any, step: Any) -> bool:
-    """Whether gamma's path passes the pole on the side on which its chords do."""
-    (p, q, r), (g1, g2, g3) = omega, gamma
-    x, y = g1, g2
-    speed = np.stack([g2 * r - g3 * q, g3 * p - g1 * r])
-    bend = np.hypot(*np.diff(speed, axis=1)) * np.abs(step) / 8
-    dx, dy = np.diff(x), np.diff(y)
-    square = dx * dx + dy * dy
-    along = np.clip(-(x[:-1] * dx + y[:-1] * dy) / np.where(square > 0, square, 1), 0, 1)
-    away = np.hypot(x[:-1] + along * dx, y[:-1] + along * dy)
-    return bool((away > _CHORD * bend).all())
+def _doubtful(omega: Any, gamma: Any, length: Any, rule: Lobatto) -> Any:
+    """Where on each panel gamma's path may pass the pole on another side than its chords do.
+
+    A fraction of the panel, at the path's nearest approach to the pole; 0 where there is no doubt.
+    """
+    (p, q, r), (x, y, g3) = omega, gamma
+    nodes = rule.nodes.astype(x.dtype)
+    step = length[:, None] * np.diff(nodes)
+    a = np.stack([x, y])
+    speed = np.stack([y * r - g3 * q, g3 * p - x * r])
+    d = np.diff(a, axis=2)
+    a, slopes = a[:, :, :-1], (speed[:, :, :-1] * step, speed[:, :, 1:] * step)
+    square = _square(d)
+    # a parabola with these slopes leaves its chord by s (1 - s) of this
+    bend = (_CHORD / 2) ** 2 * _square(slopes[1] - slopes[0])
+    nearest = np.clip(-(a * d).sum(axis=0) / np.where(square > 0, square, 1), 0, 1)
+    doubt = np.zeros(square.shape, dtype=bool)
+    for s in (nearest, 0.1, 0.3, 0.5, 0.7, 0.9):
+        doubt |= _square(a + s * d) <= (s * (1 - s)) ** 2 * bend
+    away = np.where(doubt, _square(a + nearest * d), np.inf)
+    worst = away.argmin(axis=1)
+    row = np.arange(len(worst))
+    a, d, s = a[:, row, worst], d[:, row, worst], nearest[row, worst]
+    u, v = (x[:, row, worst] for x in slopes)
+    for _ in range(_NEWTON):  # on the cubic with these slopes
+        at = a + s * u + s * s * ((3 * d - 2 * u - v) + s * (u + v - 2 * d))
+        to = u + s * (2 * (3 * d - 2 * u - v) + 3 * s * (u + v - 2 * d))
+        s = np.clip(s - (at * to).sum(axis=0) / (to * to).sum(axis=0), 0, 1)
+    found = nodes[worst] + s * np.diff(nodes)[worst]
+    inside = (found > _EDGE) & (found < 1 - _EDGE)
+    return np.where(doubt.any(axis=1), np.where(inside, found, 0.5), 0)
+
+
+def _square(vector: Any) -> Any:
+    return vector[0] * vector[0] + vector[1] * vector[1]

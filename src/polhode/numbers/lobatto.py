@@ -75,7 +75,7 @@ def enough(steps: float, digits: float) -> int:
         return 2
     distance = _SINGULAR / steps
     base = math.asinh(distance)
-    return 3 + math.ceil(digits * math.log(10) / (2 * base))
+    return 2 + math.ceil(digits * math.log(10) / (2 * base))
 
 
-_SINGULAR = 11.0
+_SINGULAR = 9.0

@@ -1,9 +1,10 @@
-"""Attitude and angles of a plain run from its states at more times than those asked for.
+"""Attitude and angles beside a plain run: in double, stretch by stretch, several at once.
 
-The state is integrated alone, to the bit as in a run without these outputs, and read at the nodes
-of panels of a few steps each.  What a panel turns by is a quadrature over its nodes
-(:mod:`polhode.equations.turned`); panels that are not settled by theirs are halved and integrated
-once more, from the run's own states.
+The state is integrated alone, to the bit as in a run without these outputs.  It is also read at
+evenly spaced times between the outputs; from these on, stretch by stretch, the same equations with
+quaternion, psi and phi are integrated in the lanes of a batch (:mod:`polhode.taylor.turning`), each
+from the state that the plain run has there.  Then the stretches are joined: angles add up, exactly;
+quaternions are multiplied and held upright by gamma (:mod:`polhode.equations.turns`).
 """
 
 from __future__ import annotations
@@ -11,133 +12,97 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from fractions import Fraction
+from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from polhode.equations.turned import Panels
-from polhode.numbers.convert import exactly, to_extended
-from polhode.numbers.scalars import Rows
-from polhode.numbers.lobatto import Lobatto, enough, lobatto
-from polhode.runs import joined
-from polhode.runs.halves import Halves
+from polhode.equations import turns
+from polhode.numbers.convert import to_double
+from polhode.numbers.scalars import Doubles, Rows
 from polhode.runs.march import Progress
 from polhode.runs.run import Run
-from polhode.runs.setup import Asked, Setup, bare
+from polhode.runs.setup import Asked, Setup
 from polhode.scenes.scene import Scene
+from polhode.scenes.words import ATTITUDE
 from polhode.taylor.outcomes import Outcome
 from polhode.taylor.times import Times, exact_sum
 
-#: Taylor steps: a shorter run's cost less than what is added here.
-SHORTEST_RUN = 40
+if TYPE_CHECKING:
+    from polhode.taylor.turning import Turning
 
-#: Nodes of all panels; more states than these are not kept at a time.
-MOST_NODES = 4_000_000
+#: In the run's own unit, a radian or two of the fastest rate: the steps of a shorter run cost less
+#: than what is added here.  Angles make steps the shorter, so with them it is worth it earlier.
+SHORTEST_RUN, SHORTEST_WITH_ANGLES = 512, 64
 
-#: Taylor steps of a panel at most, by the mean of so many first ones.
-STEPS, PILOT = 8.0, 64
+#: In the same unit; all stretches are planned before the first step.
+LONGEST_RUN = 2_000_000
 
-_LENGTHS = (2e-5, 1e-3, 0.03, 0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, STEPS)
-_TOGETHER = 512  # panels, so that their arrays stay in a processor's cache
-_SHARE = 0.9  # of the time, that the plain run takes
+#: In the same unit.  A stretch runs from the state by itself, so the longer it is the more its own
+#: rounding adds.  13 regular motions to t = 590, against extended: with 32 errors are 1.2 times
+#: those of one system in the median, with 128 they are 1.8 times as large.
+LONGEST_STRETCH = 32
 
+#: Stretches come in so many: as many as the widest batch has lanes, on every machine alike.
+TOGETHER = 8
 
-class Group(NamedTuple):
-    """Panels with one rule: the indices of their nodes among the times, and by what those are late.
-
-    ``first``: of the nodes, in order.
-    """
-
-    rule: Lobatto
-    nodes: npt.NDArray[np.intp]
-    begin: Any
-    length: Any
-    shift: Any | None
+_SHARE = 0.6  # of the time, that the plain run takes
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """The times of a plain run: the outputs', and those of the panels' nodes between them.
+    """The times of a plain run: the outputs', and those at which stretches begin and end.
 
-    ``asked``: all of them, without exact ones.  ``times``: the same.  ``outputs``: which of them
-    were asked for.  ``stretches``: panels that are consecutive, by rule.
+    ``asked``: all of them.  ``times``: the same from 0 on as doubles, in the run's unit.
+    ``outputs`` and ``knots``: which of them are what.
     """
 
     asked: Asked
-    times: Any
+    times: Doubles
     outputs: npt.NDArray[np.intp]
-    stretches: tuple[tuple[Group, ...], ...]
+    knots: npt.NDArray[np.intp]
+
+    def before(self, count: int) -> int:
+        """How many outputs are among the first so many times."""
+        return int(np.searchsorted(self.outputs, count))
 
 
-def plan(scene: Scene, made: Setup, times: Asked) -> Plan | None:
+def fits(made: Setup, times: Asked) -> bool:
+    """Whether a run's attitude and angles are had like this."""
+    with_angles = "angles" in made.scene.modelled
+    least = SHORTEST_WITH_ANGLES if with_angles else SHORTEST_RUN
+    return made.number.name == "double" and made.apart and least <= abs(times.inside[-1]) <= LONGEST_RUN
+
+
+def plan(scene: Scene, made: Setup, times: Asked) -> Plan:
     """The times of a plain run, from the scene that asks for these, where they are kept.
 
-    (The set-up is shared by scenes of other times.)  None where all is integrated as one system.
+    (The set-up is shared by scenes of other times.)
     """
-    if not made.apart:
-        return None
-    key = (plan, made.number, made.tolerance, made.inputs)
-    if key not in scene.kept_of_times:
-        scene.kept_of_times[key] = _plan(made, times)
-    found: Plan | None = scene.kept_of_times[key]
+    key = (plan, made.number)
+    found = scene.kept_of_times.get(key)
+    if not isinstance(found, Plan):
+        found = scene.kept_of_times[key] = _plan(made, times)
     return found
 
 
-def _plan(made: Setup, times: Asked) -> Plan | None:
-    end = times.inside.grid[-1]
-    step = _first_step(made, end)
-    if abs(end) < SHORTEST_RUN * step:
-        return None
-    grid = times.inside.grid
-    knots = grid if grid[0] == 0 else np.concatenate([grid[:1] * 0, grid])
-    gaps = np.diff(knots)
-    parts = np.maximum(np.ceil(np.abs(gaps) / (STEPS * step)), 1).astype(np.intp)
-    if parts.sum() * enough(STEPS, _digits(made)) + len(knots) > MOST_NODES:
-        return None
-    which = np.repeat(np.arange(len(gaps)), parts)
-    inner = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts)
-    begin = knots[which] + gaps[which] * (inner / parts[which].astype(grid.dtype))
-    length = np.diff(np.concatenate([begin, knots[-1:]]))
-    size = np.searchsorted(np.array(_LENGTHS[:-1]), (np.abs(gaps) / parts / step).astype(float))
-    counts = np.array([enough(x, _digits(made)) if x > _LENGTHS[0] else 2 for x in _LENGTHS])
-    count = counts[size][which]
-    first = np.cumsum(count - 1) - (count - 1)
-    every = np.empty(first[-1] + count[-1], dtype=grid.dtype)
-    every[-1] = knots[-1]
-    stretches = []
-    for k in range(0, len(count), _TOGETHER):
-        part, groups = count[k : k + _TOGETHER], []
-        for n in sorted(set(part.tolist())):
-            rule, chosen = lobatto(n), k + np.flatnonzero(part == n)
-            nodes = first[chosen][:, None] + np.arange(n)
-            b, long = begin[chosen], length[chosen]
-            at, rest = exact_sum(b[:, None], long[:, None] * rule.nodes.astype(grid.dtype))
-            every[nodes[:, :-1]] = at[:, :-1]
-            rest[:, -1] = 0
-            groups.append(Group(rule, nodes, b, long, -rest if rest.any() else None))
-        stretches.append(tuple(groups))
-    if not (np.diff(np.abs(every)) > 0).all():
-        return None
-    inside = Times.of_grid(every, made.number)
-    outputs = first[np.cumsum(parts) - parts]
-    outputs = np.append(outputs, len(every) - 1)[len(knots) - len(grid) :]
-    return Plan(Asked((), inside), every, outputs, tuple(stretches))
-
-
-def _digits(made: Setup) -> float:
-    return made.number.bits * math.log10(2) + 0.5
-
-
-def _first_step(made: Setup, end: Any) -> Any:
-    """The mean of a run's first Taylor steps."""
-    from polhode.taylor.integrator import Integrator
-
-    leading = Integrator(bare(made).blueprint)
-    steps = leading.heyoka.propagate_until(end, max_steps=PILOT)[3]
-    step = abs(leading.heyoka.time) / steps
-    leading.release()
-    return step
+def _plan(made: Setup, times: Asked) -> Plan:
+    end = times.inside[-1]
+    count = TOGETHER * math.ceil(abs(end) / (TOGETHER * LONGEST_STRETCH))
+    between = [made.number.rounded(end * Fraction(k, count)) for k in range(count)]
+    exact = {to_double(t): t for t in (*between, *times.inside)}
+    every = np.array(sorted(exact, key=abs))
+    inside = [exact[t] for t in every.tolist()]
+    asked = Asked(tuple(t * made.unit for t in inside), Times(inside, made.number))
+    size = np.abs(every)
+    return Plan(
+        asked,
+        every,
+        np.searchsorted(size, np.abs(np.asarray(times.inside.grid))),
+        np.searchsorted(size, np.array([abs(to_double(t)) for t in (*between, end)])),
+    )
 
 
 def rows(
@@ -145,66 +110,98 @@ def rows(
 ) -> tuple[Outcome, Rows] | None:
     """The outcome of a plain run, and its rows with quaternion, psi and phi at the outputs.
 
-    None where panels cannot be settled, next to a pole: then all has to be integrated together.
+    None where a stretch has no end: then all has to be integrated together.
     """
+    from polhode.taylor.turning import Turning
 
     def first(done: float, steps: int) -> None:
         if progress is not None:
             progress(_SHARE * done, steps)
 
     outcome, states = run.to(wanted.asked, first if progress is not None else None)
-    began, end, found = time.perf_counter(), 0, []
-    columns, late, halves = np.ascontiguousarray(states.T), _late(run, wanted), Halves(made)
+    joined = _Joined(made, wanted, states)
+    turning = Turning(made.whole, made.blueprint)
+    run.build_seconds += turning.seconds
+    began = time.perf_counter() - turning.seconds
     try:
-        for stretch in wanted.stretches:
-            parts, reached = [], end
-            for group in stretch:
-                nodes = group.nodes[group.nodes[:, -1] < len(states)]
-                if len(nodes):
-                    panels = _panels(group, nodes, columns, late)
-                    parts += halves.settled(panels, group.rule)
-                    if parts[-1] is None:
-                        return None
-                    reached = max(reached, int(nodes[-1, -1]))
-            found += parts
-            end = reached
+        while not joined.complete:
+            if not joined.take(turning):
+                return None
             if progress is not None:
-                progress(_SHARE + (1 - _SHARE) * end / len(states), run.steps)
+                progress(_SHARE + (1 - _SHARE) * joined.done / len(states), run.steps)
+        turning.release()
     except KeyboardInterrupt:
         outcome = Outcome.INTERRUPTED
-        run.reached = exactly(wanted.times[end]) * made.unit
-    kept = wanted.outputs[wanted.outputs <= end] if len(states) else wanted.outputs[:0]
-    if not end:  # the start, or nothing
-        more = made.first[: len(kept), states.shape[1] :]
-    else:
-        more = joined.rows(made, found, states[kept], np.abs(wanted.times[kept]))
-        if more is None:
-            return None
+        run.reached = wanted.asked.exact[joined.done - 1]
+    kept = wanted.outputs[: wanted.before(joined.done)]
+    found = np.hstack([states[kept], joined.rows(kept)])
     run.seconds += time.perf_counter() - began
-    return outcome, np.hstack([states[kept], more])
+    return outcome, found
 
 
-def _panels(group: Group, nodes: Any, columns: Any, late: Any | None) -> Panels:
-    """A group's panels as far as the run came."""
-    at, some = columns[:, nodes], slice(len(nodes))
-    shift = None if group.shift is None else group.shift[some]
-    if late is not None:
-        shift = late[nodes] + (0 if shift is None else shift)
-    return Panels(group.begin[some], group.length[some], at[:3], at[3:], shift)
+class _Joined:
+    """Quaternion, psi and phi at the times of a plan: stretch after stretch.
 
+    What has turned since a stretch's beginning is kept by itself until all of it is joined.
+    """
 
-def _late(run: Run, wanted: Plan) -> Any | None:
-    """By how much states are later than their times, which are rounded anew in later chunks."""
-    marks = [mark for leg in run.legs for mark in leg.marks if mark.offset]
-    if not marks:
-        return None
-    found, kind = np.zeros_like(wanted.times), wanted.times.dtype.type
-    for mark in marks:
-        high = to_extended(mark.offset) if kind is np.longdouble else kind(mark.offset)
-        low = kind(mark.offset - exactly(high))
-        first = np.searchsorted(np.abs(wanted.times), abs(high), side="right")
-        times = wanted.times[first:]
-        near, rest = exact_sum(times, -high)
-        since = Times.of_grid(times, run.number).since(mark.offset)
-        found[first:] = (since - near) - rest + low
-    return found
+    def __init__(self, made: Setup, wanted: Plan, states: Rows) -> None:
+        self._made, self._plan, self._states = made, wanted, states
+        start = made.first[0, len(made.form.variables) :]
+        self._four = len(ATTITUDE) if "attitude" in made.whole.outputs else 0
+        self._quaternion = start[: self._four].tolist()
+        self._angles = [(x, 0.0) for x in start[self._four :].tolist()]
+        self._turned = np.zeros((len(states), len(start)))
+        if self._four and len(states):
+            self._turned[0, 0] = 1.0
+        # at each stretch's beginning
+        self._begun, self._low = [start.tolist()], [[0.0] * len(start)]
+        self.done = min(1, len(states))
+
+    @property
+    def complete(self) -> bool:
+        """Whether nothing is left to do."""
+        return self.done == len(self._states)
+
+    def take(self, turning: Turning) -> bool:
+        """Go on by as many stretches as the lanes hold; False where one has no end."""
+        from polhode.taylor.turning import Stretch
+
+        first, last, times = len(self._begun) - 1, len(self._states) - 1, self._plan.times
+        bounds = self._plan.knots[first : first + turning.places + 1].tolist()
+        parts = [(k, min(end, last)) for k, end in pairwise(bounds) if k < last]
+        found = turning.along(
+            [Stretch(self._states[k], times[k + 1 : end + 1] - times[k]) for k, end in parts]
+        )
+        if found is None:
+            return False
+        for (k, end), part in zip(parts, found, strict=True):
+            self._turned[k + 1 : end + 1] = part
+            self._go_on(part[-1].tolist())
+        self.done = parts[-1][1] + 1
+        return True
+
+    def _go_on(self, by: list[float]) -> None:
+        """Where the next stretch begins: angles as sums of two doubles."""
+        if self._four:
+            self._quaternion = turns.product(self._quaternion, by[: self._four])
+        for i, (high, low) in enumerate(self._angles):
+            near, rest = exact_sum(high, by[self._four + i])
+            self._angles[i] = exact_sum(near, rest + low)
+        self._begun.append([*self._quaternion, *(high for high, _ in self._angles)])
+        self._low.append([*[0.0] * self._four, *(low for _, low in self._angles)])
+
+    def rows(self, kept: npt.NDArray[np.intp]) -> Doubles:
+        """Some of the times' rows, counted from the start on."""
+        four, turned = self._four, self._turned[kept]
+        stretch = np.maximum(np.searchsorted(self._plan.knots, kept) - 1, 0)
+        begun, low = (np.array(x)[stretch] for x in (self._begun, self._low))
+        found = np.empty_like(turned)
+        near, rest = exact_sum(begun[:, four:], turned[:, four:])
+        found[:, four:] = near + (rest + low[:, four:])
+        if four:
+            gamma = self._made.read.states(self._states[kept])[:, 3:]
+            whole = turns.product([*begun[:, :four].T], [*turned[:, :four].T])
+            found[:, :four] = np.array(turns.upright(whole, gamma.T, np.sqrt)).T
+            found[kept == 0, :four] = self._begun[0][:four]
+        return found

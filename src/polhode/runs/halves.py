@@ -26,29 +26,32 @@ class Halves:
             return [found]
         if depth == _DEEPEST:
             return [None]
-        halves = self._halves(panels, rule, np.flatnonzero(~found.settled))
-        whole = Turned(*(x[..., found.settled] for x in found))
+        halves = self._halves(panels, rule, found.split)
+        done = found.settled
+        whole = Turned(*(x[..., done] for x in found))
         return [whole, *self.settled(halves, rule, depth + 1)]
 
-    def _halves(self, panels: Panels, rule: Lobatto, which: Any) -> Panels:
-        """Both halves of some panels, integrated from where those begin."""
+    def _halves(self, panels: Panels, rule: Lobatto, split: Any) -> Panels:
+        """Both parts of the panels to be split, integrated from where those begin."""
         from polhode.taylor.integrator import Integrator
 
+        which = np.flatnonzero(split)
         kind = panels.gamma.dtype
-        nodes = rule.nodes.astype(kind) / 2
-        grid = np.concatenate([nodes, nodes[1:] + nodes[-1]])
-        count = len(nodes)
+        nodes, count = rule.nodes.astype(kind), len(rule.nodes)
         both = np.array([np.arange(count), np.arange(count) + count - 1])
         at = np.empty((6, 2 * len(which), count), dtype=kind)
+        first = panels.length[which] * split[which].astype(kind)
+        rest = panels.length[which] - first
         again = Integrator(bare(self._made).blueprint)
         for i, k in enumerate(which.tolist()):
             again.heyoka.time = kind.type(0)
             again.state[:3], again.state[3:] = panels.omega[:, k, 0], panels.gamma[:, k, 0]
-            states = again.heyoka.propagate_grid(grid * panels.length[k])[-1]
+            grid = np.concatenate([nodes * first[i], first[i] + nodes[1:] * rest[i]])
+            states = again.heyoka.propagate_grid(grid)[-1]
             states[-1, :3], states[-1, 3:] = panels.omega[:, k, -1], panels.gamma[:, k, -1]
             at[:, 2 * i : 2 * i + 2] = states.T[:, both]
         again.release()
-        long = np.repeat(panels.length[which] / 2, 2)
+        long = np.stack([first, rest], axis=1).ravel()
         begin = np.repeat(panels.begin[which], 2)
-        begin[1::2] += long[1::2]
+        begin[1::2] += first
         return Panels(begin, long, at[:3], at[3:], None)

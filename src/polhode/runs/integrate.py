@@ -15,12 +15,12 @@ from polhode.common.provenance import provenance
 from polhode.equations.readout import Readout
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Rows
-from polhode.runs import beside, refinement
+from polhode.runs import beside, refinement, sampled
 from polhode.runs.dense import Dense
 from polhode.runs.march import Progress
 from polhode.runs.request import choose_number, rounded_tolerance
 from polhode.runs.run import Run
-from polhode.runs.setup import Asked, Setup, asked, setup
+from polhode.runs.setup import Asked, Setup, asked, bare, setup
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -120,12 +120,15 @@ def _stepped(
     progress: Progress | None,
 ) -> tuple[Run, Outcome, Rows]:
     """A run, how it ended, and its rows: the state's, then quaternion, psi and phi."""
-    wanted = beside.plan(scene, made, times)
-    if wanted is not None:
-        run = Run(beside.bare(made), max_steps, every)
-        found = beside.rows(run, made, wanted, progress)
-        if found is not None:
-            return run, *found
+    found = None
+    if beside.fits(made, times):
+        run = Run(bare(made), max_steps, every)
+        found = beside.rows(run, made, beside.plan(scene, made, times), progress)
+    elif (nodes := sampled.plan(scene, made, times)) is not None:
+        run = Run(bare(made), max_steps, every)
+        found = sampled.rows(run, made, nodes, progress)
+    if found is not None:
+        return run, *found
     run = Run(made, max_steps, every)
     return run, *run.to(times, progress)
 

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from polhode.equations import kinematics, spinors, turns
+from polhode.equations import spinors, turns
 from polhode.equations.turned import Turned
-from polhode.numbers.convert import to_extended
 from polhode.numbers.scalars import Rows
 from polhode.runs.setup import Setup
 
@@ -23,11 +22,8 @@ def rows(made: Setup, parts: Sequence[Turned], states: Rows, times: Any) -> Any 
     Each output is the start or the end of a panel.  None where psi and phi of a panel contradict
     its spinors.
     """
-    scene, turn = made.scene, made.turn
-    assert scene.gamma is not None
-    start = kinematics.starting_attitude(scene.gamma, scene.psi)
-    first = np.array([to_extended(x) for x in start])
-    axes = None if turn is None else turns.of_matrix(turn.tolist(), np.sqrt)
+    first, start_psi = made.attitude[:4], made.attitude[4]
+    axes = None if made.turn is None else turns.of_matrix(made.turn, np.sqrt)
     begun = first if axes is None else turns.product(first, _conjugate(axes))
     panels = _joined(parts)
     z = _spinors(spinors.spinor(begun), panels)
@@ -42,7 +38,7 @@ def rows(made: Setup, parts: Sequence[Turned], states: Rows, times: Any) -> Any 
         found += [*whole]
     if "angles" in made.whole.outputs:
         across = np.concatenate([panels.across[0, :1], panels.across[1]])
-        psi = _whole(np.angle(-1j * z[0] * z[1]), panels.psi, to_extended(scene.psi))
+        psi = _whole(np.angle(-1j * z[0] * z[1]), panels.psi, start_psi)
         phi = _whole(np.angle(across), panels.phi, None)
         if psi is None or phi is None:
             return None

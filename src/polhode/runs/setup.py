@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from polhode.equations import equilibrium
+from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
 from polhode.equations.system import System, system
@@ -110,6 +110,15 @@ class Setup:
 
         axes = self.form.axes
         return None if axes.trivial else np.array([[to_extended(x) for x in v] for v in axes.rows])
+
+    @cached_property
+    def attitude(self) -> Any:
+        """The quaternion at the start, of the scene's axes, and psi: longdoubles."""
+        import numpy as np
+
+        assert self.scene.gamma is not None
+        q = kinematics.starting_attitude(self.scene.gamma, self.scene.psi)
+        return np.array([to_extended(x) for x in (*q, self.scene.psi)])
 
     def rounded(self, what: System) -> System:
         """A system with its inputs rounded to the narrower type, where that was asked for."""

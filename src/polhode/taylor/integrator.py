@@ -41,6 +41,12 @@ Distance: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]],
 
 _IDLE = Idle()
 
+#: Output times ahead are looked at to so many times the longest advance.
+_REACH = 1.5
+
+#: With more output times than these, so many steps are tried to tell the reach of the first.
+_MANY, _TRIED = 200, 8
+
 
 class Polynomials(NamedTuple):
     """heyoka's continuous output from a time on, counted from where the chunk began."""
@@ -256,14 +262,19 @@ class Integrator:
     def _advance(self, grid: Row, done: int, steps: int) -> tuple[Rows, Outcome]:
         """Up to ``steps`` steps; output times that are out of reach are not looked at.
 
-        Reach is four times the longest advance so far.  Should an output time be passed all the
-        same, the advance is taken back and made again with an eye on all of them.
+        Reach is some times the longest advance so far, and at first what a few steps tell.  Should
+        an output time be passed all the same, the advance is taken back and made again with an eye
+        on all of them.
         """
         ta, count = self.heyoka, len(grid)
         if done == count - 1:
             return self._onwards(grid[-1:], steps)
         begun, kept, before = ta.dtime, self.state.copy(), self.steps
         marks = None if self.watcher is None else self.watcher.marks()
+        if self._reach == math.inf and self.watcher is None and count - done > _MANY:
+            tried = ta.propagate_until(grid[-1], max_steps=_TRIED)[3]
+            self._reach = _REACH * steps / tried * float(abs(ta.time - begun[0]))
+            self.state[:], ta.dtime = kept, begun
         reach = abs(float(begun[0])) + self._reach
         beyond = bisect_right(grid, reach, lo=done, key=abs)
         if beyond == done:
@@ -278,7 +289,7 @@ class Integrator:
             if self.watcher is not None and marks is not None:
                 self.watcher.take_back(marks)
             rows, ended = self._onwards(grid[done:], steps)
-        advance = 4 * float(passed - abs(begun[0]))
+        advance = _REACH * float(passed - abs(begun[0]))
         if advance > self._reach or self._reach == math.inf:
             self._reach = advance
         return rows, ended
