@@ -1,8 +1,8 @@
 """What a motion turns by along panels of it: the spinor's phase, and whole turns of psi and phi.
 
 On each panel the phase's rate (:mod:`polhode.equations.spinors`) is integrated in units of the
-spinors that a direction a of the panel's own gives: that in which gamma stands in the middle, or
-that about which the body turns there, whichever gamma stays farther from the opposite of.
+spinors that a direction a of the panel's own gives: that in which gamma stands in the middle, that
+about which the body turns there, or an axis.
 
 psi and phi follow from spinor and gamma but for whole turns.  phi's are counted as gamma's path
 from node to node crosses the half plane phi = pi; psi's come from psi ± phi, the one of which is
@@ -13,6 +13,7 @@ Arrays of numpy in double or extended: a vector's components, panels, nodes.
 """
 
 from __future__ import annotations
+
 import math
 from typing import Any, NamedTuple
 
@@ -74,19 +75,15 @@ def turned(panels: Panels, rule: Lobatto, turn: Any | None, counted: bool) -> Tu
     """
     omega, gamma = panels.omega, panels.gamma
     kind = gamma.dtype
-    weights, last = rule.weights.astype(kind), rule.last.astype(kind)
-    middle = rule.weights.size // 2
-    a, size = _direction(omega, gamma, middle)
-    rate = spinors.rate(omega, gamma, a)
-    inmost = rate[:, middle].copy()
-    rate -= inmost[:, None]
-    largest = np.maximum(np.abs(rate).max(axis=1), np.maximum(np.abs(inmost), size))
-    tail = np.abs(rate @ last).max(axis=1)
-    enough = tail * tail <= _TAIL * np.finfo(kind).eps * largest * largest
+    weights = rule.weights.astype(kind)
+    a, rate, inmost, enough = _best(omega, gamma, rule)
     grown = panels.length * (inmost.astype(np.longdouble) + rate @ weights)
     if panels.shift is not None:
+        shift = panels.shift.astype(np.float64)
         slopes = rate.astype(np.float64) @ rule.slopes.astype(np.float64)
-        grown -= (slopes * panels.shift.astype(np.float64)) @ rule.weights.astype(np.float64)
+        grown -= (slopes * shift) @ rule.weights.astype(np.float64)
+        for end, sense in ((0, -1), (-1, 1)):  # from one end's state to the other's
+            grown += sense * shift[:, end] * (rate[:, end] + inmost)
     half = grown / 2
     phase = np.cos(half) + 1j * np.sin(half)
     k = spinors.of_direction(a)
@@ -97,22 +94,57 @@ def turned(panels: Panels, rule: Lobatto, turn: Any | None, counted: bool) -> Tu
     if counted:
         if turn is not None:
             omega, gamma = (np.tensordot(turn.T.astype(kind), x, 1) for x in (omega, gamma))
-        rough = (x.astype(np.float64) for x in (omega, gamma, panels.length))
-        psi, phi, where = _angles(*rough, rule)
+        w, g, length = (x.astype(np.float64) for x in (omega, gamma, panels.length))
+        psi, phi, where = _angles(w, g, length, rule)
         split = np.where(enough, where, split)
         across = (gamma[1] + 1j * (gamma[0] + 0.0))[:, [0, -1]].T
     return Turned(panels.begin, phase, first, final, psi, phi, across, split)
 
 
-def _direction(omega: Any, gamma: Any, middle: int) -> tuple[Any, Any]:
-    """Each panel's direction a, and how fast the body turns in its middle."""
-    a, w, some = gamma[:, :, middle], omega[:, :, middle], gamma[:, :, :: max(1, middle // 2)]
-    size = np.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+def _best(omega: Any, gamma: Any, rule: Lobatto) -> tuple[Any, Any, Any, Any]:
+    """Directions, the phase's rate by them from its value in the middle on, that value.
+
+    And whether the nodes are enough for its integral, as they mostly are by the first directions.
+    """
+    last, middle = rule.last.astype(gamma.dtype), rule.weights.size // 2
+    w = omega[:, :, middle]
+    size = np.sqrt((w * w).sum(axis=0))
+    limit = math.sqrt(_TAIL * np.finfo(gamma.dtype).eps)
+
+    def tried(k: Any, a: Any) -> tuple[Any, Any, Any]:
+        rate = spinors.rate(omega[:, k], gamma[:, k], a)
+        inmost = rate[:, middle].copy()
+        rate -= inmost[:, None]
+        largest = np.maximum(np.abs(rate).max(axis=1), np.maximum(np.abs(inmost), size[k]))
+        return rate, inmost, np.abs(rate @ last).max(axis=1) <= limit * largest
+
+    first, others = _directions(gamma, w, size, middle)
+    a = first
+    rate, inmost, enough = tried(slice(None), a)
+    for other in others:
+        k = np.flatnonzero(~enough)
+        if not k.size:
+            break
+        rate[k], inmost[k], enough[k] = tried(k, other[:, k])
+        a = a.copy()
+        a[:, k] = other[:, k]
+    return a, rate, inmost, enough
+
+
+def _directions(gamma: Any, w: Any, size: Any, middle: int) -> tuple[Any, tuple[Any, ...]]:
+    """Of each panel the most promising direction a, and others."""
+    a, some = gamma[:, :, middle], gamma[:, :, :: max(1, middle // 2)]
+    a = a / np.sqrt((a * a).sum(axis=0))
     toward = w[0] * a[0] + w[1] * a[1] + w[2] * a[2]
-    about = w / np.where(size > 0, np.where(toward < 0, -size, size), 1)
+    about = np.where(size > 0, w / np.where(size > 0, np.where(toward < 0, -size, size), 1), a)
     nearest = [_dot(some, x).min(axis=1) for x in (a, about)]
-    found = np.where(nearest[1] > nearest[0] + _NEARER, about, a)
-    return found / np.sqrt((found * found).sum(axis=0)), size
+    better = nearest[1] > nearest[0] + _NEARER
+    low, high = some.min(axis=2), some.max(axis=2)
+    axis = np.maximum(low, -high).argmax(axis=0)
+    along = np.zeros_like(a)
+    panel = np.arange(a.shape[1])
+    along[axis, panel] = np.where(low[axis, panel] > -high[axis, panel], 1, -1)
+    return np.where(better, about, a), (along, np.where(better, a, about))
 
 
 def _dot(vectors: Any, a: Any) -> Any:

@@ -22,7 +22,8 @@ class Lobatto:
     """Nodes 0 ... 1 of a panel of length one, as longdoubles.
 
     ``weights``: their sum is 1.  ``slopes``: f @ slopes are the derivatives at the nodes.
-    ``last``: f @ last are the last two Legendre coefficients.  ``gap``: the widest between nodes.
+    ``last``: f @ last are the last two Legendre coefficients (of two nodes, which tell nothing,
+    zeros).  ``gap``: the widest between nodes.
     """
 
     nodes: Any
@@ -36,7 +37,7 @@ class Lobatto:
 def lobatto(count: int) -> Lobatto:
     """The rule of so many nodes, at least two."""
     n = count - 1
-    x = -np.cos(np.pi * np.arange(count) / n).astype(np.longdouble)
+    x: Any = -np.cos(np.pi * np.arange(count) / n).astype(np.longdouble)
     for _ in range(_ROUNDS):
         p = _legendre(x, n)
         x = x - (x * p[n] - p[n - 1]) / (count * p[n])
@@ -55,6 +56,8 @@ def lobatto(count: int) -> Lobatto:
     # the last one's own length is not that of a Legendre polynomial, by this rule
     norms = np.where(modes == n, 2 / np.longdouble(n), 2 / (2 * modes + np.longdouble(1)))
     last = (p[modes] * weights * 2 / norms[:, None]).T
+    if count == 2:
+        last = np.zeros_like(last)
     return Lobatto((1 + x) / 2, weights, (2 * slopes).T, last, float(np.diff(x).max()) / 2)
 
 

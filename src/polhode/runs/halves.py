@@ -1,4 +1,4 @@
-"""Panels of a motion whose nodes are not enough: integrated once more, in halves of halves."""
+"""Panels of a motion whose nodes are not enough: split and integrated once more."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from polhode.equations.turned import Panels, Turned, turned
 from polhode.numbers.lobatto import Lobatto
 from polhode.runs.setup import Setup, bare
 
-_DEEPEST = 12  # halvings of a panel: then a pole is a millionth of a radian away
+_DEEPEST = 12  # splits of a panel
+_SPLITS = 4  # for each panel of a run, on the average
 
 
 class Halves:
@@ -18,18 +19,27 @@ class Halves:
 
     def __init__(self, made: Setup) -> None:
         self._made, self._counted = made, "angles" in made.whole.outputs
+        self._left = 0
 
-    def settled(self, panels: Panels, rule: Lobatto, depth: int = 0) -> list[Turned | None]:
-        """What these panels turn by, in parts of any order; None is the last where it fails."""
+    def enough(self, panels: Panels, rule: Lobatto) -> float:
+        """The fraction of these panels that are settled by their nodes."""
+        return float(turned(panels, rule, self._made.turn, self._counted).settled.mean())
+
+    def settled(self, panels: Panels, rule: Lobatto, depth: int = 0) -> list[Turned] | None:
+        """What these panels turn by, in parts of any order; None where some cannot be settled."""
         found = turned(panels, rule, self._made.turn, self._counted)
         if found.settled.all():
             return [found]
-        if depth == _DEEPEST:
-            return [None]
+        splits = int(np.count_nonzero(found.split))
+        self._left += 0 if depth else _SPLITS * len(found.split)
+        if depth == _DEEPEST or splits > self._left:
+            return None
+        self._left -= splits
         halves = self._halves(panels, rule, found.split)
         done = found.settled
         whole = Turned(*(x[..., done] for x in found))
-        return [whole, *self.settled(halves, rule, depth + 1)]
+        rest = self.settled(halves, rule, depth + 1)
+        return None if rest is None else [whole, *rest]
 
     def _halves(self, panels: Panels, rule: Lobatto, split: Any) -> Panels:
         """Both parts of the panels to be split, integrated from where those begin."""

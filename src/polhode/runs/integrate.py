@@ -15,7 +15,7 @@ from polhode.common.provenance import provenance
 from polhode.equations.readout import Readout
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Rows
-from polhode.runs import beside, refinement, sampled
+from polhode.runs import beside, refinement
 from polhode.runs.dense import Dense
 from polhode.runs.march import Progress
 from polhode.runs.request import choose_number, rounded_tolerance
@@ -124,9 +124,13 @@ def _stepped(
     if beside.fits(made, times):
         run = Run(bare(made), max_steps, every)
         found = beside.rows(run, made, beside.plan(scene, made, times), progress)
-    elif (nodes := sampled.plan(scene, made, times)) is not None:
-        run = Run(bare(made), max_steps, every)
-        found = sampled.rows(run, made, nodes, progress)
+    elif made.number.name == "extended":
+        from polhode.runs import sampled
+
+        wanted = sampled.plan(scene, made, times)
+        if wanted is not None:
+            run = Run(bare(made), max_steps, every)
+            found = sampled.rows(run, made, wanted, progress)
     if found is not None:
         return run, *found
     run = Run(made, max_steps, every)

@@ -1,9 +1,10 @@
-"""Attitude and angles of a plain run in extended, from its states at more times than those asked for.
+"""Attitude and angles of a run in extended, from its states at more times than those asked for.
 
-A state more costs a fourteenth of a step there (in double a fifth: :mod:`polhode.runs.beside`).  The state is integrated alone, to the bit as in a run without these outputs, and read at the nodes
+The state is integrated alone, to the bit as in a run without these outputs, and read at the nodes
 of panels of a few steps each.  What a panel turns by is a quadrature over its nodes
-(:mod:`polhode.equations.turned`); panels that are not settled by theirs are halved and integrated
-once more, from the run's own states.
+(:mod:`polhode.equations.turned`); a panel that is not settled by them is split and integrated once
+more, from the run's own states.  One state more costs a tenth of a step; in double it would be a
+fifth, and lanes are cheaper (:mod:`polhode.runs.beside`).
 """
 
 from __future__ import annotations
@@ -16,10 +17,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from polhode.equations.turned import Panels
+from polhode.equations.turned import Panels, Turned
 from polhode.numbers.convert import exactly, to_extended
-from polhode.numbers.scalars import Rows
 from polhode.numbers.lobatto import Lobatto, enough, lobatto
+from polhode.numbers.scalars import Rows
 from polhode.runs import joined
 from polhode.runs.halves import Halves
 from polhode.runs.march import Progress
@@ -33,12 +34,19 @@ from polhode.taylor.times import Times, exact_sum
 SHORTEST_RUN = 40
 
 #: Nodes of all panels; more states than these are not kept at a time.
-MOST_NODES = 4_000_000
+MOST_NODES = 1_000_000
 
-#: Taylor steps of a panel at most, by the mean of so many first ones.
-STEPS, PILOT = 6.0, 64
+#: Nodes a step at most: with outputs as close as that one system is cheaper.
+MOST_A_STEP = 8
 
-_LENGTHS = (2e-5, 1e-3, 0.03, 0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, STEPS)
+#: Taylor steps of a panel at most, by the mean of so many first ones: the first number with which
+#: most panels among those are settled.
+STEPS, PILOT = (8.0, 6.0, 4.0, 2.0), 128
+
+_MOSTLY = 0.9
+
+#: In Taylor steps: panels up to these lengths have as many nodes as the longest; the first two.
+_LENGTHS = (1e-6, 1e-3, 0.03, 0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
 _TOGETHER = 512  # panels, so that their arrays stay in a processor's cache
 _SHARE = 0.9  # of the time, that the plain run takes
 
@@ -46,7 +54,7 @@ _SHARE = 0.9  # of the time, that the plain run takes
 class Group(NamedTuple):
     """Panels with one rule: the indices of their nodes among the times, and by what those are late.
 
-    ``first``: of the nodes, in order.
+    ``begin`` and ``length``: of the panels.
     """
 
     rule: Lobatto
@@ -75,7 +83,7 @@ def plan(scene: Scene, made: Setup, times: Asked) -> Plan | None:
 
     (The set-up is shared by scenes of other times.)  None where all is integrated as one system.
     """
-    if made.number.name != "extended" or not made.apart:
+    if made.number.name != "extended" or not made.apart or not made.full:
         return None
     key = (plan, made.number, made.tolerance, made.inputs)
     if key not in scene.kept_of_times:
@@ -85,15 +93,15 @@ def plan(scene: Scene, made: Setup, times: Asked) -> Plan | None:
 
 
 def _plan(made: Setup, times: Asked) -> Plan | None:
-    end = times.inside.grid[-1]
-    step = _first_step(made, end)
-    if abs(end) < SHORTEST_RUN * step:
-        return None
     grid = times.inside.grid
+    found = _first_steps(made, grid[-1])
+    if found is None:
+        return None
+    step, steps = found
     knots = grid if grid[0] == 0 else np.concatenate([grid[:1] * 0, grid])
     gaps = np.diff(knots)
-    parts = np.maximum(np.ceil(np.abs(gaps) / (STEPS * step)), 1).astype(np.intp)
-    if parts.sum() * enough(STEPS, _digits(made)) + len(knots) > MOST_NODES:
+    parts = np.maximum(np.ceil(np.abs(gaps) / (steps * step)), 1).astype(np.intp)
+    if parts.sum() * enough(steps, _digits(made)) + len(knots) > MOST_NODES:
         return None
     which = np.repeat(np.arange(len(gaps)), parts)
     inner = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts)
@@ -102,6 +110,8 @@ def _plan(made: Setup, times: Asked) -> Plan | None:
     size = np.searchsorted(np.array(_LENGTHS[:-1]), (np.abs(gaps) / parts / step).astype(float))
     counts = np.array([enough(x, _digits(made)) if x > _LENGTHS[0] else 2 for x in _LENGTHS])
     count = counts[size][which]
+    if (count - 1).sum() - len(grid) > MOST_A_STEP * abs(grid[-1]) / step:
+        return None
     first = np.cumsum(count - 1) - (count - 1)
     every = np.empty(first[-1] + count[-1], dtype=grid.dtype)
     every[-1] = knots[-1]
@@ -129,15 +139,35 @@ def _digits(made: Setup) -> float:
     return made.number.bits * math.log10(2) + 0.5
 
 
-def _first_step(made: Setup, end: Any) -> Any:
-    """The mean of a run's first Taylor steps."""
+def _first_steps(made: Setup, end: Any) -> tuple[Any, float] | None:
+    """The mean of a run's first Taylor steps, and how many of them a panel holds.
+
+    None for a run that is too short.
+    """
     from polhode.taylor.integrator import Integrator
 
     leading = Integrator(bare(made).blueprint)
-    steps = leading.heyoka.propagate_until(end, max_steps=PILOT)[3]
-    step = abs(leading.heyoka.time) / steps
+    start, zero = leading.state.copy(), end * 0
+    count = leading.heyoka.propagate_until(end, max_steps=PILOT)[3]
+    reached = leading.heyoka.time
+    step = abs(reached) / count
+    if abs(end) < SHORTEST_RUN * step:
+        return None
+    halves = Halves(made)
+    for steps in STEPS:
+        parts = math.ceil(count / steps)
+        rule = lobatto(enough(steps, _digits(made)))
+        length = np.full(parts, reached / parts)
+        begin = np.arange(parts) * length
+        times = (begin[:, None] + length[:, None] * rule.nodes.astype(end.dtype)).ravel()
+        every, index = np.unique(np.abs(np.append(times, zero)), return_inverse=True)
+        leading.state[:], leading.heyoka.time = start, zero
+        found = leading.heyoka.propagate_grid(np.copysign(every, end))[-1]
+        at = found[index[:-1]].T.reshape(6, parts, -1)
+        if halves.enough(Panels(begin, length, at[:3], at[3:], None), rule) >= _MOSTLY:
+            break
     leading.release()
-    return step
+    return step, steps
 
 
 def rows(
@@ -153,23 +183,26 @@ def rows(
             progress(_SHARE * done, steps)
 
     outcome, states = run.to(wanted.asked, first if progress is not None else None)
-    began, end, found = time.perf_counter(), 0, []
+    began, end = time.perf_counter(), 0
+    found: list[Turned] = []
     columns, late, halves = np.ascontiguousarray(states.T), _late(run, wanted), Halves(made)
     try:
         for stretch in wanted.stretches:
-            parts, reached = [], end
+            parts: list[Turned] = []
+            reached = end
             for group in stretch:
                 nodes = group.nodes[group.nodes[:, -1] < len(states)]
                 if len(nodes):
                     panels = _panels(group, nodes, columns, late)
-                    parts += halves.settled(panels, group.rule)
-                    if parts[-1] is None:
+                    some = halves.settled(panels, group.rule)
+                    if some is None:
                         return None
+                    parts += some
                     reached = max(reached, int(nodes[-1, -1]))
             found += parts
             end = reached
             if progress is not None:
-                progress(_SHARE + (1 - _SHARE) * end / len(states), run.steps)
+                progress(_SHARE + (1 - _SHARE) * (end + 1) / len(states), run.steps)
     except KeyboardInterrupt:
         outcome = Outcome.INTERRUPTED
         run.reached = exactly(wanted.times[end]) * made.unit

@@ -86,6 +86,12 @@ class Setup:
             and not ("angles" in scene.modelled and scene.starts_at_pole)
         )
 
+    @property
+    def full(self) -> bool:
+        """Whether inputs and steps are as accurate as the number type is."""
+        tolerance = self.tolerance
+        return self.inputs is None and (tolerance is None or tolerance <= self.number.eps)
+
     @cached_property
     def whole(self) -> System:
         """The equations with all that the outputs ask for."""

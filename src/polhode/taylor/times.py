@@ -86,7 +86,8 @@ def differences(
     """times - offset, rounded once; and which of them are too near to a tie to be sure of.
 
     The offset is taken as the sum of two doubles (longdoubles, where the times are such), and sums
-    of doubles without an error: that of two is a double and a rest (Knuth, The Art of Computer Programming, vol. 2, 4.2.2).
+    of doubles without an error: that of two is a double and a rest (Knuth, The Art of Computer
+    Programming, vol. 2, 4.2.2).
     """
     import numpy as np
 
