@@ -12,6 +12,7 @@ import polhode
 from polhode.equations import turns
 from polhode.numbers import number_types
 from polhode.numbers.convert import exactly
+from polhode.numbers.lobatto import enough
 from polhode.numbers.number_types import EXTENDED
 from polhode.runs import halves, sampled
 from polhode.runs.integrate import integrate
@@ -30,7 +31,7 @@ TIMES = {
     "few": [1, 60],
     "uneven": [0, "0.1", "0.2", "0.2000001", 3, 50, "50.01", 70],
     "backward": [-1, -33, -65],
-    "grid": [Fraction(k, 2) for k in range(121)],
+    "grid": [Fraction(k) for k in range(61)],
 }
 
 
@@ -53,6 +54,13 @@ def worst(run, other, column):
         for a, b in pairs
         for x, y in zip(a, b, strict=True)
     )
+
+
+def settled(what):
+    """The run, of which no panel was left to one system: its states are those of a plain one."""
+    run, alone = integrate(what, "extended"), integrate(replace(what, outputs=()), "extended")
+    assert np.array_equal(run.states, alone.states)
+    return run
 
 
 @pytest.mark.parametrize("times", TIMES)
@@ -79,7 +87,8 @@ def test_attitude_and_angles_are_as_good_as_those_of_one_system(name, times, mon
     """Against a run in quad; the attitude agrees with gamma."""
     what = scene(name, TIMES[times])
     fine = integrate(what, "quad")
-    mine, theirs = integrate(what, "extended"), together(monkeypatch, what, "extended")
+    mine, theirs = settled(what), together(monkeypatch, what, "extended")
+    assert not np.array_equal(mine.states, theirs.states)
     assert mine.attitude.dtype == np.longdouble
     assert {type(x) for row in mine.angles for x in row} == {np.longdouble}
     for column in ("attitude", "angles"):
@@ -96,12 +105,31 @@ def test_attitude_and_angles_are_as_good_as_those_of_one_system(name, times, mon
 )
 def test_turns_past_a_pole_are_those_of_one_system(name, monkeypatch):
     what = scene(name, [Fraction(k) for k in range(0, 41, 5)])
-    mine, theirs = integrate(what, "extended"), together(monkeypatch, what, "extended")
+    mine, theirs = settled(what), together(monkeypatch, what, "extended")
     for a, b in zip(mine.angles, theirs.angles, strict=True):
         for x, y in zip(a, b, strict=True):
             assert (x is None) is (y is None)
             assert x is None or abs(x - y) < 1e-9
     assert np.abs(mine.attitude - theirs.attitude).max() < 1e-12
+
+
+@pytest.mark.parametrize("name", ["euler/largest-axis", "general/asymmetric-chaotic"])
+def test_panels_with_too_few_nodes_are_split(name, monkeypatch):
+    at = [Fraction(k) for k in range(0, 61, 20)]
+    whole, fewer = settled(scene(name, at)), []
+    split = halves.Halves._halves
+
+    def noted(self, panels, rule, where):
+        fewer.append(np.count_nonzero(where))
+        return split(self, panels, rule, where)
+
+    monkeypatch.setattr(halves.Halves, "_halves", noted)
+    monkeypatch.setattr(sampled, "enough", lambda *_: enough(*_) - 7)
+    monkeypatch.setattr(sampled, "STEPS", (8.0,))
+    run = settled(scene(name, at))
+    assert sum(fewer) > 5
+    assert worst(run, whole, "attitude") <= 32 * EPS
+    assert worst(run, whole, "angles") <= 32 * EPS
 
 
 def test_what_is_integrated_as_one_system():
