@@ -83,7 +83,7 @@ def test_a_fourth_integral_needs_its_condition_exactly():
 
 
 @pytest.mark.parametrize("name", TOPS)
-@pytest.mark.parametrize(("number", "end"), [("double", 5000), ("extended", 1000)])
+@pytest.mark.parametrize(("number", "end"), [("double", 5000), ("extended", 1500)])
 def test_a_projected_run_has_more_digits(name, number, end):
     scene = polhode.load(name).at((Fraction(end),))
     bare, projected = (worst(scene, number, project=p) for p in (False, None))

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,7 +24,7 @@ from polhode.numbers.convert import to_double
 from polhode.numbers.scalars import Doubles, Rows
 from polhode.runs.march import Progress
 from polhode.runs.run import Run
-from polhode.runs.setup import Asked, Setup, setup
+from polhode.runs.setup import Asked, Setup
 from polhode.scenes.scene import Scene
 from polhode.scenes.words import ATTITUDE
 from polhode.taylor.outcomes import Outcome
@@ -48,6 +48,7 @@ LONGEST_STRETCH = 32
 #: Stretches come in so many: as many as the widest batch has lanes, on every machine alike.
 TOGETHER = 8
 
+_COARSE = 2.0**28
 _SHARE = 0.6  # of the time, that the plain run takes
 
 
@@ -73,15 +74,11 @@ def fits(made: Setup, times: Asked) -> bool:
     """Whether a run's attitude and angles are had like this."""
     with_angles = "angles" in made.scene.modelled
     least = SHORTEST_WITH_ANGLES if with_angles else SHORTEST_RUN
-    return made.apart and least <= abs(times.inside[-1]) <= LONGEST_RUN
-
-
-def bare(made: Setup) -> Setup:
-    """The set-up of the same run without outputs and events, from the scene where it is kept."""
-    scene = made.scene.kept.get(bare)
-    if scene is None:
-        scene = made.scene.kept[bare] = replace(made.scene, outputs=(), events=())
-    return setup(scene, made.number, made.tolerance, made.inputs)
+    return (
+        made.number.name == "double"
+        and made.apart
+        and least <= abs(times.inside[-1]) <= LONGEST_RUN
+    )
 
 
 def plan(scene: Scene, made: Setup, times: Asked) -> Plan:
@@ -155,15 +152,12 @@ class _Joined:
 
     def __init__(self, made: Setup, wanted: Plan, states: Rows) -> None:
         self._made, self._plan, self._states = made, wanted, states
-        start = made.first[0, len(made.form.variables) :]
+        self._start = made.first[0, len(made.form.variables) :]
         self._four = len(ATTITUDE) if "attitude" in made.whole.outputs else 0
-        self._quaternion = start[: self._four].tolist()
-        self._angles = [(x, 0.0) for x in start[self._four :].tolist()]
-        self._turned = np.zeros((len(states), len(start)))
+        self._turned = np.zeros((len(states), len(self._start)))
         if self._four and len(states):
             self._turned[0, 0] = 1.0
-        # at each stretch's beginning
-        self._begun, self._low = [start.tolist()], [[0.0] * len(start)]
+        self._ends: list[Doubles] = []  # what each stretch turns by
         self.done = min(1, len(states))
 
     @property
@@ -175,7 +169,7 @@ class _Joined:
         """Go on by as many stretches as the lanes hold; False where one has no end."""
         from polhode.taylor.turning import Stretch
 
-        first, last, times = len(self._begun) - 1, len(self._states) - 1, self._plan.times
+        first, last, times = len(self._ends), len(self._states) - 1, self._plan.times
         bounds = self._plan.knots[first : first + turning.places + 1].tolist()
         parts = [(k, min(end, last)) for k, end in pairwise(bounds) if k < last]
         found = turning.along(
@@ -185,31 +179,35 @@ class _Joined:
             return False
         for (k, end), part in zip(parts, found, strict=True):
             self._turned[k + 1 : end + 1] = part
-            self._go_on(part[-1].tolist())
+            self._ends.append(part[-1])
         self.done = parts[-1][1] + 1
         return True
-
-    def _go_on(self, by: list[float]) -> None:
-        """Where the next stretch begins: angles as sums of two doubles."""
-        if self._four:
-            self._quaternion = turns.product(self._quaternion, by[: self._four])
-        for i, (high, low) in enumerate(self._angles):
-            near, rest = exact_sum(high, by[self._four + i])
-            self._angles[i] = exact_sum(near, rest + low)
-        self._begun.append([*self._quaternion, *(high for high, _ in self._angles)])
-        self._low.append([*[0.0] * self._four, *(low for _, low in self._angles)])
 
     def rows(self, kept: npt.NDArray[np.intp]) -> Doubles:
         """Some of the times' rows, counted from the start on."""
         four, turned = self._four, self._turned[kept]
         stretch = np.maximum(np.searchsorted(self._plan.knots, kept) - 1, 0)
-        begun, low = (np.array(x)[stretch] for x in (self._begun, self._low))
+        ends = np.array(self._ends).reshape(-1, len(self._start))
         found = np.empty_like(turned)
-        near, rest = exact_sum(begun[:, four:], turned[:, four:])
-        found[:, four:] = near + (rest + low[:, four:])
+        begun, low = _sums(self._start[four:], ends[:, four:])
+        near, rest = exact_sum(begun[stretch], turned[:, four:])
+        found[:, four:] = near + (rest + low[stretch])
         if four:
             gamma = self._made.read.states(self._states[kept])[:, 3:]
-            whole = turns.product([*begun[:, :four].T], [*turned[:, :four].T])
+            start = self._start[:four].tolist()
+            along = accumulate(ends[:, :four].tolist(), turns.product, initial=start)
+            quaternions = np.array([*along])[stretch]
+            whole = turns.product([*quaternions.T], [*turned[:, :four].T])
             found[:, :four] = np.array(turns.upright(whole, gamma.T, np.sqrt)).T
-            found[kept == 0, :four] = self._begun[0][:four]
+            found[kept == 0, :four] = start
         return found
+
+
+def _sums(start: Doubles, parts: Doubles) -> tuple[Doubles, Doubles]:
+    """The sums of a start and the first parts, each as two doubles, by columns.
+
+    A multiple of 2**-28 each, which add up without an error below 2**25, and the rests.
+    """
+    every = np.concatenate([start[None], parts])
+    coarse = np.rint(every * _COARSE) / _COARSE
+    return np.cumsum(coarse, axis=0), np.cumsum(every - coarse, axis=0)

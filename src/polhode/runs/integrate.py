@@ -20,7 +20,7 @@ from polhode.runs.dense import Dense
 from polhode.runs.march import Progress
 from polhode.runs.request import choose_number, rounded_tolerance
 from polhode.runs.run import Run
-from polhode.runs.setup import Asked, Setup, asked, setup
+from polhode.runs.setup import Asked, Setup, asked, bare, setup
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -121,15 +121,23 @@ def _stepped(
 ) -> tuple[Run, Outcome, Rows]:
     """A run, how it ended, and its rows: the state's, then quaternion, psi and phi."""
     if sighted.fits(made, times):
-        run = Run(beside.bare(made), max_steps, every)
+        run = Run(bare(made), max_steps, every)
         seen = sighted.rows(run, made, times, progress)
         if seen is not None:
             return run, *seen
+    found = None
     if beside.fits(made, times):
-        run = Run(beside.bare(made), max_steps, every)
+        run = Run(bare(made), max_steps, every)
         found = beside.rows(run, made, beside.plan(scene, made, times), progress)
-        if found is not None:
-            return run, *found
+    elif made.number.name == "extended":
+        from polhode.runs import sampled
+
+        wanted = sampled.plan(scene, made, times)
+        if wanted is not None:
+            run = Run(bare(made), max_steps, every)
+            found = sampled.rows(run, made, wanted, progress)
+    if found is not None:
+        return run, *found
     run = Run(made, max_steps, every)
     return run, *run.to(times, progress)
 

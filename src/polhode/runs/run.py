@@ -145,7 +145,8 @@ class Run:
             self.steps += integrator.steps
             # the end itself, not its rounding relative to where the last chunk began
             done = outcome is Outcome.REACHED_END
-            self.reached = asked.exact[-1] if done else integrator.time * made.unit
+            last = asked.inside[-1] if done else integrator.time
+            self.reached = last if made.unit == 1 else last * made.unit
             if self._watch is not None:
                 self._working = integrator  # its events are told first
             elif outcome.done:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from polhode.equations import equilibrium
+from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
 from polhode.equations.system import System, system
-from polhode.numbers.convert import joined, number_value
+from polhode.numbers.convert import joined, number_value, to_extended
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import EXACT, Rows
 from polhode.runs.request import rounded_times
@@ -70,14 +70,14 @@ class Setup:
 
     @cached_property
     def apart(self) -> bool:
-        """Whether attitude and angles may be integrated apart from the state, in doubles.
+        """Whether attitude and angles may be had from a plain run's states, in double and extended.
 
         Not beside events, whose expressions take part in choosing the steps, and no angles from a
         pole on (polhode.runs.beside).
         """
         scene = self.scene
         return (
-            self.number.name == "double"
+            self.number.flat
             and bool(scene.modelled)
             and scene.form == "principal"
             and scene.gamma is not None
@@ -85,6 +85,12 @@ class Setup:
             and not self.still
             and not ("angles" in scene.modelled and scene.starts_at_pole)
         )
+
+    @property
+    def full(self) -> bool:
+        """Whether inputs and steps are as accurate as the number type is."""
+        tolerance = self.tolerance
+        return self.inputs is None and (tolerance is None or tolerance <= self.number.eps)
 
     @cached_property
     def whole(self) -> System:
@@ -102,6 +108,23 @@ class Setup:
     def first(self) -> Rows:
         """The start of the whole as the one row of a run; not to be written to."""
         return self.rows([[number_value(x, self.number) for x in self.whole.start]])
+
+    @cached_property
+    def turn(self) -> Any | None:
+        """The form's axes along the scene's, rows of longdoubles; None where they are the same."""
+        import numpy as np
+
+        axes = self.form.axes
+        return None if axes.trivial else np.array([[to_extended(x) for x in v] for v in axes.rows])
+
+    @cached_property
+    def attitude(self) -> Any:
+        """The quaternion at the start, of the scene's axes, and psi: longdoubles."""
+        import numpy as np
+
+        assert self.scene.gamma is not None
+        q = kinematics.starting_attitude(self.scene.gamma, self.scene.psi)
+        return np.array([to_extended(x) for x in (*q, self.scene.psi)])
 
     def rounded(self, what: System) -> System:
         """A system with its inputs rounded to the narrower type, where that was asked for."""
@@ -133,6 +156,14 @@ def setup(
     if not isinstance(found, Setup):
         found = scene.kept[key] = Setup(scene, number, tolerance, inputs)
     return found
+
+
+def bare(made: Setup) -> Setup:
+    """The set-up of the same run without outputs and events, from the scene where it is kept."""
+    scene = made.scene.kept.get(bare)
+    if scene is None:
+        scene = made.scene.kept[bare] = replace(made.scene, outputs=(), events=())
+    return setup(scene, made.number, made.tolerance, made.inputs)
 
 
 class Asked(NamedTuple):

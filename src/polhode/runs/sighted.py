@@ -18,9 +18,9 @@ from polhode.numbers.scalars import Doubles, Rows
 from polhode.runs.march import Progress
 from polhode.runs.run import Run
 from polhode.runs.setup import Asked, Setup
-from polhode.taylor import times as of_runs
 from polhode.taylor.outcomes import Outcome
 from polhode.taylor.pool import Idle
+from polhode.taylor.times import Times
 
 if TYPE_CHECKING:
     from polhode.taylor.hops import Hops
@@ -35,9 +35,8 @@ MOST_KNOTS = 2**20
 _FEWEST_KNOTS = 16
 
 _LOOKED_AT = 64  # times at first
-_CLOSE = (
-    2.0**-8
-)  # of an expression: how far off it may be over two intervals; over one 1024th of it
+#: Of an expression: how far off it may be over two intervals; over one 1024th of it.
+_CLOSE = 2.0**-8
 
 _IDLE = Idle()
 
@@ -144,9 +143,8 @@ def _plan(bare: Setup, times: Asked, hops: Hops, outlook: Outlook) -> Plan | Non
     asked = np.abs(times.inside.grid)
     every = np.unique(np.concatenate([knots, asked]))
     signed: Doubles = every if end > 0 else 0.0 - every
-    inside, exact = of_runs.Doubles(signed), of_runs.Doubles(signed * float(bare.unit))
     return Plan(
-        Asked(exact, inside),
+        Asked((), Times.of_grid(signed, bare.number)),
         np.searchsorted(every, np.asarray(asked)),
         np.searchsorted(every, knots),
         end / count,

@@ -7,7 +7,8 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
-from polhode.numbers.number_types import DOUBLE, NumberType
+from polhode.numbers.convert import exactly, to_double, to_extended
+from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row
 
 if TYPE_CHECKING:
@@ -21,15 +22,28 @@ class Times(Sequence[Fraction]):
     """
 
     def __init__(self, exact: Sequence[Fraction], number: NumberType) -> None:
-        self._exact, self.number = tuple(exact), number
+        self.__dict__["_exact"] = tuple(exact)
+        self.number = number
 
     @classmethod
     def of(cls, times: Sequence[Fraction], number: NumberType) -> Times:
         """Such times of any sequence."""
         return times if isinstance(times, cls) else cls(times, number)
 
+    @classmethod
+    def of_grid(cls, grid: Row, number: NumberType) -> Times:
+        """The times of an array of heyoka's numbers; exact ones are made where they are asked."""
+        found = cls.__new__(cls)
+        found.number = number
+        found.__dict__["grid"] = grid
+        return found
+
     def __len__(self) -> int:
-        return len(self._exact)
+        return len(self._exact if "_exact" in self.__dict__ else self.grid)
+
+    @cached_property
+    def _exact(self) -> tuple[Fraction, ...]:
+        return tuple(exactly(t) for t in self.grid)
 
     @overload
     def __getitem__(self, k: int) -> Fraction: ...
@@ -37,9 +51,11 @@ class Times(Sequence[Fraction]):
     def __getitem__(self, k: slice) -> Times: ...
     def __getitem__(self, k: int | slice) -> Fraction | Times:
         if not isinstance(k, slice):
-            return self._exact[k]
+            return self._exact[k] if "_exact" in self.__dict__ else exactly(self.grid[k])
         if k == slice(0, None):
             return self
+        if "_exact" not in self.__dict__:
+            return Times.of_grid(self.grid[k], self.number)
         part = Times(self._exact[k], self.number)
         part.__dict__["grid"] = self.grid[k]
         return part
@@ -56,7 +72,7 @@ class Times(Sequence[Fraction]):
         """What has passed at each time since ``offset``, as heyoka's numbers, each rounded once."""
         if not offset:
             return self.grid
-        if self.number.name != "double":
+        if not self.number.flat:
             return Times([t - offset for t in self._exact], self.number).grid
         found, doubtful = differences(self.grid, offset)
         for k in doubtful:
@@ -64,38 +80,20 @@ class Times(Sequence[Fraction]):
         return found
 
 
-class Doubles(Times):
-    """Such times of a run in double, given as doubles: many of them, of which few are looked at."""
-
-    def __init__(self, grid: Row) -> None:
-        super().__init__((), DOUBLE)
-        self.__dict__["grid"] = grid
-
-    def __len__(self) -> int:
-        return len(self.grid)
-
-    @overload
-    def __getitem__(self, k: int) -> Fraction: ...
-    @overload
-    def __getitem__(self, k: slice) -> Times: ...
-    def __getitem__(self, k: int | slice) -> Fraction | Times:
-        if isinstance(k, slice):
-            return Doubles(self.grid[k])
-        return Fraction(float(self.grid[k]))
-
-
 def differences(
-    times: np.ndarray[Any, np.dtype[np.float64]], offset: Fraction
-) -> tuple[np.ndarray[Any, np.dtype[np.float64]], list[int]]:
+    times: np.ndarray[Any, np.dtype[Any]], offset: Fraction
+) -> tuple[np.ndarray[Any, np.dtype[Any]], list[int]]:
     """times - offset, rounded once; and which of them are too near to a tie to be sure of.
 
-    The offset is taken as the sum of two doubles, and sums of doubles without an error: that of two
-    is a double and a rest (Knuth, The Art of Computer Programming, vol. 2, 4.2.2).
+    The offset is taken as the sum of two doubles (longdoubles, where the times are such), and sums
+    of doubles without an error: that of two is a double and a rest (Knuth, The Art of Computer
+    Programming, vol. 2, 4.2.2).
     """
     import numpy as np
 
-    high = float(offset)
-    low = float(offset - Fraction(high))
+    nearest = to_extended if times.dtype == np.longdouble else to_double
+    high = nearest(offset)
+    low = nearest(offset - exactly(high))
     near, rest = exact_sum(times, -high)
     small = rest - low
     found, lost = exact_sum(near, small)
