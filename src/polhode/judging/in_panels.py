@@ -20,9 +20,10 @@ from polhode.closed_forms.attitude.quaternion import conjugate, product
 from polhode.common.errors import BadInput
 from polhode.common.progress import Tell
 from polhode.judging.angles_in_panels import SPARE as NEAR_A_POLE
-from polhode.judging.angles_in_panels import angles, follow
+from polhode.judging.angles_in_panels import angles
 from polhode.judging.by_processes import Ask, asked_by
 from polhode.judging.carried import Attitudes
+from polhode.judging.following import follow
 from polhode.judging.panels import SPARE, NotSo, Source, covering
 from polhode.judging.reference import Reference, rows
 from polhode.judging.series import Doubles
