@@ -134,11 +134,11 @@ def _passages(
     doubtful = np.concatenate([[False], ~laid.certain, [False]])
     begins = np.nonzero(doubtful[1:] & ~doubtful[:-1])[0]
     ends = np.nonzero(~doubtful[1:] & doubtful[:-1])[0]
-    gap = np.concatenate([[False], ~panels.joints[1]])
-    apart = np.zeros(len(laid.times) - 1, bool)  # steps between panels that do not touch
-    apart[laid.first[gap] - 1] = True
-    whole = (ends - begins <= _MOST) & (np.add.reduceat(apart, begins) == 0 if len(begins) else [])
-    begins, ends = begins[whole], ends[whole]
+    gaps = np.zeros(len(laid.times), dtype=np.int64)  # panels before a point that do not touch
+    gaps[laid.first[1:]] = ~panels.joints[1]
+    gaps = np.cumsum(gaps)
+    short = (ends - begins <= _MOST) & (gaps[begins] == gaps[ends])
+    begins, ends = begins[short], ends[short]
     p, end = laid.z[:, begins], laid.z[:, ends]
     nearer = np.argmin(np.minimum(np.abs(p), np.abs(end)), axis=0)
     start = (laid.times[begins] + laid.times[ends]) / 2
