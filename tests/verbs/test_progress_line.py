@@ -18,10 +18,14 @@ from polhode.verbs.terminal import Progress
 def terminal(monkeypatch):
     """A terminal in place of stderr: sets its width, and gives what was written to it."""
     ours, theirs = pty.openpty()
+    os.set_blocking(ours, False)
     with os.fdopen(theirs, "w", buffering=1) as stream:
-        monkeypatch.setattr(sys, "stderr", stream)
 
         class Terminal:
+            def shown(self) -> None:
+                """In the test itself: pytest sets its own stderr before."""
+                monkeypatch.setattr(sys, "stderr", stream)
+
             def wide(self, columns: int) -> None:
                 fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
 
@@ -36,6 +40,7 @@ def terminal(monkeypatch):
 @pytest.mark.parametrize("columns", [40, 80, 0])
 def test_the_line_never_wraps(terminal, columns):
     """What wraps is not wiped: only the last of its lines would be."""
+    terminal.shown()
     terminal.wide(columns)
     with Progress("compare") as progress:
         progress.began -= 10
@@ -50,6 +55,7 @@ def test_the_line_never_wraps(terminal, columns):
 
 
 def test_nothing_is_shown_of_what_takes_no_time(terminal):
+    terminal.shown()
     with Progress("compare") as progress:
         progress.began += 3600
         progress.say("quick")
