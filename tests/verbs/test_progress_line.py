@@ -18,7 +18,6 @@ from polhode.verbs.terminal import Progress
 def terminal(monkeypatch):
     """A terminal in place of stderr: sets its width, and gives what was written to it."""
     ours, theirs = pty.openpty()
-    os.set_blocking(ours, False)
     with os.fdopen(theirs, "w", buffering=1) as stream:
 
         class Terminal:
@@ -30,8 +29,12 @@ def terminal(monkeypatch):
                 fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
 
             def written(self) -> str:
+                stream.write("END")
                 stream.flush()
-                return os.read(ours, 1 << 16).decode()
+                text = ""
+                while "END" not in text:  # it comes in pieces
+                    text += os.read(ours, 1 << 16).decode()
+                return text.removesuffix("END")
 
         yield Terminal()
     os.close(ours)
