@@ -91,6 +91,14 @@ def test_sines_and_cosines(size, most):
         assert 0.05 < float(HIGH.ldexp(off, 106)) < most
 
 
+def test_the_angle_of_a_point():
+    y, x = some(-3, 3, 5), some(-3, 3, 6)
+    found = wide(pairs.arctan2(y, x))
+    true = [HIGH.atan2(b, a) for a, b in zip(wide(x), wide(y), strict=True)]
+    off = max(abs(a - b) for a, b in zip(found, true, strict=True))
+    assert 0.05 < float(HIGH.ldexp(off, 106)) < 8
+
+
 def test_hyperbolic_functions_and_their_end():
     x = some(-70, 70, 4)
     for found, f in zip(pairs.cosh_sinh(x), (HIGH.cosh, HIGH.sinh), strict=True):

@@ -117,9 +117,9 @@ class HeldAgainst:
             if all(x is None for row in own for x in row):
                 found[name] = f"none of {'them' if name == 'angles' else 'it'} has a value"
                 continue
-            if name == "attitude" and self.many is not None and self.many.attitude is not None:
-                held = self.subject.held
-                found[name] = min(digits(self.many.attitude, held), default=held)
+            many = None if self.many is None else getattr(self.many, name)
+            if many is not None:
+                found[name] = min(digits(many, self.subject.held), default=self.subject.held)
                 continue
             try:
                 true = self._true(self._ask(name), partial(self._part, name, own))

@@ -90,21 +90,21 @@ def between(known: Mapping[Any, Any], times: Sequence[Fraction]) -> tuple[Any, .
 
     None where they are not known at a neighbour.
     """
-    if all(t in known for t in times):
-        return tuple(known[t] for t in times)
     nodes = sorted(known)
     places = [float(t) for t in nodes]
+    there = dict(zip(places, nodes, strict=True))
     found = []
     for t in times:
-        if t in known:
-            found.append(known[t])
+        place = float(t)
+        if (node := there.get(place)) is not None and node == t:
+            found.append(known[node])
             continue
-        k = min(max(bisect(places, float(t)), 1), len(nodes) - 1)
+        k = min(max(bisect(places, place), 1), len(nodes) - 1)
         one, other = known[nodes[k - 1]], known[nodes[k]]
         if one is None or other is None:
             found.append(None)
             continue
-        part = (float(t) - places[k - 1]) / (places[k] - places[k - 1])
+        part = (place - places[k - 1]) / (places[k] - places[k - 1])
         if isinstance(one, float):
             found.append(one + part * (other - one))
         else:

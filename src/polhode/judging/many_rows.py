@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +22,7 @@ from polhode.common.errors import BadInput
 from polhode.common.progress import Tell
 from polhode.common.text import few
 from polhode.judging.in_pairs import columns_in_pairs
-from polhode.judging.panels import Columns, in_panels
+from polhode.judging.in_panels import Columns, in_panels
 from polhode.judging.reference import Reference, rows
 from polhode.judging.subject import Subject
 from polhode.numbers import exact
@@ -39,14 +40,15 @@ Doubles = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ManyRows:
-    """Errors of a subject's rows: of the state (0 without one), scaled as digits are, and of the
-    attitude.
+    """Errors of a subject's rows: of the state (0 without one), scaled as digits are, of the
+    attitude and of the angles; None where these are to be judged one by one.
 
     A quaternion may have either sign: that of the smaller largest error.
     """
 
     errors: Doubles
     attitude: Doubles | None
+    angles: Doubles | None
 
 
 def many_rows(
@@ -57,16 +59,15 @@ def many_rows(
     if not isinstance(reference, Reference) or count < FEWEST or subject.held > MOST_DIGITS:
         return None
     try:
-        found = reference.columns(of_fractions(subject.times)) or _in_panels(
-            subject, reference, workers, tell
-        )
+        found = _columns(subject, reference, workers, tell)
         if found is None:
             return None
         own = [] if subject.states is None else subject.pairs
         turned = [] if subject.attitude is None else columns_in_pairs(subject.attitude)
+        angular = [] if found.angles is None else columns_in_pairs(subject.angles)
     except OverflowError:  # numbers beyond doubles
         return None
-    states, quaternion = ([_spread(x, count) for x in part or ()] for part in found)
+    states, quaternion, told = ([_spread(x, count) for x in part or ()] for part in found)
     with np.errstate(all="ignore"):
         scale = _scale(states, reference)
         scales = [scale if i < 3 else 1.0 for i in range(len(states))]
@@ -76,31 +77,40 @@ def many_rows(
             for side in (1.0, -1.0)
             if turned and quaternion
         ]
+        angle_errors = np.nan_to_num(_errors(angular, told, [1.0] * 3)) if angular else None
     attitude = min(sides, key=lambda side: float(side.max()), default=None)
     for ask, true, by, found_errors in (
         (reference.at, own and states, scales, errors),
         (reference.attitude, quaternion, [1.0] * 4, attitude),
+        (reference.angles, told, [1.0] * 3, angle_errors),
     ):
         if true and found_errors is not None:
             # the largest error, or what is no number: that is what argmax finds first
             checked = {*few(count, _CHECKED), int(found_errors.argmax())}
             if not _right(subject, ask, true, by, sorted(checked)):
                 return None
-    return ManyRows(errors, attitude)
+    return ManyRows(errors, attitude, angle_errors)
 
 
-def _in_panels(
+def _columns(
     subject: Subject, reference: Reference, workers: int, tell: Tell | None
 ) -> Columns | None:
-    """The reference from its values at some times; None where that does not pay."""
-    there = (("at", subject.states), ("attitude", subject.attitude))
-    asked = [name for name, own in there if own is not None]
-    if not asked:
-        return None
-    try:
-        return in_panels(reference, subject.times, _needed(subject), asked, workers, tell)
-    except BadInput:  # an answer that this closed form does not have
-        return None
+    """The reference at a subject's times, all that its columns ask for; None where it does not pay.
+
+    Closed forms that tell states and quaternions at many times at once do; panels tell the rest.
+    """
+    given = (("at", subject.states), ("attitude", subject.attitude), ("angles", subject.angles))
+    asked = [name for name, own in given if own is not None]
+    at_once = reference.columns(of_fractions(subject.times))
+    if at_once is not None:
+        asked = [name for name in asked if name == "angles"]
+    panels = None
+    if asked:
+        with suppress(BadInput):  # an answer that this closed form does not have
+            panels = in_panels(reference, subject.times, _needed(subject), asked, workers, tell)
+    if at_once is None:
+        return panels
+    return Columns(*at_once, None if panels is None else panels.angles)
 
 
 def _needed(subject: Subject) -> int:
@@ -150,6 +160,8 @@ def _right(
     needed = _needed(subject)
     for k, true in zip(at, rows(ask, [subject.times[k] for k in at], needed + 3), strict=True):
         for x, y, scale in zip(found, true, scales, strict=True):
-            if not abs((x[k] - y).hi) / scale < 10.0**-needed:
+            if y is None and np.isnan(x.hi[k]):
+                continue
+            if y is None or not abs((x[k] - y).hi) / scale < 10.0**-needed:
                 return False
     return True

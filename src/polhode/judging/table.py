@@ -16,6 +16,7 @@ from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
 from polhode.common.files import read_whole
 from polhode.judging.cells import type_of
+from polhode.judging.file_cells import most_printed, values
 from polhode.judging.synonyms import KNOWN, Column, column
 from polhode.numbers import exact, expression
 from polhode.numbers.convert import exact_number, exactly
@@ -185,38 +186,53 @@ def _table(
     rows: list[tuple[int, list[str]]],
     number: NumberType | None,
 ) -> Table:
-    found: dict[str, list[Fraction | None]] = {known.name: [] for known in named if known.name}
-    printed = 1
-    beside = _beside(path)
-    bits = beside.get("t_bits")
-    held = NumberType("mp", bits) if isinstance(bits, int) and bits > 1 else None
     for line, cells in rows:
         if len(cells) != len(header):
             raise BadInput(f"{path}:{line}", "line", ",".join(cells), f"{len(header)} values")
-        for (name, degrees), cell in zip(named, cells, strict=True):
-            if name is None:
-                continue
-            if cell == "" and name != "t":
-                found[name].append(None)
+    columns = dict(zip(named, zip(*(cells for _, cells in rows), strict=True), strict=True))
+    printed = 1
+    for (name, _), texts in columns.items():
+        if name not in (None, "t"):
+            printed = most_printed(texts, printed)
+    beside = _beside(path)
+    bits = beside.get("t_bits")
+    held = NumberType("mp", bits) if isinstance(bits, int) and bits > 1 else None
+    own = _type(beside) if held and number is None else None
+    own = own if own and printed <= own.printed_digits else None
+    found: dict[str, tuple[Fraction | None, ...]] = {}
+    for (name, degrees), texts in columns.items():
+        if name is None:
+            continue
+        try:
+            if name == "t":
+                exact = values(texts, held or number)
+                exact = [x and number.rounded(x) for x in exact] if held and number else exact
+            elif degrees:
+                exact = [x and _radians(x) for x in values(texts, number)]
+                exact = [x and own.rounded(x) for x in exact] if own else exact
+            else:
+                exact = values(texts, number or own)
+        except ExpressionError:
+            raise _first_bad(path, named, rows) from None
+        found[name] = tuple(exact)
+    times = tuple(t for t in found.pop("t") if t is not None)
+    if len(times) < len(rows):
+        raise _first_bad(path, named, rows)
+    ignored = tuple(text for text, known in zip(header, named, strict=True) if known.name is None)
+    return Table(str(path), times, found, ignored, printed, number or own, _projected(beside))
+
+
+def _first_bad(path: Path, named: list[Column], rows: list[tuple[int, list[str]]]) -> BadInput:
+    """The complaint about the first cell that is no number."""
+    for line, cells in rows:
+        for (name, _), cell in zip(named, cells, strict=True):
+            if name is None or (cell == "" and name != "t"):
                 continue
             try:
-                value = expression.decimal(cell)
+                expression.decimal(cell)
             except ExpressionError:
-                raise BadInput(f"{path}:{line}", name, cell, "a finite decimal number") from None
-            if name != "t" and len(cell) > printed:  # else it has no more digits
-                printed = max(printed, _significant(cell))
-            elif held:
-                value = held.rounded(value)
-            value = number.rounded(value) if number else value
-            found[name].append(_radians(value) if degrees else value)
-    times = [t for t in found.pop("t") if t is not None]
-    ignored = tuple(text for text, known in zip(header, named, strict=True) if known.name is None)
-    own = _type(beside) if held and number is None else None
-    if own is not None and printed <= own.printed_digits:
-        number = own
-        found = {name: [x and own.rounded(x) for x in column] for name, column in found.items()}
-    columns = {name: tuple(values) for name, values in found.items()}
-    return Table(str(path), tuple(times), columns, ignored, printed, number, _projected(beside))
+                return BadInput(f"{path}:{line}", name, cell, "a finite decimal number")
+    raise AssertionError("each cell is a number")
 
 
 def _exactly(value: Any) -> Fraction:
@@ -257,8 +273,3 @@ def _projected(beside: dict[str, Any]) -> bool:
     if not isinstance(projection, dict):
         return False
     return bool(projection.get("count")) and "h" in projection.get("onto", ())
-
-
-def _significant(cell: str) -> int:
-    mantissa = cell.lower().split("e")[0].lstrip("+-").replace(".", "").lstrip("0")
-    return max(1, len(mantissa))

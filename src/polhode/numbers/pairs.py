@@ -179,6 +179,13 @@ def cosh_sinh(x: Pairs) -> tuple[Pairs, Pairs]:
     return cosh, sinh
 
 
+def arctan2(y: Pairs, x: Pairs) -> Pairs:
+    """The angle of (x, y) in [-pi, pi], to about 2**-104 of 1; of (0, 0) it is no number."""
+    first = Pairs(np.arctan2(y.hi, x.hi))
+    c, s = cos_sin(first)
+    return first + (y * c - x * s) / (x * c + y * s)
+
+
 def _series(square: Pairs, row: Sequence[tuple[float, float]]) -> Pairs:
     total = Pairs(*row[-1])
     for hi, lo in reversed(row[:-1]):

@@ -84,6 +84,14 @@ def folder(text: str) -> str:
     return text
 
 
+def _columns() -> int:
+    """The width of stderr's terminal; 80 where it does not tell."""
+    try:
+        return os.get_terminal_size(sys.stderr.fileno()).columns or 80
+    except (OSError, ValueError):
+        return 80
+
+
 def positive(text: str) -> int:
     """An option that is a whole number above 0."""
     steps = whole(text)
@@ -180,7 +188,8 @@ class Progress:
     def say(self, text: str) -> None:
         """The line's new text."""
         if sys.stderr.isatty() and time.monotonic() - self.began > 1:
-            sys.stderr.write(f"\r\x1b[K{self.verb}: {printable(text)}")
+            line = f"{self.verb}: {printable(text)}"
+            sys.stderr.write("\r\x1b[K" + line[: _columns() - 1])  # a line that wraps stays behind
             sys.stderr.flush()
             self.shown = True
 
