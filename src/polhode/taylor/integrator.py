@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -178,7 +178,7 @@ class Integrator:
         self._tell_kept()
         return done
 
-    def stand_at(self, state: Sequence[HeyokaNumber]) -> None:
+    def stand_at(self, state: Iterable[HeyokaNumber]) -> None:
         """Stand at another state, the time unchanged."""
         for i, x in enumerate(state):
             self.state[i] = x
