@@ -7,7 +7,7 @@ Body axes O xyz, O the fixed point; omega = (p, q, r) and gamma, the upward vert
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping
-from dataclasses import InitVar, dataclass, field, replace
+from dataclasses import InitVar, dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -80,6 +80,11 @@ class Integrals(NamedTuple):
     area: Exact | None
     energy_scale: Exact
     area_scale: Exact
+
+
+#: What a scene keeps that is the same at other times, and what is not.
+_OF_ANY_TIMES = ("kept", "log10_rate", "time_unit", "modelled")
+_OF_TIMES = ("kept_of_times", "text")
 
 
 @dataclass(frozen=True, repr=False)
@@ -187,8 +192,13 @@ class Scene:
 
     def at(self, times: Iterable[AnyNumber]) -> Scene:
         """The same scene, asked for at other times, numbers of any kind; raises BadInput."""
-        found = replace(self, times=each(self.name, "at", times, exact_number, "a list of times"))
-        found.__dict__["kept"] = self.kept
+        asked = each(self.name, "at", times, exact_number, "a list of times")
+        self._check_times("run.at", asked)
+        for name in _OF_ANY_TIMES:  # made here, so that the next scene like this has them, too
+            getattr(self, name)
+        found = object.__new__(type(self))
+        found.__dict__.update((k, x) for k, x in vars(self).items() if k not in _OF_TIMES)
+        found.__dict__["times"] = asked
         return found
 
     @cached_property
