@@ -120,11 +120,15 @@ class Moving:
     @cached_property
     def _repeating(self) -> Repeating:
         assert self.settled is not None
-        return Repeating(self._grown, self.settled)
+        return Repeating(self._counted, self.settled)
 
     def _grown(self, t: Any) -> tuple[float, float]:
         """Growth of the two arguments of F in the scene's axes, from 0 to t, counted."""
-        if not t:
+        return self._counted(mpf(0), t)
+
+    def _counted(self, since: Any, t: Any) -> tuple[float, float]:
+        """The same from one time to another farther from 0."""
+        if t == since:
             return 0.0, 0.0
         speed = self.quickest
         if abs(t) * speed > longest():
@@ -137,7 +141,7 @@ class Moving:
         def many(time: Any) -> tuple[Any, Any]:
             return coarse_parameters(coarse.at(time, fn))
 
-        (found,) = growth(fine, many, [t * speed])
+        (found,) = growth(fine, many, [t * speed], since=since * speed)
         return found
 
 

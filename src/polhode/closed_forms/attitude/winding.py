@@ -49,9 +49,15 @@ def coarse_parameters(q: Quaternion) -> tuple[Any, Any]:
 
 
 def growth(
-    fine: Fine, coarse: Coarse, times: Sequence[mpf], bend: Any | None = None
+    fine: Fine,
+    coarse: Coarse,
+    times: Sequence[mpf],
+    bend: Any | None = None,
+    since: Any | None = None,
 ) -> list[tuple[float, float]]:
     """Growth of (arg al, arg bt) from time 0 to each of ``times``, which go away from 0.
+
+    ``since``: the time to count from instead, no farther from 0 than they are.
 
     Times are in units in which al and bt move at most by half a unit of time.  ``fine`` gives the
     two parameters at one time, at the precision in force, ``coarse`` at an array of times in
@@ -103,6 +109,9 @@ def growth(
         return total + refined(cuts[:-1].ravel(), cuts[1:].ravel())
 
     found, total, now = [], np.zeros(2), 0.0
+    if since:
+        now = float(since)
+        total = np.array(bisected(fine, since, mpf(now), bend))
     for time in times:
         # The first and last steps go from the exact start and to the exact time.
         near = float(time)
