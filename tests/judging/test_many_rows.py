@@ -140,21 +140,6 @@ def test_between_known_times():
     assert between({Fraction(0): 1.0, Fraction(4): 3.0}, [Fraction(0), Fraction(1)]) == (1.0, 1.5)
 
 
-def test_a_first_answer_of_a_few_rows(tmp_path):
-    scene, rows = rows_of("euler/attitude", 1200, 1e-13)
-    lines = ["t," + ",".join(COLUMNS)]
-    for t, row in zip(scene.times, rows, strict=True):
-        lines.append(",".join([str(float(t)), *(repr(float(x)) for x in row)]))
-    path = tmp_path / "x.csv"
-    path.write_text("\n".join(lines) + "\n")
-    told = []
-    found = polhode.compare(path, scene, first=lambda some, count: told.append((some, count)))
-    ((some, count),) = told
-    assert (len(some.times), count) == (11, 1200)
-    assert found.worst <= some.worst < found.worst + 2
-    assert "drift h" in str(found)
-
-
 def test_a_file_of_the_attitude_alone():
     scene, rows = rows_of("euler/attitude", 120, 1e-12)
     quick = polhode.compare(rows[:, 6:], scene, at=scene.times, columns=COLUMNS[6:])

@@ -19,7 +19,8 @@ from polhode.common.values import ByValue
 from polhode.dynamics import laskar
 from polhode.judging.assured import integrate
 from polhode.judging.reference import reference
-from polhode.judging.table import Table, read_table
+from polhode.judging.table import Table
+from polhode.judging.table_file import read_table
 from polhode.numbers.convert import exact_number, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.scalars import AnyNumber, Complexes, Doubles

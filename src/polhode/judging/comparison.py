@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -16,7 +17,8 @@ from polhode.judging.held_against import AnyReference
 from polhode.judging.judgement import Judgement
 from polhode.judging.reference import Reference, Remembered, reference
 from polhode.judging.subject import of_run, of_table
-from polhode.judging.table import Table, read_table, table_of_columns, table_of_rows
+from polhode.judging.table import Table, table_of_columns, table_of_rows
+from polhode.judging.table_file import open_table
 from polhode.judging.two_precisions import TwoPrecisions
 from polhode.judging.wording import SHOWN
 from polhode.numbers.number_types import NumberType
@@ -65,11 +67,11 @@ def compare(
     mp): the type whose rounded values a file's decimals, or the rows, are; floats, of Python or of
     arrays (single, double or long double), are known as such.
     ``known``: the scene's conditioning, to spare its computation.
-    ``first``: called with a judgement of a few rows of a file of more than a thousand, and how many
-    those are, before the others are judged.  ``workers``: processes that a closed form whose rows
-    cost seconds may be asked by (a script that wants more than one is guarded by
-    ``if __name__ == "__main__"``).  ``progress``: called with the part of the closed form's rows
-    that are there, and how many, where they take long.
+    ``first``: called with a judgement of a few rows of a table of more than a thousand, and how
+    many those are, before the others are judged; of a file, before they are read.
+    ``workers``: processes that a closed form whose rows cost seconds may be asked by (a script
+    that wants more than one is guarded by ``if __name__ == "__main__"``).  ``progress``: called
+    with the part of the closed form's rows that are there, and how many, where they take long.
 
     Raises BadInput for what cannot be read or judged.
 
@@ -103,16 +105,19 @@ def compare(
             raise BadInput(scene.name, "digits", digits, "number given with it: mp")
         kind = None if number is None else choose_number(scene, number, digits)
         if isinstance(what, (str, Path)):
-            what = read_table(Path(what), kind)
+            file = open_table(Path(what), kind)
+            some = None if first is None else file.some(SHOWN)
+            with suppress(BadInput):  # first what is wrong with the file, if anything is
+                if some is not None and _is_told(first, *some, against):
+                    first = None
+            what = file.table
         elif hasattr(what, "keys"):
             what = table_of_columns(what, kind)
         elif not isinstance(what, Table):
             named = scene.columns if columns is None else columns
             what = table_of_rows(what, at, named, kind)
-        rows_there = len(what.times)
-        if first is not None and rows_there > MANY:
-            some = of_table(what.some(few(rows_there, SHOWN)), scene)
-            first(Judgement(some, against), rows_there)
+        count = len(what.times)
+        _is_told(first, what.some(few(count, SHOWN)), count, against)
         found = Judgement(of_table(what, scene), against, known, workers, progress)
     about = found.subject
     if not (about.columns or about.angles or about.attitude):
@@ -120,3 +125,13 @@ def compare(
         raise BadInput(about.name, "header", None, expected)
     _ = found.digits  # what cannot be judged is refused here
     return found
+
+
+def _is_told(
+    first: Callable[[Judgement, int], None] | None, some: Table, count: int, against: AnyReference
+) -> bool:
+    """Whether ``first`` was called with some of so many rows."""
+    if first is None or count <= MANY:
+        return False
+    first(Judgement(of_table(some, against.scene), against), count)
+    return True

@@ -1,32 +1,23 @@
-"""Tables: trajectories of any origin, a CSV or rows, with any subset of the columns beside t."""
+"""Tables: trajectories of any origin, with any subset of the columns beside t."""
 
 from __future__ import annotations
 
-import csv
-import io
-import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
-from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
-from polhode.common.files import read_whole
 from polhode.judging.cells import type_of
-from polhode.judging.file_cells import most_printed, values
-from polhode.judging.synonyms import KNOWN, Column, column
-from polhode.numbers import exact, expression
+from polhode.judging.synonyms import KNOWN, column
+from polhode.numbers import exact
 from polhode.numbers.convert import exact_number, exactly
-from polhode.numbers.expression import ExpressionError
-from polhode.numbers.number_types import NAMES, NumberType
+from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes.words import ANGLES, ATTITUDE, STATE
 
-MAX_BYTES = 1 << 30
-MAX_LINE = 1_000_000  # characters
 MOST_PRINTED = 60  # digits that rows of exact numbers are counted as
 
 
@@ -119,7 +110,7 @@ def table_of_columns(given: Any, number: NumberType | None = None) -> Table:
     for name, (known_name, degrees) in named.items():
         if known_name is not None:
             cells = each("compare", name, held[name], _cell, "a column of numbers")
-            found[known_name] = tuple(_radians(x) if x and degrees else x for x in cells)
+            found[known_name] = tuple(radians(x) if x and degrees else x for x in cells)
     times = found.pop("t")
     if not times or None in times or any(len(cells) != len(times) for cells in found.values()):
         raise BadInput(
@@ -138,108 +129,11 @@ def _cell(value: Any) -> Fraction | None:
     return _exactly(value)
 
 
-def read_table(path: Path, number: NumberType | None) -> Table:
-    """A CSV file as a table; raises BadInput.
-
-    ``number``: its decimals stand for numbers of it; that which the JSON that polhode wrote beside
-    it names, unless given.
-    """
-    found = read_whole(path, MAX_BYTES, "a readable CSV file")
-    try:
-        text = io.StringIO(found.decode("utf-8-sig"), newline="")
-        rows = [
-            (k, [cell.strip() for cell in row])
-            for k, row in enumerate(csv.reader(_uncommented(text)), 1)
-            if any(cell.strip() for cell in row)
-        ]
-    except (UnicodeDecodeError, csv.Error):
-        raise BadInput(str(path), "file", None, "a readable CSV file (not a CSV text)") from None
-    if not rows:
-        raise BadInput(str(path), "file", None, "a header line that names the columns")
-    header = rows[0][1]
-    named = [column(name) for name in header]
-    for name in KNOWN:
-        if sum(name == found.name for found in named) > 1:
-            raise BadInput(str(path), "header", name, "each column once")
-    if all(found.name != "t" for found in named):
-        raise BadInput(str(path), "header", ",".join(header), "a column t among its names")
-    if all(found.name in (None, "t") for found in named):
-        expected = f"columns beside t that can be judged, of {', '.join(KNOWN[1:])}"
-        raise BadInput(str(path), "header", ",".join(header), expected)
-    if len(rows) == 1:
-        raise BadInput(str(path), "file", None, "at least one line of numbers")
-    return _table(path, header, named, rows[1:], number)
-
-
-def _uncommented(text: TextIO) -> Iterator[str]:
-    """The lines with comments blank: a quotation mark in a comment opens nothing."""
-    for line in iter(lambda: text.readline(MAX_LINE + 1), ""):
-        if len(line) > MAX_LINE:
-            raise csv.Error("a line without end")
-        yield "\n" if line.lstrip().startswith("#") else line
-
-
-def _table(
-    path: Path,
-    header: list[str],
-    named: list[Column],
-    rows: list[tuple[int, list[str]]],
-    number: NumberType | None,
-) -> Table:
-    for line, cells in rows:
-        if len(cells) != len(header):
-            raise BadInput(f"{path}:{line}", "line", ",".join(cells), f"{len(header)} values")
-    columns = dict(zip(named, zip(*(cells for _, cells in rows), strict=True), strict=True))
-    printed = 1
-    for (name, _), texts in columns.items():
-        if name not in (None, "t"):
-            printed = most_printed(texts, printed)
-    beside = _beside(path)
-    bits = beside.get("t_bits")
-    held = NumberType("mp", bits) if isinstance(bits, int) and bits > 1 else None
-    own = _type(beside) if held and number is None else None
-    own = own if own and printed <= own.printed_digits else None
-    found: dict[str, tuple[Fraction | None, ...]] = {}
-    for (name, degrees), texts in columns.items():
-        if name is None:
-            continue
-        try:
-            if name == "t":
-                exact = values(texts, held or number)
-                exact = [x and number.rounded(x) for x in exact] if held and number else exact
-            elif degrees:
-                exact = [x and _radians(x) for x in values(texts, number)]
-                exact = [x and own.rounded(x) for x in exact] if own else exact
-            else:
-                exact = values(texts, number or own)
-        except ExpressionError:
-            raise _first_bad(path, named, rows) from None
-        found[name] = tuple(exact)
-    times = tuple(t for t in found.pop("t") if t is not None)
-    if len(times) < len(rows):
-        raise _first_bad(path, named, rows)
-    ignored = tuple(text for text, known in zip(header, named, strict=True) if known.name is None)
-    return Table(str(path), times, found, ignored, printed, number or own, _projected(beside))
-
-
-def _first_bad(path: Path, named: list[Column], rows: list[tuple[int, list[str]]]) -> BadInput:
-    """The complaint about the first cell that is no number."""
-    for line, cells in rows:
-        for (name, _), cell in zip(named, cells, strict=True):
-            if name is None or (cell == "" and name != "t"):
-                continue
-            try:
-                expression.decimal(cell)
-            except ExpressionError:
-                return BadInput(f"{path}:{line}", name, cell, "a finite decimal number")
-    raise AssertionError("each cell is a number")
-
-
 def _exactly(value: Any) -> Fraction:
     return exactly(exact_number(value))
 
 
-def _radians(degrees: Fraction) -> Fraction:
+def radians(degrees: Fraction) -> Fraction:
     """An angle in radians, to far more digits than any table prints."""
     return degrees * _degree()
 
@@ -248,28 +142,3 @@ def _radians(degrees: Fraction) -> Fraction:
 def _degree() -> Fraction:
     """pi/180 to 1100 digits."""
     return exact.binary(*exact.rounded(exact.pi() / 180, 3700))
-
-
-def _beside(path: Path) -> dict[str, Any]:
-    """What the JSON that polhode wrote beside a file says; empty where there is none."""
-    try:
-        found = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}
-
-
-def _type(beside: dict[str, Any]) -> NumberType | None:
-    """The type of the run's numbers."""
-    name, bits = beside.get("number"), beside.get("bits")
-    if name not in NAMES or not isinstance(bits, int) or bits < 2:
-        return None
-    return NumberType(name, bits)
-
-
-def _projected(beside: dict[str, Any]) -> bool:
-    """Whether the integrals were projected."""
-    projection = beside.get("projection")
-    if not isinstance(projection, dict):
-        return False
-    return bool(projection.get("count")) and "h" in projection.get("onto", ())

@@ -34,7 +34,8 @@ def main(options: Namespace) -> int:
 
         def first(brief: Judgement, count: int) -> None:
             digits = f"{brief.worst:.2f} correct digits" if brief.digits else "no state"
-            progress.say(f"{digits} in {len(brief.times)} of {count} rows, all of them follow")
+            told = f"{digits} in {len(brief.times)} of {count} rows, all of them follow"
+            progress.say(told, at_once=True)
 
         judged = compare(
             path,

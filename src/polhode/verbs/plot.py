@@ -155,8 +155,8 @@ def _of_file(options: Namespace) -> Samples:
     """What the figure of a trajectory file shows."""
     from polhode.figures import over_time, samples
     from polhode.figures.drawing import OVER_TIME
-    from polhode.judging import table as table_
     from polhode.judging.reference import reference as reference_of
+    from polhode.judging.table_file import read_table
     from polhode.runs.request import choose_number
 
     what, path = options.what, options.what_of
@@ -170,7 +170,7 @@ def _of_file(options: Namespace) -> Samples:
         if scene is None:
             raise BadInput(path, "--number", options.number, "a --scene to judge the file with it")
         number = choose_number(scene, options.number, options.digits)
-    table = table_.read_table(Path(path), number)
+    table = read_table(Path(path), number)
     if what == "error" and scene is not None:
         return over_time.errors_of_table(table, reference_of(scene), number)
     if what == "integrals" and scene is not None:
