@@ -6,14 +6,15 @@ With al = q0 + i q3 and bt = q1 + i q2
 
 The arguments are known from the closed form at one row of each stretch of time in which their
 growth can be followed (:mod:`polhode.judging.following`).  It is asked too for rows that are too
-near a pole to be told so.
+near a pole to be told so; where these are many, as of a motion that ends at a pole, it is left to
+others whether to ask.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -29,14 +30,21 @@ _FEW = 20  # one row in so many, at most, is asked of the closed form
 _OFF = 1e-3  # half turns: more than arguments are off that were followed rightly
 
 
+class Angles(NamedTuple):
+    """psi, theta, phi of rows: not numbers where the closed form has none, or where ``untold``."""
+
+    columns: list[Pairs] | None
+    untold: list[int]  # rows of which only theta is known
+
+
 def angles(
     q: Sequence[Pairs], followed: Followed, before: Doubles, ask: Callable[[list[int]], list[Any]]
-) -> list[Pairs]:
-    """psi, theta, phi of rows; not numbers where the closed form has none.
+) -> Angles:
+    """The angles of rows.
 
     ``q``: the rows' quaternions; ``before``: the growth of arg al and arg bt over periods that were
     taken away from the times, shape (2, rows); ``ask``: the closed form's angles of some rows.
-    Raises NotSo where too many rows are to be asked for, or where angles do not fit each other.
+    Raises NotSo where stretches of time are too many, or where angles do not fit each other.
     """
     sizes = hypot(q[0], q[3]), hypot(q[1], q[2])
     nearest = np.minimum(sizes[0].hi, sizes[1].hi)
@@ -44,25 +52,31 @@ def angles(
     order = np.lexsort((-nearest, np.where(alone, -1, followed.stretch)))
     there, first = np.unique(np.where(alone, -1, followed.stretch)[order], return_index=True)
     chosen = order[first[there >= 0]]
-    asked = [*chosen.tolist(), *np.nonzero(alone)[0].tolist()]
-    if len(asked) > len(nearest) / _FEW:
+    most = len(nearest) / _FEW
+    if len(chosen) > most:
         raise NotSo
+    untold = np.nonzero(alone)[0].tolist()
+    near = untold if len(chosen) + len(untold) <= most else []
+    asked = [*chosen.tolist(), *near]
     rows = dict(zip(asked, ask(asked), strict=True))
 
-    begun = np.zeros((2, int(followed.stretch.max()) + 1))
+    begun = np.zeros((2, int(followed.stretch.max(initial=0)) + 1))
     for k in chosen.tolist():
         psi, _, phi = rows[k]
         args = float((psi + phi) / 2), float((psi - phi) / 2)
         begun[:, followed.stretch[k]] = args - followed.grown[:, k] - before[:, k]
     about = begun[:, followed.stretch] + followed.grown + before
-    one = _near(arctan2(q[3], q[0]), about[0], alone)
-    other = _near(arctan2(q[2], q[1]), about[1], alone)
-    found = [one + other, 2 * arctan2(sizes[1], sizes[0]), one - other]
-    for k in np.nonzero(alone)[0].tolist():
+    with np.errstate(all="ignore"):  # at a pole itself one of them is no number
+        one = _near(arctan2(q[3], q[0]), about[0], alone)
+        other = _near(arctan2(q[2], q[1]), about[1], alone)
+        found = [one + other, 2 * arctan2(sizes[1], sizes[0]), one - other]
+    for k in near:
         for column, x in zip(found, rows[k], strict=True):
             value = Pairs(math.nan) if x is None else pairs(x)
             column.hi[k], column.lo[k] = value.hi, value.lo
-    return found
+    if not near:
+        found[0].hi[alone] = found[2].hi[alone] = math.nan
+    return Angles(found, [] if near else untold)
 
 
 def _near(arg: Pairs, about: Doubles, alone: Booleans) -> Pairs:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, TypeAlias
 
 from polhode.common.progress import Tell
+from polhode.common.text import few
 from polhode.judging.by_processes import asked_by
 from polhode.judging.certified import Certified
 from polhode.judging.digits import digits_of, errors, rate_scale
@@ -19,6 +20,7 @@ from polhode.judging.two_precisions import TwoPrecisions
 from polhode.numbers.convert import exactly, to_mpf
 
 SPARE_DIGITS = 6  # of the reference beyond what can be told
+_FIRST_ROWS, _MORE = 32, 16  # of rows asked for piece by piece: the first piece, and its growth
 FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
 
 AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
@@ -117,17 +119,27 @@ class HeldAgainst:
             if all(x is None for row in own for x in row):
                 found[name] = f"none of {'them' if name == 'angles' else 'it'} has a value"
                 continue
-            many = None if self.many is None else getattr(self.many, name)
-            if many is not None:
-                found[name] = min(digits(many, self.subject.held), default=self.subject.held)
-                continue
             try:
-                true = self._true(self._ask(name), partial(self._part, name, own))
+                found[name] = self._told(name, own)
             except ValueError as fault:  # BadInput is one
                 found[name] = str(fault)
-                continue
-            found[name] = self._part(name, own, true)
         return found
+
+    def _told(self, name: str, own: Any) -> float:
+        """Digits of angles or attitude over all rows; raises ValueError."""
+        many = None if self.many is None else getattr(self.many, name)
+        if many is None:
+            return self._part(
+                name, own, self._true(self._ask(name), partial(self._part, name, own))
+            )
+        worst = min(digits(many, self.subject.held), default=self.subject.held)
+        if name == "angles" and self.many is not None:
+            for some in _spread(self.many.untold):
+                if worst > 0:  # else they cannot be fewer
+                    times = [self.subject.times[k] for k in some]
+                    true = rows(self._ask(name), times, self._wanted)
+                    worst = min(worst, self._part(name, [own[k] for k in some], true))
+        return worst
 
     def _part(self, name: str, own: Any, true: list[Any]) -> float:
         signs = (1, -1) if name == "attitude" else (1,)  # a quaternion may have either
@@ -144,3 +156,14 @@ class HeldAgainst:
                         error = abs(side * to_mpf(exactly(x), self.bits) - y)
                         worst = min(worst, digits_of(error, self.subject.held))
         return worst
+
+
+def _spread(rows: Sequence[int]) -> Iterator[list[int]]:
+    """Rows in pieces, each spread over all of them."""
+    given: set[int] = set()
+    size = _FIRST_ROWS
+    while len(given) < len(rows):
+        piece = [k for k in few(len(rows), size) if k not in given]
+        given |= {*piece}
+        size *= _MORE
+        yield [rows[k] for k in piece]

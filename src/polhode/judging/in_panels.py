@@ -20,7 +20,7 @@ from polhode.closed_forms.attitude.quaternion import conjugate, product
 from polhode.common.errors import BadInput
 from polhode.common.progress import Tell
 from polhode.judging.angles_in_panels import SPARE as NEAR_A_POLE
-from polhode.judging.angles_in_panels import angles
+from polhode.judging.angles_in_panels import Angles, angles
 from polhode.judging.by_processes import Ask, asked_by
 from polhode.judging.carried import Attitudes
 from polhode.judging.following import follow
@@ -41,12 +41,14 @@ _TURN = 1e-3  # radians by which psi and phi may grow differently: they do by 2 
 class Columns(NamedTuple):
     """States, quaternions and angles, each column an array; None where they were not asked for.
 
-    Angles are no numbers where a pole leaves them undefined; None too where panels cannot tell.
+    Angles are no numbers where a pole leaves them undefined, and psi and phi in rows ``untold``;
+    None too where panels cannot tell.
     """
 
     states: list[Pairs] | None
     quaternion: list[Pairs] | None
     angles: list[Pairs] | None = None
+    untold: Sequence[int] = ()
 
 
 class Cycle(NamedTuple):
@@ -101,13 +103,13 @@ def in_panels(
     followed = follow(panels, attitudes, q, here.hi) if "angles" in asked else None
     if cycle is not None:
         q = _turned(q, counts * pairs(cycle.half))
-    told = None
+    told = Angles(None, [])
     if followed is not None:
         before = counts * (cycle.grown if cycle is not None else np.zeros((2, 1)))
         with suppress(NotSo, BadInput):  # such as a time to which turns cannot be counted
             told = angles(q, followed, before, some_angles)
     return Columns(
-        columns[:-4] if "at" in asked else None, q if "attitude" in asked else None, told
+        columns[:-4] if "at" in asked else None, q if "attitude" in asked else None, *told
     )
 
 

@@ -43,12 +43,14 @@ class ManyRows:
     """Errors of a subject's rows: of the state (0 without one), scaled as digits are, of the
     attitude and of the angles; None where these are to be judged one by one.
 
-    A quaternion may have either sign: that of the smaller largest error.
+    A quaternion may have either sign: that of the smaller largest error.  ``untold``: rows of which
+    theta is judged and psi and phi, which the subject has, are not yet.
     """
 
     errors: Doubles
     attitude: Doubles | None
     angles: Doubles | None
+    untold: tuple[int, ...] = ()
 
 
 def many_rows(
@@ -67,7 +69,7 @@ def many_rows(
         angular = [] if found.angles is None else columns_in_pairs(subject.angles)
     except OverflowError:  # numbers beyond doubles
         return None
-    states, quaternion, told = ([_spread(x, count) for x in part or ()] for part in found)
+    states, quaternion, told = ([_spread(x, count) for x in part or ()] for part in found[:3])
     with np.errstate(all="ignore"):
         scale = _scale(states, reference)
         scales = [scale if i < 3 else 1.0 for i in range(len(states))]
@@ -77,7 +79,12 @@ def many_rows(
             for side in (1.0, -1.0)
             if turned and quaternion
         ]
-        angle_errors = np.nan_to_num(_errors(angular, told, [1.0] * 3)) if angular else None
+        # psi and phi are not judged where the closed form has none, or does not tell them here
+        known = [
+            x if k == 1 else Pairs(np.where(np.isnan(told[k].hi), np.nan, x.hi), x.lo)
+            for k, x in enumerate(angular)
+        ]
+        angle_errors = _errors(known, told, [1.0] * 3) if angular else None
     attitude = min(sides, key=lambda side: float(side.max()), default=None)
     for ask, true, by, found_errors in (
         (reference.at, own and states, scales, errors),
@@ -87,9 +94,12 @@ def many_rows(
         if true and found_errors is not None:
             # the largest error, or what is no number: that is what argmax finds first
             checked = {*few(count, _CHECKED), int(found_errors.argmax())}
+            if true is told:
+                checked -= {*found.untold}
             if not _right(subject, ask, true, by, sorted(checked)):
                 return None
-    return ManyRows(errors, attitude, angle_errors)
+    untold = [k for k in found.untold if not all(np.isnan(angular[i].hi[k]) for i in (0, 2))]
+    return ManyRows(errors, attitude, angle_errors, tuple(untold))
 
 
 def _columns(
@@ -110,7 +120,9 @@ def _columns(
             panels = in_panels(reference, subject.times, _needed(subject), asked, workers, tell)
     if at_once is None:
         return panels
-    return Columns(*at_once, None if panels is None else panels.angles)
+    if panels is None:
+        return Columns(*at_once)
+    return Columns(*at_once, panels.angles, panels.untold)
 
 
 def _needed(subject: Subject) -> int:
