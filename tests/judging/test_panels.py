@@ -53,7 +53,7 @@ def worst(reference, times, found, digits: int) -> float:
     """The largest error of w over its largest value and of the rest, at some of the times."""
     some = [0, len(times) - 1, *np.random.default_rng(3).integers(0, len(times), 12)]
     errors = []
-    for question, columns in zip(ALL, found, strict=True):
+    for question, columns in zip(ALL, found[:3], strict=True):
         if columns is None:
             continue
         true = rows(getattr(reference, question), [times[k] for k in some], digits + 6)
@@ -98,7 +98,7 @@ def test_more_digits_take_shorter_panels():
 def test_one_question_alone():
     for name in BOTH:
         reference, times, found, _ = between("steklov/lower", 0, Fraction(60), 2000, asked=(name,))
-        assert [part is not None for part in found] == [name == question for question in ALL]
+        assert [part is not None for part in found[:3]] == [name == question for question in ALL]
         assert worst(reference, times, found, 19) < 1e-19
 
 

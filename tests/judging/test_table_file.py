@@ -96,11 +96,11 @@ def test_a_first_answer_that_cannot_be_given_hides_no_fault(tmp_path):
 
 @pytest.mark.parametrize("count", [1000, 1001])
 def test_the_first_answer_where_lines_are_no_rows(tmp_path, count):
-    """A cell in quotation marks, of an ignored column, over two lines."""
+    """A cell of an ignored column is in quotation marks, over two lines."""
     path, told = tmp_path / "x.csv", []
     scene = written(path, count)
     lines = path.read_text().splitlines()
-    lines = [f'{line},"a\nb"' for line in [f"{lines[0]}", *lines[1:]]]
+    lines = [f'{line},"a\nb"' if k == 333 else f"{line},c" for k, line in enumerate(lines)]
     path.write_text("\n".join(lines) + "\n")
     found = polhode.compare(path, scene, first=lambda some, count: told.append(count))
     assert told == ([count] if count > 1000 else [])

@@ -87,6 +87,18 @@ def test_cells_that_are_empty_are_not_asked_for(asked):
     assert asked == []
 
 
+def test_theta_is_judged_where_psi_is_no_number():
+    scene = polhode.load("lagrange/from-the-pole").at([Fraction(k, 50) for k in range(450)])
+    true = polhode.reference(scene).angles(scene.times, 17)
+    assert true[0][0] is None
+    table = np.array([[0.25 if x is None else float(x) for x in row] for row in true])
+    found = judged(scene, table)
+    assert found._held.many.angles is not None
+    assert found.parts["angles"] > 13
+    table[0, 1] += 1e-7
+    assert 6.9 < judged(scene, table).parts["angles"] < 7.1
+
+
 def test_pieces_are_spread_and_hold_each_row_once():
     given = [*range(0, 9000, 3)]
     pieces = [*held_against._spread(given)]
