@@ -38,8 +38,8 @@ MOST_NODES = 1_000_000
 
 #: Nodes a step at most; with more, as outputs are that close, one system is cheaper.  In plain
 #: runs it takes 2.0 with attitude, with angles 1.8 to 8 (of 20 tops 3.8 in the median; past a close
-#: pole 20 and more).  Panels take 1.4 to 1.9 with 6 nodes a step, 1.8 to 2.6 with 9, 2.5 to 3.5 with
-#: 16; past close poles, where they are split, one more.
+#: pole 20 and more).  Panels take 1.4 to 1.9 with 6 nodes a step, 1.8 to 2.6 with 9, 2.5 to 3.5
+#: with 16; past close poles, where they are split, one more.
 MOST_A_STEP, MOST_WITH_ANGLES = 8, 16
 
 #: Taylor steps of a panel at most, by the mean of so many first ones: the first number with which
