@@ -36,8 +36,11 @@ SHORTEST_RUN = 40
 #: Nodes of all panels; more states than these are not kept at a time.
 MOST_NODES = 1_000_000
 
-#: Nodes a step at most: with outputs as close as that one system is cheaper.
-MOST_A_STEP = 8
+#: Nodes a step at most; with more, as outputs are that close, one system is cheaper.  In plain
+#: runs it takes 2.0 with attitude, with angles 1.8 to 8 (of 20 tops 3.8 in the median; past a close
+#: pole 20 and more).  Panels take 1.4 to 1.9 with 6 nodes a step, 1.8 to 2.6 with 9, 2.5 to 3.5
+#: with 16; past close poles, where they are split, one more.
+MOST_A_STEP, MOST_WITH_ANGLES = 8, 16
 
 #: Taylor steps of a panel at most, by the mean of so many first ones: the first number with which
 #: most panels among those are settled.
@@ -110,7 +113,8 @@ def _plan(made: Setup, times: Asked) -> Plan | None:
     size = np.searchsorted(np.array(_LENGTHS[:-1]), (np.abs(gaps) / parts / step).astype(float))
     counts = np.array([enough(x, _digits(made)) if x > _LENGTHS[0] else 2 for x in _LENGTHS])
     count = counts[size][which]
-    if (count - 1).sum() - len(grid) > MOST_A_STEP * abs(grid[-1]) / step:
+    most = MOST_WITH_ANGLES if "angles" in made.whole.outputs else MOST_A_STEP
+    if (count - 1).sum() - len(grid) > most * abs(grid[-1]) / step:
         return None
     first = np.cumsum(count - 1) - (count - 1)
     every = np.empty(first[-1] + count[-1], dtype=grid.dtype)
