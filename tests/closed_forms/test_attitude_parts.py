@@ -9,7 +9,6 @@ from polhode.closed_forms.attitude import azimuth
 from polhode.closed_forms.attitude.azimuth import Azimuth
 from polhode.closed_forms.attitude.one_orbit import OneOrbit
 from polhode.closed_forms.attitude.quaternion import of_matrix, product
-from polhode.closed_forms.kovalevskaya.theta_attitude import ThetaAttitude
 from polhode.numbers.private import mpc, mpf, mpmath
 from shared.closed_form_checks import rotation
 
@@ -83,43 +82,6 @@ def test_the_upright_turn_takes_the_vertical_up_and_its_direction_to_the_front(e
         assert mpmath.norm(up - mpmath.matrix([0, 0, 1])) < mpf(2) ** -120
         assert front[0] > 0.4
         assert abs(front[1]) < mpf(2) ** -120
-
-
-class Stub:
-    """Cayley-Klein parameters xi, eta of the rotation, the same all along the second flow."""
-
-    motion = SimpleNamespace(at=lambda t: ((mpf(0),) * 6, mpf(0)))
-
-    def __init__(self, place):
-        self.place, self.calls = place, 0
-
-    def at(self, t, second):
-        del second
-        self.calls += 1
-        assert self.calls < 5000  # cutting comes to an end
-        q0, q1, q2, q3 = self.place(t)
-        return mpc(q1, q2), mpc(q3, -q0)
-
-
-def tracked(place, t):
-    """The growth of arg eta and arg xi, cut until no piece can go around 0."""
-    it = ThetaAttitude(None, BITS, begun(), (1, 0, 0, 0), 0, mpf(1), 1, lambda: Stub(place))
-    return it._tracked((mpf(0), t))[::-1]
-
-
-def test_a_way_in_theta_functions_is_cut_where_a_parameter_passes_near_0():
-    with mpmath.workprec(BITS):
-        for t in map(mpf, ("0.7", "4.6", "33.1", "-5.5")):
-            pairs = zip(tracked(turned, t), counted(t), strict=True)
-            assert max(abs(a - b) for a, b in pairs) < 1e-11, t
-
-        def through(t):
-            """From upright: xi is 0 at the start."""
-            c, s = mpmath.cos_sin(t / 2)
-            return (c, *(s * x for x in axis()))
-
-        with pytest.raises(ArithmeticError, match="too near 0"):
-            tracked(through, mpf(1))
 
 
 @pytest.mark.parametrize("largest", range(4))

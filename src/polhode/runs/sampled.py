@@ -42,6 +42,10 @@ MOST_NODES = 1_000_000
 #: with 16; past close poles, where they are split, one more.
 MOST_A_STEP, MOST_WITH_ANGLES = 8, 16
 
+#: How many times the other rates the spin about the third axis may be: psi is what is left of the
+#: whole rotation without phi, and has fewer digits, the more of it phi is.
+MOST_SPIN = 256.0
+
 #: Taylor steps of a panel at most, by the mean of so many first ones: the first number with which
 #: most panels among those are settled.
 STEPS, PILOT = (8.0, 6.0, 4.0, 2.0), 128
@@ -96,6 +100,8 @@ def plan(scene: Scene, made: Setup, times: Asked) -> Plan | None:
 
 
 def _plan(made: Setup, times: Asked) -> Plan | None:
+    if "angles" in made.whole.outputs and _spins(made.scene):
+        return None
     grid = times.inside.grid
     found = _first_steps(made, grid[-1])
     if found is None:
@@ -141,6 +147,12 @@ def _plan(made: Setup, times: Asked) -> Plan | None:
 
 def _digits(made: Setup) -> float:
     return made.number.bits * math.log10(2) + 0.5
+
+
+def _spins(scene: Scene) -> bool:
+    """Whether phi grows so much faster than psi that their sum has fewer digits than psi."""
+    p, q, r = map(to_double, scene.omega)
+    return abs(r) > MOST_SPIN * max(math.hypot(p, q), to_double(scene.pendulum_rate_squared) ** 0.5)
 
 
 def _first_steps(made: Setup, end: Any) -> tuple[Any, float] | None:
