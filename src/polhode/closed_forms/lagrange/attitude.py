@@ -37,7 +37,6 @@ from polhode.closed_forms.lagrange.turns import turning
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.private import mpc, mpf, mpmath
 
-
 _TELLING_BITS = 1024  # that tell a nearly steady top's passages by a pole from those through it
 
 
