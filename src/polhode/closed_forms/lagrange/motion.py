@@ -209,7 +209,8 @@ class Nutating:
         """
         z = (self.al, self.bt)[which]
         K = self.elliptic.K
-        if not z.passes:
+        # Without a jump in a period the argument of a real quotient of one sign is none of a zero.
+        if not (z.zeros if mpmath.isfinite(K) else z.passes):
             return 0
         v = [self.v0 + self.rate * t for t in (begin, end)]
         if mpmath.isfinite(K):
