@@ -1,7 +1,5 @@
 """What every family's attitude is made of, on a body that turns uniformly: q0 (cos x, n sin x)."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,7 @@ from polhode.closed_forms.attitude import azimuth
 from polhode.closed_forms.attitude.azimuth import Azimuth
 from polhode.closed_forms.attitude.one_orbit import OneOrbit
 from polhode.closed_forms.attitude.quaternion import of_matrix, product
-from polhode.numbers.private import mpc, mpf, mpmath
+from polhode.numbers.private import mpf, mpmath
 from shared.closed_form_checks import rotation
 
 BITS = 128

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.equations.turned import Panels, Turned
-from polhode.numbers.convert import exactly, to_extended
+from polhode.numbers.convert import exactly, to_double, to_extended
 from polhode.numbers.lobatto import Lobatto, enough, lobatto
 from polhode.numbers.scalars import Rows
 from polhode.runs import joined
@@ -152,7 +152,8 @@ def _digits(made: Setup) -> float:
 def _spins(scene: Scene) -> bool:
     """Whether phi grows so much faster than psi that their sum has fewer digits than psi."""
     p, q, r = map(to_double, scene.omega)
-    return abs(r) > MOST_SPIN * max(math.hypot(p, q), to_double(scene.pendulum_rate_squared) ** 0.5)
+    swing = math.sqrt(to_double(scene.pendulum_rate_squared))
+    return abs(r) > MOST_SPIN * max(math.hypot(p, q), swing)
 
 
 def _first_steps(made: Setup, end: Any) -> tuple[Any, float] | None:

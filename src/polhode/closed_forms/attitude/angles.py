@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol, runtime_checkable
 
@@ -38,6 +39,10 @@ class Attitude(Protocol):
     def speed(self) -> Any:
         """An upper bound of |w|."""
         ...
+
+
+class TooFewBits(ArithmeticError):
+    """Turns are known at any time, but not at so few bits."""
 
 
 @runtime_checkable
@@ -140,6 +145,14 @@ def _start(source: Source, t: mpf, start: tuple[Any, Any]) -> tuple[Any, Any]:
         return other + direction(mpmath.mpc(q0, q3) * bt.conjugate()), other
 
 
+def _closed(source: Source, time: Callable[[int], mpf], bits: int) -> tuple[Any, Any] | None:
+    """The growth of both arguments where it is closed, with as many bits as it asks for."""
+    while True:
+        with mpmath.workprec(bits), contextlib.suppress(TooFewBits):
+            return source(bits).arguments(time(bits))
+        bits *= 2
+
+
 def _growths(
     source: Source, times: Sequence[Callable[[int], mpf]], bits: Sequence[int]
 ) -> list[tuple[Any, Any] | None]:
@@ -147,13 +160,11 @@ def _growths(
     found: list[tuple[Any, Any] | None] = []
     open_ = []
     for i, (time, used) in enumerate(zip(times, bits, strict=True)):
-        with mpmath.workprec(used):
-            attitude = source(used)
-            found.append(attitude.arguments(time(used)))
-            if found[-1] is None:
-                open_.append(i)
-            elif None in found[-1]:
-                found[-1] = None
+        found.append(_closed(source, time, used))
+        if found[-1] is None:
+            open_.append(i)
+        elif None in found[-1]:
+            found[-1] = None
     if not open_:
         return found
     used = max(_COUNTING_BITS, *(bits[i] for i in open_))

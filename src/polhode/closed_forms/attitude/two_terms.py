@@ -18,6 +18,7 @@ from polhode.closed_forms.functions.jacobi import Jacobi
 from polhode.numbers.private import mpc, mpf, mpmath
 
 _LOST = 32  # bits that phases of crossings and of the motion may have lost
+_ANYWHERE = mpf(1) / 8, mpf(13) / 16  # two phases
 
 
 class Clock(Protocol):
@@ -124,9 +125,18 @@ class Sum:
         return [int(mpmath.nint((two.argument - one.argument) / turn)) for one, two in self.ends]
 
     def vanishes(self) -> bool:
-        """Whether the sum is 0 at a place, as far as the precision in force tells."""
+        """Whether the sum comes to be 0, as far as the precision in force tells."""
         tiny = mpmath.ldexp(1, -mpmath.prec // 2)
-        return any(self.at(place.u).modulus < tiny for place in self.places)
+        return self.balanced or any(self.at(place.u).modulus < tiny for place in self.places)
+
+    @cached_property
+    def balanced(self) -> bool:
+        """Whether the two terms are always of one size, so that the sum is 0 ever again."""
+        if self.places:
+            return False
+        tiny = mpmath.ldexp(1, -mpmath.prec // 2)
+        sizes = ((one.modulus, two.modulus) for one, two in map(self.terms, _ANYWHERE))
+        return all(abs(one - two) <= tiny * one for one, two in sizes)
 
 
 @dataclass(frozen=True)
@@ -141,7 +151,7 @@ class Turning:
     spins: tuple[Any, Any]
 
     def growth(self, first: Any, last: Any) -> Any:
-        """Between two times.
+        """Between two times, over zeros upwards from the first time on.
 
         Raises ArithmeticError where the motion passes too near a zero to be counted.
         """
@@ -152,6 +162,10 @@ class Turning:
             if begin != end:
                 found = self._gained(i, min(begin, end), abs(end - begin))
                 turns += self.whole.sense(i) * (found if end > begin else -found)
+        if self.whole.balanced:
+            one, two = (self._each(t, n, u) for t, n, u in ((first, n0, u0), (last, n1, u1)))
+            lead = self.whole.begins
+            turns += turns_over_zeros(one[1 - lead] - one[lead], two[1 - lead] - two[lead])
         return self._argument(last, n1, u1) - self._argument(first, n0, u0) + 2 * mpmath.pi * turns
 
     def _phase(self, t: Any) -> tuple[int, Any]:
@@ -166,14 +180,21 @@ class Turning:
         """The argument but for the turns gained where the lead changed."""
         lead = self.whole.lead(self.whole.passed(u))
         one, two = self.whole.terms(u)
-        ahead, behind = self.whole.advances
-        first = one.argument + n * ahead + self.spins[0] * t
-        second = two.argument + n * behind + self.spins[1] * t
+        first, second = self._each(t, n, u)
         if lead == 0:
             ratio = two.modulus / one.modulus
             return first + mpmath.arg(1 + ratio * mpmath.expj(second - first))
         ratio = one.modulus / two.modulus
         return second + mpmath.arg(1 + ratio * mpmath.expj(first - second))
+
+    def _each(self, t: Any, n: int, u: Any) -> tuple[Any, Any]:
+        """The arguments of the two terms."""
+        one, two = self.whole.terms(u)
+        ahead, behind = self.whole.advances
+        return (
+            one.argument + n * ahead + self.spins[0] * t,
+            two.argument + n * behind + self.spins[1] * t,
+        )
 
     def _gained(self, i: int, begin: int, count: int) -> int:
         """The sum of nint(de/2 pi) at a place over so many periods."""
@@ -191,3 +212,14 @@ class Turning:
         lever = (1 + abs(spin) / rate + 1 / min(one.modulus, two.modulus)) / abs(place.slope)
         error = mpmath.ldexp(1 + abs(base) + abs(slope) * count + lever, _LOST - mpmath.prec)
         return floors(count, slope, base, error)
+
+
+def turns_over_zeros(begin: Any, end: Any) -> int:
+    """What arg(z (1 + exp i d)) gains on arg z + arg(1 + exp i d) while d goes from begin to end.
+
+    In turns.  Over a zero, d an odd multiple of pi, the former grows by pi whichever way d goes
+    (:mod:`polhode.equations.poles`), the latter falls by pi where d grows.
+    """
+    turn = 2 * mpmath.pi
+    first, last = (int(mpmath.floor((d - mpmath.pi) / turn)) for d in (begin, end))
+    return max(0, last - first)

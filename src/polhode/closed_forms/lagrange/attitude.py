@@ -17,9 +17,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from polhode.closed_forms.attitude.angles import TooFewBits
 from polhode.closed_forms.attitude.axes import RowMatrix
 from polhode.closed_forms.attitude.quaternion import Quaternion, of_matrix, product
-from polhode.closed_forms.attitude.two_terms import Turning
+from polhode.closed_forms.attitude.two_terms import Turning, turns_over_zeros
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.lagrange.motion import (
@@ -27,6 +28,7 @@ from polhode.closed_forms.lagrange.motion import (
     LagrangeStart,
     Nutating,
     Parts,
+    Steady,
     equations,
     times,
 )
@@ -34,6 +36,8 @@ from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.closed_forms.lagrange.turns import turning
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.private import mpc, mpf, mpmath
+
+_TELLING_BITS = 1024  # that tell a nearly steady top's passages by a pole from those through it
 
 
 @dataclass(frozen=True)
@@ -93,8 +97,29 @@ class LagrangeAttitude:
                 grown.append(None)
                 continue
             begin = self._begin(which, t)
-            grown.append(self._argument(row, lead, t) - self._argument(row, lead, begin))
+            more = self._argument(row, lead, t) - self._argument(row, lead, begin)
+            grown.append(more + 2 * mpmath.pi * self._over_zeros(row, lead, begin, t))
         return grown[0], grown[1]
+
+    def _over_zeros(self, row: tuple[Parts, Parts], lead: int, begin: Any, t: Any) -> int:
+        """Turns that the argument gains where the row's sum is 0, on what :meth:`_argument` has.
+
+        It grows by pi at each zero away from t = 0 (:mod:`polhode.equations.poles`).
+        """
+        if not isinstance(self.motion, Steady):
+            alone = not any(row[1 - lead])
+            return self.motion.turns_over_zeros(lead, begin, t) if alone else 0
+        if not any(row[1 - lead]):
+            return 0
+        now = zip(row, self.motion.parameters(mpf(0), MP), strict=True)
+        one, two = (mpc(*times(factor, z)) for factor, z in now)
+        if abs(abs(one) - abs(two)) > mpmath.ldexp(abs(one), -mpmath.prec // 2):
+            return 0
+        rates = self.motion.rates
+        apart, rate = mpmath.arg(two / one), rates[1] - rates[0]
+        if lead:
+            apart, rate = -apart, -rate
+        return turns_over_zeros(apart + rate * begin, apart + rate * t)
 
     def _begin(self, which: int, t: Any) -> Any:
         """The time from which an argument is known: 0, or just after a pole."""
@@ -126,12 +151,15 @@ class LagrangeAttitude:
         if not one * high_al:
             return 1
         # Equality is enough: then the sum vanishes at most where theta turns.
-        slack = 1 + mpmath.ldexp(1, -mpmath.prec // 2)
-        if one * low_al * slack >= other * high_bt:
-            return 0
-        if other * low_bt * slack >= one * high_al:
-            return 1
-        return None
+        tiny = mpmath.ldexp(1, -mpmath.prec // 2)
+        gaps = one * low_al - other * high_bt, other * low_bt - one * high_al
+        lead = 0 if gaps[0] >= -tiny * one * low_al else 1
+        if gaps[lead] < -tiny * (one, other)[lead] * (low_al, low_bt)[lead]:
+            return None
+        alike = gaps[lead] <= tiny * (one, other)[lead]
+        if alike and isinstance(self.motion, Nutating) and mpmath.prec < _TELLING_BITS:
+            raise TooFewBits("two terms are too nearly equal")
+        return lead
 
     def _argument(self, row: tuple[Parts, Parts], lead: int, t: Any) -> Any:
         """The argument of the row's sum at t, to a constant."""

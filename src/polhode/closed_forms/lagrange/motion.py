@@ -151,8 +151,12 @@ class Parameter:
     @property
     def zeros(self) -> int:
         """How often z passes through 0 in a period, with the sense in which arg z then jumps."""
-        passes = not any(self.shift.real) or not any(self.shift.imaginary)
-        return self.sense if passes and self.jump else 0
+        return self.sense if self.passes and self.jump else 0
+
+    @property
+    def passes(self) -> bool:
+        """Whether z passes through 0."""
+        return not any(self.shift.real) or not any(self.shift.imaginary)
 
     def floats(self, speed: Any) -> Parameter:
         """The same with Python floats, time in units of 1/speed."""
@@ -197,6 +201,23 @@ class Nutating:
         """arg al and arg bt, continuous in t but for jumps by pi at a zero, to a constant."""
         waves, _ = self._waves(t, MP)
         return self.al.argument(t, waves), self.bt.argument(t, waves)
+
+    def turns_over_zeros(self, which: int, begin: Any, end: Any) -> int:
+        """What arg al or arg bt gains on :meth:`arguments` if each zero on the way adds pi to it.
+
+        In turns.  al is 0 at v = 0, bt at v = K, and again after each 2K.
+        """
+        z = (self.al, self.bt)[which]
+        K = self.elliptic.K
+        # Without a jump in a period the argument of a real quotient of one sign is none of a zero.
+        if not (z.zeros if mpmath.isfinite(K) else z.passes):
+            return 0
+        v = [self.v0 + self.rate * t for t in (begin, end)]
+        if mpmath.isfinite(K):
+            first, last = (int(mpmath.floor((x - which * K) / (2 * K))) for x in v)
+        else:
+            first, last = (int(x > 0) for x in v)
+        return max(0, z.sense * (first - last))
 
     def slopes(self, t: Any) -> tuple[Any, Any, Any]:
         """The derivatives of al, bt and xi."""
