@@ -49,6 +49,17 @@ def test_a_tie_is_left_to_exact_arithmetic():
     ]
 
 
+@pytest.mark.parametrize(("number", "bits"), [(DOUBLE, 53), (EXTENDED, 64)], ids=["53", "64"])
+def test_a_tie_below_a_power_of_two_is_one(number, bits):
+    """A mantissa of all ones, of which numpy's spacing is nan in extended."""
+    below = Fraction(1, 2**bits)
+    offset = -60 - below - below / 2  # one - below, and a half of what its last bit is worth
+    times = Times([Fraction(-61)], number)
+    assert differences(times.grid, offset)[1] == [0]
+    (found,) = times.since(offset)
+    assert Fraction(*found.as_integer_ratio()) == number.rounded(-61 - offset)
+
+
 def test_regular_times_leave_next_to_nothing_to_exact_arithmetic():
     offset = Fraction(271.3) + Fraction(1.1e-15)
     found, doubtful = differences(np.arange(300.0, 1300.0, 0.01), offset)

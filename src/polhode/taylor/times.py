@@ -97,7 +97,8 @@ def differences(
     near, rest = exact_sum(times, -high)
     small = rest - low
     found, lost = exact_sum(near, small)
-    gap = np.spacing(np.abs(found))
+    # not np.spacing, which for longdoubles of all ones, next below a power of two, is nan
+    gap = np.ldexp(times.dtype.type(1), np.frexp(found)[1] - np.finfo(times.dtype).nmant - 1)
     unsure = np.abs(np.abs(lost) - gap / 2) <= gap * 2.0**-20 + abs(high) * 2.0**-100
     unsure |= np.frexp(found)[0] == 0.5  # the gap below is half as wide
     unsure |= np.abs(found) < 2.0**-900
