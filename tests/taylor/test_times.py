@@ -53,7 +53,7 @@ def test_a_tie_is_left_to_exact_arithmetic():
 def test_a_tie_below_a_power_of_two_is_one(number, bits):
     """A mantissa of all ones, of which numpy's spacing is nan in extended."""
     below = Fraction(1, 2**bits)
-    offset = -60 - below - below / 2  # one - below, and a half of what its last bit is worth
+    offset = -60 - below - below / 2 * (1 - Fraction(1, 2**25))  # nearly halfway to the next
     times = Times([Fraction(-61)], number)
     assert differences(times.grid, offset)[1] == [0]
     (found,) = times.since(offset)
