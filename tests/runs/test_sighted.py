@@ -336,3 +336,16 @@ def test_random_scenes_and_expressions(seed, monkeypatch):
         for one, other in zip(run.events, met.events, strict=True):
             assert len(one.times) == len(other.times)
             assert sum(one.grazing) == sum(other.grazing)
+
+
+def test_each_run_of_a_scene_has_its_own_times():
+    """What depends on the times is kept with them: the set-up is shared by other times' scenes."""
+    scene = polhode.load("kovalevskaya/generic")
+    scene = replace(scene, outputs=(), events=(polhode.Event("level", "gamma3"),))
+    for at in ([300], [350, 400], [1000], [280], [-300], [3], [-3]):  # the last two on heyoka's way
+        run = polhode.integrate(scene, at=at)
+        alone = polhode.integrate(replace(scene, times=tuple(at)))
+        assert run.times == tuple(at)
+        assert run.reached == at[-1]
+        assert np.array_equal(run.states, alone.states)
+        assert run.events == alone.events

@@ -122,7 +122,7 @@ def _stepped(
     """A run, how it ended, and its rows: the state's, then quaternion, psi and phi."""
     if sighted.fits(made, times):
         run = Run(bare(made), max_steps, every)
-        seen = sighted.rows(run, made, times, progress)
+        seen = sighted.rows(run, scene, made, times, progress)
         if seen is not None:
             return run, *seen
     found = None

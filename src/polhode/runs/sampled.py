@@ -169,6 +169,7 @@ def _first_steps(made: Setup, end: Any) -> tuple[Any, float] | None:
     reached = leading.heyoka.time
     step = abs(reached) / count
     if abs(end) < SHORTEST_RUN * step:
+        leading.release()
         return None
     halves = Halves(made)
     for steps in STEPS:

@@ -13,6 +13,7 @@ from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
 from polhode.equations.system import System, system
 from polhode.numbers.convert import joined, number_value, to_extended
+from polhode.numbers.exact import sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import EXACT, Rows
 from polhode.runs.request import rounded_times
@@ -150,8 +151,11 @@ def setup(
     tolerance: Fraction | None = None,
     inputs: NumberType | None = None,
 ) -> Setup:
-    """The set-up of such runs, from the scene where it is kept."""
-    key = (setup, number, tolerance, inputs)
+    """The set-up of such runs, from the scene where it is kept, shared by scenes of other times.
+
+    Not by those that go the other way in time: events count what crosses on the way.
+    """
+    key = (setup, number, tolerance, inputs, sign(scene.end) >= 0)
     found = scene.kept.get(key)
     if not isinstance(found, Setup):
         found = scene.kept[key] = Setup(scene, number, tolerance, inputs)

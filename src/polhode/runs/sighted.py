@@ -18,6 +18,7 @@ from polhode.numbers.scalars import Doubles, Rows
 from polhode.runs.march import Progress
 from polhode.runs.run import Run
 from polhode.runs.setup import Asked, Setup
+from polhode.scenes.scene import Scene
 from polhode.taylor.outcomes import Outcome
 from polhode.taylor.pool import Idle
 from polhode.taylor.times import Times
@@ -80,26 +81,32 @@ def quiet(made: Setup) -> list[bool]:
 
 
 def rows(
-    run: Run, made: Setup, times: Asked, progress: Progress | None
+    run: Run, scene: Scene, made: Setup, times: Asked, progress: Progress | None
 ) -> tuple[Outcome, Rows] | None:
     """The outcome of a plain run and its rows at the outputs; the run's events are told.
 
-    None where they are not found like this: then heyoka has to look for them on its way.
+    ``scene``: whose times these are; the set-up is shared by scenes of other times.  None where
+    they are not found like this: then heyoka has to look for them on its way.
     """
     from polhode.taylor.events import Watch
     from polhode.taylor.hops import Hops
     from polhode.taylor.sightings import Knots, Outlook, Sightings
 
     began = time.perf_counter()
+    key, kept_plans = (Plan, made.number), scene.kept_of_times
+    if key in kept_plans and kept_plans[key] is None:
+        return None
     bare = run.setup
     blueprint = bare.blueprint
     hops = Hops(blueprint)
     outlook = _IDLE.take(made) or Outlook(made.scene, blueprint)
-    wanted = _kept_plan(made, bare, times, hops, outlook)
+    if key not in kept_plans:
+        kept_plans[key] = _plan(bare, times, hops, outlook)
+    wanted: Plan | None = kept_plans[key]
     built = time.perf_counter() - began
     if wanted is None:
         return None
-    watch = Watch(made.scene, made.number, None)
+    watch = Watch(scene, made.number, None)
     outcome, states = run.to(wanted.asked, progress)
     if outcome not in (Outcome.REACHED_END, Outcome.STEP_LIMIT, Outcome.INTERRUPTED):
         return None
@@ -122,15 +129,6 @@ def rows(
     run.seconds += built + time.perf_counter() - began
     given = wanted.outputs[: int(np.searchsorted(wanted.outputs, len(states)))]
     return outcome, states[given]
-
-
-def _kept_plan(made: Setup, bare: Setup, times: Asked, hops: Hops, outlook: Outlook) -> Plan | None:
-    """The times of a plain run, from the scene that asks for these, where they are kept."""
-    key = (Plan, made.number)
-    if key not in made.scene.kept_of_times:
-        made.scene.kept_of_times[key] = _plan(bare, times, hops, outlook)
-    found: Plan | None = made.scene.kept_of_times[key]
-    return found
 
 
 def _plan(bare: Setup, times: Asked, hops: Hops, outlook: Outlook) -> Plan | None:
