@@ -34,6 +34,7 @@ from shared.closed_form_checks import (
     number,
     unwound,
 )
+from shared.kovalevskaya_motions import GENERIC
 
 F = Fraction
 fits = belongs(top_axes.fits)
@@ -43,15 +44,6 @@ DATA = Path(__file__).parents[1] / "data" / "closed-form-50-digits.json"
 CASES = [c for c in json.loads(DATA.read_text())["cases"] if c["group"] == "kovalevskaya"]
 
 
-#: regime: omega, gamma of the body (2, 2, 1), r0 = (1, 0, 0), Mg = 1.  The six types.
-GENERIC = {
-    "-e+ (complex pair)": (("-1/2", "1/10", "1/2"), ("-9/25", "-12/25", "-4/5")),
-    "e-+ (complex pair)": (("-1/10", "-6/5", "11/5"), ("-2/3", "1/3", "2/3")),
-    "-eee+": ((-1, "-1/10", "-1/10"), (0, "4/5", "3/5")),
-    "e-ee+": (("27/10", -2, "-23/10"), ("-4/5", "-9/25", "-12/25")),
-    "ee-e+": (("23/10", "-1/10", "19/10"), ("3/5", "12/25", "16/25")),
-    "eee-+": (("4/5", "41/100", "17/10"), ("12/25", "16/25", "3/5")),
-}
 #: Starts with q = 0, at rest, or with separation variables on branch points, by type.
 BRANCH_POINTS = {
     "q = 0, -eee+": (("-5/2", 0, 0), (0, "3/5", "4/5"), "-eee+"),

@@ -17,17 +17,10 @@ from polhode.closed_forms.kovalevskaya.torus_turns import TorusTurns
 from polhode.numbers.convert import exactly
 from polhode.numbers.private import mpc, mpf, mpmath
 from shared.closed_form_checks import fractions
+from shared.kovalevskaya_motions import GENERIC
 
 F = Fraction
 BODY, TORQUE = (F(2), F(2), F(1)), (F(1), F(0), F(0))
-STARTS = {
-    "-e+ (complex pair)": (("-1/2", "1/10", "1/2"), ("-9/25", "-12/25", "-4/5")),
-    "e-+ (complex pair)": (("-1/10", "-6/5", "11/5"), ("-2/3", "1/3", "2/3")),
-    "-eee+": ((-1, "-1/10", "-1/10"), (0, "4/5", "3/5")),
-    "e-ee+": (("27/10", -2, "-23/10"), ("-4/5", "-9/25", "-12/25")),
-    "ee-e+": (("23/10", "-1/10", "19/10"), ("3/5", "12/25", "16/25")),
-    "eee-+": (("4/5", "41/100", "17/10"), ("12/25", "16/25", "3/5")),
-}
 #: Motions whose third axis is vertical again and again, the last two from there.
 THROUGH_POLES = {
     "isolated node": (("1/2", 1, "3/2"), ("-12/25", "16/25", "3/5")),
@@ -99,9 +92,9 @@ def test_a_way_through_a_zero_is_refused():
             ThetaSum(TAU, row).growth(begin, way)
 
 
-@pytest.mark.parametrize("name", STARTS)
+@pytest.mark.parametrize("name", GENERIC)
 def test_real_periods_are_those_of_the_cycles(name):
-    top = top_of(STARTS[name])
+    top = top_of(GENERIC[name])
     curve = top._curve(20)
     with mpmath.workprec(120):
         one, other = real_periods(curve)
@@ -164,7 +157,7 @@ def test_the_axis_passes_poles_on_one_side():
 )
 def test_turns_at_enormous_times_keep_their_phase(name):
     """Whole turns of many periods are not to be lost in doubles."""
-    top, far = top_of(STARTS[name]), F(10) ** 19
+    top, far = top_of(GENERIC[name]), F(10) ** 19
     times = [far + F(i, 32) for i in range(9)]
     rows, angles = top.at(times, 20), top.angles([times[0], times[-1]], 12)
     with mpmath.workprec(160):
@@ -182,7 +175,7 @@ def test_turns_at_enormous_times_keep_their_phase(name):
 @pytest.mark.parametrize("name", ["_loop", "along"])
 def test_a_corrupted_way_is_noticed(name, monkeypatch):
     """Beside the attitude itself; and the growth over a period beside what the formula says."""
-    top = top_of(STARTS["e-ee+"])
+    top = top_of(GENERIC["e-ee+"])
     old = getattr(TorusTurns, name)
     monkeypatch.setattr(TorusTurns, name, lambda *a: [x + mpf("1e-4") for x in old(*a)])
     with pytest.raises(ArithmeticError, match="turns"):
