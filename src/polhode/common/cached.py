@@ -9,7 +9,7 @@ may compute the value several times; the first to come is kept, and all of them 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # the same to a type checker
     from functools import cached_property as cached_property
@@ -19,14 +19,14 @@ else:
     class cached_property:  # noqa: N801
         """Like ``functools.cached_property``: the value stands in the instance's ``__dict__``."""
 
-        def __init__(self, func: Callable[[Any], Any]) -> None:
+        def __init__(self, func: Callable[[object], object]) -> None:
             self.func = func
             self.__doc__ = func.__doc__
 
         def __set_name__(self, owner: type, name: str) -> None:
             self._name = name
 
-        def __get__(self, instance: object, owner: type | None = None) -> Any:
+        def __get__(self, instance: object, owner: type | None = None) -> object:
             if instance is None:
                 return self
             kept = instance.__dict__

@@ -7,8 +7,6 @@ else: arithmetic with them gives mpmath's numbers, at the caller's precision.
 
 from __future__ import annotations
 
-from typing import Any
-
 import mpmath
 
 Raw = tuple[int, int, int, int]
@@ -21,7 +19,7 @@ class mpf(mpmath.mpf):  # type: ignore[misc]  # noqa: N801
 
     __slots__ = ()
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return real, (plain(self._mpf_),)
 
 
@@ -40,7 +38,7 @@ class mpc(mpmath.mpc):  # type: ignore[misc]  # noqa: N801
         """The imaginary part."""
         return real(self._mpc_[1])
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return pair, tuple(map(plain, self._mpc_))
 
 

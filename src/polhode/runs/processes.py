@@ -17,8 +17,9 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.spawn import get_executable
-from typing import IO, Any, TypeVar
+from typing import IO, TypeVar
 
+J = TypeVar("J")
 T = TypeVar("T")
 
 _HEAD = 8  # bytes that say how many follow
@@ -38,7 +39,7 @@ class Process:
             [get_executable(), "-P", "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE
         )
 
-    def do(self, solve: Callable[[Any], T], job: Any) -> T:
+    def do(self, solve: Callable[[J], T], job: J) -> T:
         """The result of a job, or the fault that it raised; raises Died."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
@@ -79,7 +80,7 @@ class Crew:
         if hasattr(signal, "pthread_sigmask"):
             signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
-    def do(self, solve: Callable[[Any], T], job: Any) -> T:
+    def do(self, solve: Callable[[J], T], job: J) -> T:
         """The result of a job from this thread's process; raises Died: the next job has another."""
         process: Process | None = getattr(self._mine, "process", None)
         if process is None:
