@@ -139,12 +139,31 @@ def test_types_tell_a_user_what_is_wrong(tmp_path):
 
 def test_nobody_computes_at_a_precision_that_others_share():
     """Mpmath's context and flint's are imported where they are made private, and nowhere else."""
-    private = {"numbers/private.py", "numbers/balls.py", "common/values.py"}
+    private = {"numbers/private.py", "numbers/balls.py", "numbers/handed_out.py"}
     shared = re.compile(r"^ *(import mpmath|from mpmath import (?!libmp)|from flint.*\bctx)", re.M)
     for path in (TOP / "src/polhode").rglob("*.py"):
         name = path.relative_to(TOP / "src/polhode").as_posix()
         if name not in private and not name.startswith("peers/"):
             assert not shared.search(path.read_text()), name
+
+
+def test_locks_stand_in_one_place_and_properties_hold_none():
+    """Two locks that two threads take in different orders are a wait without end."""
+    asked = r"^[ \w]*import .*\b({0})\b|\b(functools|threading|multiprocessing)\.({0})\b"
+    banned = {
+        "common/cached.py": "cached_property",
+        "common/locks.py": "R?Lock|Condition|Semaphore|BoundedSemaphore",
+    }
+    for place, words in banned.items():
+        pattern = re.compile(asked.format(words), re.M)
+        found = set()
+        for path in (TOP / "src/polhode").rglob("*.py"):
+            text = re.sub(
+                r"^from polhode\.common\.\w+ import .*$", "", path.read_text(), flags=re.M
+            )
+            if pattern.search(text):
+                found.add(path.relative_to(TOP / "src/polhode").as_posix())
+        assert found == {place}
 
 
 def test_tracked_text_names_no_machine():

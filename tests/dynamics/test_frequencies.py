@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics import laskar
+from polhode.dynamics import frequencies, laskar
+from polhode.figures import samples
 
 
 def test_lines_of_a_made_up_signal():
@@ -143,3 +145,19 @@ def test_a_file_with_other_steps_is_refused(tmp_path):
     path.write_text("t,r\n" + "".join(f"{k},{k}\n" for k in range(40)))
     with pytest.raises(polhode.BadInput, match="64 samples or more"):
         polhode.frequencies(path)
+
+
+ON_THE_WAY = {
+    frequencies: lambda: polhode.frequencies("lagrange/nutation", end=1),
+    samples: lambda: polhode.plot("lagrange/nutation", "omega", end=1),
+}
+
+
+@pytest.mark.parametrize("module", ON_THE_WAY)
+def test_ctrl_c_is_not_the_scene_s_fault(module, monkeypatch):
+    """The run on the way was interrupted: so is what was asked for, and no key is bad."""
+    make = module.integrate
+    ended = polhode.Outcome.INTERRUPTED
+    monkeypatch.setattr(module, "integrate", lambda *a, **k: replace(make(*a, **k), outcome=ended))
+    with pytest.raises(KeyboardInterrupt):
+        ON_THE_WAY[module]()

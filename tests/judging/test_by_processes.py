@@ -85,9 +85,7 @@ def test_a_process_makes_the_reference_of_a_scene_once(monkeypatch):
         scene = polhode.load(name)
         job = by_processes.Job(scene, "at", (Fraction(1), Fraction(2)), 20)
         rows = by_processes.answer(job)
-        assert rows == [
-            [by_processes._parts(x) for x in row] for row in polhode.reference(scene).at([1, 2], 20)
-        ]
+        assert pickle.loads(pickle.dumps(rows)) == polhode.reference(scene).at([1, 2], 20)
     assert made == ["steklov/lower", "pendulum/librating", "steklov/lower"]
 
 

@@ -20,6 +20,7 @@ import mpmath
 import pytest
 
 import polhode
+from polhode.common import locks
 from polhode.common.deadline import TooLong
 from polhode.numbers import balls, private
 
@@ -213,8 +214,8 @@ def test_a_precision_ends_with_its_block():
         fail()
     assert private.mpmath.prec == before
     with ThreadPoolExecutor(1) as pool:  # another thread: the lock is free
-        assert pool.submit(private.mpmath.lock.acquire, timeout=10).result()
-        pool.submit(private.mpmath.lock.release).result()
+        assert pool.submit(private.PRECISION.bare.acquire, timeout=10).result()
+        pool.submit(private.PRECISION.bare.release).result()
 
 
 def after_calls(code: CodeType) -> set[int]:
@@ -233,7 +234,7 @@ def test_an_alarm_at_any_moment_leaves_the_lock_to_others(context):
 
         def trace(frame: FrameType, event: str, _: object) -> Any:
             nonlocal left
-            if frame.f_code.co_filename not in (private.__file__, balls.__file__):
+            if frame.f_code.co_filename not in (private.__file__, balls.__file__, locks.__file__):
                 return None
             frame.f_trace_opcodes = True
             code = frame.f_code
@@ -257,7 +258,7 @@ def test_an_alarm_at_any_moment_leaves_the_lock_to_others(context):
     with ThreadPoolExecutor(1) as pool:
         step = 1
         while interrupted(step):
-            assert pool.submit(private.mpmath.lock.acquire, timeout=10).result(), step
-            pool.submit(private.mpmath.lock.release).result()
+            assert pool.submit(private.PRECISION.bare.acquire, timeout=10).result(), step
+            pool.submit(private.PRECISION.bare.release).result()
             step += 1
     assert step > 5

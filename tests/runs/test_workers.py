@@ -1,12 +1,19 @@
-"""Jobs shared by processes: results in order, dead workers, callers that go."""
+"""Jobs shared by processes: results in order, dead workers, callers that go, callers' scripts."""
 
-import multiprocessing
+from __future__ import annotations
+
 import os
+import signal
+import subprocess
+import sys
 import time
 
 import pytest
 
+from polhode.runs import processes
 from polhode.runs.workers import in_order
+
+HERE = os.getpid()
 
 
 def squared(k):
@@ -15,7 +22,7 @@ def squared(k):
 
 def deadly(k):
     """Ends any process but the first one."""
-    if multiprocessing.parent_process() is not None:
+    if os.getpid() != HERE and os.getppid() == int(os.environ["POLHODE_TEST_PARENT"]):
         os._exit(1)
     return -k
 
@@ -39,7 +46,8 @@ def test_results_come_in_the_order_of_the_jobs(workers):
     assert begun == [0, 1, 2, 3, 4]
 
 
-def test_the_jobs_of_a_process_that_died_are_done_here():
+def test_the_jobs_of_a_process_that_died_are_done_here(monkeypatch):
+    monkeypatch.setenv("POLHODE_TEST_PARENT", str(os.getpid()))
     assert [*in_order(deadly, range(3), 2)] == [0, -1, -2]
 
 
@@ -51,12 +59,122 @@ def test_a_fault_is_the_caller_s(workers):
         next(found)
 
 
-def test_where_the_caller_goes_the_processes_end():
-    before = {*multiprocessing.active_children()}
+class Odd(Exception):
+    """Pickled, but not made again from what is pickled."""
+
+    def __init__(self, one, two):
+        super().__init__(f"{one} {two}")
+
+
+def odd(k):
+    raise Odd("odd", k)
+
+
+def unspeakable(k):
+    return lambda: k
+
+
+def noisy(k):
+    print("what a library says")
+    os.write(1, b"and what its C code says")
+    return sys.stdin.read(), k
+
+
+def test_faults_and_results_that_cannot_travel_are_told():
+    with pytest.raises(RuntimeError, match="odd 0"):
+        list(in_order(odd, range(2), 2))
+    with pytest.raises(AttributeError, match="pickle"):
+        list(in_order(unspeakable, range(2), 2))
+
+
+def test_what_a_job_prints_is_no_answer_and_stdin_is_not_its():
+    assert list(in_order(noisy, range(3), 2)) == [("", 0), ("", 1), ("", 2)]
+
+
+def test_where_the_caller_goes_the_processes_end(monkeypatch):
+    made, make = [], processes.Process
+    monkeypatch.setattr(processes, "Process", lambda: made.append(make()) or made[-1])
     found = in_order(long, range(3), 2)
     assert next(found) == 0
-    assert len({*multiprocessing.active_children()} - before) == 2
-    begun = time.monotonic()
+    assert [x._process.poll() for x in made] == [None, None]
     found.close()
-    assert time.monotonic() - begun < 60
-    assert {*multiprocessing.active_children()} <= before
+    assert [x._process.poll() for x in made] == [-signal.SIGKILL] * 2
+
+
+LIGHT = """\
+print("begun", flush=True)
+from polhode.runs.workers import in_order
+print([*in_order(abs, [-1, 2, -3], 2)])
+"""
+
+SECTION = """\
+print("begun", flush=True)
+import polhode
+for workers in (2, 1):
+    found = polhode.section(
+        "general/asymmetric-regular", grid=(2, 2), crossings=2, workers=workers
+    )
+    print(found.states.tobytes().hex())
+"""
+
+
+def told_by(way, tmp_path, text):
+    """What Python says of a script that it gets in some way; stdin is the script's own."""
+    python, given = [sys.executable], "kept for the script"
+    script = tmp_path / "asked.py"
+    script.write_text(text)
+    if way == "stdin":
+        given = text
+    command = {
+        "file": [*python, str(script)],
+        "stdin": [*python, "-"],
+        "command": [*python, "-c", text],
+        "module": [*python, "-m", "asked"],
+    }[way]
+    done = subprocess.run(
+        command, cwd=tmp_path, input=given, capture_output=True, text=True, timeout=300
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("way", ["file", "stdin", "command", "module"])
+def test_no_process_runs_the_caller_s_script_again(way, tmp_path):
+    """It has no guard: once it ran thrice, and what came on stdin was looked for as a file."""
+    assert told_by(way, tmp_path, LIGHT) == (0, "begun\n[1, 2, 3]\n", "")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", ["file", "stdin"])
+def test_a_section_by_processes_of_an_unguarded_script(way, tmp_path):
+    code, text, faults = told_by(way, tmp_path, SECTION)
+    begun, by_two, by_one = text.splitlines()
+    assert (code, begun, faults) == (0, "begun", "")
+    assert by_two == by_one != ""
+
+
+def test_nothing_in_the_caller_s_folder_is_taken_for_a_library(tmp_path):
+    for name in ("json", "pickle", "signal", "polhode"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('the wrong one')")
+    code = "import os; os.chdir(os.environ['THERE'])\n" + LIGHT
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", code],
+        env={**os.environ, "THERE": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert (done.stdout, done.stderr) == ("begun\n[1, 2, 3]\n", "")
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals of POSIX")
+def test_ctrl_c_of_a_terminal_does_not_reach_them(monkeypatch):
+    """From their first moment on, while Python starts, too: the caller ends them."""
+    made, make = [], processes.Process
+    monkeypatch.setattr(processes, "Process", lambda: made.append(make()) or made[-1])
+    found = in_order(squared, range(2), 2)
+    assert next(found) == 0
+    for process in made:
+        os.kill(process._process.pid, signal.SIGINT)
+    assert [*found] == [1]
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    assert signal.SIGINT not in before  # of this thread

@@ -10,12 +10,12 @@ from __future__ import annotations
 import errno
 import io
 import os
+import secrets
 import select
 import stat
 import sys
-import tempfile
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -91,12 +91,12 @@ def _write_whole(texts: Mapping[Path, str | bytes]) -> None:
             if is_stream(path):
                 continue
             place = path.resolve()
-            handle, staged[place] = tempfile.mkstemp(dir=place.parent, prefix=f".{place.name}.")
-            with os.fdopen(handle, "wb") as out:
+            temporary = f"{place.parent}/.{place.name}.{secrets.token_hex(4)}"
+            with open(temporary, "xb", opener=_with_mode_of(place)) as out:
+                staged[place] = temporary
                 out.write(_bytes(text))
                 out.flush()
                 os.fsync(out.fileno())
-            os.chmod(staged[place], _mode(place))
         for path, text in texts.items():
             if is_stream(path):
                 _stream(path, text)
@@ -207,11 +207,25 @@ def _bytes(text: str | bytes) -> bytes:
     return text.encode() if isinstance(text, str) else text
 
 
-def _mode(place: Path) -> int:
-    """The permissions that a file keeps, or those of a new one."""
-    try:
-        return stat.S_IMODE(place.stat().st_mode)
-    except OSError:
-        mask = os.umask(0)
-        os.umask(mask)
-        return 0o666 & ~mask
+def _with_mode_of(place: Path) -> Callable[[str, int], int]:
+    """Opens a new file with the permissions of the one that it is to replace.
+
+    Where there is none the kernel takes the process's umask from what every new file has.  To ask
+    for the umask would mean to change it, for all threads.
+    """
+
+    def opened(path: str, flags: int) -> int:
+        try:
+            mode = stat.S_IMODE(place.stat().st_mode)
+        except OSError:
+            return os.open(path, flags, 0o666)
+        handle = os.open(path, flags, mode & 0o600)
+        try:
+            os.chmod(path, mode)
+        except OSError:
+            os.close(handle)
+            os.unlink(path)
+            raise
+        return handle
+
+    return opened

@@ -1,10 +1,10 @@
-"""Results as values: compared by what they hold, arrays included, and pickled without a loss."""
+"""Results as values: compared by what they hold, arrays included, and pickled as that alone."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields
-from typing import Any, ClassVar, NamedTuple, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 T = TypeVar("T")
 
@@ -26,11 +26,11 @@ class ByValue:
 
     def __getstate__(self) -> dict[str, Any]:
         """The fields alone: what was computed from them is computed again."""
-        return {f.name: packed(getattr(self, f.name)) for f in fields(self)}  # type: ignore[arg-type]
+        return {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
 
     def __setstate__(self, state: Mapping[str, Any]) -> None:
         for name, value in state.items():
-            object.__setattr__(self, name, unpacked(value))
+            object.__setattr__(self, name, value)
 
 
 def same(one: Any, other: Any) -> bool:
@@ -69,65 +69,13 @@ class _Waiting:
     def __get__(self, instance: object, _: type | None = None) -> Any:
         if instance is None:
             return self
-        held = vars(instance)
-        if callable(held[self._name]):
-            held[self._name] = held[self._name]()
-        return held[self._name]
+        found = vars(instance)[self._name]
+        if callable(found):  # threads that ask at once may each make it
+            vars(instance)[self._name] = found = found()
+        return found
 
     def __set__(self, instance: object, value: Any) -> None:
         vars(instance)[self._name] = value
-
-
-class _Packed(NamedTuple):
-    """An mpf for pickling: mpmath would round it to the precision in force when it is read."""
-
-    raw: tuple[int, int, int, int]
-
-
-def packed(value: Any) -> Any:
-    """A value with every mpf in lists, tuples, NamedTuples and arrays made ready for pickling."""
-    if (raw := getattr(value, "_mpf_", None)) is not None:
-        return _Packed(tuple(int(x) for x in raw))  # type: ignore[arg-type]
-    if type(value) in (list, tuple):
-        return type(value)(map(packed, value))
-    if isinstance(value, tuple) and hasattr(value, "_fields"):  # a NamedTuple
-        return _PackedRow(type(value), [packed(x) for x in value])
-    if hasattr(value, "dtype") and value.dtype.kind == "O":
-        return _PackedArray(value.shape, packed(value.ravel().tolist()))
-    return value
-
-
-class _PackedRow(NamedTuple):
-    """A NamedTuple for pickling."""
-
-    kind: type
-    values: list[Any]
-
-
-class _PackedArray(NamedTuple):
-    """An array of objects for pickling."""
-
-    shape: tuple[int, ...]
-    values: list[Any]
-
-
-def unpacked(value: Any) -> Any:
-    """What was packed."""
-    if isinstance(value, _Packed):
-        from mpmath import mp
-
-        return mp.make_mpf(value.raw)
-    if isinstance(value, _PackedRow):
-        return value.kind(*map(unpacked, value.values))
-    if isinstance(value, _PackedArray):
-        import numpy as np
-
-        held = np.empty(len(value.values), dtype=object)
-        held[:] = unpacked(value.values)
-        return held.reshape(value.shape)
-    if type(value) in (list, tuple):
-        return type(value)(map(unpacked, value))
-    return value
 
 
 def _same_arrays(one: Any, other: Any) -> bool:

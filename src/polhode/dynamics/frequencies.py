@@ -24,6 +24,7 @@ from polhode.judging.table_file import read_table
 from polhode.numbers.convert import exact_number, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.scalars import AnyNumber, Complexes, Doubles
+from polhode.runs.integrate import undisturbed
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene, even_times
@@ -131,7 +132,7 @@ def frequencies(
         expected = f"a time up to {MOST_SAMPLES / PER_LINE / speed:.6g}: more samples take too long"
         raise BadInput(scene.name, "end", to_double(last), expected)
     bare = replace(scene, outputs=outputs, events=(), published=(), source=scene.source)
-    run = integrate(bare.at(even_times(last, max(64, samples))))
+    run = undisturbed(integrate(bare.at(even_times(last, max(64, samples)))))
     if not run.outcome.done:
         expected = f"a time that is reached: {run.outcome.cause}"
         raise BadInput(scene.name, "end", to_double(last), expected)

@@ -22,13 +22,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
 from flint import arb, fmpq_poly
 
 from polhode.closed_forms.staude.stability import spectrum
+from polhode.common.cached import cached_property
 from polhode.dynamics.arc_parts import (
     BITS,
     BRANCH,

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from polhode.common.arguments import whole
+from polhode.common.cached import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
 from polhode.common.values import ByValue

@@ -12,10 +12,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 
 import numpy as np
 
+from polhode.common.cached import cached_property
 from polhode.common.values import ByValue
 from polhode.equations.forms import principal
 from polhode.numbers.convert import to_double

@@ -12,12 +12,12 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from flint import fmpz, fmpz_poly
 
+from polhode.common.cached import cached_property
 from polhode.enclosures.digits import FACTOR_BITS, Double, double, shifted_sum
 from polhode.enclosures.fixed import CLOCK, UP, Refused
 

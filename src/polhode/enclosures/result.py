@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
 from typing import NamedTuple
 
+from polhode.common.cached import cached_property
 from polhode.common.values import ByValue
 from polhode.numbers.convert import to_mpf
 from polhode.numbers.decimals import shown

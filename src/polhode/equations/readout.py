@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from polhode.common.cached import cached_property
 from polhode.equations.form import equations
 from polhode.equations.kinematics import AngleFunctions, angles
 from polhode.numbers.convert import exactly, to_extended, to_mpf

@@ -1,7 +1,6 @@
 """A closed form asked at many times, by several processes where that pays.
 
-Each answers for a stretch of the times; numbers travel as mantissas and exponents, so that none is
-rounded on the way.
+Each answers for a stretch of the times.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ from typing import Any, NamedTuple
 from polhode.common.progress import Tell
 from polhode.common.text import few
 from polhode.judging.reference import Reference, reference
-from polhode.numbers.private import mpmath, ordinary
 from polhode.runs.workers import in_order
 from polhode.scenes.scene import Scene
 
@@ -57,10 +55,7 @@ def asked_by(known: Reference, question: str, workers: int, tell: Tell | None = 
         answers: Iterable[list[Any]] = (alone(part, digits) for part in parts)
         if workers > 1 and reference(known.scene) == known:
             jobs = [Job(known.scene, question, tuple(part), digits) for part in parts]
-            answers = (
-                [[_number(x) for x in row] for row in part]
-                for part in in_order(answer, jobs, workers)
-            )
+            answers = in_order(answer, jobs, workers)
         found: list[Any] = []
         for part in answers:
             found += part
@@ -71,10 +66,10 @@ def asked_by(known: Reference, question: str, workers: int, tell: Tell | None = 
     return ask
 
 
-def answer(job: Job) -> list[list[tuple[int, int] | None]]:
-    """A job's rows: mantissas and exponents of two, None where there is no number."""
-    rows = getattr(_known(job.scene), job.question)(job.times, job.digits)
-    return [[None if x is None else _parts(x) for x in row] for row in rows]
+def answer(job: Job) -> list[Any]:
+    """A job's rows."""
+    rows: list[Any] = getattr(_known(job.scene), job.question)(job.times, job.digits)
+    return rows
 
 
 _LAST: list[Any] = []  # the reference of a process's last job, with all that it has computed
@@ -84,17 +79,3 @@ def _known(scene: Scene) -> Any:
     if not _LAST or _LAST[0].scene != scene:
         _LAST[:] = [reference(scene)]
     return _LAST[0]
-
-
-def _parts(x: Any) -> tuple[int, int]:
-    negative, mantissa, exponent, _ = x._mpf_
-    return int(-mantissa if negative else mantissa), int(exponent)
-
-
-def _number(parts: tuple[int, int] | None) -> Any:
-    """An mpf of as many bits as it needs."""
-    if parts is None:
-        return None
-    mantissa, exponent = parts
-    with mpmath.workprec(max(mantissa.bit_length(), 1)):
-        return ordinary(mpmath.ldexp(mantissa, exponent))

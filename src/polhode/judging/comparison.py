@@ -69,9 +69,9 @@ def compare(
     ``known``: the scene's conditioning, to spare its computation.
     ``first``: called with a judgement of a few rows of a table of more than a thousand, and how
     many those are, before the others are judged; of a file, before they are read.
-    ``workers``: processes that a closed form whose rows cost seconds may be asked by (a script
-    that wants more than one is guarded by ``if __name__ == "__main__"``).  ``progress``: called
-    with the part of the closed form's rows that are there, and how many, where they take long.
+    ``workers``: processes that a closed form whose rows cost seconds may be asked by.
+    ``progress``: called with the part of the closed form's rows that are there, and how many,
+    where they take long.
 
     Raises BadInput for what cannot be read or judged.
 

@@ -23,12 +23,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from polhode.common.arguments import steps
+from polhode.common.cached import cached_property
 from polhode.common.values import ByValue
 from polhode.equations.forms import principal
 from polhode.judging import rounding

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from typing import Any, TypeAlias
 
+from polhode.common.cached import cached_property
 from polhode.common.progress import Tell
 from polhode.common.text import few
 from polhode.judging.by_processes import asked_by

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from polhode.common import upstairs
+from polhode.common.cached import cached_property
 from polhode.common.progress import Tell
 from polhode.common.text import few
 from polhode.common.values import ByValue

@@ -14,7 +14,6 @@ from typing import Any
 from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
-from polhode.common.values import packed, unpacked
 from polhode.equations.hodographs import Hodographs, hodographs
 from polhode.judging.certified import Certified
 from polhode.judging.digits import errors, rate_scale
@@ -182,13 +181,6 @@ class Remembered:
         self.scene, self.kind, self.regime = reference.scene, reference.kind, reference.regime
         self.is_closed_form, self.is_proven = reference.is_closed_form, reference.is_proven
         self.agreement = reference.agreement
-
-    def __getstate__(self) -> dict[str, Any]:
-        """All of it, rows with all their digits: mpmath pickles no more than its own precision."""
-        return vars(self) | {"_kept": packed(list(self._kept.items()))}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state, _kept=dict(unpacked(state["_kept"])))
 
     def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows right to at least so many digits."""

@@ -28,11 +28,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
+from polhode.common.cached import cached_property
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
 from polhode.equations.integrals import FirstIntegrals, first_integrals

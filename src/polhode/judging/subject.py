@@ -6,10 +6,10 @@ from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
+from polhode.common.cached import cached_property
 from polhode.common.values import ByValue
 from polhode.equations.integrals import Drift, drift, drift_of_columns
 from polhode.judging.table import Table

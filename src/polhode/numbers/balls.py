@@ -12,12 +12,13 @@ from collections.abc import Generator
 
 import flint
 
-from polhode.numbers.private import Held, mpmath
+from polhode.common.locks import Held
+from polhode.numbers.private import PRECISION
 
 
 def _holding(bits: int) -> Generator[None, None, None]:
     """The lock and so many bits, as long as this generator lives."""
-    with mpmath.lock:
+    with PRECISION.held():
         before = flint.ctx.prec
         try:
             flint.ctx.prec = bits

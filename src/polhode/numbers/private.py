@@ -3,72 +3,52 @@
 mpmath keeps the precision in force in its context, and all its numbers belong to one.  The context
 that a program shares by ``import mpmath`` is the caller's.  Everything here computes with the one
 of this module, and only inside ``with mpmath.workprec(bits)``, which holds a lock: threads take
-turns, each at the precision that it asked for.  What leaves polhode is made :func:`ordinary`.
+turns, each at the precision that it asked for.  What leaves polhode is made :func:`ordinary`
+(:mod:`polhode.numbers.handed_out`).
 """
 
 from __future__ import annotations
 
-import os
 from collections.abc import Generator, Mapping
-from threading import RLock
 from typing import TYPE_CHECKING, Any
 
-import mpmath as shared
 from mpmath import libmp
 from mpmath.ctx_mp import MPContext
+
+from polhode.common.locks import Held, Lock, Place
+from polhode.numbers.handed_out import Raw, pair, plain, real
 
 if TYPE_CHECKING:
     from mpmath import mpc as mpc
     from mpmath import mpf as mpf
 
 
-class Held:
-    """``with Held(steps):`` runs a generator to its one yield, and on to its end afterwards.
-
-    Ctrl-C or an alarm may raise between any two steps of Python.  What the generator holds it
-    gives back however it ends: by an exception inside, or because nobody knows it any more.
-    """
-
-    __slots__ = ("_steps",)
-
-    def __init__(self, steps: Generator[None, None, None]) -> None:
-        self._steps = steps
-
-    def __enter__(self) -> None:
-        try:
-            next(self._steps)
-        except BaseException:
-            self._steps.close()
-            raise
-
-    def __exit__(self, *fault: object) -> None:
-        self._steps.close()
+#: Of the precision of :data:`mpmath`, and of FLINT's: :mod:`polhode.numbers.balls`.
+PRECISION = Lock(Place.PRECISION)
 
 
 class _Private(MPContext):  # type: ignore[misc]
     """An mpmath context that one thread uses at a time."""
 
     prec: int  # of mpmath's class, a property there
+    _prec: int
+    _dps: int
 
     def __init__(self) -> None:
         super().__init__()
-        self.unlock()
-        if hasattr(os, "register_at_fork"):  # the thread that held it is not there
-            os.register_at_fork(after_in_child=self.unlock)
-
-    def unlock(self) -> None:
-        """A lock that nobody holds."""
-        self.lock = RLock()
+        self.mpf.__reduce__ = lambda x: (_real, (plain(x._mpf_),))  # mpmath's own would round
+        self.mpc.__reduce__ = lambda x: (_pair, tuple(map(plain, x._mpc_)))
 
     def _holding(self, bits: int) -> Generator[None, None, None]:
         """The lock and so many bits, as long as this generator lives."""
-        with self.lock:
-            before = self.prec
+        with PRECISION.held():
+            before, digits = self._prec, self._dps
             try:
                 self.prec = bits
                 yield
-            finally:
-                self.prec = before
+            finally:  # without a call, where Ctrl-C could come between: three plain assignments
+                self._prec_rounding[0] = self._prec = before
+                self._dps = digits
 
     def workprec(self, bits: int) -> Held:
         """``with mpmath.workprec(bits)``: so many bits, and no other thread, until its end."""
@@ -90,15 +70,21 @@ if not TYPE_CHECKING:
     mpf, mpc = mpmath.mpf, mpmath.mpc
 
 
-_make_mpf = shared.mp.make_mpf
+def _real(raw: Raw) -> mpf:
+    """One of this module's from what was pickled."""
+    return mpmath.make_mpf(raw)
+
+
+def _pair(*raw: Raw) -> mpc:
+    return mpmath.make_mpc(raw)
 
 
 def ordinary(value: Any) -> Any:
     """A value with its mpf and mpc, in lists, tuples and dicts too, as those of plain mpmath."""
     if (raw := getattr(value, "_mpf_", None)) is not None:
-        return _make_mpf(raw)
+        return real(raw)
     if (parts := getattr(value, "_mpc_", None)) is not None:
-        return shared.mp.make_mpc(parts)
+        return pair(*parts)
     if type(value) in (list, tuple):
         return type(value)(map(ordinary, value))
     if isinstance(value, Mapping):

@@ -27,10 +27,10 @@ from polhode.refined.problem import Problem, in_unit, out_of_unit, problem
 from polhode.refined.self_test import trusted_kernels, trusted_tables
 from polhode.refined.series import Series
 from polhode.refined.sweeps import Constants, Intervals, Solved, solve
-from polhode.refined.threads import one_thread
 from polhode.refined.trouble import CannotRefine, TooFarOff, TooLong
 from polhode.refined.turns import turns
 from polhode.scenes.scene import Scene
+from polhode.taylor.settings import one_thread
 
 STEPS_AN_INTERVAL = 6
 _DRIFT = 2e-11  # of the double run at a block's end, beyond which it restarts there

@@ -6,9 +6,9 @@ from bisect import bisect_right
 from collections import OrderedDict
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
+from polhode.common.cached import cached_property
 from polhode.common.errors import BadInput, plain
 from polhode.equations.readout import Readout
 from polhode.equations.system import System

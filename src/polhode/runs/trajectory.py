@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
 from polhode.common import upstairs
+from polhode.common.cached import cached_property
 from polhode.common.values import ByValue
 from polhode.equations.form import equations
 from polhode.equations.hodographs import Hodographs, hodographs

@@ -5,22 +5,19 @@ from __future__ import annotations
 
 import os
 import pickle
-import signal
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import (
-    BrokenExecutor,
     CancelledError,
     Executor,
     Future,
-    ProcessPoolExecutor,
     ThreadPoolExecutor,
 )
-from multiprocessing import active_children, get_context
-from multiprocessing.process import BaseProcess
 from queue import SimpleQueue
 from typing import Any, TypeVar
+
+from polhode.runs.processes import Crew, Died
 
 T = TypeVar("T")
 
@@ -70,8 +67,8 @@ def in_order(
 ) -> Iterator[T]:
     """The results of the jobs, in their order, from so many processes; with one, from this one.
 
-    ``begun`` is called with the job whose result is waited for.  The jobs of a process that died
-    are done here; where the caller goes, by Ctrl-C too, the processes are ended.
+    ``begun`` is called with the job whose result is waited for.  The job of a process that died
+    is done here; where the caller goes, by Ctrl-C too, the processes are ended.
     """
     if workers == 1:
         for job in jobs:
@@ -79,31 +76,22 @@ def in_order(
                 begun(job)
             yield solve(job)
         return
-    others = {*active_children()}
-    ours: set[BaseProcess] | None = None
-    pool = ProcessPoolExecutor(workers, get_context("spawn"), _deaf_to_ctrl_c)
+    crew = Crew()
+    pool = ThreadPoolExecutor(workers, initializer=crew.begin)
     try:
-        futures = [pool.submit(solve, job) for job in jobs]
-        ours = {*active_children()} - others
+        futures = [pool.submit(crew.do, solve, job) for job in jobs]
         for job, future in zip(jobs, futures, strict=True):
             if begun is not None:
                 begun(job)
             try:
                 result = future.result()
-            except BrokenExecutor:
+            except Died:
                 result = solve(job)
             yield result
-    except BaseException:
-        for process in {*active_children()} - others if ours is None else ours:
-            process.terminate()
-        raise
     finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def _deaf_to_ctrl_c() -> None:
-    """Ctrl-C reaches every process of a terminal; who started this one ends it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+        pool.shutdown(wait=False, cancel_futures=True)
+        crew.end()
+        pool.shutdown()
 
 
 def elsewhere(

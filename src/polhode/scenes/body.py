@@ -11,10 +11,10 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 from polhode.common.arguments import each, of_kind
+from polhode.common.cached import cached_property
 from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.convert import exact_number
@@ -85,7 +85,7 @@ class PrincipalAxes:
     @property
     def trivial(self) -> bool:
         """Whether these are the body axes themselves."""
-        return self.directions is IDENTITY
+        return self.directions == IDENTITY
 
     def components(self, vector: Vector) -> Vector:
         """The components of a vector, given in body axes, along these axes."""

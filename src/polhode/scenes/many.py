@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from polhode.common.cached import cached_property
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.rationals import Rationals, of_fractions
 from polhode.scenes.members import Members

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import threading
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -28,7 +29,7 @@ class Members(Sequence[Scene]):
 
     def __init__(self, scene: Scene, varied: Grid) -> None:
         self.scene, self.varied = scene, varied
-        self._reading: Any = None
+        self._mine = threading.local()  # one reads by writing into tables
 
     def __len__(self) -> int:
         return len(self.varied.rows)
@@ -41,10 +42,10 @@ class Members(Sequence[Scene]):
         where = range(len(self))[index]
         if isinstance(where, range):
             return [self[k] for k in where]
-        if self._reading is None:
-            self._reading = _Reading(self.scene, self.varied)
-        scene: Scene = self._reading.member(where)
-        return scene
+        reading: _Reading | None = getattr(self._mine, "reading", None)
+        if reading is None:
+            reading = self._mine.reading = _Reading(self.scene, self.varied)
+        return reading.member(where)
 
     def __iter__(self) -> Iterator[Scene]:
         return (self[k] for k in range(len(self)))

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import InitVar, dataclass, field
 from fractions import Fraction
-from functools import cached_property
 from typing import Any, NamedTuple
 
 from polhode.common import upstairs
 from polhode.common.arguments import each, of_kind
+from polhode.common.cached import cached_property
 from polhode.common.errors import BadInput, nearest
 from polhode.numbers import exact
 from polhode.numbers.convert import exact_number

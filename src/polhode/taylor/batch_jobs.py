@@ -67,7 +67,7 @@ class Solved:
     """What became of systems, one after the other.
 
     ``states``: (systems, times, columns) in principal axes and internal units, not a number where
-    a time was not reached; above extended Fractions (an mpf narrows when it is unpickled) and None.
+    a time was not reached; above extended Fractions and None.
     ``outcomes``: by number, NOT_RUN of those that were stopped.  ``errors``: of the
     states of refined members, see :class:`polhode.runs.trajectory.Trajectory`; None without any.
     """

@@ -18,6 +18,7 @@ import heyoka as hy
 import numpy as np
 import numpy.typing as npt
 
+from polhode.common.locks import Lock, Place
 from polhode.equations.forms import principal
 from polhode.numbers.convert import exactly
 from polhode.numbers.number_types import NumberType
@@ -85,14 +86,14 @@ def compiled(job: BatchJob) -> HeyokaIntegrator:
     """heyoka's integrator of a job, of this thread alone; compiled once a process."""
     key = (job.names, job.columns, job.number, job.tolerance)
     if getattr(_own, "key", None) != key:  # one is enough: jobs of one sweep follow each other
-        with _compiling:
+        with _compiling.held():
             built = _compiled(*key)
         _own.integrator, _own.key = copy.copy(built), key
     return _own.integrator
 
 
 _own = threading.local()
-_compiling = threading.Lock()
+_compiling = Lock(Place.COMPILING)
 
 
 @lru_cache(maxsize=4)

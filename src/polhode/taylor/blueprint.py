@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
 
 import heyoka as hy
 
+from polhode.common.cached import cached_property
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row

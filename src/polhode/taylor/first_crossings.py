@@ -19,6 +19,7 @@ import heyoka as hy
 import numpy as np
 import numpy.typing as npt
 
+from polhode.common.locks import Lock, Place
 from polhode.equations import kinematics
 from polhode.equations.forms import principal
 from polhode.numbers import expression
@@ -194,14 +195,14 @@ class _Lanes:
 
 
 _mine = threading.local()
-_compiling = threading.Lock()
+_compiling = Lock(Place.COMPILING)
 
 
 def _own(job: FirstJob) -> tuple[HeyokaIntegrator, CompiledFunction, _Met]:
     """What this thread follows motions with; compiled once a process, but for the callback's."""
     key = (job.names, job.columns, job.zero, job.size, job.turns is not None)
     if getattr(_mine, "key", None) != key:
-        with _compiling:
+        with _compiling.held():
             built, value = _compiled(*key)
             own = copy.deepcopy(built)
         _mine.own, _mine.key = (own, copy.copy(value), own.nt_events[0].callback), key

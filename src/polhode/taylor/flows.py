@@ -8,7 +8,6 @@ matrix.  The body's numbers are parameters, so that bodies share the code.
 from __future__ import annotations
 
 import copy
-import threading
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
@@ -17,6 +16,7 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
+from polhode.common.locks import Lock, Place
 from polhode.equations.forms import principal
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
@@ -66,7 +66,7 @@ class Flow:
         self, coefficients: Mapping[str, Number], number: NumberType, derivative: bool = False
     ) -> None:
         self.number, self.derivative = number, derivative
-        with _compiling:
+        with _compiling.held():
             built = _compiled(tuple(coefficients), number, derivative)
         self._heyoka = copy.copy(built)
         for i, x in enumerate(scalars([*coefficients.values()], number)):
@@ -120,7 +120,7 @@ class Flow:
         return float(x) if self.number.name == "double" else scalar(Fraction(x), self.number)
 
 
-_compiling = threading.Lock()
+_compiling = Lock(Place.COMPILING)
 
 
 @lru_cache(maxsize=8)

@@ -7,8 +7,8 @@ exactly, rounded once to the run's type, and handed over typed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from fractions import Fraction
 from typing import Any
 
@@ -22,6 +22,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Functions, Row
 from polhode.taylor import policy
 from polhode.taylor.kinds import HeyokaNumber
+from polhode.taylor.settings import uncached
 
 #: The scalar functions of heyoka's expressions.
 EXPRESSIONS = Functions(hy.expression(0.0), hy.sin, hy.cos, hy.sqrt)
@@ -124,14 +125,6 @@ def cache() -> dict[str, Any]:
         return {"enabled": enabled, "path": None, "bytes": None, "fault": str(fault)}
 
 
-@contextmanager
-def disk_cache(number: NumberType) -> Iterator[None]:
+def disk_cache(number: NumberType) -> AbstractContextManager[None]:
     """heyoka's disk cache, switched off where it never hits and only grows."""
-    if number.name != "mp" or not hy.llvm_state.get_diskcache_enabled():
-        yield
-        return
-    hy.llvm_state.set_diskcache_enabled(False)
-    try:
-        yield
-    finally:
-        hy.llvm_state.set_diskcache_enabled(True)
+    return uncached() if number.name == "mp" else nullcontext()

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Hashable
-from threading import Lock
 from typing import Any, TypeAlias
+
+from polhode.common.locks import Lock, Place
 
 #: heyoka's integrator, with what belongs to its events where it looks for any.
 Compiled: TypeAlias = Any
@@ -24,11 +25,11 @@ class Idle:
     def __init__(self, most: int = MOST) -> None:
         self._most = most
         self._kept: OrderedDict[Hashable, list[Compiled]] = OrderedDict()
-        self._lock = Lock()
+        self._lock = Lock(Place.STORE)
 
     def take(self, key: Hashable) -> Compiled | None:
         """One that integrates this, from now on the caller's; None where there is none."""
-        with self._lock:
+        with self._lock.held():
             kept = self._kept.get(key)
             if kept is None:
                 return None
@@ -39,7 +40,7 @@ class Idle:
 
     def put(self, key: Hashable, integrator: Compiled) -> None:
         """Keep one for whoever asks next."""
-        with self._lock:
+        with self._lock.held():
             self._kept.setdefault(key, []).append(integrator)
             self._kept.move_to_end(key)
             while sum(map(len, self._kept.values())) > self._most:

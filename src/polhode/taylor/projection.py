@@ -24,10 +24,11 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import heyoka as hy
 
+from polhode.common.cached import cached_property
 from polhode.equations.forms import principal
 from polhode.equations.integrals import FirstIntegrals, exact_values, first_integrals
 from polhode.numbers.exact import ZERO, Number, sign

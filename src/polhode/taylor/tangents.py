@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
+from polhode.common.locks import Lock, Place
 from polhode.equations.forms import principal
 from polhode.numbers.number_types import DOUBLE
 from polhode.scenes.words import STATE
@@ -97,14 +98,14 @@ def solve(job: TangentJob, stop: Callable[[], bool] | None = None) -> Followed:
 
 
 _mine = threading.local()
-_compiling = threading.Lock()
+_compiling = Lock(Place.COMPILING)
 
 
 def _own(job: TangentJob, size: int) -> HeyokaIntegrator:
     """The integrator of this thread alone; compiled once a process."""
     key = (job.names, size, job.tolerance)
     if getattr(_mine, "key", None) != key:
-        with _compiling:
+        with _compiling.held():
             built = _compiled(*key)
         _mine.integrator, _mine.key = copy.copy(built), key
     return _mine.integrator

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
+from polhode.common.cached import cached_property
 from polhode.numbers.convert import exactly, to_double, to_extended
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from functools import cached_property
 
 from polhode.closed_forms.attitude.angles import Attitude, angles
 from polhode.closed_forms.attitude.quaternion import Quaternion
 from polhode.closed_forms.attitude.start import start_quaternion, start_sign
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import number, shortened
+from polhode.common.cached import cached_property
 from polhode.numbers.exact import Exact
 from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector

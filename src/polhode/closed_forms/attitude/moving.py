@@ -14,7 +14,6 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, Protocol
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, of_matrix, product
@@ -27,6 +26,7 @@ from polhode.closed_forms.attitude.winding import (
     too_far,
 )
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpf, mpmath
 
 #: Growth of arg al and arg bt from one time to another; ArithmeticError where it cannot be told.

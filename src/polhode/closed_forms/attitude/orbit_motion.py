@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
-from functools import cached_property
 from typing import Any, Protocol, runtime_checkable
 
 from polhode.closed_forms.attitude.angles import Attitude, angles
@@ -24,6 +23,7 @@ from polhode.closed_forms.attitude.start import start_quaternion, start_sign
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.common.cached import cached_property
 from polhode.numbers.exact import ZERO, Exact, sqrt
 from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector, dot

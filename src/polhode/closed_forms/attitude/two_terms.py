@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
 from polhode.closed_forms.attitude.lattice import floors
 from polhode.closed_forms.functions.jacobi import Jacobi
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpc, mpf, mpmath
 
 _LOST = 32  # bits that phases of crossings and of the motion may have lost

@@ -20,7 +20,6 @@ Ga = 1 is asymptotic to the rotation p about the upright axis 1: r = +-sqrt(R1) 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.angles import Attitude
@@ -30,6 +29,7 @@ from polhode.closed_forms.bobylev_steklov.asymptotic import Asymptotic
 from polhode.closed_forms.bobylev_steklov.conditions import conditions
 from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
 from polhode.closed_forms.functions.rounding import number
+from polhode.common.cached import cached_property
 from polhode.numbers.exact import ZERO, sign, sqrt
 from polhode.numbers.private import mpmath
 

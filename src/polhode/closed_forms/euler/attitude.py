@@ -12,7 +12,6 @@ which :mod:`polhode.closed_forms.euler.turns` knows at any time.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.axes import MotionAxes
@@ -21,6 +20,7 @@ from polhode.closed_forms.attitude.winding import fine_parameters
 from polhode.closed_forms.euler.motion import EulerMotion, PermanentRotation, Polhode
 from polhode.closed_forms.euler.turns import PolhodeTurns
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpf, mpmath
 
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.from_attitude import FromAttitude
@@ -23,6 +22,7 @@ from polhode.closed_forms.euler.motion import EulerMotion, permanent_rotation, p
 from polhode.closed_forms.euler.regimes import exact_numbers, is_permanent, regime
 from polhode.closed_forms.functions.jacobi import MP, pair_functions
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened, vector
+from polhode.common.cached import cached_property
 from polhode.numbers.exact import Exact, sign, sqrt, total
 from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Vector, is_zero

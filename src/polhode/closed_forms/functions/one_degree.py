@@ -13,11 +13,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.functions.fourier import Cosines, cosines
 from polhode.closed_forms.functions.frame import value
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpf, mpmath
 
 _STEP = 0.5  # of Newton's iteration in doubles, at most

@@ -17,7 +17,6 @@ roots of c0 + c2 X + c4 X^2 and X3 = -b0/b2 > X2, v = v0 + nu t and E = d + X2 c
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
@@ -25,6 +24,7 @@ from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
 from polhode.closed_forms.functions.frame import Frame
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev.conditions import coefficients, conditions, frame_of
+from polhode.common.cached import cached_property
 from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.numbers.private import mpmath
 

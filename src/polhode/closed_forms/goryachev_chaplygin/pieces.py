@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from operator import mul
 from typing import Any, NamedTuple
 
 from polhode.closed_forms.functions.fourier import fixed, floating
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpf, mpmath
 
 _GUARD = 32  # bits of the integers beyond the precision in force

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.functions.fourier import OddSines, cosines
@@ -22,6 +21,7 @@ from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
 from polhode.closed_forms.goryachev_chaplygin.clocks import Halves
 from polhode.closed_forms.goryachev_chaplygin.variables import v_roots
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpf, mpmath
 
 _SAMPLES = 64  # tried first

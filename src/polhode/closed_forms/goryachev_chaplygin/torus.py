@@ -7,11 +7,11 @@ unreduced; what is left is bounded, and Newton's method finds it in doubles firs
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 from polhode.closed_forms.goryachev_chaplygin.clocks import Clock, Halves
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpmath
 
 _STEPS = 200

@@ -9,7 +9,6 @@ straight line, so that these places are counted by sums of integer parts.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,6 +21,7 @@ from polhode.closed_forms.goryachev_chaplygin.attitude import placed
 from polhode.closed_forms.goryachev_chaplygin.clocks import Clock
 from polhode.closed_forms.goryachev_chaplygin.motion import Separated, joined
 from polhode.closed_forms.goryachev_chaplygin.poles import Pole, poles
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpf, mpmath
 
 _SAMPLES = 4096  # of a circuit, for the bound of a rate

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.angles import Attitude
@@ -24,6 +23,7 @@ from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.functions.rounding import number, vector
 from polhode.closed_forms.grioli.conditions import SpinFrame, conditions, spin_frame
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpmath
 
 REGIME = "Grioli's regular precession"

@@ -16,7 +16,6 @@ in a turn of th: th + pi changes signs only.
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -26,6 +25,7 @@ from polhode.closed_forms.attitude.quaternion import Quaternion, product
 from polhode.closed_forms.attitude.winding import growth
 from polhode.closed_forms.hess.doubles import DoubleGeneral
 from polhode.closed_forms.hess.general import GeneralMotion
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpc, mpf, mpmath
 
 _LOST = 32  # bits that phases may have lost

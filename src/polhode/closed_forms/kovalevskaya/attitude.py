@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.azimuth import Azimuth
 from polhode.closed_forms.attitude.quaternion import Quaternion
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.kovalevskaya.counting import Counted
+from polhode.common.cached import cached_property
 
 #: w and gamma at a time, in the frame of the attitude, at the precision in force.
 MovingState = Callable[[Any], tuple[Sequence[Any], Sequence[Any]]]

@@ -17,12 +17,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.axes import RowMatrix, in_scene, principal
 from polhode.closed_forms.functions.rounding import log2, number
 from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.common.cached import cached_property
 from polhode.numbers.exact import ZERO, Exact, binary, exact, rounded, sign, sqrt
 from polhode.numbers.private import mpmath
 from polhode.scenes.body import Vector

@@ -19,7 +19,6 @@ import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise, product
 from typing import Any
 
@@ -28,6 +27,7 @@ from polhode.closed_forms.functions.riemann_periods import Pair, SymmetricMatrix
 from polhode.closed_forms.functions.riemann_theta import Characteristic, added, is_odd, whole_parts
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpc, mpf, mpmath
 
 _TILTS = 61  # directions tried

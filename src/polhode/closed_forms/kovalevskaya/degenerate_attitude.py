@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, product
@@ -19,6 +18,7 @@ from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.cayley_klein import CayleyKlein, cayley_klein, quaternion
 from polhode.closed_forms.kovalevskaya.degenerate import Averaged, combined
 from polhode.closed_forms.kovalevskaya.torus_turns import TorusTurns
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpf, mpmath
 
 _TRIALS = 6

@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any, Protocol
 
 from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, product
@@ -19,6 +18,7 @@ from polhode.closed_forms.kovalevskaya.attitude import KovalevskayaAttitude
 from polhode.closed_forms.kovalevskaya.cayley_klein import CayleyKlein, quaternion
 from polhode.closed_forms.kovalevskaya.counting import Counted
 from polhode.closed_forms.kovalevskaya.torus_turns import TorusTurns
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpc, mpf, mpmath
 
 _TRIALS = 6

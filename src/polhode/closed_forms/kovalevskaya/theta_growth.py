@@ -18,7 +18,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -27,6 +26,7 @@ import numpy.typing as npt
 
 from polhode.closed_forms.functions.riemann_periods import Pair, SymmetricMatrix
 from polhode.closed_forms.functions.riemann_theta import whole_parts
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpf, mpmath
 
 _DECAY = 60.0  # terms below e^-this of the largest are left out in doubles

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from polhode.closed_forms.attitude.angles import Attitude
@@ -25,6 +24,7 @@ from polhode.closed_forms.kovalevskaya.certified import CERTIFIED, Answers
 from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, cubic_roots
 from polhode.closed_forms.kovalevskaya.generic import Generic
 from polhode.closed_forms.kovalevskaya.one_frequency import special
+from polhode.common.cached import cached_property
 from polhode.numbers.exact import Exact
 from polhode.numbers.private import mpf, mpmath
 

@@ -12,13 +12,13 @@ n a whole number found once.  What is left of the way is a short one.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.functions.riemann_periods import Pair, solved
 from polhode.closed_forms.kovalevskaya.cayley_klein import CayleyKlein
 from polhode.closed_forms.kovalevskaya.real_periods import RealPeriod, real_periods
 from polhode.closed_forms.kovalevskaya.theta_growth import ThetaSum
+from polhode.common.cached import cached_property
 from polhode.numbers.private import mpf, mpmath
 
 _AGREE = 1e-6  # turns

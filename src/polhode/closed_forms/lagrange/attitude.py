@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.angles import TooFewBits
@@ -34,6 +33,7 @@ from polhode.closed_forms.lagrange.motion import (
 )
 from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.closed_forms.lagrange.turns import turning
+from polhode.common.cached import cached_property
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.private import mpc, mpf, mpmath
 

@@ -9,7 +9,6 @@ State and theta, phi stay, psi' = om.  Whether the rotation is stable is decided
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.angles import Attitude
@@ -19,6 +18,7 @@ from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.rounding import number, shortened
 from polhode.closed_forms.staude.conditions import conditions
 from polhode.closed_forms.staude.stability import Stability, stability
+from polhode.common.cached import cached_property
 from polhode.numbers.exact import sign
 from polhode.numbers.private import mpf
 from polhode.scenes.body import dot, is_zero

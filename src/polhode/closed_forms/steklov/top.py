@@ -15,13 +15,13 @@ v = v0 + nu t; the signs of p and r are those that p' = a1 q r asks for, r keeps
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.steklov.conditions import coefficients, conditions
+from polhode.common.cached import cached_property
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.private import mpmath
 

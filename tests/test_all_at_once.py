@@ -1,0 +1,157 @@
+"""All verbs at once in threads, in pools, and after Ctrl-C at any moment: the same to the bit."""
+
+from __future__ import annotations
+
+import functools
+import multiprocessing
+import os
+import random
+import signal
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from itertools import combinations_with_replacement
+from typing import Any
+
+import heyoka
+import pytest
+
+from polhode.common import locks
+from shared.verbs import VERBS, answer
+
+THREADS = 16
+PATIENCE = 600.0  # seconds, for what ends in a few if at all
+
+alone = functools.cache(answer)
+
+#: Locks of two kinds, integrators compiled by both, and settings of the process.
+SOME = [("levels", "orbit"), ("integrate_many", "certify"), ("quad", "reduce_many")]
+
+
+@pytest.fixture
+def quick_changes() -> Iterator[None]:
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-5)
+    yield
+    sys.setswitchinterval(interval)
+
+
+def together(names: Sequence[str], jobs: int) -> set[str]:
+    """Ask so many times in threads; the verbs whose answers differ from those of one thread."""
+    waiting, wrong = deque(list(names) * (jobs // len(names))), set()
+
+    def work() -> None:
+        while True:
+            try:
+                name = waiting.popleft()
+            except IndexError:
+                return
+            try:
+                if answer(name) != alone(name):
+                    wrong.add(name)
+            except BaseException as fault:
+                wrong.add(f"{name}: {fault!r}")
+
+    for name in names:
+        alone(name)
+    threads = [threading.Thread(target=work, daemon=True) for _ in range(THREADS)]
+    for thread in threads:
+        thread.start()
+    until = time.monotonic() + PATIENCE
+    for thread in threads:
+        thread.join(max(0.0, until - time.monotonic()))
+    left = sum(thread.is_alive() for thread in threads)
+    assert left == 0, f"{left} threads wait for each other: {names}"
+    return wrong
+
+
+@pytest.mark.parametrize("pair", SOME, ids="-".join)
+def test_pairs_of_verbs_in_threads_answer_as_alone(pair, quick_changes):
+    """Levels and an orbit waited for each other for ever, in one try of four."""
+    assert together(pair, 12) == set()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", VERBS)
+def test_all_pairs_of_verbs_in_threads_answer_as_alone(first, quick_changes):
+    names = list(VERBS)
+    pairs = [p for p in combinations_with_replacement(names, 2) if p[0] == first]
+    assert {name for pair in pairs for name in together(sorted({*pair}), 40)} == set()
+
+
+@pytest.mark.slow
+def test_all_verbs_in_threads_at_once_answer_as_alone(quick_changes):
+    assert together([*VERBS] * 5, 5 * len(VERBS)) == set()
+
+
+def in_pool(start: str, names: Sequence[str]) -> list[Any]:
+    if start not in multiprocessing.get_all_start_methods():
+        pytest.skip(f"a system without {start}")
+    with multiprocessing.get_context(start).Pool(2) as pool:
+        return pool.map_async(answer, names, chunksize=1).get(PATIENCE)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("start", ["fork", "spawn", "forkserver"])
+def test_a_pool_answers_as_one_process(start):
+    for name in VERBS:
+        alone(name)  # all that is compiled and kept goes along into a fork
+    names = [*VERBS] * 2
+    assert in_pool(start, names) == [alone(name) for name in names]
+
+
+def free(lock: locks.Lock) -> bool:
+    """Whether a thread other than this one could take it."""
+
+    def tried() -> bool:
+        taken = lock.bare.acquire(timeout=60)
+        if taken:
+            lock.bare.release()
+        return taken
+
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(tried).result()
+
+
+def interrupted(name: str, after: float) -> bool:
+    """Ask, and press Ctrl-C so many seconds later; whether it was heard."""
+    came = False
+    timer = threading.Timer(after, lambda: os.kill(os.getpid(), signal.SIGINT))
+    try:
+        try:
+            timer.start()
+            VERBS[name]()
+        finally:
+            timer.cancel()
+            timer.join()
+    except KeyboardInterrupt:
+        came = True
+    return came
+
+
+def test_the_next_answer_after_an_interrupt_is_the_same():
+    assert after_interrupts(["levels", "quad", "integrate_many", "reference"], 12) > 0
+
+
+@pytest.mark.slow
+def test_the_next_answer_after_any_of_many_interrupts_is_the_same():
+    assert after_interrupts([*VERBS], 200) > 50
+
+
+def after_interrupts(names: Sequence[str], count: int) -> int:
+    """How many of so many interrupts came while a verb was at work."""
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    before = heyoka.get_nthreads(), heyoka.llvm_state.get_diskcache_enabled()
+    for name in names:
+        alone(name)
+    chance, came = random.Random(25), 0
+    for k in range(count):
+        name = names[k % len(names)]
+        came += interrupted(name, chance.uniform(0, 0.06))
+        assert answer(name) == alone(name), (name, k)
+    assert all(map(free, list(locks._ALL)))
+    assert (heyoka.get_nthreads(), heyoka.llvm_state.get_diskcache_enabled()) == before
+    return came
