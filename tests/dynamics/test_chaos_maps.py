@@ -13,6 +13,7 @@ import polhode
 from polhode.cli import main
 from polhode.dynamics import chaos_maps
 from polhode.dynamics.first_tangents import tangents_of
+from polhode.output import maps as output
 
 GENERIC = polhode.load("general/asymmetric-chaotic")
 LEVEL = {"h": 3, "f": Fraction(1, 2)}
@@ -224,3 +225,38 @@ def test_verdicts_of_480_known_motions(by, extremum, most):
 def test_a_grid_that_is_none_is_named(ask, grid):
     with pytest.raises(polhode.BadInput, match="grid = "):
         ask("lagrange/nutation", grid=grid)
+
+
+def test_an_end_that_is_too_short_to_decide_is_named(capsys):
+    """In the scene's own time: a body in other units has another least end."""
+    assert (
+        main(["map", "general/asymmetric-regular", "--grid", "2x2", "--end", "20", "--json"]) == 0
+    )
+    told = capsys.readouterr()
+    found = json.loads(told.out)
+    least = 1000 * 2.0 ** polhode.load("general/asymmetric-regular").time_unit
+    assert found["least_end"] == least
+    assert found["counts"]["undecided"] == 4
+    assert len(found["notes"]) == 1
+    assert found["notes"][0] in told.err
+    assert (
+        f"4 undecided: t = 20 is too short, none is called regular before t = {least:g}" in told.err
+    )
+
+
+def test_the_least_end_decides_and_needs_no_note():
+    slow = polhode.top(
+        moments=[100, 100, 100],
+        centre=[0, 0, 1],
+        weight="1/100",
+        omega=["1/100", 0, "1/50"],
+        gamma=["3/5", 0, "4/5"],
+        end=1,
+    )
+    least = polhode.chaos_map(slow, (2, 1), end=1).enough
+    assert least > 4000
+    found = polhode.chaos_map(slow, (2, 1), end=least)
+    assert not found.too_short
+    assert found.counts["regular"] == len(found.verdict)
+    assert output.of_map(found)["notes"] == []
+    assert polhode.chaos_map(slow, (2, 1), end=least * 0.999).counts["regular"] == 0

@@ -18,6 +18,7 @@ from polhode.judging.subject import of_table
 from polhode.judging.table import Table
 from polhode.judging.two_precisions import TwoPrecisions
 from polhode.numbers import exact, number_types
+from polhode.numbers.convert import exact_number
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.private import mpmath
 from polhode.output import description
@@ -115,6 +116,34 @@ def test_a_start_from_rest_has_a_drift_all_the_same():
     drift = polhode.integrate(scene).drift
     assert 0 < drift.f < 1e-13
     assert integrals.scales(scene)[1] > 0
+
+
+@pytest.mark.parametrize("start", ["0", "1e-30", "1e-8", "1e-2"])
+def test_near_rest_the_drift_of_f_is_measured_by_the_swing_to_come(start):
+    """The same body and motion, but for a start that is hardly one: no drift larger by 1/start."""
+    scene = polhode.top(
+        moments=[1, 2, "2.5"],
+        centre=["0.1", "0.2", "0.3"],
+        weight=3,
+        omega=[start, 0, 0],
+        gamma=["0.6", 0, "0.8"],
+        end=5,
+        samples=11,
+    )
+    swing = math.sqrt(3 * math.sqrt(0.14) * 2.5)
+    assert float(integrals.scales(scene)[1]) == pytest.approx(swing)
+    drift = polhode.integrate(scene).drift
+    assert 1e-18 < drift.f < 1e-14
+    many = polhode.integrate_many(scene, {"start.omega[1]": [start, "1e-20"]})
+    assert many.drift[0, 1] == pytest.approx(drift.f, rel=1e-6)
+
+
+def test_away_from_rest_the_drift_of_f_is_measured_by_the_momentum_at_the_start():
+    """From a tenth of the pendulum's momentum on, exactly."""
+    body = {"moments": [1, 1, 1], "centre": [0, 0, 1], "weight": 1, "gamma": [0, 0, 1]}
+    for omega, scale in (("0.1", "0.1"), ("0.0999", "1"), ("3", "3")):
+        scene = polhode.top(omega=[0, 0, omega], end=1, **body)
+        assert str(integrals.scales(scene)[1]) == str(exact_number(scale))
 
 
 @pytest.mark.slow

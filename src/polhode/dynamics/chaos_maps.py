@@ -43,6 +43,7 @@ LOOK, LEAST_LOOKS = 8.0, 16  # units of time between two looks, at most; looks, 
 LANES = 256
 VERDICTS = ("regular", "undecided", "chaotic")
 MOST = 10_000_000  # units of time
+_ROUNDING = 1e-9  # of an end
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -81,6 +82,16 @@ class ChaosMap(ByValue):
     def __repr__(self) -> str:
         told = ", ".join(f"{n} {name}" for name, n in self.counts.items())
         return f"<ChaosMap of {self.scene.name}: {len(self.verdict)} motions, {told}>"
+
+    @property
+    def enough(self) -> float:
+        """The least end at which a motion can be called regular; before, it stays undecided."""
+        return SHORTEST * 2.0**self.scene.time_unit
+
+    @property
+    def too_short(self) -> bool:
+        """Whether the end alone leaves what is not chaotic undecided."""
+        return self.end < self.enough * (1 - _ROUNDING)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -216,7 +227,9 @@ def _judged(sizes: Any, last: Any, length: float) -> dict[str, Any]:
     mean = np.zeros_like(sizes)
     mean[:, 1:] = np.cumsum((y[:, 1:] + y[:, :-1]) / 2, axis=1) * step / time[1:]
     megno = mean[rows, last]
-    calm = (growth < REGULAR_GROWTH) & (megno < REGULAR_MEGNO) & (until >= SHORTEST * (1 - 1e-9))
+    calm = (
+        (growth < REGULAR_GROWTH) & (megno < REGULAR_MEGNO) & (until >= SHORTEST * (1 - _ROUNDING))
+    )
     verdict = np.where(growth > CHAOTIC, 2, np.where(calm, 0, 1))
     half = np.maximum(last - last // 2, 1) * step
     return {

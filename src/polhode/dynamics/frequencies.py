@@ -266,13 +266,14 @@ def _found(
     closed = bool(known)
     found: dict[str, tuple[Line, ...]] = {}
     for signal, samples in signals.items():
-        centred = samples - _mean(samples) if not np.any(samples.imag) else samples
+        real = not np.any(samples.imag)
+        centred = samples - _mean(samples) if real else samples
+        bin_width = 2 * math.pi / abs(step * (len(samples) - 1))
         parts = []
-        for line in laskar.lines(centred, step, count):
-            if not np.any(samples.imag) and line.frequency < 0:
+        for line in laskar.lines(centred, step, count, laskar.size_of(samples)):
+            if real and line.frequency < 0:
                 continue  # the mirror image of a real signal's line
-            length = step * (len(samples) - 1)
-            sharp = line.error < _SHARP * 2 * math.pi / length
+            sharp = line.error < _SHARP * bin_width
             combination = combined(line.frequency, line.error, known) if sharp else {}
             zero = abs(line.frequency) < 10 * line.error
             if sharp and not (combination or closed or zero) and len(known) < 3:

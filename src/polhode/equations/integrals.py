@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from polhode.numbers.pairs import Pairs
 
 GUARD_BITS = 64
+NEAR_REST = 10  # where |G(0)| is so many times less than the pendulum's momentum
 ENERGY, AREA, LENGTH = "h", "f", "|gamma|^2"
 MOMENTUM, SPIN, KOVALEVSKAYA, CHAPLYGIN = "|G|^2", "spin", "K^2", "F"
 
@@ -45,8 +46,9 @@ class Drift(NamedTuple):
     They are relative to T(0) + Mg|r0|, |G(0)|, 1, and for the fourth, with n the larger of |w(0)|
     and sqrt(Mg|r0|/largest moment): |G|² to |G(0)|², the spin to n, K² to (n² + |c|)², F to
     n (n² + |c|).
-    A scale that is zero is replaced: |G(0)| by the momentum of the pendulum's rate,
-    sqrt(Mg|r0|·largest moment), and any zero scale that is left by 1.  f and gamma are None for a
+    From rest and near it |G(0)| says nothing about the motion: where it is less than a tenth of the
+    momentum of the pendulum's rate, sqrt(Mg|r0|·largest moment), that one stands for it.  A zero
+    scale that is left is replaced by 1.  f and gamma are None for a
     scene without gamma, the fourth where there is none, all of them where no state was reached.
     """
 
@@ -285,8 +287,9 @@ def scales(scene: Scene) -> tuple[Exact, Exact]:
     """The scales of h and f, see Drift."""
     found = scene.integrals
     area = found.area_scale
-    if sign(area) == 0:
-        area = exact.sqrt(exact.sqrt(_square(scene.body.torque)) * max(scene.body.moments))
+    swing = exact.sqrt(exact.sqrt(_square(scene.body.torque)) * max(scene.body.moments))
+    if sign(NEAR_REST * area - swing) < 0:
+        area = swing
     return tuple(x if sign(x) else ONE for x in (found.energy_scale, area))  # type: ignore[return-value]
 
 

@@ -18,7 +18,8 @@ def draw(plt: Any, found: Frequencies) -> Any:
     figure, panels = plt.subplots(
         count, 1, figsize=size, squeeze=False, sharex=True, layout="constrained"
     )
-    fastest = max(abs(line.frequency) for lines in found.lines.values() for line in lines)
+    every = [line for lines in found.lines.values() for line in lines]
+    fastest = max((abs(line.frequency) for line in every), default=0.0)
     span = 1.6 * fastest or 1.0
     for axes, (name, lines) in zip(panels[:, 0], found.lines.items(), strict=True):
         frequency, power = spectrum(found.signals[name], found.step)
@@ -36,6 +37,8 @@ def draw(plt: Any, found: Frequencies) -> Any:
 def spectrum(samples: Any, step: float) -> tuple[Any, Any]:
     """Frequencies and moduli of the windowed transform, ascending."""
     n = len(samples)
+    if step < 0:  # as time rises
+        samples, step = np.conj(samples), -step
     window = (1 + np.cos(np.pi * np.linspace(-1, 1, n))) ** POWER
     centred = samples - (samples @ window) / window.sum() if not np.any(samples.imag) else samples
     padded = 4 * 2 ** int(np.ceil(np.log2(n)))

@@ -27,6 +27,16 @@ def arrays(found: ChaosMap) -> dict[str, Any]:
     return {name: getattr(found, name) for name in _ROWS} | {"about": np.array(about)}
 
 
+def means(found: ChaosMap) -> str:
+    """What the verdicts rest on: how far the motions were followed, and whether that is enough."""
+    if not found.too_short:
+        return f"regular means up to t = {found.end:g}"
+    return (
+        f"{found.counts['undecided']} undecided: t = {found.end:g} is too short, none is called "
+        f"regular before t = {found.enough:g}; an end of {found.enough:g} or more can decide"
+    )
+
+
 def _about(found: ChaosMap) -> dict[str, Any]:
     return {
         "scene": found.scene.name,
@@ -35,6 +45,8 @@ def _about(found: ChaosMap) -> dict[str, Any]:
         "end": found.end,
         "keys": list(found.keys),
         "shape": list(found.shape),
+        "least_end": found.enough,
         "counts": found.counts,
+        "notes": [means(found)] if found.too_short else [],
         "interrupted": found.interrupted,
     }

@@ -103,6 +103,8 @@ def _plan(made: Setup, times: Asked) -> Plan | None:
     if "angles" in made.whole.outputs and _spins(made.scene):
         return None
     grid = times.inside.grid
+    if grid[-1] == 0:  # the start alone
+        return None
     found = _first_steps(made, grid[-1])
     if found is None:
         return None

@@ -19,6 +19,7 @@ from polhode.equations.integrals import (
     KOVALEVSKAYA,
     LENGTH,
     MOMENTUM,
+    NEAR_REST,
     SPIN,
     Drift,
     FirstIntegrals,
@@ -150,7 +151,8 @@ def _measures(
     kinetic = sum(i * x * x for i, x in zip(inertia, w, strict=True)) / 2
     weight = np.sqrt(sum(x * x for x in moment))
     momentum = np.sqrt(sum((i * x) ** 2 for i, x in zip(inertia, w, strict=True)))
-    area = np.where(momentum == 0, np.sqrt(weight * largest), momentum)
+    swing = np.sqrt(weight * largest)
+    area = np.where(NEAR_REST * momentum < swing, swing, momentum)
     energy = kinetic + weight
     energy, area = (np.where(x == 0, 1.0, x) for x in (energy, area))
     rate = np.sqrt(np.maximum(sum(x * x for x in w), weight / largest))

@@ -56,6 +56,9 @@ def main(options: Namespace) -> int:
             amplitude = f"{abs(line.amplitude):.6g}"
             rows.append([signal, number, f"{line.error:.1e}", amplitude, words])
     print_table(["signal", "frequency", "error", "amplitude", "combination"], rows)
+    for signal, lines in found.lines.items():
+        if not lines:
+            note(f"{found.name}: {signal} has no line above rounding")
     kind = "closed form" if found.closed_form else "basis"
     told = ", ".join(f"{name} = {value:.15g}" for name, value in found.known.items())
     if told:

@@ -79,7 +79,7 @@ def main(options: Namespace) -> int:
     elif file is None or not file.on_stdout:
         for name, n in found.counts.items():
             say(f"{name:<10}{n:>8}  {100 * n / len(found.verdict):.1f} %")
-    note(f"{scene.name}: {len(found.verdict)} motions, regular means up to t = {found.end:g}")
+    note(f"{scene.name}: {len(found.verdict)} motions, {output.means(found)}")
     if found.interrupted:
         return goes_on(found.kept)
     return DONE

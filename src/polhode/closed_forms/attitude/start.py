@@ -7,7 +7,8 @@ from typing import Any
 
 from polhode.closed_forms.attitude.quaternion import Quaternion
 from polhode.closed_forms.functions.rounding import number
-from polhode.numbers.exact import EQUAL_BITS, Exact, sign
+from polhode.numbers import exact
+from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.private import mpmath
 
 
@@ -31,16 +32,19 @@ def first_quaternion(gamma: Sequence[Exact], psi: Exact, bits: int) -> Quaternio
 def start_sign(gamma: Sequence[Exact], psi: Exact) -> int:
     """The factor that makes the first component of :func:`first_quaternion` that is not 0 positive.
 
-    It must not depend on the precision asked for: what 256 bits leave open is decided at the bits
-    of the rule for *equal*.
+    Signs of exact numbers, at any precision the same: no rounding of a component that is 0 decides.
     """
-    for bits in (256, EQUAL_BITS):
-        found = first_quaternion(gamma, psi, bits)
-        tiny = mpmath.ldexp(1, -bits // 2)  # rounding of an exact zero
-        first = next(x for x in found if abs(x) > tiny)
-        if first is found[0]:
-            break
-    return 1 if first > 0 else -1
+    pole = sign(gamma[0]) == 0 == sign(gamma[1])
+    phi = ZERO if pole else exact.arctan2(gamma[0], gamma[1])
+    cos = not pole or sign(gamma[2]) > 0  # of theta/2, where it is not 0
+    sin = not pole or sign(gamma[2]) < 0
+    parts = (
+        (cos, exact.cos, psi + phi),
+        (sin, exact.cos, psi - phi),
+        (sin, exact.sin, psi - phi),
+        (cos, exact.sin, psi + phi),
+    )
+    return next(side for there, f, x in parts if there and (side := sign(f(x / 2))))
 
 
 def start_angles(gamma: Sequence[Exact], psi: Exact, bits: int) -> list[Any]:
