@@ -118,17 +118,30 @@ def test_a_refusal_is_recorded_by_class_and_message():
 
 
 def test_a_make_that_was_cut_short_goes_on(tmp_path, monkeypatch):
-    """Entries that are there are not made again; a line that a kill cut short is."""
+    """Entries that are there are not made again; one whose line a kill cut short is."""
     made = []
     entries = [(f"entry {k}", lambda k=k: made.append(k) or k) for k in range(5)]
     monkeypatch.setitem(golden_parts.PARTS, "levels", lambda: iter(entries))
     (tmp_path / "levels.jsonl").write_text('["entry 0", "0"]\n["entry 2", "')
     monkeypatch.setattr(golden.signal, "signal", lambda *_: None)
-    golden.make_part(tmp_path, "levels", 2)
-    assert made == [2, 4]
+    golden.make_part(tmp_path, "levels", 1)
+    assert made == [1, 2, 3, 4]
     assert (tmp_path / "levels.jsonl").read_text().splitlines() == [
-        f'["entry {k}", "{k}"]' for k in (0, 2, 4)
+        f'["entry {k}", "{k}"]' for k in range(5)
     ]
+
+
+@pytest.mark.parametrize("every", [1, 4, 12, 1000])
+def test_a_sample_is_spread_over_every_word_of_the_names(every):
+    """Also where as many as are left out divide the number of combinations."""
+    entries = [(f"top {k} {w}{p}", k) for k in range(60) for w in "abcde" for p in ("", " project")]
+    found = golden.sampled(entries, every)
+    assert len(found) == -(-len(entries) // every)
+    assert found == [pair for pair in entries if pair in found]
+    if every < 100:
+        assert {name.partition(" ")[2].partition(" ")[2] for name, _ in found} == {
+            f"{w}{p}" for w in "abcde" for p in ("", " project")
+        }
 
 
 def test_made_twice_it_is_the_same_to_the_byte(tmp_path):

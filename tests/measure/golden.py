@@ -4,9 +4,9 @@
     python tests/measure/golden.py diff A.json B.json
 
 ``make`` goes through the parts in golden_parts.py, each in a process of its own, N at a time (2),
-and writes what polhode gives, bit by bit, or how it refuses.  ``--sample K`` takes every K-th entry
-of a part.  It is polhode as that Python imports it that is asked: to compare two states of the
-code, run this same script by the Python of either, on one machine, for vector units and
+and writes what polhode gives, bit by bit, or how it refuses.  ``--sample K`` takes one entry
+in K of each part.  It is polhode as that Python imports it that is asked: to compare two states of
+the code, run this same script by the Python of either, on one machine, for vector units and
 mathematical functions differ between machines.  A make that was interrupted goes on where it was.
 
 ``diff`` lists the entries that differ, in which part and by how many units of the last place, and
@@ -24,6 +24,7 @@ import signal
 import subprocess
 import sys
 import time
+import zlib
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -84,7 +85,7 @@ def make_part(folder: Path, part: str, sample: int) -> None:
     known = dict(_lines(file))
     text = "".join(json.dumps(line) + "\n" for line in known.items())
     file.write_text(text, encoding="utf-8")  # without a last line that a kill cut short
-    entries = [pair for k, pair in enumerate(PARTS[part]()) if k % sample == 0]
+    entries = sampled(list(PARTS[part]()), sample)
     shown = time.monotonic()
     with file.open("a", encoding="utf-8") as out:
         for k, (key, entry) in enumerate(entries, 1):
@@ -95,6 +96,13 @@ def make_part(folder: Path, part: str, sample: int) -> None:
                 shown = time.monotonic()
                 spent = f"{time.process_time():.0f} s of processor"
                 print(f"{part}: {k} of {len(entries)}, {spent}", file=sys.stderr, flush=True)
+
+
+def sampled(entries: Sequence[tuple[str, Any]], every: int) -> list[tuple[str, Any]]:
+    """One in so many, always the same, spread over all that the names combine."""
+    by_name = sorted(entries, key=lambda pair: zlib.crc32(pair[0].encode()))
+    chosen = {key for key, _ in by_name[::every]}
+    return [pair for pair in entries if pair[0] in chosen]
 
 
 def _file(folder: Path, part: str) -> Path:
