@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import polhode
+from polhode.dynamics.arc_parts import BODY_BITS, RationalBody
+from polhode.dynamics.fourth_integral import fourth_integral
 from polhode.numbers.convert import to_double
+from polhode.numbers.polynomials import fraction_near
 from polhode.scenes import scene_file
 
 
@@ -134,3 +139,134 @@ def test_special_motions_lie_on_a_critical_value(case, what):
 def test_other_bodies_have_none():
     assert polhode.levels("general/asymmetric-chaotic").here.fourth is None
     assert polhode.levels("grioli/precession").here.fourth is None
+
+
+def critical(scene):
+    """The critical values of a scene's level and its own value, without the rest of its levels."""
+    level = scene.integrals.energy, scene.integrals.area
+    h, f = (fraction_near(x, BODY_BITS)[0] for x in level)
+    return fourth_integral(scene, RationalBody.of(scene.body), h, f)
+
+
+def top(moments, centre, omega, gamma=("3/5", 0, "4/5"), weight=1):
+    return polhode.top(moments=moments, centre=centre, weight=weight, omega=omega, gamma=gamma)
+
+
+#: With moments three times as large and a weight twelve times as large the same motion runs twice
+#: as fast: by what powers of these two numbers each integral grows.
+GROWTH = {"K^2": 2**4, "F": 2**3, "L": 2 * 3, "|G|^2": (2 * 3) ** 2}
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        "kovalevskaya/generic",
+        "kovalevskaya/asymptotic",
+        "kovalevskaya/delaunay",
+        "goryachev-chaplygin/two-frequencies",
+        "goryachev-chaplygin/v-constant",
+        "lagrange/nutation",
+        "lagrange/homoclinic",
+        "euler/separatrix",
+        "euler/attitude",
+        "class II unreal",
+    ],
+)
+def test_another_unit_of_mass_and_of_time_scales_every_value(case):
+    """The library's tops have C = T = 1, where a factor of either too few or too many is unseen."""
+    scene = scene_file.parse(UNREAL) if case == "class II unreal" else polhode.load(case)
+    body = polhode.Body(
+        [[3 * x for x in row] for row in scene.body.inertia],
+        scene.body.centre,
+        12 * scene.body.weight,
+    )
+    larger = replace(scene, body=body, omega=tuple(2 * w for w in scene.omega))
+    one, two = critical(scene), critical(larger)
+    by = GROWTH[one.name]
+    assert two.name == one.name
+    assert two.value == pytest.approx(by * one.value, rel=1e-15)
+    assert [x.what for x in two.critical] == [x.what for x in one.critical]
+    values = [by * x.value for x in one.critical]
+    assert [x.value for x in two.critical] == pytest.approx(values, rel=1e-15, abs=1e-300)
+
+
+def test_a_body_of_goryachev_and_chaplygin_has_its_integral_on_f_0_alone():
+    body = {"moments": [4, 4, 1], "centre": [1, 0, 0]}
+    on = critical(top(**body, omega=[0, "1/2", 0]))
+    assert on.name == "F"
+    assert critical(top(**body, omega=[0, "1/2", "1/8"])) is None  # f = 1/10
+
+
+@pytest.mark.parametrize(
+    ("moments", "centre"),
+    [([3, 3, 1], [1, 0, 0]), ([4, 4, 1], [1, 0, "1/2"]), ([2, 2, 1], [1, 0, "1/2"])],
+)
+def test_a_symmetric_body_that_is_no_classical_top_has_none(moments, centre):
+    assert critical(top(moments, centre, [0, 1, 0])) is None
+
+
+def test_a_sphere_s_axis_runs_through_its_centre_of_mass():
+    """Three equal moments, the centre anywhere: the spin about it, as of the body turned."""
+    along = critical(top([2, 2, 2], [0, 0, 5], ["1/3", 1, 2]))
+    # the turn that takes z to (3/5, 0, 4/5), applied to centre, omega and gamma
+    omega = [("1/3", 1, 2), ("22/15", 1, "7/5")][1]
+    turned = critical(top([2, 2, 2], [3, 0, 4], omega, gamma=("24/25", 0, "7/25")))
+    assert along.name == turned.name == "L"
+    assert along.value == pytest.approx(4, rel=1e-15)
+    assert turned.value == pytest.approx(4, rel=1e-15)
+    assert [x.what for x in turned.critical] == [x.what for x in along.critical]
+    assert [x.value for x in turned.critical] == pytest.approx([x.value for x in along.critical])
+
+
+def test_a_top_s_vertical_motions():
+    """Hanging and upright; at C r = 2 sqrt(A T) the upright one loses its stability: there the
+    double root is a triple one."""
+    hanging = critical(top([1, 1, "1/2"], [0, 0, 1], [0, 0, 3], gamma=(0, 0, -1)))
+    assert ("hanging, or asymptotic to it", 1.5) in [(x.what, x.value) for x in hanging.critical]
+    triple = critical(top([1, 1, "1/2"], [0, 0, 1], [0, 0, 4], gamma=(0, 0, 1)))
+    upright = [x.value for x in triple.critical if x.what.startswith("upright")]
+    assert upright == [pytest.approx(2, rel=1e-9)]
+
+
+@pytest.mark.parametrize(
+    ("omega", "gamma", "axes", "vertical"),
+    [
+        ((0, 0, 1), (0, 0, 1), "3", True),  # f^2 = 2hC, the largest there is
+        ((1, 0, 0), (1, 0, 0), "123", True),  # f^2 = 2hA, the least with G vertical
+        ((1, 0, "1/2"), (1, 0, 0), "123", False),  # f^2 = 1, 2hA = 7/4
+        (("1/2", 0, 1), (0, 0, 1), "3", True),  # f^2 = 9, 2hB = 13/2, 2hC = 39/4
+    ],
+)
+def test_a_free_body_s_rotations_and_vertical_momentum(omega, gamma, axes, vertical):
+    found = [x.what for x in critical(top([1, 2, 3], [0, 0, 0], omega, gamma, 0)).critical]
+    expected = {f"rotation about axis {k}" for k in axes} | ({"G vertical"} if vertical else set())
+    assert set(found) == expected
+
+
+@pytest.mark.parametrize(
+    ("speed", "expected"),
+    [
+        (1, [(0.0, "I")]),  # h = k1 = 0
+        ("1/2", [(9 / 16, "III")]),  # h = k1 = -3/4
+        (2, [(0.0, "I"), (9.0, "II"), (1.0 + 9.0, "IV")]),  # h = k1 = 3: s = -3, twice
+    ],
+)
+def test_appelrots_classes_of_a_pendulum_swinging_from_its_lowest_point(speed, expected):
+    """f = 0, C = a = 1: K^2 = (1 - q^2)^2 = k1^2 of the motion itself."""
+    found = critical(top([2, 2, 1], [1, 0, 0], [0, speed, 0], gamma=(-1, 0, 0)))
+    assert [(x.value, x.what) for x in found.critical] == expected
+
+
+@pytest.mark.parametrize(("p", "r", "real"), [(1, 1, True), (1, "1.1", False)])
+def test_class_ii_is_real_up_to_its_bound(p, r, real):
+    """C = a = 1, gamma along the axis: k1 = p^2 = 1, and 4 m^2 = f^2 = r^2 is 1, and more."""
+    found = critical(top([2, 2, 1], [1, 0, 0], [p, 0, r], gamma=(0, 0, 1)))
+    assert ("II" in [x.what for x in found.critical]) == real
+
+
+def test_an_edge_that_has_shrunk_to_f_0_is_none():
+    """2h/C - 2a = 0, with the centre of mass above and at rest."""
+    found = critical(top([4, 4, 1], [1, 0, 0], [0, 0, 0], gamma=(1, 0, 0)))
+    edge = (4**3 / 108) ** 0.5
+    assert [x.what for x in found.critical] == ["edge", "F = 0", "edge"]
+    assert [x.value for x in found.critical] == pytest.approx([-edge, 0, edge], rel=1e-15)

@@ -272,6 +272,31 @@ def test_turns_are_counted_however_many_there_are_in_a_step() -> None:
             assert abs(found(bend, np.array([1.0]))[0][0] - 1 - 40 * np.pi) > 1
 
 
+@pytest.mark.parametrize("beyond", [0.5, 0.05])
+def test_a_chord_says_nothing_where_the_motion_may_pass_0_on_its_other_side(beyond: float) -> None:
+    """A parabola of constant c'': between two points l apart it leaves their chord by l**2/8 |c''|,
+    and 0 lies between the two, nearer to the parabola or just within."""
+    bend, length, middle = 2.0, 1 / 8, 7 / 16  # the fourth of the eight first intervals
+    bow = bend * length**2 / 8
+
+    def at(nodes: Any) -> Any:
+        since = nodes - middle
+        path = 0.01 * since + 1j * (bend / 2 * since**2 - beyond * bow)
+        return np.array([path, path.conj()])
+
+    def grown() -> Any:
+        pace = windings.Pace(1e3, -1.0, bend)  # so fast that nothing is known by the ends alone
+        followed = windings.Followed(0.0, 0.0, True)
+        return followed.step(at, 1.0, pace, 0.0, np.array([1.0]))[0]
+
+    true = np.unwrap(np.angle(at(np.linspace(0.0, 1.0, 10_001))[0]))
+    turned = true[-1] - true[0]
+    assert turned > 6  # below 0, from left to right
+    assert grown() == pytest.approx([turned, -turned], abs=1e-9)
+    with without(windings, "Followed.step", "** 2 / 8.0", "** 2 / 32.0"):
+        assert grown()[0] == pytest.approx(turned - 2 * np.pi, abs=1e-9)  # above it
+
+
 def test_the_distance_of_a_chord_is_that_of_its_nearest_point() -> None:
     ends = np.array([[1 + 1j, -1 + 1j, -3 + 1j, -3 + 1j], [2 + 0j, 1 + 0j, 0 + 1j, 0 - 1j]])
     found = windings._chords(ends)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import time
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
@@ -67,8 +68,6 @@ def test_times_of_both_signs_in_any_order_some_twice_and_irrational() -> None:
 
 def replaced(found: Any, n: int) -> Any:
     """The enclosure at one of its times."""
-    from dataclasses import replace
-
     return replace(found, centres=found.centres[n : n + 1], radii=found.radii[n : n + 1])
 
 
@@ -223,6 +222,61 @@ def test_bad_questions_are_refused_in_one_line() -> None:
         polhode.certify(scene)
     with pytest.raises(polhode.BadInput, match="digits = 251"):
         polhode.certify(scene, at=[1], digits=251)
+
+
+#: What is given, and what is said of it: as of ``integrate`` and ``reference``, but for bounds.
+REFUSED = [
+    ({"digits": 15.5}, "digits = 15.5: expected a whole number, 1 to 250"),
+    ({"digits": True}, "digits = True: expected a whole number, 1 to 250"),
+    ({"digits": "20"}, "digits = 20: expected a whole number, 1 to 250"),
+    ({"max_steps": 2.5}, "max_steps = 2.5: expected a whole number, 1 or more"),
+    ({"max_steps": True}, "max_steps = True: expected a whole number, 1 or more"),
+    ({"max_seconds": "1"}, "max_seconds = 1: expected a number above 0"),
+    ({"max_seconds": True}, "max_seconds = True: expected a number above 0"),
+]
+
+
+@pytest.mark.parametrize(("given", "told"), REFUSED)
+def test_arguments_are_checked_as_everywhere(given: dict[str, Any], told: str) -> None:
+    scene = replace(top(), events=(polhode.Event("equator"),))
+    with pytest.raises(polhode.BadInput) as refused:
+        polhode.certify(scene, at=[1], **given)
+    assert str(refused.value) == f"scene: {told}"
+    with pytest.raises(polhode.BadInput) as refused:
+        polhode.certify_events(scene, end=1, **given)
+    assert str(refused.value) == f"scene: {told}"
+    if not {"digits", "max_steps"}.isdisjoint(given):
+        with pytest.raises(polhode.BadInput) as refused:
+            polhode.integrate(scene, at=[1], **given)
+        assert str(refused.value) == f"scene: {told.replace('250', '4000')}"
+
+
+@pytest.mark.parametrize(
+    ("at", "told"),
+    [
+        (1, "at = 1: expected a list of times"),
+        ("12", "at = 12: expected a list of times"),
+        ({1, 2}, "at = {1, 2}: expected a list of times"),
+        ([1, "x"], "at[2] = x: expected a number (unknown name 'x'; known are sqrt, sin, cos, pi)"),
+        ([True], "at[1] = True: expected a number (not a number: True)"),
+    ],
+)
+def test_times_are_read_as_everywhere(at: Any, told: str) -> None:
+    scene = top()
+    for door in (polhode.certify, polhode.integrate):
+        with pytest.raises(polhode.BadInput) as refused:
+            door(scene, at=at)
+        assert str(refused.value) == f"scene: {told}"
+    with pytest.raises(polhode.BadInput) as refused:
+        polhode.Certified(scene).at(at)
+    assert str(refused.value) == f"scene: {told.replace('at', 't', 1)}"
+
+
+@pytest.mark.parametrize("end", ["x", [1], True])
+def test_an_end_is_read_as_everywhere(end: Any) -> None:
+    for door in (polhode.certify_events, polhode.lyapunov):
+        with pytest.raises(polhode.BadInput, match=r"^scene: end\[1\] = .*: expected a number \("):
+            door(top(), end=end)
 
 
 def test_a_time_out_of_reach_is_refused_with_a_forecast() -> None:

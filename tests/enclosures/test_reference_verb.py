@@ -90,7 +90,7 @@ def test_more_digits_than_can_be_proven_are_refused(capsys: pytest.CaptureFixtur
     code, out, err = run(capsys, "reference", CASE, "--at", "1", "--digits", "400", "--certified")
     assert code == 2
     assert out == ""
-    assert "digits = 400: expected 1 to 250" in err
+    assert "digits = 400: expected a whole number, 1 to 250" in err
 
 
 def test_a_radius_is_rounded_up_and_never_down() -> None:

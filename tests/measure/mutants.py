@@ -1,7 +1,8 @@
 """Would a test notice?  Small random changes of the code, each run against the tests of its file.
 
     python tests/measure/mutants.py times TIMES.json [TESTS...]
-    python tests/measure/mutants.py run TIMES.json RESULT.json [--count N] [--seed N] [--package P]
+    python tests/measure/mutants.py run TIMES.json RESULT.json [--count N] [--seed N]
+                                     [--package P ...]
     python tests/measure/mutants.py again TIMES.json RESULT.json
     python tests/measure/mutants.py show RESULT.json
 
@@ -32,7 +33,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
@@ -46,6 +47,10 @@ ROOMS = {
     "taylor": ("taylor", "runs", "judging"),
     "judging": ("judging", "checks", "verbs"),
     "closed_forms": ("closed_forms", "checks"),
+    "refined": ("refined", "runs"),
+    "enclosures": ("enclosures", "judging"),
+    "dynamics": ("dynamics", "verbs"),
+    "runs": ("runs", "judging"),
 }
 FIRST = 12.0  # seconds of tests of the first round
 BUDGET = 60.0  # and of both
@@ -159,10 +164,10 @@ def compiles(text: bytes) -> bool:
     return True
 
 
-def drawn(count: int, seed: int, package: str | None) -> list[Mutant]:
+def drawn(count: int, seed: int, packages: Iterable[str]) -> list[Mutant]:
     """Mutants drawn without repetition; no two of the same kind at the same place."""
     every = []
-    for room in [package] if package else ROOMS:
+    for room in packages:
         for path in sorted((TOP / SOURCE / room).rglob("*.py")):
             every += mutants(path.relative_to(TOP))
     random.Random(seed).shuffle(every)
@@ -332,7 +337,7 @@ def main() -> None:
     parser.add_argument("files", nargs="+", type=Path)
     parser.add_argument("--count", type=int, default=250)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--package", choices=ROOMS)
+    parser.add_argument("--package", nargs="+", choices=ROOMS, default=list(ROOMS))
     asked = parser.parse_args()
     match asked.what:
         case "times":

@@ -7,11 +7,13 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
 from flint import arb
 
+from polhode.common.arguments import each, steps, whole
 from polhode.common.errors import BadInput
 from polhode.enclosures import attitude, conserved, fixed, march, pilot, turn_series
 from polhode.enclosures.fixed import MOST_NOISE, Motion, Refused, motion, upper
@@ -63,18 +65,20 @@ def certify(
     """
     if not isinstance(scene, Scene):
         scene = library.load(scene)
-    times = scene.times if at is None else tuple(exact_number(t) for t in at)
+    times = scene.times
+    if at is not None:
+        times = each(scene.name, "at", at, exact_number, "a list of times")
     if not times:
         raise BadInput(scene.name, "at", None, "at least one time")
-    if not 1 <= digits <= MOST_DIGITS:
-        raise BadInput(scene.name, "digits", digits, f"1 to {MOST_DIGITS}")
+    digits = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
+    max_steps = steps(scene.name, max_steps)
     deadline = time_limit(scene, max_seconds)
     began = time.process_time()
     sides = [_Side(scene, times, backward) for backward in (False, True)]
     sides = [side for side in sides if side.places]
     for side in sides:
-        if (steps := pilot.steps(side.motion, side.last)) > max_steps:
-            expected = f"a time that {max_steps} steps reach; this one takes about {steps:.2g}"
+        if (needed := pilot.steps(side.motion, side.last)) > max_steps:
+            expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
             raise BadInput(scene.name, "at", shown(side.last), expected)
     noise = max(pilot.noise(side.motion, side.last, digits) for side in sides)
     if forecast is not None:
@@ -111,7 +115,7 @@ def time_limit(scene: Scene, seconds: float | None) -> float:
     """The reading of time.monotonic() so many seconds from now; raises BadInput."""
     if seconds is None:
         return math.inf
-    if not seconds > 0:
+    if isinstance(seconds, bool) or not isinstance(seconds, Real) or not seconds > 0:
         raise BadInput(scene.name, "max_seconds", seconds, "a number above 0")
     return time.monotonic() + seconds
 

@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 
 from flint import arb
 
+from polhode.common.arguments import each, steps, whole
 from polhode.common.errors import BadInput
 from polhode.enclosures import conserved, fixed, march, pilot
-from polhode.enclosures.certify import MAX_STEPS, time_limit
+from polhode.enclosures.certify import MAX_STEPS, MOST_DIGITS, time_limit
 from polhode.enclosures.crossings import Crossing, Search
 from polhode.enclosures.fixed import Motion, Refused, motion, upper
 from polhode.enclosures.polynomial import Polynomial, constant, rate, total, variable
@@ -96,12 +97,16 @@ def certify_events(
     """
     if not isinstance(scene, Scene):
         scene = library.load(scene)
-    last = scene.end if end is None else exact_number(end)
+    last = scene.end
+    if end is not None:
+        (last,) = each(scene.name, "end", (end,), exact_number, "a time")
     if sign(last) == 0:
         raise BadInput(scene.name, "end", "0", "a time other than 0")
+    digits = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
+    max_steps = steps(scene.name, max_steps)
     what = motion(scene, backward=sign(last) < 0)
-    if (steps := pilot.steps(what, last)) > max_steps:
-        expected = f"a time that {max_steps} steps reach; this one takes about {steps:.2g}"
+    if (needed := pilot.steps(what, last)) > max_steps:
+        expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
         raise BadInput(scene.name, "end", shown(last), expected)
     polynomials = [of_event(what, n, event) for n, event in enumerate(scene.events)]
     noise = pilot.noise(what, last, digits)

@@ -8,12 +8,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from polhode.common.arguments import each, steps, whole
+from polhode.common.arguments import steps, whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import bar
 from polhode.common.text import few
 from polhode.numbers import number_types
-from polhode.numbers.convert import exact_number
 from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NumberType, wider
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs import integrate as runs
@@ -84,7 +83,7 @@ def integrate(
             return integrate(**asked, progress=tell)
     scene = library.load(scene)
     if at is not None:
-        scene = scene.at(each(scene.name, "at", at, exact_number, "times"))
+        scene = scene.at(at)
     if digits is not None:
         digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
     if max_steps is not None:

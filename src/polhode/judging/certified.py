@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.arguments import whole
+from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.numbers.convert import exact_number
 from polhode.numbers.exact import Exact
@@ -68,7 +68,8 @@ class Certified:
         from polhode.enclosures.certify import MOST_DIGITS, certify  # a closed form needs no heyoka
 
         digits = whole(self.scene.name, "digits", digits, 1, MOST_DIGITS)
-        key = (tuple(exact_number(t) for t in times), digits, outputs)
+        asked = each(self.scene.name, "t", times, exact_number, "a list of times")
+        key = (asked, digits, outputs)
         if key not in self._known:
             found = certify(replace(self.scene, outputs=outputs), key[0], digits)
             if not found.outcome.done:
