@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import Executor
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -153,11 +154,11 @@ def section(
     direction = 0
     if asked.by in (MOMENTUM, HEIGHT):
         direction = -1 if asked.extremum == MAXIMA else 1
-    _refuse_constant(asked, zero, found.states)
+    _refuse_constant(asked, on, zero, found.states)
     jobs = section_jobs.jobs_of(asked, on, zero, direction, count, found.states)
     key = repr((scene.text, str(asked[1:]), count, direction, found.states.tobytes()))
     kept = None if parts is None else Kept(parts, "section", key)
-    with kept or nullcontext():
+    with kept or nullcontext(), _refused(asked, on, kept):
         results, interrupted = carried_out(
             taylor.solve,
             jobs,
@@ -177,12 +178,13 @@ def section(
         raise KeyboardInterrupt
     crossed = taylor.joined([result for result in results if result is not None])
     if asked.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
-        _refuse_never_zero(asked, on, zero)
+        with _refused(asked, on, kept):
+            _refuse_never_zero(asked, on, zero)
     return _result(asked, on, found.states[rows], crossed, interrupted, kept)
 
 
-def _refuse_constant(asked: Asked, zero: Any, states: Any) -> None:
-    """Raise BadInput for an expression whose rate vanishes at every start."""
+def _refuse_constant(asked: Asked, on: Any, zero: Any, states: Any) -> None:
+    """Raise BadInput for an expression that has no value at a start, or no rate at any of them."""
     import numpy as np
 
     from polhode.equations.forms import principal
@@ -200,11 +202,45 @@ def _refuse_constant(asked: Asked, zero: Any, states: Any) -> None:
         with np.errstate(all="ignore"):
             speed = taylor.slope(zero, moved, taylor.rates(k, moved))
             value = np.real(zero.value(list(moved), ARRAYS))
+            here = zero.value(list(states.T), ARRAYS) + 0 * states[:, 0]
+        if not np.isfinite(here).all():
+            raise _not_finite(asked, on, states[int(np.argmin(np.isfinite(here)))], 0.0)
     except (ArithmeticError, AttributeError, TypeError):  # no name in it
         speed = value = np.zeros(1)
     if not np.any(np.abs(speed) > 1e-12 * np.maximum(1e-300, np.abs(value))):
         expected = "an expression that changes along the motion; this one is constant"
         raise BadInput(asked.scene.name, "by", asked.by, expected)
+
+
+@contextmanager
+def _refused(asked: Asked, on: Any, kept: Kept | None) -> Iterator[None]:
+    """Leave nothing behind where the section's function is refused, on the way too."""
+    from polhode.taylor.crossings import Singular
+
+    try:
+        try:
+            yield
+        except Singular as met:
+            raise _not_finite(asked, on, met.start, met.time) from None
+    except BadInput:
+        if kept is not None:
+            kept.remove()
+        raise
+
+
+def _not_finite(asked: Asked, on: Any, start: Any, time: float) -> BadInput:
+    """The refusal of an expression that has no finite value on an orbit, at a time of the run."""
+    import numpy as np
+
+    from polhode.dynamics import section_states as geometry
+
+    l, ratio = (float(x) for x in geometry.coordinates(on, np.array(start)))
+    t = math.ldexp(time, asked.scene.time_unit)
+    expected = (
+        "an expression that is real and finite all along the orbits; on the one from "
+        f"l = {l:.6g}, L/G = {ratio:.6g} it has a pole or stops being real at t = {t:.6g}"
+    )
+    return BadInput(asked.scene.name, "by", asked.by, expected)
 
 
 def _refuse_never_zero(asked: Asked, on: Any, zero: Any) -> None:
