@@ -220,7 +220,6 @@ def _first(
     states = read.states(found.states[:, None])[:, 0]
     outcomes, steps = found.outcomes.copy(), found.steps.copy()
 
-
     def heard(*_: object) -> None:
         if stop is not None and stop():
             raise KeyboardInterrupt  # the run's own way to be stopped

@@ -13,6 +13,7 @@ from typing import Any
 
 from polhode.common.arguments import whole
 from polhode.common.errors import BadInput
+from polhode.common.memory import refuse_too_much
 from polhode.common.provenance import provenance
 from polhode.common.values import ByValue
 from polhode.dynamics import crossing_digits, section_jobs
@@ -27,6 +28,7 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 
 MOST_CROSSINGS = 1_000_000
+_BYTES = 400  # of a crossing, while it is found and put in order
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -150,6 +152,9 @@ def section(
         starts = plan.starts
     on = geometry.ground(scene, asked.h, asked.f)
     found = starts_of(asked, on, starts, grid)
+    what = f"{len(found.states)} orbits to {count} crossings"
+    words = "crossings in all; a coarser grid, or fewer of each orbit"
+    refuse_too_much(scene.name, "section", what, len(found.states) * count, _BYTES, words)
     zero = section_jobs.zero_of(asked.scene, on, asked.by)
     direction = 0
     if asked.by in (MOMENTUM, HEIGHT):

@@ -19,6 +19,7 @@ from polhode.taylor.outcomes import Outcome
 
 BLOCK = 20_000  # steps of a batch: a tenth of a second, with an event
 _THERE = 2.0**-50  # of a lane's end
+_EPS = 2.0**-52
 
 
 class Ended(NamedTuple):
@@ -37,13 +38,15 @@ def until(
 ) -> Ended:
     """Advance the lanes of a batch to their ends in at most so many steps.
 
-    A lane ends with REACHED_END; STEP_LIMIT; STEP_UNDERFLOW, its steps are zero, which ends the
-    others, too, with STEP_LIMIT; or NON_FINITE, its state is nan, and the others go on.
+    A lane ends with REACHED_END; STEP_LIMIT; STEP_UNDERFLOW, its steps are zero or no longer change
+    its time, which ends the others, too, with STEP_LIMIT; or NON_FINITE, its state is nan, and the
+    others go on.
     """
     ahead, steps = np.array(ends), np.zeros(len(ends), dtype=np.int64)
     lost = np.zeros(len(ends), dtype=bool)
     while True:
         block = BLOCK if most is None else max(1, min(BLOCK, most - int(steps.max())))
+        before = ta.time.copy()
         ta.propagate_until(ahead.tolist(), max_steps=block)
         results = ta.propagate_res
         taken = np.array([result[3] for result in results], dtype=np.int64)
@@ -58,18 +61,19 @@ def until(
             ahead[lost] = ta.time[lost]
             continue
         late = ~lost & (np.abs(ahead - ta.time) > _THERE * np.abs(ahead))
-        zero = late & (taken < block)  # heyoka counts the steps that have a length
+        still = np.abs(ta.time - before) <= block * _EPS * np.abs(ta.time)
+        zero = late & (still | (taken < block))  # heyoka counts the steps that have a length
         stopped = stop is not None and bool(late.any()) and stop()
         if not late.any() or zero.any() or stopped or (most is not None and steps.max() >= most):
             outcomes = [
                 Outcome.NON_FINITE
                 if gone
                 else Outcome.STEP_UNDERFLOW
-                if still
+                if underflows
                 else Outcome.STEP_LIMIT
                 if short
                 else Outcome.REACHED_END
-                for gone, still, short in zip(lost, zero, late, strict=True)
+                for gone, underflows, short in zip(lost, zero, late, strict=True)
             ]
             ta.state[:, lost] = np.nan
             return Ended(outcomes, steps, stopped)
