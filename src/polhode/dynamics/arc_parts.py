@@ -98,7 +98,7 @@ def log2(x: Fraction) -> float:
 
 def _power(x: float) -> float:
     """2**x within the range of doubles."""
-    return 2.0 ** max(-1000.0, min(1000.0, x))
+    return math.exp2(max(-1000.0, min(1000.0, x)))
 
 
 class Point(NamedTuple):
