@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
+import time
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
+import heyoka as hy
 import numpy as np
 import pytest
 
@@ -18,6 +21,7 @@ from polhode.dynamics.section_starts import asked_of
 from polhode.dynamics.surface import Surface
 from polhode.taylor import crossings as taylor
 from polhode.taylor import first_crossings, strides, tangents
+from polhode.taylor.heyoka_numbers import compact_beyond
 
 REGULAR = "general/asymmetric-regular"
 
@@ -81,6 +85,26 @@ def test_an_expression_without_a_value_at_a_start_is_not_called_constant(capsys,
 def test_parts_of_a_section_that_is_refused_at_its_end_go(capsys):
     words = ("section", REGULAR, "--by", "p+9", "--grid", "2x2", "--crossings", "3", "-o", "x.npz")
     assert "an expression that becomes zero" in refused(capsys, *words)
+
+
+@pytest.mark.slow  # without the loops: minutes
+@pytest.mark.parametrize("what", ["section", "run"])
+def test_a_long_expression_is_compiled_in_time(what):
+    by = "+".join(f"sin({k}*p)*q" for k in range(1, 76))
+    began = time.process_time()
+    if what == "section":
+        assert polhode.section(REGULAR, by=by, grid=(2, 2), crossings=2).complete
+    else:
+        scene = replace(polhode.load(REGULAR), events=(polhode.Event("x", by),))
+        assert polhode.integrate(scene, at=[1]).events[0].times
+    assert time.process_time() - began < 60  # a limit against hanging: it takes two
+
+
+@pytest.mark.parametrize(("terms", "loops"), [(3, False), (40, True)])
+def test_a_long_expression_is_compiled_as_loops(terms, loops):
+    x = hy.make_vars("x")
+    sum_of = [hy.sin(hy.expression(float(k)) * x) for k in range(2, 2 + terms)]
+    assert bool(compact_beyond(80, sum_of)) is loops
 
 
 def test_jobs_look_between_blocks_whether_to_stop(monkeypatch):

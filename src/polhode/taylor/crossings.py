@@ -22,7 +22,7 @@ from polhode.numbers.scalars import Scalar
 from polhode.scenes.words import STATE
 from polhode.taylor import strides
 from polhode.taylor.batches import width
-from polhode.taylor.heyoka_numbers import EXPRESSIONS
+from polhode.taylor.heyoka_numbers import EXPRESSIONS, compact_beyond
 from polhode.taylor.kinds import HeyokaIntegrator
 from polhode.taylor.on_level import ARRAYS, TINY, Level, Put
 from polhode.taylor.outcomes import Outcome
@@ -33,6 +33,7 @@ DONE, NONE_LEFT, NON_FINITE, STOPPED = "all crossings", "no more crossings", "no
 
 _BESIDE = 1e-6  # of a unit of time: a lane so near to a crossing runs on before it is touched
 _BEGIN = 1e-9  # of a chunk: a crossing before it is the start itself
+_LONG = 80  # operations of an expression whose code is compiled as loops
 _BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
 _DIRECTIONS = {
     -1: hy.event_direction.negative,
@@ -294,4 +295,5 @@ def _integrator(
     crossing = zero.value(variables, EXPRESSIONS, hy.expression)
     event = hy.nt_event_batch(crossing, kept, direction=_DIRECTIONS[direction])
     system = list(zip(variables, field, strict=True))
-    return hy.taylor_adaptive_batch(system, np.zeros((6, size)), nt_events=[event])
+    options = compact_beyond(_LONG, [crossing])
+    return hy.taylor_adaptive_batch(system, np.zeros((6, size)), nt_events=[event], **options)

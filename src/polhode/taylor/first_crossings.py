@@ -33,6 +33,7 @@ from polhode.taylor.outcomes import Outcome, code
 from polhode.taylor.variations import Doubles
 
 STRETCH = 32.0  # of the motions' unit of time, a radian or two
+_LONG = 80  # operations of an expression whose code is compiled as loops
 _AT_START = 1e-9  # of an expression's size: so near to zero a start is taken for one at zero
 _TURN = tuple(f"turn{i}{j}" for i in range(3) for j in range(3))
 _ZERO = hy.expression(0.0)
@@ -241,6 +242,7 @@ def _compiled(
         list(zip(variables, field, strict=True)),
         np.zeros((len(columns), lanes)),
         nt_events=[event],
+        **heyoka_numbers.compact_beyond(_LONG, [crossing]),
     )
     value = hy.cfunc([hy.subs(crossing, {TIME: TIME + since})], vars=[*variables, TIME])
     return ta, value
