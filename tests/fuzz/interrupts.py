@@ -48,7 +48,6 @@ WORKS = {
     "run-digits": "run R --digits 200 --at 300 -o x.csv",
     "run-quad": "run R --number quad --at 1e5",
     "reference": "reference kovalevskaya/generic --digits 3000",
-    "reference-far": "reference kovalevskaya/generic --digits 50 --at 1e4,1e5,1e6",
     "certified": "reference R --certified --digits 60 --at 20000",
     "check": "check euler/* kovalevskaya/* hard/*",
     "compare": "compare given.csv given.toml",
@@ -69,7 +68,7 @@ WORKS = {
     "orbit": "orbit C --search 12x12",
     "orbit-digits": "orbit grioli/precession --digits 400",
     "orbit-period": "orbit R --period 1e9",
-    "orbit-family": "orbit grioli/precession --continue h=20:2000 -o x.npz",
+    "orbit-family": "orbit grioli/precession --continue h=50 -o x.npz",
     "frequencies": "frequencies R --end 10000 --lines 30",
     "view": "view R --end 1000 --digits 40 -o x.html",
     "show": "show kovalevskaya/generic",
@@ -82,6 +81,7 @@ LEFT = re.compile(r"x\.npz\.parts(/.*)?|out(/[\w.-]+\.parts.*)?")
 SWEPT = re.compile(r"x\.npz")
 SAID = re.compile(r"(polhode: [^\n]+\n|[\w/.-]+: [^\n]+\n)*")
 _GIVEN = """
+schema = 1
 [body]
 moments = [2, 1.5, 1]
 centre = [0.3, 0.2, 1]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.arguments import whole
 from polhode.common.errors import BadInput
@@ -26,6 +26,9 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import AnyNumber, AnyVector, Doubles, Integers
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    from polhode.dynamics.section_states import Ground
 
 MOST_CROSSINGS = 1_000_000
 _BYTES = 400  # of a crossing, while it is found and put in order
@@ -188,7 +191,7 @@ def section(
     return _result(asked, on, found.states[rows], crossed, interrupted, kept)
 
 
-def _refuse_constant(asked: Asked, on: Any, zero: Any, states: Any) -> None:
+def _refuse_constant(asked: Asked, on: Ground, zero: Any, states: Any) -> None:
     """Raise BadInput for an expression that has no value at a start, or no rate at any of them."""
     import numpy as np
 
@@ -218,7 +221,7 @@ def _refuse_constant(asked: Asked, on: Any, zero: Any, states: Any) -> None:
 
 
 @contextmanager
-def _refused(asked: Asked, on: Any, kept: Kept | None) -> Iterator[None]:
+def _refused(asked: Asked, on: Ground, kept: Kept | None) -> Iterator[None]:
     """Leave nothing behind where the section's function is refused, on the way too."""
     from polhode.taylor.crossings import Singular
 
@@ -233,7 +236,7 @@ def _refused(asked: Asked, on: Any, kept: Kept | None) -> Iterator[None]:
         raise
 
 
-def _not_finite(asked: Asked, on: Any, start: Any, time: float) -> BadInput:
+def _not_finite(asked: Asked, on: Ground, start: Sequence[float], time: float) -> BadInput:
     """The refusal of an expression that has no finite value on an orbit, at a time of the run."""
     import numpy as np
 
@@ -248,7 +251,7 @@ def _not_finite(asked: Asked, on: Any, start: Any, time: float) -> BadInput:
     return BadInput(asked.scene.name, "by", asked.by, expected)
 
 
-def _refuse_never_zero(asked: Asked, on: Any, zero: Any) -> None:
+def _refuse_never_zero(asked: Asked, on: Ground, zero: Any) -> None:
     import numpy as np
 
     from polhode.dynamics import section_states as geometry

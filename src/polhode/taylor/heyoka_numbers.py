@@ -93,7 +93,7 @@ def type_options(number: NumberType) -> dict[str, Any]:
     return _TYPES[number.name](number) | compact
 
 
-def compact_beyond(most: int, expressions: Iterable[Expression]) -> dict[str, Any]:
+def compact_beyond(most: int, expressions: Iterable[Expression]) -> dict[str, bool]:
     """heyoka's option for expressions of more operations than these, in all.
 
     Unrolled code is faster, but compiling that of a hundred operations takes minutes, in which no
