@@ -15,6 +15,7 @@ from importlib import import_module
 from typing import NoReturn
 
 from polhode.common.errors import BadInput, StdoutFault, nearest
+from polhode.common.interrupts import heard
 from polhode.common.provenance import __version__
 from polhode.verbs import terminal
 from polhode.verbs.terminal import BAD_INPUT, DONE, INTERRUPTED
@@ -63,9 +64,9 @@ class _Parser(argparse.ArgumentParser):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one verb; the exit code."""
-    terminal.prepare()
     try:
         try:
+            terminal.prepare()
             given = sys.argv[1:] if arguments is None else arguments
             if given[:1] == ["--print-completion"]:
                 terminal.say(_completion(given[1:]))
@@ -79,12 +80,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             code: int = options.main(options)
             return code
         except BadInput as fault:
+            if heard.came and isinstance(fault.__context__, ImportError):
+                return _interrupted()
             print(f"polhode: {fault}", file=sys.stderr)
             return BAD_INPUT
         except KeyboardInterrupt:
             return _interrupted()
-        except ImportError as fault:  # a compiled library that Ctrl-C met while it was loaded
-            if isinstance(fault.__cause__, KeyboardInterrupt):
+        except Exception:
+            if heard.came:  # by a compiled library, which made another exception of it
                 return _interrupted()
             raise
     except StdoutFault as full:
@@ -102,6 +105,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def command() -> NoReturn:
     """The command ``polhode``: main, and out."""
     code = main()
+    terminal.deaf()  # all is said: nothing is left to interrupt
     gc.freeze()  # what is left goes with the process: nobody need look for circles in it
     sys.exit(code)
 

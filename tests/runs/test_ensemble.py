@@ -17,6 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import polhode
+from polhode.common import memory
 from polhode.numbers.convert import exactly
 from polhode.runs import sweep_plan
 from polhode.scenes import scene_file, vary
@@ -233,7 +234,7 @@ def test_events_are_refused():
 
 
 def test_too_many_numbers_are_refused(monkeypatch):
-    monkeypatch.setattr(sweep_plan, "MAX_NUMBERS", 100)
+    monkeypatch.setattr(sweep_plan, "_BYTES", memory.MOST_BYTES // 100)
     with pytest.raises(polhode.BadInput, match="4 members at 5 times: expected at most 100"):
         polhode.integrate_many(heavy(), {"body.weight": "0:1:4"})
 

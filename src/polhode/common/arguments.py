@@ -28,12 +28,15 @@ def whole(source: str, key: str, value: Any, least: int, most: int | None = None
 
 
 def cells(source: str, value: Any, most: int) -> tuple[int, int]:
-    """The cells of a grid, ``(rows, columns)``: two whole numbers from 1."""
+    """The cells of a grid, ``(rows, columns)``: two whole numbers from 1, ``most`` cells in all."""
     try:
         first, second = value
     except (TypeError, ValueError):
         raise BadInput(source, "grid", value, "two whole numbers") from None
-    return whole(source, "grid", first, 1, most), whole(source, "grid", second, 1, most)
+    rows, columns = (whole(source, "grid", n, 1, most) for n in (first, second))
+    if rows * columns > most:
+        raise BadInput(source, "grid", f"{rows}x{columns}", f"at most {most} cells in all")
+    return rows, columns
 
 
 def steps(source: str, value: Any) -> int:

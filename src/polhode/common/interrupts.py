@@ -8,6 +8,24 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from types import FrameType
+
+
+class _Heard:
+    """The handler of a command's signals: KeyboardInterrupt, and a note that one came.
+
+    Compiled libraries that are being loaded may turn the exception into another one.
+    """
+
+    def __init__(self) -> None:
+        self.came = False
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        self.came = True
+        raise KeyboardInterrupt
+
+
+heard = _Heard()
 
 
 @dataclass
@@ -39,16 +57,16 @@ def delayed() -> Iterator[Waiting]:
 
     before = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
     ours = [
-        number
+        (number, handler)
         for number, handler in zip((signal.SIGINT, signal.SIGTERM), before, strict=True)
-        if handler is signal.default_int_handler
+        if handler in (signal.default_int_handler, heard)
     ]
-    for number in ours:
+    for number, _ in ours:
         signal.signal(number, note)
     try:
         yield waiting
     finally:
-        for number in ours:
-            signal.signal(number, signal.default_int_handler)
+        for number, handler in ours:
+            signal.signal(number, handler)
     if waiting.came:
         raise KeyboardInterrupt

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from itertools import pairwise
@@ -16,6 +17,8 @@ from polhode.scenes.body import Body
 BITS = 320  # of balls around what is irrational
 
 BODY_BITS = 1024  # of the numbers of a body that are irrational themselves
+
+MOST_SPREAD = 140.0  # bits between the roots that are looked for: 3 s of FLINT's, no more
 
 CENTRE, MIXED, SADDLE = "centre-centre", "centre-saddle", "saddle-saddle"
 
@@ -52,6 +55,50 @@ class RationalBody(NamedTuple):
             if a[i] == a[j] and t[i] == t[j] == 0:
                 return k
         return None
+
+
+class Reach(NamedTuple):
+    """The sizes of f that exact roots are had of within seconds: f = 0, and from least to most.
+
+    Roots of the arcs' polynomials crowd around the moments, the nearer the farther apart the
+    numbers are, and FLINT's isolation of them can neither be interrupted nor does it end in time.
+    How many bits it needs is told beforehand, by twice the bits of the body's own gaps and those of
+    f over the root of the largest moment times |Mg r0|.
+    """
+
+    least: float
+    most: float
+
+    @classmethod
+    def of(cls, body: RationalBody) -> Reach:
+        """A body's; an empty one, most < least, of a body whose own numbers lie too far apart."""
+        square = sum((t * t for t in body.torque), Fraction(0))
+        if square == 0:
+            return cls(0.0, math.inf)
+        moments, largest = body.moments, max(body.moments)
+        gaps = [log2(abs(a - b) / largest) for a in moments for b in moments if a != b]
+        gaps += [log2(a / largest) for a in moments]
+        gaps += [log2(t * t / square) / 2 for t in body.torque if t != 0]
+        spare = MOST_SPREAD + 2 * min(gaps)
+        unit = (log2(largest) + log2(square) / 2) / 2
+        poles = {a for a, t in zip(moments, body.torque, strict=True) if t != 0}
+        if len(poles) == 1:  # nothing crowds; but most f are those of balls of BITS bits
+            return cls(0.0, _power(unit + MOST_SPREAD))
+        return cls(_power(unit - spare), _power(unit + spare))
+
+    def __contains__(self, f: object) -> bool:
+        """Whether f, exact, is within reach."""
+        return isinstance(f, Fraction) and (f == 0 or self.least <= abs(f) <= self.most)
+
+
+def log2(x: Fraction) -> float:
+    """Of a number above 0, of any size."""
+    return math.log2(x.numerator) - math.log2(x.denominator)
+
+
+def _power(x: float) -> float:
+    """2**x within the range of doubles."""
+    return math.exp2(max(-1000.0, min(1000.0, x)))
 
 
 class Point(NamedTuple):

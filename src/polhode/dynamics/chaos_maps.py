@@ -23,6 +23,7 @@ from typing import Any
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
+from polhode.common.memory import refuse_too_much
 from polhode.common.provenance import provenance
 from polhode.common.values import ByValue
 from polhode.dynamics import chaos_motions
@@ -39,6 +40,7 @@ from polhode.scenes.scene import Scene
 END = 1000  # units of the inner time
 TOLERANCE = 1e-8  # no verdict of 2000 was another at eps
 REGULAR_GROWTH, REGULAR_MEGNO, SHORTEST = 2.5, 2.2, 1000.0
+_BYTES = 24  # of a look: ln|u|, and what it is judged by
 LOOK, LEAST_LOOKS = 8.0, 16  # units of time between two looks, at most; looks, a multiple of this
 LANES = 256
 VERDICTS = ("regular", "undecided", "chaotic")
@@ -150,6 +152,9 @@ def chaos_map(
         motions = chaos_motions.of_varied(scene, varied)
     looks = LEAST_LOOKS * max(1, int(np.ceil(length / LOOK / LEAST_LOOKS)))
     starts, coefficients = motions.starts, motions.coefficients
+    what = f"{len(starts)} motions with {looks} looks each"
+    words = "looks in all; a coarser grid, or an earlier end"
+    refuse_too_much(scene.name, "map", what, len(starts) * looks, _BYTES, words)
     first = tangents_of(starts, motions.moments, motions.torques)
     early = (looks // 8, looks // 4, looks // 2)
     jobs = [

@@ -54,7 +54,7 @@ def on_section(
     if asked.by not in (MOMENTUM, HEIGHT):
         raise BadInput(scene.name, "by", asked.by, "momentum or height, for a map")
     on = geometry.ground(scene, asked.h, asked.f)
-    first, second = cells(scene.name, GRID if grid is None else grid, 10_000)
+    first, second = cells(scene.name, GRID if grid is None else grid, MOST_MOTIONS)
     found = starts_of(asked, on, None, (first, second))
     of = found.of // 2 if asked.by == HEIGHT else found.of
     angle, cosine = geometry.cells(first, second)

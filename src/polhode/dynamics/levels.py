@@ -121,6 +121,8 @@ class Levels(ByValue):
         Raises BadInput for an f at which two of them meet.
         """
         (given,) = each(self.scene.name, "f", (f,), exact_number, "a number")
+        near = fraction_near(given, arc_parts.BODY_BITS)[0]
+        refuse_far(self.scene.name, "f", RationalBody.of(self.scene.body), near)
         (found,) = self._regions([given])
         if found is None:
             expected = "an f where no two permanent rotations meet"
@@ -129,6 +131,9 @@ class Levels(ByValue):
 
     def columns(self, first: float, last: float, count: int = COLUMNS) -> list[Column]:
         """The regions at so many f, evenly spaced; those at which two rotations meet left out."""
+        body = RationalBody.of(self.scene.body)
+        for end in (first, last):
+            refuse_far(self.scene.name, "f", body, Fraction(end))
         step = (Fraction(last) - Fraction(first)) / max(1, count - 1)
         at = [Fraction(first) + k * step for k in range(count)]
         pairs = zip(at, self._regions(at), strict=True)
@@ -145,6 +150,22 @@ class Levels(ByValue):
             except Undecided:
                 found.append(None)
         return found
+
+
+def refuse_far(name: str, key: str, body: RationalBody, f: Fraction) -> None:
+    """Raise BadInput for an f that exact arithmetic does not reach within seconds."""
+    reach = arc_parts.Reach.of(body)
+    if f in reach:
+        return
+    if reach.most < reach.least:
+        expected = (
+            "moments, gaps between them and components of Mg r0 within "
+            f"{2 ** (arc_parts.MOST_SPREAD / 2):.0e} of each other, for exact levels"
+        )
+        raise BadInput(name, "body", None, expected)
+    low = f"0, or from {reach.least:.3g}" if reach.least else "0"
+    expected = f"of a size within the reach of exact levels: {low} to {reach.most:.3g}"
+    raise BadInput(name, key, shown(f), expected)
 
 
 def topology(region: Region | None) -> str:
@@ -170,6 +191,9 @@ def levels(scene: Scene | str | Path) -> Levels:
     if scene.gamma is None:
         raise BadInput(scene.name, "start.gamma", None, "given: a level is one of h and f")
     body = RationalBody.of(scene.body)
+    area = scene.integrals.area
+    assert area is not None
+    refuse_far(scene.name, "start: f", body, fraction_near(area, arc_parts.BODY_BITS)[0])
     found = permanent.arcs(body)
     curves = tuple(_curve(arc, segment) for arc in found for segment in arc.segments)
     marks = tuple(

@@ -41,6 +41,7 @@ from polhode.taylor.variations import Doubles
 DIGITS = 15
 RETURNS = 10
 MOST_RETURNS = 1000
+FARTHER = 3.0  # times a guess: the longest period that it may lead to
 ASTRAY = 5.0  # times the guess's own miss: an orbit farther away is another one
 SAME = 1e-7  # of the state's scale: the orbit has closed already
 PARTS = (2, 3, 5, 7, 11, 13)
@@ -179,6 +180,10 @@ def orbit(
         (given,) = each(scene.name, "period", (period,), exact_number, "a time")
         if sign(given) <= 0:
             raise BadInput(scene.name, "period", period, "a time above 0")
+        if to_double(given / on.unit) < on.shortest / FARTHER:
+            least = on.shortest * to_double(on.unit)
+            expected = f"one near {least:.3g} or longer: no motion on this level closes in less"
+            raise BadInput(scene.name, "period", period, expected)
         guesses = [Return(to_double(given / on.unit), math.inf)]
     found = _first(on, start, guesses)
     moved = moved_from(on, found, start)

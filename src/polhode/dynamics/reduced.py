@@ -126,6 +126,8 @@ def regions_between(
     found = []
     for k, value in enumerate(values):
         if k + 1 < len(values) and points[k + 1].value.overlaps(points[k].value):
+            if points[k + 1].value is not points[k].value:
+                raise Undecided("energies that double precision and more do not tell apart")
             continue  # its mirror image
         below = points[: k + 1]
         key = tuple(point.piece for point in below)

@@ -219,8 +219,16 @@ def _first(
     times = np.ldexp(found.times, job.time_unit)
     states = read.states(found.states[:, None])[:, 0]
     outcomes, steps = found.outcomes.copy(), found.steps.copy()
+
+    def heard(*_: object) -> None:
+        if stop is not None and stop():
+            raise KeyboardInterrupt  # the run's own way to be stopped
+
     for k in np.flatnonzero(found.unsure).tolist():
-        run = integrate(singles.scene(k), "double", max_steps=singles.max_steps, project=False)
+        if stop is not None and stop():
+            break
+        most, scene = singles.max_steps, singles.scene(k)
+        run = integrate(scene, "double", max_steps=most, project=False, progress=heard)
         steps[k] = run.steps
         met = run.events[0]
         times[k] = float(met.times[0]) if met.times else np.nan

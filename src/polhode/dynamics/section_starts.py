@@ -12,7 +12,7 @@ from polhode.common.arguments import cells, each
 from polhode.common.errors import BadInput
 from polhode.dynamics import arc_parts, permanent
 from polhode.dynamics.arc_parts import RationalBody
-from polhode.dynamics.levels import least_energy
+from polhode.dynamics.levels import least_energy, refuse_far
 from polhode.equations.section_zero import HEIGHT, MOMENTUM
 from polhode.numbers import expression
 from polhode.numbers.convert import exact_number, to_double
@@ -61,6 +61,7 @@ def asked_of(scene: Scene, by: str, extremum: str, h: Any, f: Any) -> Asked:
     found = Asked(scene, level[0], level[1], by, extremum)
     body = RationalBody.of(scene.body)
     near = fraction_near(found.f, arc_parts.BODY_BITS)[0]
+    refuse_far(scene.name, "f", body, near)
     least = least_energy(body, permanent.arcs(body), near)
     if to_double(found.h) <= least:
         expected = f"above {least:.12g}, the least energy at f = {shown(found.f)}"

@@ -22,11 +22,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.convert import to_double, to_extended
+from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.scenes.scene import Scene
 from polhode.taylor.variations import Doubles
+
+_BLOCK = 5000  # points whose roots numpy is asked for at once: a tenth of a second
+_LARGEST = 1e50  # of |G|, and 1 over its least: sixth powers stay in the range of doubles
 
 
 class Ground(NamedTuple):
@@ -63,7 +68,7 @@ class Ground(NamedTuple):
 
 
 def ground(scene: Scene, h: Exact, f: Exact) -> Ground:
-    """Of a scene's body on the level (h, f)."""
+    """Of a scene's body on the level (h, f); raises BadInput for an h that doubles cannot hold."""
     body, unit = scene.body, Fraction(2) ** scene.time_unit
     mantissa, exponent = exact.rounded(max(body.moments), 8)
     mass = Fraction(2) ** -(64 * round((exponent + mantissa.bit_length()) / 64))
@@ -76,8 +81,13 @@ def ground(scene: Scene, h: Exact, f: Exact) -> Ground:
         weight = to_double(mass * unit * unit * body.weight * size)
         centre = np.array([to_double(x / size) for x in arm])
     wide = to_extended(mass * unit * unit * h), to_extended(mass * unit * f)
-    numbers = float(wide[0]), float(wide[1])
-    return Ground(moments, _frame(centre), weight, *numbers, *wide)
+    found = Ground(moments, _frame(centre), weight, float(wide[0]), float(wide[1]), *wide)
+    if not 1 / _LARGEST < found.largest_momentum < _LARGEST:
+        size = Fraction(_LARGEST) ** 2 / (2 * Fraction(float(moments.max()))) / (mass * unit * unit)
+        least, most = to_double(size / Fraction(_LARGEST) ** 4), to_double(size)
+        expected = f"of a size that doubles have room for: from {least:.3g} to {most:.3g}"
+        raise BadInput(scene.name, "h", shown(h), expected)
+    return found
 
 
 def _frame(e3: Doubles) -> Doubles:
@@ -103,6 +113,15 @@ class Found(NamedTuple):
 
 def momentum_states(on: Ground, l: Doubles, sig: Doubles, maxima: bool) -> Found:
     """All states at (l, L/G) that are maxima of |G| (or minima), by rising y for each."""
+    parts = [
+        _momentum_states(on, l[k : k + _BLOCK], sig[k : k + _BLOCK], maxima)
+        for k in range(0, max(1, len(l)), _BLOCK)
+    ]
+    of = [part.of + k * _BLOCK for k, part in enumerate(parts)]
+    return Found(np.concatenate([part.states for part in parts]), np.concatenate(of))
+
+
+def _momentum_states(on: Ground, l: Doubles, sig: Doubles, maxima: bool) -> Found:
     across = np.sqrt(1 - sig * sig)
     e = (across * np.sin(l))[:, None] * on.frame[0] + (across * np.cos(l))[:, None] * on.frame[1]
     e = e + sig[:, None] * on.frame[2]

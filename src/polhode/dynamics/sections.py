@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.arguments import whole
 from polhode.common.cached import cached_property
 from polhode.common.errors import BadInput
+from polhode.common.memory import refuse_too_much
 from polhode.common.provenance import provenance
 from polhode.common.values import ByValue
 from polhode.dynamics import crossing_digits, section_jobs
@@ -25,7 +27,11 @@ from polhode.numbers.scalars import AnyNumber, AnyVector, Doubles, Integers
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 
+if TYPE_CHECKING:
+    from polhode.dynamics.section_states import Ground
+
 MOST_CROSSINGS = 1_000_000
+_BYTES = 400  # of a crossing, while it is found and put in order
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -149,15 +155,18 @@ def section(
         starts = plan.starts
     on = geometry.ground(scene, asked.h, asked.f)
     found = starts_of(asked, on, starts, grid)
+    what = f"{len(found.states)} orbits to {count} crossings"
+    words = "crossings in all; a coarser grid, or fewer of each orbit"
+    refuse_too_much(scene.name, "section", what, len(found.states) * count, _BYTES, words)
     zero = section_jobs.zero_of(asked.scene, on, asked.by)
     direction = 0
     if asked.by in (MOMENTUM, HEIGHT):
         direction = -1 if asked.extremum == MAXIMA else 1
-    _refuse_constant(asked, zero, found.states)
+    _refuse_constant(asked, on, zero, found.states)
     jobs = section_jobs.jobs_of(asked, on, zero, direction, count, found.states)
     key = repr((scene.text, str(asked[1:]), count, direction, found.states.tobytes()))
     kept = None if parts is None else Kept(parts, "section", key)
-    with kept or nullcontext():
+    with kept or nullcontext(), _refused(asked, on, kept):
         results, interrupted = carried_out(
             taylor.solve,
             jobs,
@@ -177,12 +186,13 @@ def section(
         raise KeyboardInterrupt
     crossed = taylor.joined([result for result in results if result is not None])
     if asked.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
-        _refuse_never_zero(asked, on, zero)
+        with _refused(asked, on, kept):
+            _refuse_never_zero(asked, on, zero)
     return _result(asked, on, found.states[rows], crossed, interrupted, kept)
 
 
-def _refuse_constant(asked: Asked, zero: Any, states: Any) -> None:
-    """Raise BadInput for an expression whose rate vanishes at every start."""
+def _refuse_constant(asked: Asked, on: Ground, zero: Any, states: Any) -> None:
+    """Raise BadInput for an expression that has no value at a start, or no rate at any of them."""
     import numpy as np
 
     from polhode.equations.forms import principal
@@ -200,6 +210,9 @@ def _refuse_constant(asked: Asked, zero: Any, states: Any) -> None:
         with np.errstate(all="ignore"):
             speed = taylor.slope(zero, moved, taylor.rates(k, moved))
             value = np.real(zero.value(list(moved), ARRAYS))
+            here = zero.value(list(states.T), ARRAYS) + 0 * states[:, 0]
+        if not np.isfinite(here).all():
+            raise _not_finite(asked, on, states[int(np.argmin(np.isfinite(here)))], 0.0)
     except (ArithmeticError, AttributeError, TypeError):  # no name in it
         speed = value = np.zeros(1)
     if not np.any(np.abs(speed) > 1e-12 * np.maximum(1e-300, np.abs(value))):
@@ -207,7 +220,38 @@ def _refuse_constant(asked: Asked, zero: Any, states: Any) -> None:
         raise BadInput(asked.scene.name, "by", asked.by, expected)
 
 
-def _refuse_never_zero(asked: Asked, on: Any, zero: Any) -> None:
+@contextmanager
+def _refused(asked: Asked, on: Ground, kept: Kept | None) -> Iterator[None]:
+    """Leave nothing behind where the section's function is refused, on the way too."""
+    from polhode.taylor.crossings import Singular
+
+    try:
+        try:
+            yield
+        except Singular as met:
+            raise _not_finite(asked, on, met.start, met.time) from None
+    except BadInput:
+        if kept is not None:
+            kept.remove()
+        raise
+
+
+def _not_finite(asked: Asked, on: Ground, start: Sequence[float], time: float) -> BadInput:
+    """The refusal of an expression that has no finite value on an orbit, at a time of the run."""
+    import numpy as np
+
+    from polhode.dynamics import section_states as geometry
+
+    l, ratio = (float(x) for x in geometry.coordinates(on, np.array(start)))
+    t = math.ldexp(time, asked.scene.time_unit)
+    expected = (
+        "an expression that is real and finite all along the orbits; on the one from "
+        f"l = {l:.6g}, L/G = {ratio:.6g} it has a pole or stops being real at t = {t:.6g}"
+    )
+    return BadInput(asked.scene.name, "by", asked.by, expected)
+
+
+def _refuse_never_zero(asked: Asked, on: Ground, zero: Any) -> None:
     import numpy as np
 
     from polhode.dynamics import section_states as geometry

@@ -87,6 +87,18 @@ class Surface(ByValue):
         return np.array([*(to_double(x) for x in self.exact_level), 1.0])
 
     @cached_property
+    def shortest(self) -> float:
+        """No orbit on the level closes in less, by 2 pi over a Lipschitz constant of the rates.
+
+        (J. A. Yorke, Proc. Amer. Math. Soc. 22 (1969) 509.)  With W above every |w| and
+        W^2 >= 2|T|/C, T = Mg r0 and C the least moment, the Jacobian of the rates of (w/W, gamma)
+        has four blocks no larger than sqrt(2) W, W/2, W and W: L < 2.07 W.
+        """
+        least, torque = float(self.moments.min()), float(np.linalg.norm(self.torque))
+        fastest = (2 * (max(0.0, float(self.level[0])) + torque) / least) ** 0.5
+        return 2 * np.pi / (2.07 * fastest) if fastest else np.inf
+
+    @cached_property
     def flow(self) -> Flow:
         """The flow with its derivative, in double."""
         return Flow(self.coefficients, DOUBLE, derivative=True)

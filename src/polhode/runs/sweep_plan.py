@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
+from polhode.common.memory import refuse_too_much
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.runs.request import choose_number, rounded_times, rounded_tolerance
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
     from polhode.taylor.batch_jobs import Lanes
 
-MAX_NUMBERS = 10**8  # in all states together: 0.8 GB of doubles
+_BYTES = 40  # of a number of the states, while they are gathered and written
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,10 +90,9 @@ def planned(
         raise BadInput(scene.name, "events", scene.events[0].name, expected)
     varied = vary.grid(given, scene.name)
     numbers = (len(varied.rows) if kept else 1) * len(scene.times) * len(scene.columns)
-    if numbers > MAX_NUMBERS:
-        what = f"{len(varied.rows)} members at {len(scene.times)} times"
-        expected = f"at most {MAX_NUMBERS} numbers of states; fewer samples, or split the sweep"
-        raise BadInput(scene.name, "vary", what, expected)
+    what = f"{len(varied.rows)} members at {len(scene.times)} times"
+    words = "numbers of states; fewer samples, or split the sweep"
+    refuse_too_much(scene.name, "vary", what, numbers, _BYTES, words)
     members = Members(scene, varied)
     _ = members.tables  # a key that is none is refused before anything else
     chosen = choose_number(scene, number, None)

@@ -22,6 +22,7 @@ from polhode.taylor.cyclic import Cyclic
 from polhode.taylor.heyoka_numbers import (
     EXPRESSIONS,
     array,
+    compact_beyond,
     disk_cache,
     scalar,
     scalars,
@@ -37,6 +38,8 @@ Distance: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]],
 
 #: The parameter of the first variable that is kept; before it two for the time of events.
 FIRST_KEPT = 2
+
+LONG = 500  # operations of a run's events whose code is compiled as loops
 
 
 @dataclass(frozen=True)
@@ -114,7 +117,9 @@ def built(plan: Blueprint, watcher: Watcher | None, cyclic: Cyclic | None) -> Bu
     options, desk = dict(plan.options), None
     with disk_cache(plan.number):
         if watcher is not None:
-            options["nt_events"], desk = watcher.attach(variables, rates)
+            events, desk = watcher.attach(variables, rates)
+            options["nt_events"] = events
+            options |= compact_beyond(LONG, [event.expression for event in events])
         away = None if plan.distance is None else plan.distance(variables, k)
         if away is not None:
             options["t_events"] = [terminal_event(away, plan.number)]

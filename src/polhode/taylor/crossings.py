@@ -20,10 +20,12 @@ from polhode.equations.section_zero import SectionZero
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.words import STATE
+from polhode.taylor import strides
 from polhode.taylor.batches import width
-from polhode.taylor.heyoka_numbers import EXPRESSIONS
+from polhode.taylor.heyoka_numbers import EXPRESSIONS, compact_beyond
 from polhode.taylor.kinds import HeyokaIntegrator
 from polhode.taylor.on_level import ARRAYS, TINY, Level, Put
+from polhode.taylor.outcomes import Outcome
 from polhode.taylor.pool import Idle
 from polhode.taylor.variations import Doubles
 
@@ -31,12 +33,21 @@ DONE, NONE_LEFT, NON_FINITE, STOPPED = "all crossings", "no more crossings", "no
 
 _BESIDE = 1e-6  # of a unit of time: a lane so near to a crossing runs on before it is touched
 _BEGIN = 1e-9  # of a chunk: a crossing before it is the start itself
+_LONG = 80  # operations of an expression whose code is compiled as loops
 _BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
 _DIRECTIONS = {
     -1: hy.event_direction.negative,
     0: hy.event_direction.any,
     1: hy.event_direction.positive,
 }
+
+
+class Singular(ArithmeticError):
+    """A section's function is not finite, or not real, on an orbit: ``start`` (6), at ``time``."""
+
+    def __init__(self, start: tuple[float, ...], time: float) -> None:
+        self.start, self.time = start, time
+        super().__init__(start, time)
 
 
 class CrossingJob(NamedTuple):
@@ -76,7 +87,7 @@ class Crossed(NamedTuple):
 
 
 def solve(job: CrossingJob, stop: Callable[[], bool] | None = None) -> Crossed:
-    """Follow a job's orbits, as many at a time as a step advances."""
+    """Follow a job's orbits, as many at a time as a step advances; raises Singular."""
     return _Lanes(job, width(DOUBLE)).run(stop)
 
 
@@ -162,7 +173,8 @@ class _Lanes:
         self.integrator: HeyokaIntegrator = held[0]
         self.kept: _Kept = held[1]
         while self.busy.any() and not (stop is not None and stop()):
-            self._chunk()
+            if not self._chunk(stop):
+                break
             self._turn_over()
         if np.isfinite(self.integrator.state).all():
             _idle.put(self.key, held)
@@ -186,14 +198,15 @@ class _Lanes:
             self.origin[lane] = self.found[lane] = self.quiet[lane] = 0
             self.put.begin([lane], self.state[:, [lane]])
 
-    def _chunk(self) -> None:
-        """One stretch of time: crossings kept, clock and state set anew."""
+    def _chunk(self, stop: Callable[[], bool] | None) -> bool:
+        """One stretch of time: crossings kept, clock and state set anew.  False where stopped."""
         ta, job = self.integrator, self.job
         ta.state[:] = self.state
         ta.set_time(0.0)
         self.kept.rows.clear()
         target = np.where(self.busy, job.chunk, 0.0)
-        ta.propagate_until(target.tolist())
+        if not self._onwards(target, stop):
+            return False
         for _ in range(4):
             # a step that ends on a crossing may lose it or find it twice: again, and further
             near = self.busy & self._beside(ta.state)
@@ -203,10 +216,21 @@ class _Lanes:
             ta.set_time(np.where(near, 0.0, target).tolist())
             self.kept.rows[:] = [row for row in self.kept.rows if not near[row[0]]]
             target = target + near * (job.chunk / 16)
-            ta.propagate_until(target.tolist())
+            if not self._onwards(target, stop):
+                return False
         self._keep()
         self.state = self.put.back(ta.state.copy())
         self.origin += target
+        return True
+
+    def _onwards(self, target: Doubles, stop: Callable[[], bool] | None) -> bool:
+        """Lanes brought to a time; False where stopped.  Raises Singular."""
+        ended = strides.until(self.integrator, target.tolist(), stop=stop)
+        if Outcome.STEP_UNDERFLOW in ended.outcomes:
+            lane = ended.outcomes.index(Outcome.STEP_UNDERFLOW)
+            start = tuple(self.job.starts[self.orbit[lane]].tolist())
+            raise Singular(start, float(self.origin[lane] + self.integrator.time[lane]))
+        return not ended.stopped
 
     def _beside(self, state: Any) -> Any:
         """Which lanes are next to a crossing."""
@@ -271,4 +295,5 @@ def _integrator(
     crossing = zero.value(variables, EXPRESSIONS, hy.expression)
     event = hy.nt_event_batch(crossing, kept, direction=_DIRECTIONS[direction])
     system = list(zip(variables, field, strict=True))
-    return hy.taylor_adaptive_batch(system, np.zeros((6, size)), nt_events=[event])
+    options = compact_beyond(_LONG, [crossing])
+    return hy.taylor_adaptive_batch(system, np.zeros((6, size)), nt_events=[event], **options)

@@ -13,7 +13,7 @@ import copy
 import threading
 from collections.abc import Callable, Mapping
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import heyoka as hy
 import numpy as np
@@ -26,15 +26,15 @@ from polhode.numbers import expression
 from polhode.numbers.exact import Number
 from polhode.numbers.expression import Algebra
 from polhode.numbers.number_types import DOUBLE
-from polhode.taylor import heyoka_numbers
+from polhode.taylor import heyoka_numbers, strides
 from polhode.taylor.batches import width
-from polhode.taylor.endings import ending
 from polhode.taylor.event_expressions import TIME
 from polhode.taylor.kinds import CompiledFunction, Expression, HeyokaIntegrator
 from polhode.taylor.outcomes import Outcome, code
 from polhode.taylor.variations import Doubles
 
 STRETCH = 32.0  # of the motions' unit of time, a radian or two
+_LONG = 80  # operations of an expression whose code is compiled as loops
 _AT_START = 1e-9  # of an expression's size: so near to zero a start is taken for one at zero
 _TURN = tuple(f"turn{i}{j}" for i in range(3) for j in range(3))
 _ZERO = hy.expression(0.0)
@@ -82,7 +82,8 @@ def solve(job: FirstJob, stop: Callable[[], bool] | None = None) -> First:
     """Follow a job's motions, as many at a time as a step advances; the next takes a free lane."""
     lanes = _Lanes(job)
     while lanes.busy.any() and not (stop is not None and stop()):
-        lanes.stretch()
+        if not lanes.stretch(stop):
+            break
     return lanes.found
 
 
@@ -146,8 +147,11 @@ class _Lanes:
         numbers = [1 / unit, unit, 0.0, *job.coefficients[k], *turn]
         pars[:, lane] = numbers[: len(pars)]  # no more of them than the equations need
 
-    def stretch(self) -> None:
-        """Go on by one stretch of time, and begin other motions where some are over."""
+    def stretch(self, stop: Callable[[], bool] | None) -> bool:
+        """Go on by one stretch of time, and begin other motions where some are over.
+
+        False where stopped.
+        """
         job, ta, met = self.job, self.ta, self.met
         ta.pars[2:3] = self.origin = self.done * self.length
         before = self._values(0.0)
@@ -157,12 +161,16 @@ class _Lanes:
         met.since = np.where(near & (self.done == 0), _AT_START * abs(self.length), -1.0)
         ta.set_time(0.0)
         left = job.max_steps - int(self.found.steps[self.motion[self.busy]].max())
-        ta.propagate_until(np.where(self.busy, self.length, 0.0).tolist(), max_steps=max(1, left))
+        ends = np.where(self.busy, self.length, 0.0).tolist()
+        ended = strides.until(ta, ends, max(1, left), stop)
+        if ended.stopped:
+            return False
         after = self._values(self.length)
         fits = (before * after < 0) == (met.counts % 2 == 1)
         fits |= near & (self.done == 0)
         for lane in np.flatnonzero(self.busy).tolist():
-            self._note(lane, ta.propagate_res[lane], bool(fits[lane]))
+            self._note(lane, ended.outcomes[lane], int(ended.steps[lane]), bool(fits[lane]))
+        return True
 
     def _values(self, time: float) -> Doubles:
         """The expression in each lane."""
@@ -173,10 +181,9 @@ class _Lanes:
             )[0]
         return found
 
-    def _note(self, lane: int, result: Any, fits: bool) -> None:
+    def _note(self, lane: int, ended: Outcome, steps: int, fits: bool) -> None:
         found, k, met = self.found, int(self.motion[lane]), self.met
-        found.steps[k] += int(result[3])
-        ended = ending(result[0])
+        found.steps[k] += steps
         if ended is Outcome.REACHED_END and np.isfinite(met.times[lane]) and fits:
             found.times[k] = self.origin[lane] + met.times[lane]
             found.states[k] = met.states[:, lane]
@@ -236,6 +243,7 @@ def _compiled(
         list(zip(variables, field, strict=True)),
         np.zeros((len(columns), lanes)),
         nt_events=[event],
+        **heyoka_numbers.compact_beyond(_LONG, [crossing]),
     )
     value = hy.cfunc([hy.subs(crossing, {TIME: TIME + since})], vars=[*variables, TIME])
     return ta, value

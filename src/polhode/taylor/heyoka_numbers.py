@@ -7,7 +7,7 @@ exactly, rounded once to the run's type, and handed over typed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from fractions import Fraction
 from typing import Any
@@ -21,7 +21,7 @@ from polhode.numbers.exact import Number, sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Functions, Row
 from polhode.taylor import policy
-from polhode.taylor.kinds import HeyokaNumber
+from polhode.taylor.kinds import Expression, HeyokaNumber
 from polhode.taylor.settings import uncached
 
 #: The scalar functions of heyoka's expressions.
@@ -92,6 +92,15 @@ def type_options(number: NumberType) -> dict[str, Any]:
     """heyoka's options that choose a number type, for integrators and compiled functions."""
     compact = {"compact_mode": True} if policy.of(number).compact else {}
     return _TYPES[number.name](number) | compact
+
+
+def compact_beyond(most: int, expressions: Iterable[Expression]) -> dict[str, bool]:
+    """heyoka's option for expressions of more operations than these, in all.
+
+    Unrolled code is faster, but compiling that of a hundred operations takes minutes, in which no
+    signal is heard.
+    """
+    return {"compact_mode": True} if sum(map(len, expressions)) > most else {}
 
 
 def array(values: list[HeyokaNumber], number: NumberType) -> Row:

@@ -20,6 +20,7 @@ from polhode.common.locks import Lock, Place
 from polhode.equations.forms import principal
 from polhode.numbers.number_types import DOUBLE
 from polhode.scenes.words import STATE
+from polhode.taylor import strides
 from polhode.taylor.batches import width
 from polhode.taylor.heyoka_numbers import EXPRESSIONS
 from polhode.taylor.kinds import HeyokaIntegrator
@@ -75,7 +76,8 @@ def solve(job: TangentJob, stop: Callable[[], bool] | None = None) -> Followed:
     chunk = job.end / job.looks
     while busy.any() and not (stop is not None and stop()):
         ta.set_time(0.0)
-        ta.propagate_until(np.where(busy, chunk, 0.0).tolist())
+        if strides.until(ta, np.where(busy, chunk, 0.0).tolist(), stop=stop).stopped:
+            break
         length = np.sqrt((ta.state[6:] ** 2).sum(axis=0))
         for lane in np.flatnonzero(busy).tolist():
             k = int(orbit[lane])

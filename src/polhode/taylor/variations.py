@@ -27,6 +27,8 @@ from polhode.taylor.kinds import HeyokaIntegrator
 
 Doubles: TypeAlias = npt.NDArray[np.float64]
 
+_BLOCK = 50_000  # steps, a fifth of a second, between which a signal is heard
+
 
 class Variations:
     """A state in principal axes and tangents to it, marched together.
@@ -94,11 +96,13 @@ class Variations:
 
     def to(self, time: float, steps: int) -> bool:
         """March to a time in at most so many steps; whether it was reached with finite numbers."""
-        if steps <= 0:  # to heyoka 0 is no limit
-            return False
-        outcome, _, _, taken, *_ = self.heyoka.propagate_until(time, max_steps=steps)
-        self.steps += int(taken)
-        return bool(outcome == hy.taylor_outcome.time_limit)
+        while steps > 0:  # to heyoka 0 is no limit
+            most = min(steps, _BLOCK)
+            outcome, _, _, taken, *_ = self.heyoka.propagate_until(time, max_steps=most)
+            self.steps, steps = self.steps + int(taken), steps - most
+            if outcome != hy.taylor_outcome.step_limit:
+                return bool(outcome == hy.taylor_outcome.time_limit)
+        return False
 
     def rescale(self) -> None:
         """Bring the largest tangent to about 1: tangents that lead would take digits of the step.

@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 HELP = "many tops at once: numbers of a scene varied; bare steps, not projected"
 
 
+_AT_ONCE = 100_000  # states that are written within a second
+
+
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
@@ -87,7 +90,7 @@ def main(options: Namespace) -> int:
             progress.show(fraction, done, "members")
 
         found = _found(options, scene, varied, path, tell)
-    if path is not None:
+    if path is not None and not (found.interrupted and _takes_long(found)):
         _write(path, found)
         if found.parts is not None and not found.interrupted:
             found.parts.remove()
@@ -145,6 +148,14 @@ def _found(
     if options.digits is not None:
         raise BadInput(scene.name, "--digits", options.digits, "--number, beside --keep")
     return reduce_many(scene, varied, options.keep, **shared)
+
+
+def _takes_long(found: Ensemble | Reductions) -> bool:
+    """Whether what there is would be written after Ctrl-C for seconds; the parts are kept."""
+    from polhode.runs.ensemble import Ensemble
+
+    many = isinstance(found, Ensemble) and len(found) * len(found.times) > _AT_ONCE
+    return many and found.parts is not None
 
 
 def _write(path: Path, found: Ensemble | Reductions) -> None:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
 from polhode.common.files import is_stdout, write_stdout
+from polhode.common.interrupts import heard
 from polhode.common.text import aligned
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact
@@ -43,12 +44,21 @@ def prepare() -> None:
         sys.stdout = _Closed()
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
-    main = threading.current_thread() is threading.main_thread()
-    if main and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
-        signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends like Ctrl-C
+    heard.came = False
+    if threading.current_thread() is threading.main_thread():
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            signal.signal(signal.SIGINT, heard)
+        if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+            signal.signal(signal.SIGTERM, heard)  # ends like Ctrl-C
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+
+
+def deaf() -> None:
+    """From now on neither Ctrl-C nor SIGTERM is heard."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
 
 
 def give_up_stdout() -> None:

@@ -1,0 +1,242 @@
+"""Work that had no end, or no room: one line beforehand, or on the way, and nothing left behind."""
+
+from __future__ import annotations
+
+import re
+import time
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import heyoka as hy
+import numpy as np
+import pytest
+
+import polhode
+from polhode import cli
+from polhode.common import memory
+from polhode.dynamics import arc_parts, section_jobs, section_states
+from polhode.dynamics.arc_parts import RationalBody, Reach
+from polhode.dynamics.section_starts import asked_of
+from polhode.dynamics.surface import Surface
+from polhode.taylor import crossings as taylor
+from polhode.taylor import first_crossings, strides, tangents
+from polhode.taylor.heyoka_numbers import compact_beyond
+
+REGULAR = "general/asymmetric-regular"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def refused(capsys, *words: str) -> str:
+    """The line of a command that is refused, and leaves nothing."""
+    assert cli.main(words) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert not [*Path().iterdir()]
+    return err
+
+
+# -- expressions with a pole ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("by", ["1/q", "sqrt(q+1)"])
+def test_a_pole_or_a_root_on_the_way_is_one_line(capsys, by):
+    words = ("section", REGULAR, "--by", by, "--grid", "2x2", "--crossings", "300", "-o", "x.npz")
+    err = refused(capsys, *words)
+    said = f"by = {by}: expected an expression that is real and finite all along the orbits"
+    assert said in err
+    l, ratio, t = map(float, re.findall(r"= (-?[\d.]+)(?:,| it|\n)", err)[-3:])
+    scene = polhode.load(REGULAR)
+    on = section_states.ground(scene, scene.integrals.energy, scene.integrals.area)
+    starts = section_states.momentum_states(on, np.array([l]), np.array([ratio]), True).states
+    near = [abs(_q(scene, start, t) + (by != "1/q")) for start in starts]
+    assert min(near) < 1e-4  # q is 0 there, or -1
+
+
+def _q(scene, start, t) -> float:
+    """q of a motion at a time, as the section's orbits go."""
+    unit = 2.0**scene.time_unit
+    rows = np.array([[float(x) for x in row] for row in scene.body.axes.rows])
+    omega, gamma = start[:3] @ rows / unit, start[3:] @ rows
+    body = scene.body
+    plain = polhode.top(
+        moments=[float(a) for a in body.moments],
+        centre=[float(x) for x in body.axes.components(body.centre)],
+        weight=float(body.weight),
+        omega=(omega @ rows.T).tolist(),
+        gamma=(gamma @ rows.T).tolist(),
+        normalise=True,
+    )
+    return float((polhode.integrate(plain, at=[t]).states[-1][:3] @ rows)[1])
+
+
+@pytest.mark.parametrize("by", ["sqrt(p-5)", "sqrt(q)", "1/(q-q)"])
+def test_an_expression_without_a_value_at_a_start_is_not_called_constant(capsys, by):
+    err = refused(capsys, "section", REGULAR, "--by", by, "--grid", "2x2", "--crossings", "3")
+    assert "real and finite all along the orbits; on the one from l = 1.5708" in err
+    assert "constant" not in err
+
+
+def test_parts_of_a_section_that_is_refused_at_its_end_go(capsys):
+    words = ("section", REGULAR, "--by", "p+9", "--grid", "2x2", "--crossings", "3", "-o", "x.npz")
+    assert "an expression that becomes zero" in refused(capsys, *words)
+
+
+@pytest.mark.slow  # without the loops: minutes
+@pytest.mark.parametrize("what", ["section", "run"])
+def test_a_long_expression_is_compiled_in_time(what):
+    by = "+".join(f"sin({k}*p)*q" for k in range(1, 76))
+    began = time.process_time()
+    if what == "section":
+        assert polhode.section(REGULAR, by=by, grid=(2, 2), crossings=2).complete
+    else:
+        scene = replace(polhode.load(REGULAR), events=(polhode.Event("x", by),))
+        assert polhode.integrate(scene, at=[1]).events[0].times
+    assert time.process_time() - began < 60  # a limit against hanging: it takes two
+
+
+@pytest.mark.parametrize(("terms", "loops"), [(3, False), (40, True)])
+def test_a_long_expression_is_compiled_as_loops(terms, loops):
+    x = hy.make_vars("x")
+    sum_of = [hy.sin(hy.expression(float(k)) * x) for k in range(2, 2 + terms)]
+    assert bool(compact_beyond(80, sum_of)) is loops
+
+
+def test_jobs_look_between_blocks_whether_to_stop(monkeypatch):
+    """Each of them asked only between stretches, which have no longest time."""
+    monkeypatch.setattr(strides, "BLOCK", 5)
+    asked: list[bool] = []
+
+    def stop() -> bool:
+        asked.append(True)
+        return len(asked) == 3
+
+    scene = polhode.load(REGULAR)
+    what = asked_of(scene, "momentum", "max", None, None)
+    on = section_states.ground(scene, what.h, what.f)
+    starts = section_states.momentum_states(on, np.array([1.5]), np.array([0.5]), True).states
+    zero = section_jobs.zero_of(scene, on, "momentum")
+    (job,) = section_jobs.jobs_of(what, on, zero, -1, 5, starts)
+    assert taylor.solve(job, stop).outcomes == (taylor.STOPPED,)
+    assert len(asked) == 3
+
+    names, numbers = zip(*job.coefficients, strict=True)
+    own, tangent = np.array([numbers]), np.ones((1, 6))
+    asked.clear()
+    far = tangents.TangentJob(names, own, starts[:1], tangent, 1e9, 1, None, (), 1.0)
+    assert tangents.solve(far, stop).last.tolist() == [0]
+    asked.clear()
+    columns = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
+    first = first_crossings.FirstJob(
+        names, columns, "q-100", 128.0, 0, 10**9, 1e9, 0, own, starts[:1], None
+    )
+    assert np.isnan(first_crossings.solve(first, stop).times).all()
+    assert len(asked) == 3
+
+
+def test_a_first_crossing_beyond_a_pole_is_left_to_a_run():
+    """The steps were zero for ever, a hundred million of them."""
+    scene = polhode.load(REGULAR)
+    what = asked_of(scene, "momentum", "max", None, None)
+    on = section_states.ground(scene, what.h, what.f)
+    starts = section_states.momentum_states(on, np.array([1.5]), np.array([0.5]), True).states
+    zero = section_jobs.zero_of(scene, on, "momentum")
+    (job,) = section_jobs.jobs_of(what, on, zero, -1, 5, starts)
+    names, numbers = zip(*job.coefficients, strict=True)
+    columns = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
+    first = first_crossings.FirstJob(
+        names, columns, "1/q", 128.0, 0, 10**9, 64.0, 0, np.array([numbers]), starts[:1], None
+    )
+    assert first_crossings.solve(first).unsure.tolist() == [True]
+
+
+# -- sizes ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("section R --grid 99999x99999", "grid = 99999x99999: expected at most 1000000 cells"),
+        ("orbit R --search 99999x99999", "grid = 99999x99999: expected at most 1000000 cells"),
+        ("map R --grid 9999x9999", "grid = 9999x9999: expected at most 1000000 cells"),
+        (
+            "section R --h 1e300 --f 0 --grid 2x2 --crossings 2",
+            "h = 1.0000000000000000e+300: expected of a size that doubles have room for",
+        ),
+        ("section R --h 1e400 --f 0", "h = 1.0000000000000000e+400: expected of a size"),
+        ("section euler/prolate --h 1e-130 --f 0", "h = 1.0000000000000000e-130: expected of a"),
+        ("orbit R --period 1e-300", "period = 1e-300: expected one near 0.89 or longer"),
+        ("levels R --f 1e300:1e301 --h 1e300:1e301 -o l.svg", "f = 1.0000000000000001e+300: exp"),
+        ("section R --f 1e300 --h 1e300", "f = 1.0000000000000000e+300: expected of a size with"),
+        ("map R --f 1e-300 --h 3", "f = 1.0000000000000000e-300: expected of a size within"),
+        ("section R --grid 5x5 --crossings 999999", "expected at most 10000000 crossings in all"),
+    ],
+)
+def test_what_is_too_large_or_too_small_is_one_line(capsys, words, said):
+    assert said in refused(capsys, *words.replace("R", REGULAR, 1).split())
+
+
+def test_what_is_refused_for_its_size_says_the_largest_that_works(monkeypatch):
+    monkeypatch.setattr(memory, "MOST_BYTES", 12_000)
+    with pytest.raises(polhode.BadInput, match="2 orbits to 16 crossings: expected at most 30 "):
+        polhode.section(REGULAR, starts=[[1.5, 0.5], [1.5, -0.5]], crossings=16)
+    assert polhode.section(REGULAR, starts=[[1.5, 0.5], [1.5, -0.5]], crossings=15).complete
+    with pytest.raises(polhode.BadInput, match="motions with 16 looks each: expected at most 500 "):
+        polhode.chaos_map(REGULAR, (8, 8), end=10)
+
+
+def test_energies_at_the_edge_of_doubles_are_cut_or_refused():
+    found = polhode.section(REGULAR, h=10**60, f=0, starts=[[1, 0.2]], crossings=2)
+    assert found.times.shape == (1, 2)
+
+
+def test_no_orbit_closes_sooner_than_the_surface_says():
+    """Of a fast free body the bound is met within its constant: a period of 2 pi over |w|."""
+    orbit = polhode.orbit("grioli/precession", digits=10)
+    on = orbit.surface
+    assert 0.1 < on.shortest * float(on.unit) / float(orbit.period) < 1
+    fast = polhode.top(moments=[2, "1.5", 1], gamma=[1, 0, 0], omega=[100, "0.1", 1])
+    free = Surface(fast, fast.integrals.energy, fast.integrals.area)
+    assert free.shortest * float(free.unit) == pytest.approx(2 * np.pi / 2.07 / 141.4, rel=2e-2)
+
+
+def test_reach_of_exact_levels():
+    """The bits between roots: twice those of the body's own gaps, and those of f."""
+    body = RationalBody.of(polhode.load(REGULAR).body)
+    reach = Reach.of(body)
+    assert Fraction(0) in reach
+    assert Fraction(10) ** 40 in reach
+    assert Fraction(10) ** 42 not in reach
+    assert -(Fraction(10) ** -40) in reach
+    assert Fraction(10) ** -42 not in reach
+    near = body._replace(moments=(1 + Fraction(1, 2**60), Fraction(1), Fraction(3, 2)))
+    narrow = Reach.of(near)
+    assert np.log2(narrow.most / narrow.least) == pytest.approx(
+        2 * (140 - 2 * (60 + np.log2(1.5))), abs=1e-6
+    )
+    none = Reach.of(near._replace(moments=(1 + Fraction(1, 2**80), Fraction(1), Fraction(2))))
+    assert none.most < none.least
+    assert arc_parts.MOST_SPREAD == 140
+    free = body._replace(torque=(Fraction(0),) * 3)
+    assert Fraction(10) ** 400 in Reach.of(free)
+
+
+def test_a_body_out_of_reach_is_said_so():
+    far = polhode.top(
+        moments=["1+1e-100", 1, "1.5"], centre=[1, 2, 3], weight=1, gamma=[0, 0, 1], omega=[1, 0, 1]
+    )
+    with pytest.raises(polhode.BadInput, match="top: body: expected moments, gaps between them"):
+        polhode.levels(far)
+
+
+def test_energies_that_are_not_told_apart_are_undecided():
+    """Two rotations were taken for one and its mirror image: three energies of six."""
+    found = polhode.levels(REGULAR)
+    assert len(found.regions(10**16)) == 6
+    with pytest.raises(polhode.BadInput, match="no two permanent rotations meet"):
+        found.regions(10**28)
