@@ -17,13 +17,18 @@ import tempfile
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput, StdoutFault
 from polhode.common.interrupts import delayed
 
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
 STDOUT = Path("-")
 _HANDLES = ("/dev/fd/", "/proc/self/fd/")  # names of what is open already
+MOST_UNPACKED = 1 << 32  # bytes of an NPZ file's arrays
 PATIENCE = 10.0  # seconds to wait for the first byte of a pipe
 
 
@@ -118,6 +123,27 @@ def npz(arrays: Mapping[str, Any], packed: bool = False) -> bytes:
     held = io.BytesIO()
     (np.savez_compressed if packed else np.savez)(held, **arrays)
     return held.getvalue()
+
+
+def read_npz(file: Path | bytes, names: Sequence[str] = ()) -> dict[str, npt.NDArray[np.generic]]:
+    """The arrays of an NPZ file, all or those of ``names``, no pickles.
+
+    Raises OSError where there is no file, and ValueError for whatever is none: bytes in a wrong
+    place make the libraries below raise almost anything.
+    """
+    import numpy as np
+
+    try:
+        held = io.BytesIO(file) if isinstance(file, bytes) else file
+        with np.load(held, allow_pickle=False) as found:
+            size = sum(part.file_size for part in found.zip.infolist())
+            if size > MOST_UNPACKED:
+                raise ValueError(f"{size} bytes, unpacked")
+            return {name: found[name] for name in names or found.files}
+    except OSError:
+        raise
+    except Exception as fault:
+        raise ValueError(f"no whole NPZ file: {fault}") from None
 
 
 def check_writable(

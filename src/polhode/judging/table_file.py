@@ -12,7 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, TextIO
 
-from polhode.common.errors import BadInput
+from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import read_whole
 from polhode.common.text import few
 from polhode.judging.file_cells import most_printed, values
@@ -173,7 +173,7 @@ def _beside(path: Path) -> dict[str, Any]:
     """What the JSON that polhode wrote beside a file says; empty where there is none."""
     try:
         found = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, *UNREADABLE):
         return {}
     return found if isinstance(found, dict) else {}
 

@@ -60,7 +60,7 @@ class Parts(KeptFolder):
         import numpy as np
 
         for path in self.pieces():
-            found = self.read(path, Part._fields)
+            found = self.read(path)
             if found is None:
                 continue
             members = found["members"]

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from polhode.common.errors import BadInput, nearest
+from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import read_whole
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact, sign
@@ -79,7 +79,7 @@ def tables(text: str, name: str = "scene") -> dict[str, Any]:
         raise BadInput(name, "file", None, f"lines of at most {MAX_LINE} characters")
     try:
         data: dict[str, Any] = tomllib.loads(text, parse_float=Literal)
-    except (ValueError, RecursionError) as error:
+    except UNREADABLE as error:
         reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)
         reason = reason.partition(";")[0]  # Python's advice on too many digits is not for here
         raise BadInput(name, "file", None, f"TOML ({reason})") from None

@@ -15,7 +15,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from polhode.common.errors import BadInput, nearest
+from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import check_writable, make_folder, write_whole
 from polhode.common.provenance import cpu, digest, versions
 from polhode.figures import canvas
@@ -122,7 +122,7 @@ def results(folder: Path, name: str) -> dict[str, Any] | None:
     """The JSON object of a study in a folder; None where there is none that can be read."""
     try:
         found = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, *UNREADABLE):
         return None
     return found if isinstance(found, dict) and found.get("study") == name else None
 
