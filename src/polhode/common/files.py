@@ -164,7 +164,9 @@ def check_writable(
     if suffixes and path.suffix.lower() not in suffixes:
         raise BadInput(str(path), "-o", None, f"a name that ends in {' or '.join(suffixes)}")
     if not place.parent.is_dir():
-        raise BadInput(str(path), "file", None, f"an existing folder {path.parent}")
+        link = f"{place.parent}, where this link leads"
+        folder = link if path.is_symlink() else str(path.parent)
+        raise BadInput(str(path), "file", None, f"an existing folder {folder}")
     if not os.access(place.parent, os.W_OK):
         raise BadInput(str(path), "file", None, "a folder that can be written to")
     for source in inputs:
@@ -179,6 +181,14 @@ def make_folder(folder: Path) -> None:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise BadInput(str(folder), "-o", None, f"a folder to write to ({reason})") from None
+
+
+def called(path: Path) -> str:
+    """What results call a file: its path as it was given, of an absolute one the name alone.
+
+    Results are passed on, and whose folders they were made in is nobody's business.
+    """
+    return path.name if path.is_absolute() and path.name else str(path)
 
 
 def is_stream(path: Path) -> bool:

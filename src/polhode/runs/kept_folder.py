@@ -58,16 +58,21 @@ class KeptFolder:
         return found
 
     def write(self, name: str, arrays: Mapping[str, Any]) -> None:
-        """One more piece, whole; raises BadInput where that cannot be."""
+        """One more piece, whole, or BadInput, and no empty folder where it is the first."""
         import numpy as np
 
-        if self._lock is None:
-            make_folder(self.folder)
-            write_whole({self.folder / MANIFEST: json.dumps(self._manifest, indent=1) + "\n"})
-            self._hold()
         held = {key: np.asarray(array) for key, array in arrays.items()}
         held[_CHECKSUM] = np.array(self._checksum(name, held))
-        write_whole({self.folder / name: npz(held)})
+        try:
+            if self._lock is None:
+                make_folder(self.folder)
+                write_whole({self.folder / MANIFEST: json.dumps(self._manifest, indent=1) + "\n"})
+                self._hold()
+            write_whole({self.folder / name: npz(held)})
+        except BadInput:
+            if not self.pieces():
+                self.remove()
+            raise
 
     def pieces(self) -> list[Path]:
         """The files there are, by name."""
