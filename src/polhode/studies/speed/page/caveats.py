@@ -6,11 +6,14 @@ It goes once the study calls every program at its best, from new starts.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 from polhode.studies.page.blocks import Block, Heading, Items, Text
 from polhode.studies.speed.rows import as_it_comes
 from polhode.studies.speed.work_precision import WorkPoint, seconds_at
+
+#: Part of the study's JSON object: the whole, a motion, a cell.
+Told: TypeAlias = dict[str, Any]
 
 SHORT = (
     "At t = 10 it is behind compiled Runge–Kutta codes: there a new start costs it about a "
@@ -47,7 +50,7 @@ _DESIGN = (
 _COMPENSATED, _TWELVE = "splitting 8 compensated", 12.0
 
 
-def withdrawn(motions: Sequence[dict[str, Any]]) -> str:
+def withdrawn(motions: Sequence[Told]) -> str:
     """Which claim was withdrawn, and why, in a paragraph."""
     return (
         "What stood here before (“12 of 12 cells”, “the fastest of all programs tried”) does not "
@@ -56,7 +59,7 @@ def withdrawn(motions: Sequence[dict[str, Any]]) -> str:
     )
 
 
-def blocks(found: dict[str, Any]) -> Iterator[Block]:
+def blocks(found: Told) -> Iterator[Block]:
     """All that speaks against reading more from the rows."""
     motions = found["motions"]
     yield Heading("What these rows do not show")
@@ -67,7 +70,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield Items(tuple(more))
 
 
-def compensated(motions: Sequence[dict[str, Any]]) -> str:
+def compensated(motions: Sequence[Told]) -> str:
     """What a program that was left out of the cells reaches on the long regular motions."""
     regular = [m for m in motions if m["kind"] == "regular"]
     ran = [m for m in regular if any(x["method"] == _COMPENSATED for x in m["methods"])]
@@ -89,7 +92,7 @@ def compensated(motions: Sequence[dict[str, Any]]) -> str:
     )
 
 
-def _missing(motions: Sequence[dict[str, Any]]) -> list[str]:
+def _missing(motions: Sequence[Told]) -> list[str]:
     """The programs that were not there."""
     names = [m["method"] for x in motions for m in x["methods"] if m["status"] == "missing"]
     programs = ", ".join(dict.fromkeys(name.partition(" ")[0] for name in names))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text
 from polhode.studies.speed.page import caveats
@@ -23,7 +23,7 @@ class Closest(NamedTuple):
     method: str
 
 
-def blocks(cells: Sequence[dict[str, Any]]) -> Iterator[Block]:
+def blocks(cells: Sequence[caveats.Told]) -> Iterator[Block]:
     """Heading, claims, figure and tables; nothing where no cell was run."""
     if not cells:
         return
@@ -52,9 +52,9 @@ def blocks(cells: Sequence[dict[str, Any]]) -> Iterator[Block]:
         yield Text("Not all runs came back: " + "; ".join(told) + ".")
 
 
-def others(cells: Sequence[dict[str, Any]]) -> str:
+def others(cells: Sequence[caveats.Told]) -> str:
     """Which programs polhode is compared with, and how far each was run."""
-    ran: dict[str, list[dict[str, Any]]] = {}
+    ran: dict[str, list[caveats.Told]] = {}
     for cell in cells:
         for method in cell["levels"][0]["methods"]:
             ran.setdefault(method["method"], []).append(cell)
@@ -74,7 +74,7 @@ def others(cells: Sequence[dict[str, Any]]) -> str:
     return text
 
 
-def stands(cells: Sequence[dict[str, Any]]) -> str:
+def stands(cells: Sequence[caveats.Told]) -> str:
     """Where polhode is ahead of every peer, of what the rows can decide: long, accurate runs.
 
     A cell counts where polhode itself arrives from nearly every start; a peer wherever it arrives
@@ -100,7 +100,7 @@ def stands(cells: Sequence[dict[str, Any]]) -> str:
     return f"{text}. {caveats.SMALLER}"
 
 
-def beside_engine(cells: Sequence[dict[str, Any]]) -> str:
+def beside_engine(cells: Sequence[caveats.Told]) -> str:
     """polhode's time over that of heyoka written by hand, medians, by length of the run."""
     told: list[str] = []
     for end in sorted({cell["end"] for cell in cells}):
@@ -123,7 +123,7 @@ def beside_engine(cells: Sequence[dict[str, Any]]) -> str:
     )
 
 
-def closest(cell: dict[str, Any], level: float) -> Closest | None:
+def closest(cell: caveats.Told, level: float) -> Closest | None:
     """The fastest peer at a level, by the median over the starts; None where none reaches it."""
     rows = [m for m in _methods(cell, level) if _is_peer(m["method"]) and m["factor"] is not None]
     found = ((*m["factor"], m["method"]) for m in rows)
@@ -135,7 +135,7 @@ def ahead(peer: Closest | None) -> bool:
     return peer is None or peer.factor > 1
 
 
-def _raced(cell: dict[str, Any], level: float) -> bool:
+def _raced(cell: caveats.Told, level: float) -> bool:
     """Whether polhode nearly always reaches the level and a peer was here, arriving or not."""
     methods = _methods(cell, level)
     most = NEARLY_ALL * cell["starts"]
@@ -143,7 +143,7 @@ def _raced(cell: dict[str, Any], level: float) -> bool:
     return ours and any(_is_peer(m["method"]) for m in methods)
 
 
-def _every(cells: Sequence[dict[str, Any]]) -> PageTable:
+def _every(cells: Sequence[caveats.Told]) -> PageTable:
     """Milliseconds of every method in every cell: median, and least to most over the starts."""
     names = list(dict.fromkeys(m["method"] for c in cells for m in c["levels"][0]["methods"]))
     rows = []
@@ -158,7 +158,7 @@ def _every(cells: Sequence[dict[str, Any]]) -> PageTable:
     return PageTable(header, tuple(rows), "lr" + "r" * len(names), again)
 
 
-def _cell(method: dict[str, Any] | None, starts: int) -> str:
+def _cell(method: caveats.Told | None, starts: int) -> str:
     if method is None:
         return "–"
     if method["seconds"] is None:
@@ -170,21 +170,21 @@ def _cell(method: dict[str, Any] | None, starts: int) -> str:
     return told if method["reached"] == starts else f"{told}, {method['reached']} starts"
 
 
-def _levels(cells: Sequence[dict[str, Any]]) -> list[float]:
+def _levels(cells: Sequence[caveats.Told]) -> list[float]:
     return [level["digits"] for level in cells[0]["levels"]]
 
 
-def _methods(cell: dict[str, Any], level: float) -> list[dict[str, Any]]:
-    found: list[dict[str, Any]]
+def _methods(cell: caveats.Told, level: float) -> list[caveats.Told]:
+    found: list[caveats.Told]
     (found,) = (x["methods"] for x in cell["levels"] if x["digits"] == level)
     return found
 
 
-def _peers(cells: Sequence[dict[str, Any]]) -> bool:
+def _peers(cells: Sequence[caveats.Told]) -> bool:
     return any(_is_peer(m["method"]) for c in cells for m in c["levels"][0]["methods"])
 
 
-def _is_engine(method: dict[str, Any]) -> bool:
+def _is_engine(method: caveats.Told) -> bool:
     return method["method"] == ENGINE and method["factor"] is not None
 
 
