@@ -15,6 +15,7 @@ from importlib import import_module
 from typing import NoReturn
 
 from polhode.common.errors import BadInput, StdoutFault, nearest
+from polhode.common.files import write_stdout
 from polhode.common.interrupts import heard
 from polhode.common.provenance import __version__
 from polhode.verbs import terminal
@@ -25,6 +26,9 @@ VERBS = (
     *("levels", "section", "map", "orbit", "frequencies", "study", "report", "guide", "about"),
 )
 
+
+#: What follows is a name, even if it looks like an option.
+_BEFORE = "the verb and its options before it: what follows -- is taken for a name"
 
 WELCOME = f"""\
 polhode {__version__}: how a heavy rigid body moves about a fixed point, to how many correct digits.
@@ -51,10 +55,18 @@ class _Parser(argparse.ArgumentParser):
         ):
             words = [word.strip(" '") for word in found[3].split(",")]
             raise BadInput(command, found[1], found[2], nearest(found[2], words))
+        if found := re.match(r"argument ([^\s:]+): (.+), not '?(.*?)'?$", message):  # by a type
+            raise BadInput(command, found[1], found[3], found[2])
         raise BadInput(command, "command", None, f"what {command} --help shows ({message})")
 
-    def refuse(self, rest: Sequence[str]) -> NoReturn:
+    def _print_message(self, message: str, file: object = None) -> None:
+        """Help and version, as any other result: argparse would not say that they got lost."""
+        write_stdout(message)
+
+    def refuse(self, rest: Sequence[str], given: Sequence[str]) -> NoReturn:
         """Say what could have been meant by arguments that the verb does not know."""
+        if "--" in given:
+            raise BadInput(self.prog, "argument", "--", _BEFORE)
         first = rest[0].partition("=")[0]
         known = [name for name in self._option_string_actions if name.startswith("--")]
         if first.startswith("-"):
@@ -74,15 +86,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if not given:
                 terminal.say(WELCOME.rstrip())
                 return DONE
+            if given[0] == "--":
+                raise BadInput("polhode", "argument", "--", _BEFORE)
             options, rest = _parser(given).parse_known_args(_joined(given))
             if rest:
-                options.parser.refuse(rest)
+                options.parser.refuse(rest, given)
             code: int = options.main(options)
             return code
         except BadInput as fault:
             if heard.came and isinstance(fault.__context__, ImportError):
                 return _interrupted()
-            print(f"polhode: {fault}", file=sys.stderr)
+            terminal.note(f"polhode: {fault}")
             return BAD_INPUT
         except KeyboardInterrupt:
             return _interrupted()
@@ -94,11 +108,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         terminal.give_up_stdout()
         if isinstance(full.fault, BrokenPipeError):  # the reader had enough
             return DONE
-        print(f"polhode: stdout: expected a place to write to ({full})", file=sys.stderr)
+        terminal.note(f"polhode: stdout: expected a place to write to ({full})")
         return BAD_INPUT
     except OSError as fault:
         where = fault.filename or "the system"
-        print(f"polhode: {where}: expected to do its work ({fault.strerror})", file=sys.stderr)
+        terminal.note(f"polhode: {where}: expected to do its work ({fault.strerror})")
         return BAD_INPUT
 
 
@@ -111,7 +125,7 @@ def command() -> NoReturn:
 
 
 def _interrupted() -> int:
-    print("polhode: interrupted", file=sys.stderr)
+    terminal.note("polhode: interrupted")
     return INTERRUPTED
 
 

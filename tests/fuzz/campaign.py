@@ -1,7 +1,13 @@
-"""Many cases of each class, counted: ``python -m fuzz.campaign SECONDS [SEED]`` in tests/."""
+"""Many cases of each class, counted: ``python -m fuzz.campaign SECONDS [SEED [CLASSES]]``.
+
+The classes apart by commas; the counts are lines of JSON, the last one of all.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import io
+import json
 import os
 import sys
 import tempfile
@@ -11,9 +17,9 @@ from pathlib import Path
 from random import Random
 
 import polhode
-from fuzz import generate, promise
+from fuzz import attacks, generate, promise
 
-CLASSES = ("scene", "table", "command", "call")
+CLASSES = ("scene", "table", "command", "call", *attacks.MAKERS)
 
 
 def case(kind: str, seed: int, scene: polhode.Scene) -> tuple[str, list[str], object]:
@@ -34,15 +40,31 @@ def case(kind: str, seed: int, scene: polhode.Scene) -> tuple[str, list[str], ob
                 made.unlink()
         generate.prepared(Path())
         return repr(words), *told
+    if kind in attacks.MAKERS:
+        Path("folder/in").mkdir(exist_ok=True)
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+            said, work = attacks.MAKERS[kind](random, scene)
+            told = promise.of_command(work) if isinstance(work, list) else promise.of_call(work)
+        return said, *told
     text_of, call = generate.call(random, scene)
     return text_of, *promise.of_call(call)
+
+
+def tell(first: int, seed: int, *counts: Counter[str]) -> None:
+    """What was done so far, as one line of JSON: cases, ends and cases with faults by class."""
+    names = ("cases", "ends", "faults")
+    told = {"seeds": [first, seed]} | dict(zip(names, map(dict, counts), strict=True))
+    print(json.dumps(told, sort_keys=True), flush=True)
 
 
 def main() -> None:
     """Run cases of all classes in turn for so many seconds; faults and counts on stdout."""
     seconds, first = float(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 0
     kinds = sys.argv[3].split(",") if len(sys.argv) > 3 else CLASSES
-    began, counts, ends = time.monotonic(), Counter[str](), Counter[str]()
+    began, (counts, ends, faults_of) = (
+        time.monotonic(),
+        (Counter[str](), Counter[str](), Counter[str]()),
+    )
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         generate.prepared(Path())
@@ -57,11 +79,14 @@ def main() -> None:
                 ends[f"{kind} -> {end}"] += 1
                 if took > 3:
                     print(f"-- {kind} {seed} took {took:.1f} s: {text[:300]!r}", flush=True)
+                faults_of[kind] += bool(faults)
                 for fault in faults:
                     print(f"== {kind} {seed}\n{text[:1500]}\n{fault[-1500:]}", flush=True)
             seed += 1
+            if seed % 100 == 0:
+                tell(first, seed, counts, ends, faults_of)
         os.chdir("/")
-    print(f"seeds {first} to {seed}: {dict(counts)}\n{dict(sorted(ends.items()))}")
+    tell(first, seed, counts, ends, faults_of)
 
 
 if __name__ == "__main__":

@@ -298,3 +298,44 @@ def python(array: Any, mpf: Any) -> list[Any]:
             {"body.weight": None},
         ),
     ]
+
+
+#: Values of JSON that an archive does not hold.
+JSON = [
+    *(None, True, False, 0, -1, 1, 10**30, 0.5, 1e308, "", "x", "nan", "1e999999999", "0x1p-52"),
+    *(
+        [],
+        {},
+        [1],
+        [[]],
+        {"a": 1},
+        "double",
+        "quad",
+        "mp",
+        "reached end",
+        "taylor",
+        [{"name": "x"}],
+    ),
+    *("1" * 5000, "\u202e", "\x00", ["h"] * 1000, {"onto": ["h"], "every": 0}),
+]
+#: What stands in the text of JSON, and what comes in its place.
+TEXTS = [("{", "["), ("}", ""), (":", ""), ('"', "'"), ("double", "single"), ("1", "9" * 400)]
+TEXTS += [("{", "[" * 100_000), ("null", "NaN"), ("0x1", "0x"), ("true", "1"), (",", ",,")]
+
+
+def arrays(held: Any) -> list[Any]:
+    """Arrays that stand for another one: its shape, kind or values changed."""
+    import numpy as np
+
+    flat = held.ravel()
+    return [
+        *(flat[:0], flat[:-1], flat, held.reshape(-1, 1), held[..., None], np.array(held.tolist())),
+        *(np.zeros(held.shape), np.full(held.shape, np.nan), np.full(held.shape, "x"), np.array(1)),
+        *(np.array([]), np.array(["1"] * 5), np.zeros((0, 6)), np.concatenate([flat, flat])),
+        *(
+            flat[::-1].reshape(held.shape),
+            np.full(held.shape, "[" * 50_000),
+            np.zeros(3, dtype="V8"),
+        ),
+        *(np.full(held.shape, 10**18), np.full(held.shape, True), np.full(held.shape, b"1")),
+    ]

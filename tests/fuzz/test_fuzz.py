@@ -23,7 +23,11 @@ from polhode.taylor.integrator import Integrator
 from shared.commands import STEPPING
 
 FAST = {"scene": 600, "call": 1300, "table": 50, "command": 50}
+FAST |= {"archive": 40, "toml": 80, "body": 80, "event": 20, "kept": 20}
+FAST |= {"units": 5, "wide": 5, "dynamic": 10, "film": 3, "proof": 3}
 MANY = {"scene": 6000, "call": 6000, "table": 1000, "command": 1000}
+MANY |= {"archive": 1000, "toml": 2000, "body": 2000, "event": 500, "kept": 500}
+MANY |= {"units": 100, "wide": 50, "dynamic": 200, "film": 50, "proof": 50}
 
 
 @pytest.fixture(autouse=True)

@@ -148,3 +148,11 @@ def test_a_file_of_the_attitude_alone():
     assert few._held.many is None
     assert quick.digits == ()
     assert 11.9 < quick.parts["attitude"] <= few.parts["attitude"] < 12.6
+
+
+def test_times_that_are_one_double_are_two():
+    """Their distance was a divisor, and one's digits stood for the other's."""
+    tiny = Fraction(1, 10**400)
+    known = {Fraction(0): 15.0, tiny: 14.0, Fraction(1): 12.0}
+    assert between(known, [Fraction(0), tiny, Fraction(1)]) == (15.0, 14.0, 12.0)
+    assert between(known, [tiny / 2]) in [(14.0,), (15.0,)]

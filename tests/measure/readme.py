@@ -15,7 +15,8 @@ from typing import Any
 from polhode.studies import report
 from polhode.studies.long_run.page import far_table
 from polhode.studies.page.blocks import PageTable, markdown
-from polhode.studies.speed.page import lengths, verdicts
+from polhode.studies.speed import page
+from polhode.studies.speed.page import caveats, lengths
 
 ROOT = Path(__file__).parents[2]
 WIDTH = 104
@@ -31,27 +32,16 @@ def parts() -> dict[str, str]:
     """The texts by their names."""
     found = {name: report.results(ROOT / "reports", name) for name in ("speed", "long-run")}
     return {
-        "ahead": _ahead(found["speed"]["cells"]),
+        "ahead": _ahead(found["speed"]),
         "speed": _speed(found["speed"]),
         "far": _far(found["long-run"]),
     }
 
 
-def _ahead(cells: Any) -> str:
-    """Who is the fastest where, as a table: a row a number of digits, a column a length."""
-    ends = sorted({cell["end"] for cell in cells})
-    header = ("digits", *(f"t = {end}" for end in ends), "where another is ahead, or none arrives")
-    rows = []
-    for level in lengths.LEVELS:
-        races = {end: lengths.race([c for c in cells if c["end"] == end], level) for end in ends}
-        behind = [x for found in races.values() for x in found if not lengths.ahead(x)]
-        alone = sum(found.count(None) for found in races.values())
-        told = [f"{x.method} {x.factor:.2f}" for x in sorted(behind)]
-        told += [f"none arrives in {alone}"] * (alone > 0)
-        counts = (f"{sum(map(lengths.ahead, x))} of {len(x)}" for x in races.values())
-        rows.append((f"{level:g}", *counts, "; ".join(told) or "–"))
-    made = _table(PageTable(header, tuple(rows), "r" * (len(ends) + 1) + "l"))
-    return f"{made}\n\n{_filled(lengths.beside_engine(cells))}"
+def _ahead(found: Any) -> str:
+    """What stands, and what was withdrawn, in two paragraphs."""
+    told = page.finding(found), caveats.withdrawn(found["motions"])
+    return "\n\n".join(map(_filled, told))
 
 
 def _table(made: PageTable) -> str:
@@ -60,22 +50,15 @@ def _table(made: PageTable) -> str:
 
 def _speed(found: Any) -> str:
     """Who is ahead where, in sentences."""
-    told = [lengths.claim(found["cells"], x) for x in lengths.LEVELS] if "cells" in found else []
     regular = [m for m in found["motions"] if m["kind"] == "regular"]
-    told += [verdicts.on_regular(found), _closest(regular), _engine(regular)]
-    told += [lengths.beside_engine(found["cells"])] if "cells" in found else []
-    return "\n\n".join(_filled(text) for text in (" ".join(told), _refined(found["refined"])))
-
-
-def _closest(motions: Any) -> str:
-    """Each program's seconds over ours where it comes closest, over the motions."""
-    factors: dict[str, list[float]] = {}
-    for motion in motions:
-        for row in motion["verdict"]["peers"]:
-            if row["least_factor"] is not None:
-                factors.setdefault(row["method"], []).append(row["least_factor"])
-    told = "; ".join(f"{name}: {_between(values)}" for name, values in factors.items())
-    return f"Where each comes closest there, it takes so many times as long as polhode: {told}."
+    told = (
+        page.finding(found),
+        caveats.withdrawn(found["motions"]),
+        caveats.compensated(found["motions"]),
+        f"{_engine(regular)} {lengths.beside_engine(found['cells'])}",
+        _refined(found["refined"]),
+    )
+    return "\n\n".join(map(_filled, told))
 
 
 def _engine(motions: Any) -> str:

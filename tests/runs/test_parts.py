@@ -121,6 +121,51 @@ def test_a_damaged_part_is_made_again(damage, tmp_path):
     assert alike(swept(folder), whole)
 
 
+def changed(path: Path, **arrays: Any) -> None:
+    with np.load(path) as file:
+        held = {name: file[name] for name in file.files}
+    np.savez(path, **held | arrays)
+
+
+@pytest.mark.parametrize(
+    "arrays",
+    [
+        {"members": np.array([[0]])},
+        {"members": np.array([10**6])},
+        {"states": np.zeros((1, 3, 6))},
+        {"states": np.zeros(3)},
+        {"outcomes": np.array(["arrived"])},
+        {"reached": np.array(["1/0"])},
+        {"errors": np.array(["[" * 100_000])},
+        {"steps": np.array([1.5])},
+        {"checksum": np.array("0")},
+    ],
+    ids=lambda arrays: "-".join(arrays),
+)
+def test_a_part_that_somebody_changed_is_made_again(arrays, tmp_path):
+    """It gave tracebacks, or its numbers went into the result."""
+    folder = tmp_path / "x.parts"
+    interrupted_sweep(folder, 2)
+    first, *_ = sorted(folder.glob("part-*"))
+    changed(first, **arrays)
+    assert same(swept(folder).states, swept(None).states)
+
+
+def test_a_part_under_another_name_is_made_again(tmp_path):
+    folder = tmp_path / "x.parts"
+    interrupted_sweep(folder, 2)
+    first, second, *_ = sorted(folder.glob("part-*"))
+    second.write_bytes(first.read_bytes())
+    assert same(swept(folder).states, swept(None).states)
+
+
+def test_a_manifest_of_brackets_is_refused(tmp_path):
+    interrupted_sweep(tmp_path / "x.parts", 1)
+    (tmp_path / "x.parts/manifest.json").write_text("[" * 100_000)
+    with pytest.raises(polhode.BadInput, match="remove the folder to start afresh"):
+        swept(tmp_path / "x.parts")
+
+
 def test_a_part_cut_short_is_made_again(tmp_path):
     whole, folder = swept(None), tmp_path / "parts"
     interrupted_sweep(folder, 3)

@@ -100,32 +100,45 @@ def row(end: int, factor: float | None, name: str = "CyRK VERN8") -> dict:
     return cells.cell_row(cells.Cell("euler", end, 11), marks, {})
 
 
-def test_claims_count_what_the_rows_say():
-    rows = [row(10, 0.5), row(10, 0.8, "CyRK DOP853"), row(100, 2.0), row(1000, None)]
-    assert lengths.claim(rows, 9.0) == (
-        "At 9 digits polhode's median is ahead of every other program run in 0 of 2 cells of body "
-        "and outputs at t = 10, 1 of 1 at t = 100, 1 of 1 at t = 1000; in the others the fastest "
-        "(CyRK DOP853, CyRK VERN8) takes 0.50 to 0.80 of its time; in 1 of these cells no other "
-        "program reaches so many digits."
-    )
-    assert "ahead of" not in lengths.claim([row(10, 1.0, "heyoka alone")], 9.0)
-    assert lengths.finding([row(10, 1.0, "heyoka alone")]).startswith("No other program was")
-    assert lengths.closest(rows[0], 6.0) == lengths.Closest(0.5, 0.5, 0.5, "CyRK VERN8")
-    assert lengths.closest(rows[3], 6.0) is None
+CLOSEST = "polhode is ahead of every program tried but heyoka, its own engine, wherever it arrives"
 
 
-def test_the_finding_tells_every_level_and_the_engine_by_hand():
-    """Not the level alone at which all is won, nor the length at which heyoka alone is caught."""
-    rows = [row(10, 0.5), row(10, 0.8, "CyRK DOP853"), row(100, 2.0), row(1000, None)]
-    rows[2]["levels"][0]["methods"][-1]["factor"] = [0.9, 0.9, 0.9]
-    assert lengths.finding(rows) == (
-        "Polhode's median is ahead of every other program run in so many cells of body, length and "
-        "number of outputs: 1 of 4 at 6 digits (in 1 no other reaches them), 2 of 4 at 9 digits "
-        "(in 1 no other reaches them), 2 of 4 at 12 digits (in 1 no other reaches them). Beside "
-        "heyoka written by hand polhode takes, to the same digits, 10 to 10 times as long at "
-        "t = 10, 10 to 10 at t = 100, 10 to 10 at t = 1000: a short run pays most for what "
-        "surrounds the steps."
+def test_what_stands_is_told_of_long_accurate_runs_alone():
+    """Short runs and few digits decide nothing, whoever is ahead there."""
+    rows = [row(10, 0.5), row(100, 2.0), row(1000, 3.0), row(10000, None)]
+    rows[2]["levels"][0]["methods"][-1]["factor"] = [0.9, 0.9, 0.9]  # to 6 digits
+    told = lengths.stands(rows)
+    assert told.startswith(
+        f"From t = 1000 on and to 9 digits and more {CLOSEST} itself from nearly"
     )
+    assert ": CyRK VERN8, the closest, takes 3 times as long." in told
+    assert "repeated from one start" in told
+    assert lengths.stands(rows[:2]).startswith("No run here is long and accurate enough")
+    assert lengths.stands([row(1000, 1.0, "heyoka alone")]).startswith("No run here is")
+
+
+def test_a_lost_race_is_told():
+    rows = [row(1000, 0.5), row(1000, 2.0), row(1000, 1.0)]
+    told = lengths.stands(rows)
+    assert "its own engine, in 2 of 6 cells where it arrives itself" in told
+    assert ": CyRK VERN8, the closest, takes 0.5 times as long." in told
+
+
+def test_the_engine_by_hand_is_told_of_more_than_two_outputs():
+    """With two it was called in a slow way."""
+    rows = [row(10, 0.5), row(1000, 2.0)]
+    two = row(1000, 2.0) | {"outputs": 2}
+    for level in two["levels"]:
+        level["methods"][1]["factor"] = [5.0, 5.0, 5.0]
+    told = lengths.beside_engine([*rows, two])
+    assert "10 to 10 times as long at t = 10, 10 to 10 at t = 1000: a short run" in told
+    assert "`propagate_until` is 8 to 42 % faster; those cells are left out." in told
+    assert lengths.beside_engine([two]) == ""
+
+
+def test_the_closest_peer_of_a_cell():
+    assert lengths.closest(row(10, 0.5), 6.0) == lengths.Closest(0.5, 0.5, 0.5, "CyRK VERN8")
+    assert lengths.closest(row(1000, None), 6.0) is None
 
 
 def test_the_programs_compared_with_are_named_with_what_they_ran():
@@ -139,17 +152,23 @@ def test_the_programs_compared_with_are_named_with_what_they_ran():
 
 
 def test_where_polhode_does_not_arrive_nothing_is_claimed():
-    marks = {"polhode": [[WorkPoint(7, 1.0)]], "CyRK VERN8": [[WorkPoint(13, 1.0)]]}
-    short = cells.cell_row(CELL, marks, {})
-    assert "no other program" in lengths.claim([short], 12.0)
-    assert "1 of 1" not in lengths.claim([short], 12.0)
+    """From seven starts in eight at least."""
+
+    def short(arrived: int) -> dict:
+        ours = [[WorkPoint(13 if k < arrived else 7, 1.0)] for k in range(8)]
+        marks = {"polhode": ours, "CyRK VERN8": [[WorkPoint(13, 2.0)]] * 8}
+        return cells.cell_row(cells.Cell("euler", 1000, 11), marks, {})
+
+    assert lengths.stands([short(6)]).startswith("No run here is")
+    assert "takes 2 times as long" in lengths.stands([short(7)])
 
 
 def test_page_and_figure_of_cells():
     rows = json.loads(json.dumps([row(10, 0.5), row(100, 2.0)]))
     text = markdown("x", lengths.blocks(rows))
     assert "| euler t=10 outputs=11 | 6 | 1e+03 (1e+03–1e+03) |" in text
-    assert "ahead on 0 of 1 bodies; CyRK VERN8 ×0.50" in text
+    assert "hold 60 to 110 microseconds of calls" in text
+    assert "ahead" not in text
     assert figure.lengths(rows).startswith("<?xml")
     assert list(lengths.blocks([])) == []
 

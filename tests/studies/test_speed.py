@@ -349,14 +349,40 @@ def test_the_verdict_says_where_polhode_is_behind():
 
 def test_no_claim_is_made_of_nothing():
     found = synthetic()
-    assert page.finding(found).endswith("ahead of every program but CyRK DOP853.")
+    assert page.finding(found).startswith("No run here is long and accurate enough")
     (motion,) = found["motions"]
     alone = [m for m in motion["methods"] if not m["method"].startswith(("CyRK", "diffrax"))]
     motion |= {"methods": alone, "verdict": speed.verdict(alone, 12.4)}
     found["target"] = speed.target([motion])
     assert found["target"]["ahead"] is None
-    assert page.finding(found).startswith("No other program was here")
     assert "ahead of" not in markdown(page.TITLE, page.blocks(found))
+
+
+def test_the_page_says_what_its_rows_do_not_show():
+    """A program that was not there is named, one that was is not."""
+    found = synthetic()
+    text = markdown(page.TITLE, page.blocks(found))
+    assert "does not stand and is withdrawn until speed is measured again" in text
+    assert "; numbalsoda was missing; only reruns of one start" in text
+    found["motions"][0]["methods"].pop()
+    text = markdown(page.TITLE, page.blocks(found))
+    assert "is withdrawn" in text
+    assert "was missing" not in text
+
+
+def test_a_program_left_out_of_the_cells_is_told_with_what_it_reaches():
+    found = synthetic()
+    (motion,) = found["motions"]
+    assert "left out of the cells" not in markdown(page.TITLE, page.blocks(found))
+    points = [{"tol": 1e-9, "digits": 12.0, "seconds_min": 0.03, "seconds_median": 0.03}]
+    motion["methods"].append(
+        motion["methods"][4] | {"method": "splitting 8 compensated", "points": points}
+    )
+    text = markdown(page.TITLE, page.blocks(found))
+    assert (
+        "12 digits on 1 of 1 regular motions to t = 1000; where polhode does too, in 10 to 10 "
+        in text
+    )
 
 
 def test_polhode_as_it_comes_is_projected_at_eps_alone():

@@ -74,7 +74,7 @@ def left(folder: Path) -> set[str]:
         (["run", CASE, "--outputs", "angels"], "did you mean 'angles'"),
         (["run", CASE, "-o", "nofolder/x.csv"], "existing folder"),
         (["run", CASE, "-o", "."], "not a folder"),
-        (["run", CASE, "-o", ""], "not a folder"),
+        (["run", CASE, "-o", ""], "-o = : expected a name"),
         (["run", CASE, "-o", "x.json"], "a name that ends in .csv"),
         (["run", CASE, "-o", "no\nfolder/x.csv"], "no folder/x.csv"),
         (["reference", CASE, "--digits", "0"], "digits = 0"),

@@ -130,7 +130,7 @@ def test_outputs_are_left_out_and_that_is_said(scene, capsys, tmp_path):
         (["--vary", "body.weight=1", "-o", "no/x.npz"], "expected an existing folder no"),
         (["--vary", "body.weight=1", "--tol", "0.5"], "expected between eps"),
         ([], "the following arguments are required: --vary"),
-        (["--vary", "body.weight=1", "--workers", "0"], "1 or more, not 0"),
+        (["--vary", "body.weight=1", "--workers", "0"], "--workers = 0: expected 1 or more"),
     ],
 )
 def test_bad_input(scene, capsys, tmp_path, arguments, message):

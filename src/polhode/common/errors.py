@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+#: What reading JSON or TOML raises for text that is none, or nested too deeply.
+UNREADABLE = (ValueError, RecursionError)
+
 
 class BadInput(ValueError):
     """Input that cannot be used: where it stands, the value met, and what was expected.

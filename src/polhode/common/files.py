@@ -17,13 +17,18 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput, StdoutFault
 from polhode.common.interrupts import delayed
 
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
 STDOUT = Path("-")
 _HANDLES = ("/dev/fd/", "/proc/self/fd/")  # names of what is open already
+MOST_UNPACKED = 1 << 32  # bytes of an NPZ file's arrays
 PATIENCE = 10.0  # seconds to wait for the first byte of a pipe
 
 
@@ -120,6 +125,27 @@ def npz(arrays: Mapping[str, Any], packed: bool = False) -> bytes:
     return held.getvalue()
 
 
+def read_npz(file: Path | bytes, names: Sequence[str] = ()) -> dict[str, npt.NDArray[np.generic]]:
+    """The arrays of an NPZ file, all or those of ``names``, no pickles.
+
+    Raises OSError where there is no file, and ValueError for whatever is none: bytes in a wrong
+    place make the libraries below raise almost anything.
+    """
+    import numpy as np
+
+    try:
+        held = io.BytesIO(file) if isinstance(file, bytes) else file
+        with np.load(held, allow_pickle=False) as found:
+            size = sum(part.file_size for part in found.zip.infolist())
+            if size > MOST_UNPACKED:
+                raise ValueError(f"{size} bytes, unpacked")
+            return {name: found[name] for name in names or found.files}
+    except OSError:
+        raise
+    except Exception as fault:
+        raise ValueError(f"no whole NPZ file: {fault}") from None
+
+
 def check_writable(
     path: Path, suffixes: Sequence[str] = (), inputs: Iterable[Path | None] = ()
 ) -> None:
@@ -138,7 +164,9 @@ def check_writable(
     if suffixes and path.suffix.lower() not in suffixes:
         raise BadInput(str(path), "-o", None, f"a name that ends in {' or '.join(suffixes)}")
     if not place.parent.is_dir():
-        raise BadInput(str(path), "file", None, f"an existing folder {path.parent}")
+        link = f"{place.parent}, where this link leads"
+        folder = link if path.is_symlink() else str(path.parent)
+        raise BadInput(str(path), "file", None, f"an existing folder {folder}")
     if not os.access(place.parent, os.W_OK):
         raise BadInput(str(path), "file", None, "a folder that can be written to")
     for source in inputs:
@@ -153,6 +181,14 @@ def make_folder(folder: Path) -> None:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise BadInput(str(folder), "-o", None, f"a folder to write to ({reason})") from None
+
+
+def called(path: Path) -> str:
+    """What results call a file: its path as it was given, of an absolute one the name alone.
+
+    Results are passed on, and whose folders they were made in is nobody's business.
+    """
+    return path.name if path.is_absolute() and path.name else str(path)
 
 
 def is_stream(path: Path) -> bool:

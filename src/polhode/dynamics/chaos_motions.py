@@ -50,7 +50,13 @@ def on_section(
     from polhode.equations.forms import principal
 
     plan = scene.section
-    asked = asked_of(scene, by or plan.by, extremum or plan.extremum, h, f)
+    asked = asked_of(
+        scene,
+        plan.by if by is None else by,
+        plan.extremum if extremum is None else extremum,
+        h,
+        f,
+    )
     if asked.by not in (MOMENTUM, HEIGHT):
         raise BadInput(scene.name, "by", asked.by, "momentum or height, for a map")
     on = geometry.ground(scene, asked.h, asked.f)

@@ -148,7 +148,13 @@ def section(
 
     scene = library.load(scene)
     plan = scene.section
-    asked = asked_of(scene, by or plan.by, extremum or plan.extremum, h, f)
+    asked = asked_of(
+        scene,
+        plan.by if by is None else by,
+        plan.extremum if extremum is None else extremum,
+        h,
+        f,
+    )
     count = plan.crossings if crossings is None else crossings
     count = whole(scene.name, "crossings", count, 1, MOST_CROSSINGS)
     if starts is None and grid is None and plan.starts:

@@ -7,6 +7,7 @@ from io import BytesIO, StringIO
 from typing import Any
 
 from polhode.common.errors import BadInput
+from polhode.common.text import printable
 
 COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
 MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
@@ -51,7 +52,9 @@ def panels(plt: Any, axes: Any, rows: int, columns: int = 1, **how: Any) -> tupl
 def as_svg(figure: Any, title: str | None = None) -> str:
     """A figure as SVG text; the figure is closed."""
     out = StringIO()
-    titled = {} if title is None else {"Title": title}  # matplotlib refuses a title of None
+    titled = (
+        {} if title is None else {"Title": printable(title)}
+    )  # matplotlib refuses a title of None
     figure.savefig(out, format="svg", metadata={"Date": None, **titled})
     pyplot().close(figure)
     return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
@@ -104,7 +107,9 @@ def drawn(draw: Callable[[Any, Any], Any], what: Any, suffix: str, title: str) -
         if suffix == ".svg":
             return as_svg(figure, title).encode()
         out = BytesIO()
-        metadata = {"Title": title} | ({"CreationDate": None} if suffix == ".pdf" else {})
+        metadata = {"Title": printable(title)} | (
+            {"CreationDate": None} if suffix == ".pdf" else {}
+        )
         figure.savefig(out, format=suffix[1:], dpi=300, metadata=metadata)
         plt.close(figure)
         return out.getvalue()

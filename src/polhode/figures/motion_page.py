@@ -17,6 +17,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.common.provenance import __version__
+from polhode.common.text import printable
 from polhode.equations.hodographs import turned
 from polhode.figures.samples import Samples
 from polhode.figures.sphere import apex
@@ -85,15 +86,18 @@ def page(found: Motion, title: str, regime: str, origin: str, command: str) -> s
     del data["point"]
     return _filled(
         (_PARTS / "motion.html").read_text(encoding="utf-8"),
-        title=escape(title),
-        about=escape(f"{scene.name}: {regime}"),
+        title=escape(printable(title)),
+        about=escape(printable(f"{scene.name}: {regime}")),
         css=(_PARTS / "motion.css").read_text(encoding="utf-8"),
         body_alt=escape(f"the body and the path of its {name} in space, in motion"),
         body_caption=body_caption,
         rolling_alt="the hodographs of omega in the body and in space, rolling on each other",
         rolling_caption=rolling,
-        scene=escape(scene.source.strip() or repr(scene)),
-        origin=f"{escape(origin)} Made by <code>{escape(command)}</code>, polhode {__version__}.",
+        scene=escape(printable(scene.source.strip().expandtabs(4)) or repr(scene)),
+        origin=(
+            f"{escape(origin)} Made by <code>{escape(printable(command))}</code>, "
+            f"polhode {__version__}."
+        ),
         data=json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
         webgl=(_PARTS / "webgl.js").read_text(encoding="utf-8"),
         motion=(_PARTS / "motion.js").read_text(encoding="utf-8"),

@@ -92,19 +92,19 @@ def between(known: Mapping[Any, Any], times: Sequence[Fraction]) -> tuple[Any, .
     """
     nodes = sorted(known)
     places = [float(t) for t in nodes]
-    there = dict(zip(places, nodes, strict=True))
     found = []
     for t in times:
-        place = float(t)
-        if (node := there.get(place)) is not None and node == t:
-            found.append(known[node])
+        if t in known:
+            found.append(known[t])
             continue
+        place = float(t)
         k = min(max(bisect(places, place), 1), len(nodes) - 1)
         one, other = known[nodes[k - 1]], known[nodes[k]]
         if one is None or other is None:
             found.append(None)
             continue
-        part = (place - places[k - 1]) / (places[k] - places[k - 1])
+        length = places[k] - places[k - 1]  # 0 where the two are one double
+        part = (place - places[k - 1]) / length if length else 0.0
         if isinstance(one, float):
             found.append(one + part * (other - one))
         else:

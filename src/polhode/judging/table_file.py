@@ -12,8 +12,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, TextIO
 
-from polhode.common.errors import BadInput
-from polhode.common.files import read_whole
+from polhode.common.errors import UNREADABLE, BadInput
+from polhode.common.files import called, read_whole
 from polhode.common.text import few
 from polhode.judging.file_cells import most_printed, values
 from polhode.judging.synonyms import KNOWN, Column, column
@@ -153,7 +153,7 @@ def _table(
     if len(times) < len(rows):
         raise _first_bad(path, named, rows)
     ignored = tuple(text for text, known in zip(header, named, strict=True) if known.name is None)
-    return Table(str(path), times, found, ignored, printed, number or own, _projected(beside))
+    return Table(called(path), times, found, ignored, printed, number or own, _projected(beside))
 
 
 def _first_bad(path: Path, named: list[Column], rows: list[tuple[int, list[str]]]) -> BadInput:
@@ -173,7 +173,7 @@ def _beside(path: Path) -> dict[str, Any]:
     """What the JSON that polhode wrote beside a file says; empty where there is none."""
     try:
         found = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, *UNREADABLE):
         return {}
     return found if isinstance(found, dict) else {}
 

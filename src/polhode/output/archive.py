@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import io
 import json
+import math
 import warnings
-import zipfile
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from polhode.common.errors import BadInput
-from polhode.common.files import check_writable, npz, read_whole, write_whole
+from polhode.common.errors import UNREADABLE, BadInput
+from polhode.common.files import check_writable, npz, read_npz, read_whole, write_whole
 from polhode.common.values import same
 from polhode.numbers import expression
 from polhode.numbers.convert import number_value
 from polhode.numbers.decimals import decimal_in_full, strings
-from polhode.numbers.number_types import NumberType
+from polhode.numbers.number_types import NAMES, NumberType, named
 from polhode.output.results import as_json
 from polhode.runs import integrate as runs
 from polhode.runs.trajectory import Trajectory
@@ -28,9 +27,14 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import toml
 from polhode.taylor.outcomes import EventTimes, Outcome, Projection
 
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
 FORMAT = "polhode run 1"
 MAX_BYTES = 1 << 31
+MOST_BITS = 1 << 24  # of a number in a file
 _PARTS = ("states", "attitude", "angles")
+_Held: TypeAlias = "dict[str, npt.NDArray[np.generic]]"
 
 
 def save(run: Trajectory, path: str | Path) -> None:
@@ -89,60 +93,109 @@ def load_run(path: str | Path) -> Trajectory:
     """
     name = str(path)
     try:
-        raw = io.BytesIO(read_whole(Path(path), MAX_BYTES, "a run that polhode saved"))
-        with np.load(raw, allow_pickle=False) as file:
-            held = {key: file[key] for key in file.files}
+        held = read_npz(read_whole(Path(path), MAX_BYTES, "a run that polhode saved"))
         about = json.loads(str(held["about"]))
         if about["format"] != FORMAT:
             raise ValueError(f"format {about['format']!r}")
-        scene = scene_file.parse(str(held["scene"]), about["name"])
+        scene = scene_file.parse(str(held["scene"]), _told(about, "name", str))
         return _run(held, about, replace(scene, source=str(held["source"])))
     except BadInput:
         raise
-    except (KeyError, TypeError, ValueError, zipfile.BadZipFile, EOFError, OSError) as fault:
+    except (KeyError, TypeError, *UNREADABLE) as fault:
         expected = f"a run that polhode saved ({fault})"
         raise BadInput(name, "file", None, expected) from None
 
 
-def _run(held: dict[str, Any], about: dict[str, Any], scene: Scene) -> Trajectory:
-    number = NumberType(about["number"], int(about["bits"]))
-    parts = {name: _numbers(held[name], number) for name in _PARTS if name in held}
-    if "angles" in parts:
-        parts["angles"] = [list(row) for row in parts["angles"]]
-    events = tuple(
-        EventTimes(
-            told["name"],
-            _times(held[f"event{k}_times"]),
-            _numbers(held[f"event{k}_states"], number),
-            tuple(bool(x) for x in held[f"event{k}_grazing"]),
-            told["complete"],
-        )
-        for k, told in enumerate(about["events"])
-    )
-    projection = about["projection"]
-    if projection is not None:
-        projection = Projection(**(projection | {"onto": tuple(projection["onto"])}))
-    errors = held.get("errors")
-    found = Trajectory(
+def _run(held: _Held, about: dict[str, Any], scene: Scene) -> Trajectory:
+    number, outcome = _number(about), Outcome(about["outcome"])
+    times = _times(held, "times")
+    asked = tuple(number.rounded(t) for t in scene.times)
+    ends = outcome is Outcome.REACHED_END
+    if times != asked[: len(asked) if ends else len(times)]:
+        raise ValueError("times: not those of the scene")
+    rows = {
+        name: _numbers(held, name, number, (len(times), columns))
+        for name, columns in (("states", len(scene.columns)), ("attitude", 4), ("angles", 3))
+        if name in held or name == "states"
+    }
+    if any(x is None for row in rows["states"] for x in row):
+        raise ValueError("states: not all are numbers")
+    if "angles" in rows:
+        rows["angles"] = [list(row) for row in rows["angles"]]
+    errors = None
+    if "errors" in held:
+        found = _array(held, "errors", "f", (len(times),))
+        errors = tuple(None if x != x else float(x) for x in found.tolist())
+    run = Trajectory(
         scene=scene,
         number=number,
-        times=_times(held["times"]),
-        outcome=Outcome(about["outcome"]),
-        steps=about["steps"],
-        reached=expression.decimal(about["reached"]),
-        tolerance=float.fromhex(about["tolerance"]),
-        digits=about["digits"],
-        method=about["method"],
-        correct_digits=about["correct_digits"],
-        checked_by=about["checked_by"],
-        events=events,
-        projection=projection,
-        errors=None if errors is None else tuple(None if x != x else float(x) for x in errors),
-        provenance=about["provenance"],
-        **parts,
+        times=times,
+        outcome=outcome,
+        steps=_told(about, "steps", int),
+        reached=expression.decimal(_told(about, "reached", str)),
+        tolerance=float.fromhex(_told(about, "tolerance", str)),
+        digits=_told(about, "digits", int, None),
+        method=_told(about, "method", str),
+        correct_digits=_told(about, "correct_digits", float, None),
+        checked_by=_told(about, "checked_by", str),
+        events=_events(held, about, scene, number),
+        projection=_projection(about),
+        errors=errors,
+        provenance=_told(about, "provenance", dict),
+        **rows,
     )
-    object.__setattr__(found, "dense", _Again(found))
+    if not 0 < run.tolerance < math.inf or run.method not in ("taylor", "refined"):
+        raise ValueError("no tolerance or method of a run")
+    object.__setattr__(run, "dense", _Again(run))
+    return run
+
+
+def _number(about: dict[str, Any]) -> NumberType:
+    found = NumberType(_told(about, "number", str), _told(about, "bits", int))
+    known = found.name in NAMES and 1 < found.bits <= MOST_BITS
+    if not known or (found.name != "mp" and found != named(found.name)):
+        raise ValueError(f"number: {found.name} of {found.bits} bits")
     return found
+
+
+def _events(
+    held: _Held, about: dict[str, Any], scene: Scene, number: NumberType
+) -> tuple[EventTimes, ...]:
+    """The times of each event of the scene."""
+    listed = _told(about, "events", list)
+    if [told["name"] for told in listed] != [event.name for event in scene.events]:
+        raise ValueError("events: not those of the scene")
+    found = []
+    for k, told in enumerate(listed):
+        times = _times(held, f"event{k}_times")
+        states = _numbers(held, f"event{k}_states", number, (len(times), len(scene.columns)))
+        grazing = _array(held, f"event{k}_grazing", "b", (len(times),))
+        complete = _told(told, "complete", bool)
+        found.append(EventTimes(told["name"], times, states, tuple(grazing.tolist()), complete))
+    return tuple(found)
+
+
+def _projection(about: dict[str, Any]) -> Projection | None:
+    told = _told(about, "projection", dict, None)
+    if told is None:
+        return None
+    return Projection(
+        tuple(map(str, _told(told, "onto", list))),
+        _told(told, "every", int),
+        _told(told, "count", int),
+        _told(told, "largest", float),
+        _told(told, "sum", float),
+    )
+
+
+def _told(about: dict[str, Any], key: str, *kinds: type | None) -> Any:
+    """A value of the JSON part, of the one kind that polhode writes there, or None where it may."""
+    value = about[key]
+    if isinstance(value, int) and not isinstance(value, bool) and float in kinds:
+        return float(value)
+    if type(value) not in kinds and not (value is None and None in kinds):
+        raise ValueError(f"{key}: {value!r}")
+    return value
 
 
 class _Again:
@@ -183,13 +236,22 @@ class _Again:
 def _texts(rows: Any, number: NumberType) -> Any:
     """Rows as decimal strings that round-trip, empty where undefined; shape (n, columns)."""
     if len(rows) == 0:
-        return np.array([], dtype=np.str_)
+        return np.empty(np.shape(rows), dtype=np.str_)
     kept = [["" if x is None else x for x in row] for row in strings(rows, number)]
     return np.array(kept, dtype=np.str_)
 
 
-def _numbers(texts: Any, number: NumberType) -> Any:
+def _array(held: _Held, name: str, kind: str, shape: tuple[int, ...]) -> npt.NDArray[np.generic]:
+    """An array of the file that has this kind and shape; an empty one may have fewer axes."""
+    found = held[name]
+    if found.dtype.kind != kind or (found.shape != shape and (found.size or 0 not in shape)):
+        raise ValueError(f"{name}: {found.dtype} of shape {found.shape}")
+    return found
+
+
+def _numbers(held: _Held, name: str, number: NumberType, shape: tuple[int, int]) -> Any:
     """The numbers of the type that strings stand for, as a trajectory holds them."""
+    texts = _array(held, name, "U", shape)
     rows = [
         [
             None if not x else number_value(number.rounded(expression.decimal(str(x))), number)
@@ -200,8 +262,10 @@ def _numbers(texts: Any, number: NumberType) -> Any:
     if not number.flat or any(x is None for row in rows for x in row):
         return rows
     kind = np.float64 if number.name == "double" else np.longdouble
-    return np.array(rows, dtype=kind)
+    return np.array(rows, dtype=kind).reshape(texts.shape)
 
 
-def _times(texts: Any) -> tuple[Fraction, ...]:
-    return tuple(expression.decimal(str(x)) for x in texts)
+def _times(held: _Held, name: str) -> tuple[Fraction, ...]:
+    return tuple(
+        expression.decimal(str(x)) for x in _array(held, name, "U", (held[name].size,)).tolist()
+    )

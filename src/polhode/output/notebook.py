@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from polhode.common.text import few
+from polhode.common.text import few, printable
 from polhode.figures.canvas import BODY, REST, SPACE
 from polhode.numbers.convert import to_double
 from polhode.numbers.decimals import brief, shown
@@ -78,10 +78,10 @@ def of_judgement(found: Judgement) -> str:
 def _table(title: str, facts: dict[str, str]) -> str:
     rows = "".join(
         f'<tr><th style="text-align:left">{escape(name)}</th>'
-        f'<td style="text-align:left">{escape(value)}</td></tr>'
+        f'<td style="text-align:left">{escape(printable(value))}</td></tr>'
         for name, value in facts.items()
     )
-    return f"<table><caption>{escape(title)}</caption>{rows}</table>"
+    return f"<table><caption>{escape(printable(title))}</caption>{rows}</table>"
 
 
 def _curves(run: Trajectory) -> str:

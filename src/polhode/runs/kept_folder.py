@@ -1,23 +1,25 @@
 """Finished work of one computation in a folder: what was killed goes on from there.
 
 ``manifest.json`` says which computation it is, by a fingerprint of all that decides the results.
-Pieces beside it are whole NPZ files of plain arrays.
+Pieces beside it are whole NPZ files of plain arrays, each with a checksum of them, its name and
+its manifest: one that is no longer what was written there is made again.
 """
 
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
-import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
 
-from polhode.common.errors import BadInput
-from polhode.common.files import is_stream, make_folder, npz, write_whole
+from polhode.common.errors import UNREADABLE, BadInput
+from polhode.common.files import is_stream, make_folder, npz, read_npz, write_whole
 from polhode.common.provenance import versions
 
 MANIFEST = "manifest.json"
+_CHECKSUM = "checksum"  # of a piece, among its arrays
 _SAME = ("polhode", "heyoka", "numpy")  # packages whose versions must be the same, too
 
 
@@ -41,29 +43,36 @@ class KeptFolder:
             self._check()
             self._hold()
 
-    def read(self, path: Path, names: Sequence[str] = ()) -> dict[str, Any] | None:
-        """A piece's arrays, all or those of ``names``.
-
-        None where it is not there, or cannot be read: it is made again.
-        """
-        import numpy as np
-
+    def read(self, path: Path) -> dict[str, Any] | None:
+        """A piece's arrays; None where it is not there or not as it was written: made again."""
         try:
-            with np.load(path, allow_pickle=False) as held:
-                return {name: held[name] for name in names or held.files}
+            found: dict[str, Any] = dict(read_npz(path))
         except FileNotFoundError:
             return None
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        except (OSError, ValueError):
+            found = {}
+        told = found.pop(_CHECKSUM, None)
+        if told is None or str(told) != self._checksum(path.name, found):
             path.unlink(missing_ok=True)
             return None
+        return found
 
     def write(self, name: str, arrays: Mapping[str, Any]) -> None:
-        """One more piece, whole; raises BadInput where that cannot be."""
-        if self._lock is None:
-            make_folder(self.folder)
-            write_whole({self.folder / MANIFEST: json.dumps(self._manifest, indent=1) + "\n"})
-            self._hold()
-        write_whole({self.folder / name: npz(arrays)})
+        """One more piece, whole, or BadInput, and no empty folder where it is the first."""
+        import numpy as np
+
+        held = {key: np.asarray(array) for key, array in arrays.items()}
+        held[_CHECKSUM] = np.array(self._checksum(name, held))
+        try:
+            if self._lock is None:
+                make_folder(self.folder)
+                write_whole({self.folder / MANIFEST: json.dumps(self._manifest, indent=1) + "\n"})
+                self._hold()
+            write_whole({self.folder / name: npz(held)})
+        except BadInput:
+            if not self.pieces():
+                self.remove()
+            raise
 
     def pieces(self) -> list[Path]:
         """The files there are, by name."""
@@ -90,10 +99,21 @@ class KeptFolder:
         with contextlib.suppress(OSError):  # somebody else's files, which stay
             self.folder.rmdir()
 
+    def _checksum(self, name: str, arrays: Mapping[str, Any]) -> str:
+        """Of a piece by name: it is no other, of no other work, and its arrays are as written."""
+        import numpy as np
+
+        found = hashlib.sha256(json.dumps([name, self._manifest], sort_keys=True).encode())
+        for key in sorted(arrays):
+            array = arrays[key]
+            found.update(f"{key} {array.dtype.str} {array.shape}".encode())
+            found.update(np.ascontiguousarray(array).data)
+        return found.hexdigest()
+
     def _check(self) -> None:
         try:
             found = json.loads((self.folder / MANIFEST).read_text())
-        except (OSError, ValueError):
+        except (OSError, *UNREADABLE):
             if self.folder.is_dir() and not any(self.folder.iterdir()):
                 return
             found = None

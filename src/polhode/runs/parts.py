@@ -15,7 +15,6 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from polhode.common.errors import BadInput
 from polhode.numbers.convert import number_value
 from polhode.numbers.decimals import strings
 from polhode.numbers.number_types import NumberType
@@ -60,7 +59,7 @@ class Parts(KeptFolder):
         import numpy as np
 
         for path in self.pieces():
-            found = self.read(path, Part._fields)
+            found = self.read(path)
             if found is None:
                 continue
             members = found["members"]
@@ -81,15 +80,6 @@ class Parts(KeptFolder):
 
     def keep(self, part: Part) -> None:
         """Write one more part, whole; raises BadInput where that cannot be."""
-        try:
-            self._write(part)
-        except BadInput:
-            if not self.pieces():
-                self.remove()
-            raise
-        self._last = time.monotonic()
-
-    def _write(self, part: Part) -> None:
         import numpy as np
 
         arrays = {
@@ -102,6 +92,7 @@ class Parts(KeptFolder):
         }
         numbers = [int(path.stem.removeprefix("part-")) for path in self.pieces()]
         self.write(f"part-{max(numbers, default=-1) + 1:05d}.npz", arrays)
+        self._last = time.monotonic()
 
     def _plain(self, states: Rows) -> Any:
         """States as an array that needs no pickle."""

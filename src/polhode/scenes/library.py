@@ -41,9 +41,9 @@ def load(scene: Scene | str | Path) -> Scene:
         exists = Path(scene).exists()
     except (OSError, ValueError):
         exists = False
-    if not exists:
+    if not exists or not name:
         known = nearest(name, names())
-        raise BadInput(name, "SCENE", None, f"a path, or the name of a case: {known}")
+        raise BadInput(name or "''", "SCENE", None, f"a path, or the name of a case: {known}")
     return scene_file.read(Path(scene))
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from polhode.common.errors import BadInput, nearest
-from polhode.common.files import read_whole
+from polhode.common.errors import UNREADABLE, BadInput, nearest
+from polhode.common.files import called, read_whole
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import ExpressionError
@@ -35,8 +36,10 @@ MAX_SAMPLES = 1_000_000
 
 
 def read(path: Path, name: str | None = None) -> Scene:
-    """The scene in a file; raises BadInput."""
-    name = name or str(path)
+    """The scene in a file, by that name or by the file's; raises BadInput, which tells the path."""
+    if name is None:
+        scene = read(path, str(path))
+        return scene if scene.name == called(path) else replace(scene, name=called(path))
     found = read_whole(path, MAX_FILE, "a readable scene file", name)
     try:
         text = found.decode("utf-8-sig").replace("\r\n", "\n")
@@ -79,7 +82,7 @@ def tables(text: str, name: str = "scene") -> dict[str, Any]:
         raise BadInput(name, "file", None, f"lines of at most {MAX_LINE} characters")
     try:
         data: dict[str, Any] = tomllib.loads(text, parse_float=Literal)
-    except (ValueError, RecursionError) as error:
+    except UNREADABLE as error:
         reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)
         reason = reason.partition(";")[0]  # Python's advice on too many digits is not for here
         raise BadInput(name, "file", None, f"TOML ({reason})") from None

@@ -15,7 +15,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from polhode.common.errors import BadInput, nearest
+from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import check_writable, make_folder, write_whole
 from polhode.common.provenance import cpu, digest, versions
 from polhode.figures import canvas
@@ -52,21 +52,22 @@ def write_report(
     for k, name in enumerate(STUDIES):
         if fresh or not _is_current(folder, name, quick):
             said = None if tick is None else _counted(tick, k + 1)
-            _run(name, folder, quick, command, said)
+            write_whole({folder / f"{name}.json": _run(name, quick, command, said)})
     return write_pages(folder, tick)
 
 
 def write_study(
     name: str, folder: Path, quick: bool = False, tick: Tick | None = None
 ) -> list[Path]:
-    """Run one study and write its results, page and figures; the paths."""
+    """Run one study and write its results, page and figures, all of them or none; the paths."""
     if name not in STUDIES:
         raise BadInput("study", "NAME", name, nearest(name, [*STUDIES]))
     _check(folder, [name])
-    _run(name, folder, quick, f"polhode study {name}" + " --quick" * quick, tick)
-    kept, texts, _ = _made(folder, [name], tick)
+    text = _run(name, quick, f"polhode study {name}" + " --quick" * quick, tick)
+    texts, _ = _made(folder, json.loads(text), tick)
+    texts = {folder / f"{name}.json": text, **texts}
     write_whole(texts)
-    return [*kept, *texts]
+    return [*texts]
 
 
 def part(
@@ -91,38 +92,39 @@ def part(
 
 def write_pages(folder: Path, tick: Tick | None = None) -> list[Path]:
     """Figures and pages of all results in the folder, made from them alone; paths of all files."""
-    kept, texts, sections = _made(folder, STUDIES, tick)
+    kept: list[Path] = []
+    texts: dict[Path, str] = {}
+    sections: list[html.Section] = []
+    for name in STUDIES:
+        found = results(folder, name)
+        if found is not None:
+            made, section = _made(folder, found, tick)
+            kept.append(folder / f"{name}.json")
+            texts |= made
+            sections.append(section)
     texts[folder / PAGE] = html.page("polhode: digits, and what limits them", sections, LEAD)
     write_whole(texts)
     return [*kept, *texts]
 
 
 def _made(
-    folder: Path, names: Iterable[str], tick: Tick | None
-) -> tuple[list[Path], dict[Path, str], list[html.Section]]:
-    """Of the studies that have results in the folder: their files, texts made of them, sections."""
-    kept: list[Path] = []
-    texts: dict[Path, str] = {}
-    sections: list[html.Section] = []
-    for name in names:
-        found = results(folder, name)
-        if found is None:
-            continue
-        if tick is not None:
-            tick(f"{name}: figures and pages")
-        drawn, parts = figures(found), tuple(blocks(found))
-        kept.append(folder / f"{name}.json")
-        texts |= {folder / f"{figure}.svg": svg for figure, svg in drawn.items()}
-        texts[folder / f"{name}.md"] = markdown(title(name), parts)
-        sections.append(html.Section(name, title(name), finding(found), parts, drawn))
-    return kept, texts, sections
+    folder: Path, found: dict[str, Any], tick: Tick | None
+) -> tuple[dict[Path, str], html.Section]:
+    """Of a study's results: the texts made of them, by their places, and its section."""
+    name = found["study"]
+    if tick is not None:
+        tick(f"{name}: figures and pages")
+    drawn, parts = figures(found), tuple(blocks(found))
+    texts = {folder / f"{figure}.svg": svg for figure, svg in drawn.items()}
+    texts[folder / f"{name}.md"] = markdown(title(name), parts)
+    return texts, html.Section(name, title(name), finding(found), parts, drawn)
 
 
 def results(folder: Path, name: str) -> dict[str, Any] | None:
     """The JSON object of a study in a folder; None where there is none that can be read."""
     try:
         found = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, *UNREADABLE):
         return None
     return found if isinstance(found, dict) and found.get("study") == name else None
 
@@ -210,8 +212,8 @@ def _check(folder: Path, names: Iterable[str]) -> None:
     check_writable(folder / PAGE)
 
 
-def _run(name: str, folder: Path, quick: bool, command: str, tick: Tick | None) -> None:
-    """Run one study and write its JSON."""
+def _run(name: str, quick: bool, command: str, tick: Tick | None) -> str:
+    """Run one study; its results as JSON text."""
     began, made_of = time.perf_counter(), key(name, quick)
     found = _module(name, "rows").rows(quick, tick)
     found["provenance"] = {
@@ -221,7 +223,7 @@ def _run(name: str, folder: Path, quick: bool, command: str, tick: Tick | None) 
         "versions": _versions(name),
         "cpu": cpu(),
     }
-    write_whole({folder / f"{name}.json": as_json(found)})
+    return as_json(found)
 
 
 def _counted(tick: Tick, k: int) -> Tick:

@@ -7,7 +7,7 @@ from typing import Any
 
 from polhode.checks import results
 from polhode.numbers.decimals import shown
-from polhode.verbs.terminal import DONE, FAILED, Progress, print_json, say
+from polhode.verbs.terminal import DONE, FAILED, Progress, print_json, say, word
 
 HELP = "regression against references and published figures"
 _MANY = 8  # cases: for fewer, processes of their own take longer to start than they save
@@ -15,7 +15,9 @@ _MANY = 8  # cases: for fewer, processes of their own take longer to start than 
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("scenes", nargs="*", metavar="SCENE", help="names, patterns or paths")
+    parser.add_argument(
+        "scenes", nargs="*", type=word, metavar="SCENE", help="names, patterns or paths"
+    )
     parser.add_argument(
         "--forms", action="store_true", help="cross-checks between the forms, alone or after SCENEs"
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from polhode.output import results
-from polhode.verbs.terminal import DONE, Progress, print_json, say, whole
+from polhode.verbs.terminal import DONE, Progress, print_json, say, whole, word
 
 if TYPE_CHECKING:
     from polhode.judging.judgement import Judgement
@@ -18,8 +18,10 @@ HELP = "judge a trajectory that some other program computed"
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("file", metavar="FILE", help="a CSV with a column t and any of the others")
-    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+    parser.add_argument(
+        "file", type=word, metavar="FILE", help="a CSV with a column t and any of the others"
+    )
+    parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     parser.add_argument("--number", help="the file's decimals are rounded values of this type")
     parser.add_argument("--digits", type=whole, help="digits of mp, with --number mp")
 

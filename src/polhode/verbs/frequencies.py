@@ -6,25 +6,23 @@ from argparse import ArgumentParser, Namespace
 
 from polhode.common.errors import BadInput
 from polhode.scenes import library
-from polhode.verbs.terminal import (
-    DONE,
-    note,
-    positive,
-    print_json,
-    print_table,
-)
+from polhode.verbs.terminal import DONE, note, positive, print_json, print_table, word
 
 HELP = "frequency analysis (Laskar) of a motion, from a scene or a trajectory file"
 
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("what_of", metavar="SCENE|FILE", help="a case, a scene's path, or a CSV")
+    parser.add_argument(
+        "what_of", type=word, metavar="SCENE|FILE", help="a case, a scene's path, or a CSV"
+    )
     of = "signals: p+iq, gamma1+i gamma2, p, q, r, gamma1, gamma2, gamma3, axis (p+iq,gamma3)"
     parser.add_argument("--of", metavar="S,S...", help=of)
     parser.add_argument("--end", metavar="T", help="integrate to this time (the scene's end)")
     parser.add_argument("--lines", type=positive, metavar="N", help="of each signal (6)")
-    parser.add_argument("-o", dest="file", metavar="FILE", help="a figure, .svg, .png or .pdf")
+    parser.add_argument(
+        "-o", dest="file", type=word, metavar="FILE", help="a figure, .svg, .png or .pdf"
+    )
 
 
 def main(options: Namespace) -> int:

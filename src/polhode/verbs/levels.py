@@ -10,7 +10,7 @@ from polhode.numbers import expression
 from polhode.numbers.convert import to_double
 from polhode.numbers.expression import ExpressionError
 from polhode.scenes import library
-from polhode.verbs.terminal import DONE, print_json, print_table, say
+from polhode.verbs.terminal import DONE, print_json, print_table, say, word
 
 if TYPE_CHECKING:
     from polhode.dynamics.levels import Levels
@@ -20,11 +20,15 @@ HELP = "the (f, h) diagram in closed form: permanent rotations, cusps, regions, 
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+    parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     for key in ("f", "h"):
         parser.add_argument(f"--{key}", metavar="A:B", help=f"of a figure: the range of {key}")
     parser.add_argument(
-        "-o", dest="file", metavar="FILE", help="a figure, .svg, .png or .pdf; or arrays, .npz"
+        "-o",
+        dest="file",
+        type=word,
+        metavar="FILE",
+        help="a figure, .svg, .png or .pdf; or arrays, .npz",
     )
 
 

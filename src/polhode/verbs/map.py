@@ -7,22 +7,14 @@ from argparse import ArgumentParser, Namespace
 from polhode.common.errors import BadInput
 from polhode.scenes import library
 from polhode.verbs.section import level_options, read_grid
-from polhode.verbs.terminal import (
-    DONE,
-    Progress,
-    goes_on,
-    note,
-    positive,
-    print_json,
-    say,
-)
+from polhode.verbs.terminal import DONE, Progress, goes_on, note, positive, print_json, say, word
 
 HELP = "a chaos map: growth of one tangent a motion, over a section's grid or two varied numbers"
 
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+    parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     parser.add_argument("--grid", metavar="NxM", help="cells of the section's coordinates (50x50)")
     vary = "a number of the scene file and N values for it, or KEY=a,b,c; two of them"
     parser.add_argument("--vary", metavar="KEY=FROM:TO:N", action="append", help=vary)

@@ -24,6 +24,7 @@ from polhode.verbs.terminal import (
     print_table,
     refuse_two_on_stdout,
     say,
+    word,
 )
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ HELP = "periodic orbits to any number of digits, their stability, their families
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+    parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     parser.add_argument("--digits", type=positive, metavar="D", help="of start and period (15)")
     parser.add_argument("--period", metavar="T", help="a guess of the period")
     returns = "near returns of the motion that are tried (10); of a search crossings (3)"

@@ -24,6 +24,7 @@ from polhode.verbs.terminal import (
     refuse_two_on_stdout,
     say,
     whole,
+    word,
 )
 
 if TYPE_CHECKING:
@@ -39,17 +40,22 @@ KINDS = (
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("what_of", metavar="SCENE|FILE", help="a case, a scene's path, or a CSV")
+    parser.add_argument(
+        "what_of", type=word, metavar="SCENE|FILE", help="a case, a scene's path, or a CSV"
+    )
     parser.add_argument("--what", required=True, choices=KINDS, help="the kind of figure")
     parser.add_argument(
         "-o",
         dest="file",
+        type=word,
         required=True,
         metavar="FILE",
         help="the figure: .svg, .png or .pdf; motion: .html, .gif or .mp4",
     )
     parser.add_argument("--end", metavar="T", help="draw to this time instead of the scene's end")
-    parser.add_argument("--scene", metavar="SCENE", help="of a FILE: the scene that it belongs to")
+    parser.add_argument(
+        "--scene", type=word, metavar="SCENE", help="of a FILE: the scene that it belongs to"
+    )
     parser.add_argument(
         "--number", help="double (default), extended, quad or mp; of a FILE: what its decimals are"
     )
@@ -58,7 +64,7 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Make one figure."""
-    from polhode.common.files import check_writable, is_stdout, write_whole
+    from polhode.common.files import called, check_writable, is_stdout, write_whole
     from polhode.figures import canvas, film
     from polhode.figures.drawing import page_of
 
@@ -78,7 +84,9 @@ def main(options: Namespace) -> int:
     made: str | bytes
     if suffix == ".html":
         made = page_of(
-            found, f"polhode plot {options.what_of} --what motion", is_file(options.what_of)
+            found,
+            f"polhode plot {called(Path(options.what_of))} --what motion",
+            is_file(options.what_of),
         )
     elif moving:
         with Progress("plot") as progress:

@@ -25,6 +25,7 @@ from polhode.verbs.terminal import (
     read_times,
     seconds,
     whole,
+    word,
 )
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ HELP = "the closed form alone, or a proven enclosure of any motion"
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+    parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     parser.add_argument("--at", metavar="T,T...", help="times instead of the scene's")
     parser.add_argument("--digits", type=whole, default=50, help="correct digits (50)")
     parser.add_argument(

@@ -21,6 +21,7 @@ from polhode.verbs.terminal import (
     read_times,
     refuse_two_on_stdout,
     whole,
+    word,
 )
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ HELP = "integrate a scene"
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+    parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     digits = "digits wanted: checked, and had at every time, or exit code 3 and how many are right"
     parser.add_argument("--digits", type=whole, help=digits)
     parser.add_argument("--number", help="double (default), extended, quad or mp")
@@ -57,7 +58,9 @@ def options(parser: ArgumentParser) -> None:
         metavar="N",
         help="put the state back on the first integrals every N steps",
     )
-    parser.add_argument("-o", dest="file", metavar="FILE", help="write a CSV, and JSON beside it")
+    parser.add_argument(
+        "-o", dest="file", type=word, metavar="FILE", help="write a CSV, and JSON beside it"
+    )
 
 
 def main(options: Namespace) -> int:

@@ -19,6 +19,7 @@ from polhode.verbs.terminal import (
     positive,
     print_json,
     print_table,
+    word,
 )
 
 HELP = "crossings of a section by many orbits on one level of energy and area"
@@ -27,7 +28,7 @@ _OUTPUT = "FILE.npz, or a figure .svg, .png, .pdf; what was stopped goes on from
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+    parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     by = "momentum (extrema of |G|, the default), height (of the centre), or an expression"
     parser.add_argument("--by", help=by)
     parser.add_argument("--extremum", help="max (default) or min")
@@ -36,7 +37,7 @@ def options(parser: ArgumentParser) -> None:
         "starts of a text file, a line each: l L/G [k], or gamma1 gamma2 gamma3 ±1 for height; "
         "or scene, its own start"
     )
-    parser.add_argument("--starts", metavar="FILE", help=starts)
+    parser.add_argument("--starts", type=word, metavar="FILE", help=starts)
     parser.add_argument("--crossings", type=positive, metavar="N", help="of each orbit (500)")
     parser.add_argument("--workers", type=positive, metavar="N", help="processes (as many as pay)")
     level_options(parser)
@@ -46,7 +47,7 @@ def level_options(parser: ArgumentParser, output: str = _OUTPUT) -> None:
     """The level, and the file of what is found on it, of the kinds that ``output`` tells."""
     for key in ("h", "f"):
         parser.add_argument(f"--{key}", metavar="X", help=f"{key} of the level, if not the scene's")
-    parser.add_argument("-o", dest="file", metavar="FILE", help=output)
+    parser.add_argument("-o", dest="file", type=word, metavar="FILE", help=output)
 
 
 def main(options: Namespace) -> int:

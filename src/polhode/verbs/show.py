@@ -5,14 +5,14 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 
 from polhode.scenes import library
-from polhode.verbs.terminal import DONE, print_json, say
+from polhode.verbs.terminal import DONE, print_json, say, word
 
 HELP = "body, regime, integrals, frequencies, what will be modelled"
 
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+    parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
 
 
 def main(options: Namespace) -> int:

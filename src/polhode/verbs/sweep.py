@@ -23,6 +23,7 @@ from polhode.verbs.terminal import (
     read_times,
     refuse_two_on_stdout,
     whole,
+    word,
 )
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ _AT_ONCE = 100_000  # states that are written within a second
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("scene", metavar="SCENE", help="a case that ships, or a path")
+    parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     parser.add_argument(
         "--vary",
         metavar="KEY=FROM:TO:N",
@@ -67,7 +68,7 @@ def options(parser: ArgumentParser) -> None:
         "several",
     )
     output = "write FILE.npz or FILE.csv; a killed sweep, given again, goes on from FILE.npz.parts"
-    parser.add_argument("-o", dest="file", metavar="FILE", help=output)
+    parser.add_argument("-o", dest="file", type=word, metavar="FILE", help=output)
 
 
 def main(options: Namespace) -> int:

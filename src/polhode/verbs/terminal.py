@@ -12,12 +12,12 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 from polhode.common.errors import BadInput
 from polhode.common.files import is_stdout, write_stdout
 from polhode.common.interrupts import heard
-from polhode.common.text import aligned
+from polhode.common.text import aligned, printable
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
@@ -43,7 +43,7 @@ def prepare() -> None:
     if sys.stdout is None:
         sys.stdout = _Closed()
     if sys.stderr is None:
-        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+        sys.stderr = _nowhere()
     heard.came = False
     if threading.current_thread() is threading.main_thread():
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
@@ -61,15 +61,14 @@ def deaf() -> None:
         signal.signal(number, signal.SIG_IGN)
 
 
+def _nowhere() -> TextIO:
+    return open(os.devnull, "w", encoding="utf-8")
+
+
 def give_up_stdout() -> None:
     """Let what is left in stdout's buffer go nowhere, so that leaving Python is no fault."""
     if not isinstance(sys.stdout, _Closed):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-def printable(text: str) -> str:
-    """Text in which no character can command a terminal; line ends stay."""
-    return "".join(c if c.isprintable() or c == "\n" else "?" for c in text)
 
 
 def say(text: str) -> None:
@@ -80,11 +79,19 @@ def say(text: str) -> None:
 def whole(text: str) -> int:
     """An option that is a whole number."""
     try:
-        if len(text) > 18:  # int() itself would take thousands of digits
-            raise ValueError
-        return int(text)
+        if len(text) > 18 and text.strip("+-0123456789_ ") == "":
+            expected = f"a whole number of at most 18 digits, not {text[:40]!r}"
+            raise argparse.ArgumentTypeError(expected)
+        return int(text[:40])  # a longer one is none
     except ValueError:
         raise argparse.ArgumentTypeError(f"a whole number, not {text[:40]!r}") from None
+
+
+def word(text: str) -> str:
+    """An argument that names a case or a file."""
+    if not text:
+        raise argparse.ArgumentTypeError("a name, not ''")
+    return text
 
 
 def folder(text: str) -> str:
@@ -160,8 +167,11 @@ def print_table(header: Any, rows: Any) -> None:
 
 
 def note(text: str) -> None:
-    """A line on stderr."""
-    print(printable(text), file=sys.stderr)
+    """A line on stderr; nowhere where that takes no more, as nobody could be told of it."""
+    try:
+        print(printable(text), file=sys.stderr)
+    except OSError:
+        sys.stderr = _nowhere()
 
 
 def goes_on(kept: KeptFolder | None) -> int:

@@ -7,24 +7,30 @@ from pathlib import Path
 
 from polhode.scenes import library
 from polhode.verbs import plot
-from polhode.verbs.terminal import DONE, print_json, refuse_two_on_stdout, say, whole
+from polhode.verbs.terminal import DONE, print_json, refuse_two_on_stdout, say, whole, word
 
 HELP = "a motion as one HTML page that moves, needing nothing else"
 
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("what_of", metavar="SCENE|FILE", help="a case, a scene's path, or a CSV")
-    parser.add_argument("-o", dest="file", required=True, metavar="FILE", help="the page: .html")
+    parser.add_argument(
+        "what_of", type=word, metavar="SCENE|FILE", help="a case, a scene's path, or a CSV"
+    )
+    parser.add_argument(
+        "-o", dest="file", type=word, required=True, metavar="FILE", help="the page: .html"
+    )
     parser.add_argument("--end", metavar="T", help="show up to this time instead of the scene's")
-    parser.add_argument("--scene", metavar="SCENE", help="of a FILE: the scene that it belongs to")
+    parser.add_argument(
+        "--scene", type=word, metavar="SCENE", help="of a FILE: the scene that it belongs to"
+    )
     parser.add_argument("--number", help="double (default), extended, quad or mp")
     parser.add_argument("--digits", type=whole, help="digits wanted; they choose the number type")
 
 
 def main(options: Namespace) -> int:
     """Make one page."""
-    from polhode.common.files import check_writable, is_stdout, write_whole
+    from polhode.common.files import called, check_writable, is_stdout, write_whole
     from polhode.figures.drawing import page_of
 
     path = Path(options.file)
@@ -35,7 +41,8 @@ def main(options: Namespace) -> int:
     found = plot.samples_of(options)
     if isinstance(found, int):
         return found
-    text = page_of(found, f"polhode view {options.what_of}", plot.is_file(options.what_of))
+    command = f"polhode view {called(Path(options.what_of))}"
+    text = page_of(found, command, plot.is_file(options.what_of))
     write_whole({path: text})
     t = found.columns["t"]
     if options.json:

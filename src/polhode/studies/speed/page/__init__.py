@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
-from polhode.studies.speed.page import lengths, verdicts
+from polhode.studies.speed.page import caveats, lengths, verdicts
 
 TITLE = "Speed: work against precision"
 
@@ -26,7 +26,9 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         f"{_left_out(found['motions'])}"
     )
     yield Text("Left of and below is better. The dotted line is three times kappa·eps of a double.")
+    yield Text(finding(found))
     yield Figure("speed", _shown(found["motions"]))
+    yield from caveats.blocks(found)
     yield from lengths.blocks(found.get("cells", ()))
     yield from verdicts.blocks(found)
     yield from _refined(found.get("refined", []))
@@ -74,7 +76,7 @@ def _elsewhere(rows: Sequence[dict[str, str]]) -> Iterator[Block]:
 
 def _shown(motions: list[dict[str, Any]]) -> str:
     """What the figure shows, and what it cannot."""
-    told = "Error against seconds on every motion"
+    told = f"Error against seconds on every motion. {caveats.CYRK_DRAWN}"
     left_out = [f"{status}: {', '.join(names)}" for status, names in _by_status(motions).items()]
     return f"{told}. Not drawn: {'; '.join(left_out)}" if left_out else told
 
@@ -91,10 +93,8 @@ def _by_status(motions: list[dict[str, Any]]) -> dict[str, list[str]]:
 
 
 def finding(found: dict[str, Any]) -> str:
-    """The study in a sentence."""
-    if found.get("cells"):
-        return lengths.finding(found["cells"])
-    return verdicts.on_regular(found)
+    """The study in a few sentences: what stands."""
+    return f"{lengths.stands(found.get('cells', ()))} {caveats.SHORT}"
 
 
 def _refined(rows: list[dict[str, Any]]) -> Iterator[Block]:

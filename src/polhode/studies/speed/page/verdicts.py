@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from polhode.studies.page.blocks import Block, Heading, Items, PageTable, Text, or_dash
+from polhode.studies.speed.page import caveats
 
 
 def blocks(found: dict[str, Any]) -> Iterator[Block]:
@@ -15,34 +16,14 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield from _engine(found["motions"])
 
 
-def on_regular(found: dict[str, Any]) -> str:
-    """Who is ahead on the regular motions to their ends."""
-    regular = [m for m in found["motions"] if m["kind"] == "regular"]
-    ends = ", ".join(sorted({f"{m['end']:g}" for m in regular}, key=float))
-    where = f"regular motions to t = {ends} with eleven output times"
-    target = found["target"]
-    if target["ahead"] is None:
-        return f"No other program was here to compare with on the {where}."
-    if target["ahead"]:
-        return (
-            f"On all {len(regular)} {where}, from an error of 1e-6 down to three times kappa·eps, "
-            "polhode's double curve is ahead of every program that ran."
-        )
-    behind = sorted({row["method"] for row in target["behind"]})
-    return (
-        f"On the {where} polhode's double curve is ahead of every program but {', '.join(behind)}."
-    )
-
-
 def _target(found: dict[str, Any]) -> Iterator[Block]:
+    """Where a peer is ahead as it was called, and where polhode ends above its floor."""
     target = found["target"]
     if target["ahead"] is None:
         return
     yield Heading("From 1e-6 down to three times kappa·eps")
-    if target["ahead"]:
-        yield Text(on_regular(found))
-    else:
-        yield Text("polhode's double curve is ahead of every peer but these:")
+    if target["behind"]:
+        yield Text("On the regular motions another is ahead of polhode's double curve here:")
         yield Items(tuple(behind(found)))
     if not target["reaches_floor"]:
         short = [
@@ -82,7 +63,8 @@ def _verdicts(motions: list[dict[str, Any]]) -> Iterator[Block]:
         rows.append((name, *cells))
     yield Text(
         "Seconds of each peer over those of polhode's double curve at equal digits, at the level "
-        "where the peer is closest (in brackets); *not reached*: it has fewer than six digits."
+        "where the peer is closest (in brackets); *not reached*: it has fewer than six digits. "
+        f"{caveats.CYRK_DRAWN}."
     )
     header = ("peer", *(m["motion"] for m in judged))
     again = "polhode study speed --only 'every motion' --only '{0}'"
@@ -120,7 +102,7 @@ def _engine(motions: list[dict[str, Any]]) -> Iterator[Block]:
             "all tolerances, at eps, and the least difference, which is what a run costs however "
             "short it is; its steps at eps, over heyoka's: polhode measures time in a unit in "
             "which w is of the size of gamma, and steps are as accurate as the largest variable "
-            "asks; digits gained over heyoka's best."
+            f"asks; digits gained over heyoka's best. {caveats.BUILDS}"
         )
         header = ("motion", "method", "least", "most", "at eps", "s more", "steps", "digits gained")
         again = "polhode study speed --only '{0}' --only 'heyoka alone'"
