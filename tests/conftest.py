@@ -14,11 +14,13 @@ from hypothesis import HealthCheck, settings
 for library in ("OPENBLAS", "OMP", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
-# no example fails for a slow machine; CI draws the same ones each time, everybody else new ones
+# no example fails for a slow machine; CI draws the same ones each time, everybody else new ones,
+# a quarter as many
 settings.register_profile(
     "polhode",
     deadline=None,
     derandomize="CI" in os.environ,
+    max_examples=100 if "CI" in os.environ else 25,
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("polhode")

@@ -527,7 +527,7 @@ CIRCLED = {
 }
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1, first=2)
 @pytest.mark.parametrize("name", CIRCLED)
 def test_frequency_of_precession_is_the_mean_rate_of_the_circled_axis(name):
     """About G, here vertical, over one period of w: psi integrated along, by Taylor's method."""

@@ -53,6 +53,7 @@ def test_processes_are_left_alone_where_they_do_not_pay(monkeypatch):
     assert exactly(asked_by(known, "at", 2)(times, 20)) == exactly(known.at(times, 20))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("workers", [1, 2])
 def test_long_work_is_told_of_piece_by_piece(workers, monkeypatch):
     """A piece has a hundred rows or more, however long they take; the rows are the same."""

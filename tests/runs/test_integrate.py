@@ -144,6 +144,7 @@ def test_numbers_enter_and_leave_without_loss(number):
         assert abs(back - x) <= abs(x) * number.eps / 2
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("number", NUMBERS[:4], ids=lambda n: n.name)
 def test_output_times_never_change_the_steps(number):
     scene = polhode.load("general/asymmetric-chaotic")
