@@ -79,6 +79,7 @@ def test_independent_integration(name):
     checks.check_taylor(Chaplygin, MOTIONS[name])
 
 
+@pytest.mark.slow
 def test_axes_renamed_reflected_and_turned():
     checks.check_names_and_axes(Chaplygin, SHEET)
 

@@ -95,6 +95,7 @@ def test_independent_integration(name):
     checks.check_taylor(NKowalewski, MOTIONS[name])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["sheet"])
 def test_axes_renamed_reflected_and_turned(name):
     checks.check_names_and_axes(NKowalewski, MOTIONS[name])

@@ -28,7 +28,6 @@ def momentum(found):
 # -- states ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.sample(4)
 @pytest.mark.parametrize("f", [0, Fraction(1, 2), -1, 2])
 @pytest.mark.parametrize("case", ["general/asymmetric-chaotic", "kovalevskaya/generic"])
 def test_states_are_on_level_and_section(case, f):
