@@ -341,7 +341,7 @@ def test_quaternion_never_changes_sign(name):
     assert rows[count // 2][0] >= 0
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", MOTIONS)
 @pytest.mark.parametrize("end", [F(17), F(-17)])
 def test_psi_and_phi_count_their_turns(name, end):
@@ -371,7 +371,7 @@ def along_momentum(name, sign=1):
     return top_of.__wrapped__(name, tuple(x / size for x in G))  # irrational ones have no hash
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["around C", "around A", "separatrix", "prolate", "turning point"])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_psi_about_the_momentum_is_closed(name, sign, monkeypatch):

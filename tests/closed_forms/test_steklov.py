@@ -99,6 +99,7 @@ def test_membership(name):
     checks.check_membership(Steklov, MOTIONS[name][0])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["sheet", "from p = 0"])
 def test_angles_through_the_poles(name):
     """Axis 1 renamed to 3: it meets the vertical exactly, at the start too, again and again."""

@@ -277,6 +277,7 @@ def test_bodies_are_named_by_their_exact_structure(body, kind):
     assert kind_of_body(scene_file.parse(text).body) == kind
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", ["euler/separatrix", "lagrange/cusped", "kovalevskaya/type-e-ee"])
 @pytest.mark.parametrize("digits", [20, 50])
 def test_the_error_estimate_bounds_the_true_error_and_is_not_slack(name, digits):

@@ -36,6 +36,7 @@ def size(states, truth, scene) -> list[float]:
     return [float(x) for x in found]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", ["euler/separatrix", "kovalevskaya/generic", "lagrange/nutation"])
 @pytest.mark.parametrize("number", [DOUBLE, EXTENDED], ids=lambda n: n.name)
 def test_inputs_are_those_of_a_run_of_the_rounded_numbers(name, number):
