@@ -10,11 +10,17 @@ import mpmath
 import pytest
 from hypothesis import HealthCheck, settings
 
-# no example fails for a slow machine; CI draws the same ones each time, everybody else new ones
+# one thread of linear algebra: the matrices are small, and there is a process a core already
+for library in ("OPENBLAS", "OMP", "MKL"):
+    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+
+# no example fails for a slow machine; CI draws the same ones each time, everybody else new ones,
+# a quarter as many
 settings.register_profile(
     "polhode",
     deadline=None,
     derandomize="CI" in os.environ,
+    max_examples=100 if "CI" in os.environ else 25,
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("polhode")
@@ -38,14 +44,19 @@ def callers_precision() -> Iterator[None]:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """``sample(n)``: n cases of the test, evenly spread, are fast; the others are slow."""
+    """``sample(n, first=k)``: n cases of the test, evenly spread from the k-th, are fast.
+
+    The others are slow.  What takes longest comes first, so that nobody waits for it at the end.
+    """
+    items.sort(key=lambda item: item.get_closest_marker("longest") is None)
     cases: dict[str, list[pytest.Item]] = {}
     for item in items:
         if item.get_closest_marker("sample") and not item.get_closest_marker("slow"):
             cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
     for those in cases.values():
-        count = those[0].get_closest_marker("sample").args[0]
-        kept = {len(those) * k // count for k in range(count)}
+        mark = those[0].get_closest_marker("sample")
+        count, first = mark.args[0], mark.kwargs.get("first", 0)
+        kept = {(first + len(those) * k // count) % len(those) for k in range(count)}
         for k, item in enumerate(those):
             if k not in kept and len(those) > count:
                 item.add_marker(pytest.mark.slow)

@@ -18,6 +18,7 @@ import polhode
 TOP = Path(__file__).parents[1]
 
 
+@pytest.mark.longest
 @pytest.mark.parametrize(
     "command",
     [

@@ -63,6 +63,7 @@ def test_values_of_the_sheet():
     assert abs(row[5] - mpf(".4482654728809499")) < 1e-16
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_two_precisions_agree(name):
     checks.check_two_precisions(Chaplygin, MOTIONS[name])
@@ -72,11 +73,13 @@ def test_equations_hold():
     checks.check_equations(Chaplygin, SHEET)
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("name", ["sheet", "from rest"])
 def test_independent_integration(name):
     checks.check_taylor(Chaplygin, MOTIONS[name])
 
 
+@pytest.mark.slow
 def test_axes_renamed_reflected_and_turned():
     checks.check_names_and_axes(Chaplygin, SHEET)
 
@@ -91,6 +94,7 @@ def test_period(name):
     checks.check_period(Chaplygin, MOTIONS[name])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["sheet", "other signs"])
 def test_membership(name):
     checks.check_membership(Chaplygin, MOTIONS[name])

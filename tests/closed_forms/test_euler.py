@@ -138,6 +138,7 @@ def test_two_precisions_agree(name):
             assert mpf(10) ** (-low - 20) < error < mpf(10) ** -low
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["around C", "around A", "separatrix", "sphere"])
 def test_1000_digits(name):
     error = error_of_1000_digits(top_of(name), [F(10**12)])
@@ -165,7 +166,7 @@ def test_attitude_carries_the_vertical_and_starts_with_psi(name):
         assert abs(angles[0][2] - mpmath.atan2(number(GAMMA[0]), number(GAMMA[1]))) < mpf(10) ** -50
 
 
-@pytest.mark.sample(8)
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", MOVING)
 def test_independent_integration_agrees(name):
     moments, omega, _ = MOTIONS[name]
@@ -218,6 +219,7 @@ def test_a_coefficient_off_by_1e_20_is_seen(name, monkeypatch):
         assert error < mpf(10) ** -40 if still else seen
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("order", list(itertools.permutations((F(1), F(3, 2), F(2)))))
 def test_every_order_of_moments_and_every_sign(order):
     for signs in itertools.product((1, -1), repeat=3):
@@ -288,7 +290,7 @@ def test_irrational_data_and_turned_axes():
             assert mpmath.norm(third) < mpf(10) ** -50
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("name", ["around C", "around A", "oblate", "separatrix", "spin about B"])
 def test_full_inertia_matrix(name):
     """A body given in axes that are not principal, against the integration of its full matrix."""
@@ -327,7 +329,7 @@ def test_invariants_at_1e12(name):
     assert max(drift) < mpf(10) ** -49
 
 
-@pytest.mark.sample(8)
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", MOVING)
 def test_quaternion_never_changes_sign(name):
     """Samples so close that the quaternion moves by less than 0.2."""
@@ -339,7 +341,7 @@ def test_quaternion_never_changes_sign(name):
     assert rows[count // 2][0] >= 0
 
 
-@pytest.mark.sample(12)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", MOTIONS)
 @pytest.mark.parametrize("end", [F(17), F(-17)])
 def test_psi_and_phi_count_their_turns(name, end):
@@ -353,7 +355,7 @@ def test_psi_and_phi_count_their_turns(name, end):
     assert abs(phi - mpmath.atan2(12, 15) - more_phi) < 1e-12
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("name", ["around C", "around A", "separatrix", "oblate", "sphere"])
 def test_psi_is_the_integral_of_its_rate(name):
     moments, omega, _ = MOTIONS[name]
@@ -369,6 +371,7 @@ def along_momentum(name, sign=1):
     return top_of.__wrapped__(name, tuple(x / size for x in G))  # irrational ones have no hash
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["around C", "around A", "separatrix", "prolate", "turning point"])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_psi_about_the_momentum_is_closed(name, sign, monkeypatch):
@@ -524,7 +527,7 @@ CIRCLED = {
 }
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1, first=2)
 @pytest.mark.parametrize("name", CIRCLED)
 def test_frequency_of_precession_is_the_mean_rate_of_the_circled_axis(name):
     """About G, here vertical, over one period of w: psi integrated along, by Taylor's method."""

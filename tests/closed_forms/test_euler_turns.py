@@ -97,7 +97,7 @@ def agrees(seed, monkeypatch):
     return closed(top, times) and off(top.angles(times, 15), counted(top, times, monkeypatch)) == 0
 
 
-@pytest.mark.sample(8)
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("seed", range(40))
 def test_random_motions(seed, monkeypatch):
     assert agrees(seed, monkeypatch)
@@ -109,6 +109,7 @@ def test_many_random_motions(seed, monkeypatch):
     assert agrees(seed, monkeypatch)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("given", [TURNOVER, WIDE])
 @pytest.mark.parametrize("axes", [None, SKEW])
 def test_around_every_change_of_lead(given, axes, monkeypatch):

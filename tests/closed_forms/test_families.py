@@ -129,6 +129,7 @@ OFF = {
 }
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("case", OFF)
 def test_a_case_moved_by_1e_30_is_refused_and_is_near_to_its_family(case):
     old, new, kind, condition = OFF[case]

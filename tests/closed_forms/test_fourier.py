@@ -83,7 +83,7 @@ def test_too_many_terms():
         cosines(lambda x: [abs(mpmath.cos(x))], most=128)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("second", ["sqrt 2", "resonance", "near resonance"])
 def test_integral_along_a_line_on_a_torus(second):
     """W = cos((al - be)/2)/(3 + cos al + cos be), h = g = 1/2: slow where the rates are equal."""

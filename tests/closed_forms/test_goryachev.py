@@ -62,21 +62,25 @@ def test_values_of_the_sheet():
     assert abs(row[5] - mpf("-.7625633663978228")) < 1e-16
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_two_precisions_agree(name):
     checks.check_two_precisions(Goryachev, MOTIONS[name])
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_equations_hold(name):
     checks.check_equations(Goryachev, MOTIONS[name])
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("name", ["sheet", "other signs"])
 def test_independent_integration(name):
     checks.check_taylor(Goryachev, MOTIONS[name])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["sheet", "other signs"])
 def test_axes_renamed_reflected_and_turned(name):
     checks.check_names_and_axes(Goryachev, MOTIONS[name])

@@ -106,6 +106,7 @@ def off(start, times=TIMES, digits=40, attitudes=False):
     return checks.off(top, start, times, digits, attitudes)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", CONSTANTS)
 def test_every_regime_agrees_with_a_taylor_run(name):
     start = named(name)
@@ -114,6 +115,7 @@ def test_every_regime_agrees_with_a_taylor_run(name):
     assert LEAST < off(start) < mpf("1e-38")
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "name", ["low", "standing 0", "standing pi", "libration", "rotation", "separatrix"]
 )
@@ -131,6 +133,7 @@ def test_published_states_to_50_digits():
     checks.check_stored(top, "goryachev-chaplygin")
 
 
+@pytest.mark.sample(5, first=1)
 @pytest.mark.parametrize("name", CONSTANTS)
 def test_two_precisions_agree_far_away(name):
     found = top(*named(name))
@@ -198,6 +201,7 @@ CORRUPTIONS = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", CORRUPTIONS)
 def test_a_corrupted_formula_fails(name, monkeypatch):
     where, what, change = CORRUPTIONS[name]
@@ -323,6 +327,7 @@ def test_the_same_motion_in_other_units_of_time(unit):
         assert checks.largest(row, back) < mpf("1e-20") * 4
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["low", "libration", "standing pi"])
 def test_angles_are_continuous(name):
     found = top(*named(name))
@@ -337,6 +342,7 @@ def test_periods_bring_the_state_back(name):
     checks.check_period(top, named(name))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["low", "high"])
 def test_a_generic_motion_has_the_two_frequencies_told(name):
     checks.check_frequencies(top, named(name), ("u", "v"))

@@ -36,6 +36,7 @@ def test_powers_of_q_are_v_and_its_halves(name):
                 assert abs(sum(row) - value) < mpf("1e-57")  # some are equal
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", NAMES)
 def test_the_series_has_the_rate_of_chi(name):
     """By the five-point rule in sigma, a step of 1e-12: about 1e-47."""

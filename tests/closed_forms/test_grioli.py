@@ -77,21 +77,25 @@ def test_values_of_the_sheet():
     assert abs(row[5] - mpf(".8868952287700769")) < 1e-16
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_two_precisions_agree(name):
     checks.check_two_precisions(Grioli, MOTIONS[name])
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_equations_hold(name):
     checks.check_equations(Grioli, MOTIONS[name])
 
 
+@pytest.mark.sample(1, first=2)
 @pytest.mark.parametrize("name", ["sheet", "backward", "other sides"])
 def test_independent_integration(name):
     checks.check_taylor(Grioli, MOTIONS[name])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["sheet", "backward"])
 def test_axes_renamed_reflected_and_turned(name):
     checks.check_names_and_axes(Grioli, MOTIONS[name])

@@ -63,6 +63,7 @@ def test_growth_of_a_theta_sum_is_that_of_small_steps():
     assert abs(found) > 2 * np.pi
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("gap", ["1e-6", "1e-13", "1e-25"])
 def test_either_side_of_a_zero_is_told(gap):
     """The sides are a turn apart; doubles cannot tell them."""

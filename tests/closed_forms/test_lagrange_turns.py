@@ -45,7 +45,7 @@ def alternating(top):
         return None in leads and found.arguments(mpf(50)) is not None
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", NUTATING)
 @pytest.mark.parametrize("axes", AXES)
 def test_turns_are_those_counted(name, axes, monkeypatch):

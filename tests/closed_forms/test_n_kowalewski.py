@@ -81,6 +81,7 @@ def test_values_of_the_sheet():
     assert abs(row[5] - mpf(".6458252802607802")) < 1e-16
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_two_precisions_agree(name):
     checks.check_two_precisions(NKowalewski, MOTIONS[name])
@@ -90,11 +91,13 @@ def test_equations_hold():
     checks.check_equations(NKowalewski, SHEET)
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("name", ["sheet", "B = 2C"])
 def test_independent_integration(name):
     checks.check_taylor(NKowalewski, MOTIONS[name])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["sheet"])
 def test_axes_renamed_reflected_and_turned(name):
     checks.check_names_and_axes(NKowalewski, MOTIONS[name])

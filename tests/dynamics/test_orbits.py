@@ -146,6 +146,7 @@ def test_residues_of_rotations_of_a_free_body(axis):
         assert abs(one / mp.exp(root) - 1) < 1e-28
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("u", ["1/3", "-2/5"])
 def test_steady_precession_of_a_symmetric_top(u):
     """L = A Om u + Mg z0/Om; the residue is sin^2(pi nutation/rotation), nutation^2 = V''/A."""
@@ -186,6 +187,7 @@ def test_steady_precession_of_a_symmetric_top(u):
     assert found.turns is None  # which closes after 35 and 142 periods: too many to be looked for
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("rate", ["0.3", "1.5"])
 def test_swings_of_a_pendulum(rate):
     """Beside a swing about axis 3 the other three unknowns are linear: p, q, gamma3, by RK4.

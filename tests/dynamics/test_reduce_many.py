@@ -36,6 +36,7 @@ def theta(states):
     return np.arctan2(np.hypot(states[..., 3], states[..., 4]), states[..., 5])
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("number", ["double", "extended"])
 @pytest.mark.parametrize("turned", [False, True])
 def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned):
@@ -59,6 +60,7 @@ def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned)
         assert found[name].dtype == states.dtype
 
 
+@pytest.mark.sample(2, first=1)
 @pytest.mark.parametrize("end", ["11", "-11"])
 @pytest.mark.parametrize("turned", [False, True])
 def test_first_events_are_the_first_of_each_run(end, turned, monkeypatch):

@@ -115,6 +115,7 @@ def test_the_frame_keeps_principal_axes():
 # -- crossings against closed forms ----------------------------------------------------------------
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("case", ["lagrange/nutation", "kovalevskaya/generic"])
 def test_crossings_lie_where_closed_forms_do(case):
     """D of the exact motion at the crossing's time, over its slope: the time's error in eps t."""
@@ -193,6 +194,7 @@ def test_crossings_of_the_lagrange_top_are_evenly_spaced():
     assert 0 < spread(turn) < 1e-12
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("by", ["momentum", "height"])
 @pytest.mark.parametrize("extremum", ["max", "min"])
 def test_crossings_are_extrema_of_the_kind_asked_for(by, extremum):
@@ -238,6 +240,7 @@ def test_no_crossing_is_missed():
 # -- the same everywhere ---------------------------------------------------------------------------
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("case", ["general/asymmetric-chaotic", "kovalevskaya/generic"])
 def test_a_lane_does_not_depend_on_its_neighbours(case):
     """The Kovalevskaya top's orbits have each their own K^2, also one that takes a lane over."""

@@ -79,6 +79,7 @@ def test_a_hair_off_is_a_motion(name):
     assert equilibrium.name(off) is None
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize("end", [500, -500])
 def test_a_permanent_rotation_turns_uniformly(number, end):
@@ -110,6 +111,7 @@ def test_the_attitude_of_a_case_is_that_of_its_closed_form():
         assert max(abs(x - float(y)) for x, y in zip(mine, exact, strict=True)) < 2e-16
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 def test_events_of_the_time_still_happen(number):
     events = (

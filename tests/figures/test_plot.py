@@ -165,6 +165,7 @@ def test_cusps_and_loops_of_the_apex_stand_on_the_sphere(tmp_path, name):
     assert sharpest > 2.5 if name.endswith("cusped") else sharpest < 0.6
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("number", ["double", "quad"])
 def test_the_error_shown_is_the_error_found(tmp_path, number):
     figure = Figure(plotted(tmp_path, TOP, "--what", "error", "--number", number))
@@ -219,7 +220,7 @@ def trajectory(tmp_path):
     return path
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("what", ["angles", "hodographs", "sphere", "integrals", "error"])
 def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path, trajectory, what):
     own = [] if what in ("angles", "hodographs", "sphere") else ["--scene", TOP]
@@ -238,6 +239,7 @@ def test_a_file_with_the_space_hodograph_needs_no_attitude(tmp_path):
     assert Figure(plotted(tmp_path, str(path), "--what", "hodographs")).panels == 4
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_the_same_motion_gives_the_same_bytes(tmp_path, suffix):
     arguments = (TOP, "--what", "angles", "--end", "3")

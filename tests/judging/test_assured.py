@@ -88,6 +88,7 @@ def test_an_ordinary_run_is_not_warned_of(capsys):
     assert 12.5 < min(answer["digits_left"]) < 15
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("name", "number"),
     [
@@ -106,6 +107,7 @@ def test_what_is_expected_is_what_is_had(name, number):
     assert -0.5 < had - run.expected.digits[-1] < 1.5
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["euler/long", "lagrange/nutation", "kovalevskaya/generic"])
 @pytest.mark.parametrize("end", [1000, 30_000])
 def test_a_run_kept_on_its_torus_is_expected_to_lose_less(name, end):

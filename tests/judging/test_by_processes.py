@@ -17,6 +17,7 @@ def exactly(rows):
     return [[None if x is None else x._mpf_ for x in row] for row in rows]
 
 
+@pytest.mark.sample(1, first=2)
 @pytest.mark.parametrize("question", ["at", "attitude", "angles"])
 def test_the_same_rows_to_the_bit(question, monkeypatch):
     """A motion through a pole, where two angles are no numbers; 40 digits, beyond any double."""
@@ -52,6 +53,7 @@ def test_processes_are_left_alone_where_they_do_not_pay(monkeypatch):
     assert exactly(asked_by(known, "at", 2)(times, 20)) == exactly(known.at(times, 20))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("workers", [1, 2])
 def test_long_work_is_told_of_piece_by_piece(workers, monkeypatch):
     """A piece has a hundred rows or more, however long they take; the rows are the same."""

@@ -223,6 +223,7 @@ def test_two_precisions_are_raised_until_they_agree(monkeypatch):
     assert told[0] < 20 <= told[1] == truth.agreement
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", ["auto", "certified"])
 def test_a_scene_without_closed_form_is_judged_by_a_proven_enclosure(kind: str):
     scene = replace(polhode.load("general/asymmetric-chaotic"), reference=kind)
@@ -305,6 +306,7 @@ def test_bodies_are_named_by_their_exact_structure(body, kind):
     assert kind_of_body(scene_file.parse(text).body) == kind
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", ["euler/separatrix", "lagrange/cusped", "kovalevskaya/type-e-ee"])
 @pytest.mark.parametrize("digits", [20, 50])
 def test_the_error_estimate_bounds_the_true_error_and_is_not_slack(name, digits):

@@ -30,6 +30,7 @@ def rows_of(name: str, count: int, error: float):
 COLUMNS = ("p", "q", "r", "gamma1", "gamma2", "gamma3", "q0", "q1", "q2", "q3")
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("error", [0.0, 1e-13])
 def test_the_same_digits_as_one_by_one(name, error, monkeypatch):

@@ -36,6 +36,7 @@ def size(states, truth, scene) -> list[float]:
     return [float(x) for x in found]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", ["euler/separatrix", "kovalevskaya/generic", "lagrange/nutation"])
 @pytest.mark.parametrize("number", [DOUBLE, EXTENDED], ids=lambda n: n.name)
 def test_inputs_are_those_of_a_run_of_the_rounded_numbers(name, number):
@@ -171,11 +172,11 @@ def test_a_projection_takes_its_part_of_the_inputs_error():
     put = F(once) * F(unit)
     assert put < times[0]
     rounded = [F(float(x)) for x in start]
-    (there,) = plain_taylor.integrate(MOMENTS, TORQUE, rounded[:3], rounded[3:], [put], 40)
+    (there,) = plain_taylor.integrate(MOMENTS, TORQUE, rounded[:3], rounded[3:], [put], 30)
     moved = put_back(there, integrals(start), unit)
     later = [t - put for t in times]
-    states = plain_taylor.integrate(MOMENTS, TORQUE, moved[:3], moved[3:], later, 40)
-    truth = plain_taylor.integrate(MOMENTS, TORQUE, start[:3], start[3:], times, 40)
+    states = plain_taylor.integrate(MOMENTS, TORQUE, moved[:3], moved[3:], later, 30)
+    truth = plain_taylor.integrate(MOMENTS, TORQUE, start[:3], start[3:], times, 30)
     expected = size(states, truth, scene)
     found = [10**-x for x in known.inputs(DOUBLE, every=math.floor(sum(steps)))]
     assert found == pytest.approx(expected, rel=1e-6, abs=0)

@@ -68,6 +68,7 @@ def test_nothing_is_rounded_at_rest_or_at_zero():
     assert 0 < np.count_nonzero(found) == np.count_nonzero(swinging.stretches[-1].state) < 6
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize(
     ("number", "wide"), [(DOUBLE, EXTENDED if extended_here() else QUAD), (EXTENDED, QUAD)]
 )

@@ -163,6 +163,7 @@ def leaves(value: Any) -> Iterator[Any]:
         yield value
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("k", range(10))
 def test_answers_are_ordinary_numbers_whatever_the_callers_precision(k):
     found = {}

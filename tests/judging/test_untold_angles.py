@@ -29,11 +29,18 @@ def asked(monkeypatch):
     return found
 
 
-def homoclinic():
+@pytest.fixture(scope="module")
+def known():
     """A top that tends to the pole, and its true angles."""
     scene = polhode.load("lagrange/homoclinic").at([Fraction(k, 40) for k in range(COUNT)])
     true = polhode.reference(scene).angles(scene.times, 17)
     return scene, np.array([[float(x) for x in row] for row in true])
+
+
+@pytest.fixture
+def homoclinic(known):
+    scene, table = known
+    return scene, table.copy()
 
 
 def judged(scene, table):
@@ -55,8 +62,8 @@ def test_panels_tell_theta_where_they_do_not_tell_psi():
 
 
 @pytest.mark.sample(1)
-def test_right_angles_are_judged_to_the_last(asked):
-    scene, table = homoclinic()
+def test_right_angles_are_judged_to_the_last(asked, homoclinic):
+    scene, table = homoclinic
     found = judged(scene, table)
     assert 13.5 < found.parts["angles"] < 17
     untold = found._held.many.untold
@@ -67,8 +74,8 @@ def test_right_angles_are_judged_to_the_last(asked):
     assert 7.9 < judged(scene, table).parts["angles"] < 8.1
 
 
-def test_angles_of_no_digits_are_not_asked_for_again(asked):
-    scene, table = homoclinic()
+def test_angles_of_no_digits_are_not_asked_for_again(asked, homoclinic):
+    scene, table = homoclinic
     table[:, 0] = np.where(np.arange(COUNT) < 600, table[:, 0], -25)
     found = judged(scene, table)
     assert len(found._held.many.untold) > 100

@@ -57,7 +57,7 @@ def _grown(smaller: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
 rational_text = st.recursive(st.integers(0, 9).map(str), _grown, max_leaves=8)
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=4 * settings.default.max_examples)
 @given(rational_text)
 def test_precedence_is_pythons(text: str) -> None:
     found = outcome(text)
@@ -190,7 +190,7 @@ def test_long_chains_and_towers_end_soon(text: str) -> None:
     outcome(text)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=3 * settings.default.max_examples)
 @given(st.text(max_size=60))
 def test_random_text_is_a_value_or_refused(text: str) -> None:
     outcome(text)
@@ -202,7 +202,7 @@ _TOKENS = (
 )
 
 
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=5 * settings.default.max_examples)
 @given(st.lists(st.sampled_from(_TOKENS), max_size=25).map("".join))
 def test_token_soup_is_a_value_or_refused(text: str) -> None:
     outcome(text)
@@ -220,7 +220,7 @@ def _irrational(smaller: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
     )
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=2 * settings.default.max_examples)
 @given(
     st.recursive(st.sampled_from(["2", "pi", "1e30", "0.1", "sqrt(3)"]), _irrational, max_leaves=12)
 )

@@ -28,6 +28,7 @@ def a_run(number="double", **how):
     return polhode.integrate(scene, number, **how)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
 def test_a_saved_run_loads_again_with_every_digit_and_callable(tmp_path, number):
     run = a_run(number, method="taylor")
@@ -93,6 +94,7 @@ def test_what_is_no_archive_is_refused(tmp_path, content):
         a_run().save(tmp_path / "run.csv")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("number", ["double", "quad"])
 def test_angles_and_attitude_at_any_time_are_the_closed_forms(number):
     run, exact = a_run(number), polhode.reference(TOP)

@@ -48,6 +48,7 @@ def test_short_numbers_stand_as_they_are():
     assert len(shortest(Fraction(0.1), QUAD)) > 30  # another number in quad
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
 def test_a_file_is_read_as_the_times_of_its_run(tmp_path, number):
     path = tmp_path / "x.csv"

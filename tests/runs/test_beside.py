@@ -41,6 +41,7 @@ def together(monkeypatch, *arguments, **options):
         return integrate(*arguments, **options)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("times", TIMES)
 @pytest.mark.parametrize("name", ["kovalevskaya/generic", "lagrange/turned-axes"])
 def test_states_are_those_of_a_plain_run_to_the_bit(name, times):
@@ -63,6 +64,7 @@ def test_states_are_those_of_a_plain_run_to_the_bit(name, times):
         assert len(getattr(one, wanted)) == len(alone.states)
 
 
+@pytest.mark.sample(3, first=1)
 @pytest.mark.parametrize("times", TIMES)
 @pytest.mark.parametrize("name", ["euler/largest-axis", "lagrange/nutation"])
 def test_attitude_and_angles_are_as_good_as_those_of_one_system(name, times, monkeypatch):

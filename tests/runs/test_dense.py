@@ -33,6 +33,7 @@ def test_output_times_come_back_to_the_bit(number, end):
     assert all(ulps(a, b, run.number) == 0 for a, b in zip(again, run.states, strict=True))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("number", NUMBERS)
 def test_between_output_times_as_accurate_as_at_them(number):
     scene = heavy()

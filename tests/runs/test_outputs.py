@@ -18,7 +18,9 @@ from shared.policies import change_policy
 CASES = [
     name
     for name in library.names()
-    if polhode.load(name).outputs and polhode.reference(name).is_closed_form
+    if "outputs" in (library.folder() / f"{name}.toml").read_text()
+    and polhode.load(name).outputs
+    and polhode.reference(name).is_closed_form
 ]
 
 
@@ -34,7 +36,7 @@ def worst_error(mine, exact) -> float:
         return float(worst)
 
 
-@pytest.mark.sample(14)
+@pytest.mark.sample(7)
 @pytest.mark.parametrize("name", CASES)
 def test_outputs_of_a_run_are_those_of_the_closed_form(name):
     """In quad at a few times, 300 radians: absolute errors as small as the state's allow."""
@@ -54,7 +56,7 @@ def test_outputs_of_a_run_are_those_of_the_closed_form(name):
         assert worst_error(run.angles, truth.angles(run.times, 40)) < bound
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("project", [False, None])
 @pytest.mark.parametrize("number", ["double", "extended"])
 def test_angles_that_grow_loosen_no_step(number, project, monkeypatch):

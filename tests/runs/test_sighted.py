@@ -92,6 +92,7 @@ def test_events_are_those_that_heyoka_meets_and_the_run_is_the_plain_one(
     assert same >= len(texts) // 2
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("end", [400, -400])
 def test_directions_part_the_events(end, monkeypatch):
     events = (Event(d, "q", d) for d in ("any", "rising", "falling"))
@@ -193,6 +194,7 @@ def test_a_zero_at_the_start_is_no_event(monkeypatch):
             assert min(abs(t) for t in one.times) > 0.1
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("steps", [1000, 1001, 1777])
 def test_a_step_limit_leaves_the_events_up_to_it(steps, monkeypatch):
     scene = watched("kovalevskaya/generic", [1000], "q", "gamma3")

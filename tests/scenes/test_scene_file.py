@@ -315,14 +315,14 @@ _PAIRS = st.tuples(st.sampled_from(_KEYS), _VALUES).map(" = ".join)
 _HEADS = ["[body]", "[start]", "[run]", "[[events]]", "[[published]]", "[expect]", "[reference]"]
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=3 * settings.default.max_examples)
 @given(st.lists(st.one_of(_PAIRS, st.sampled_from(_HEADS)), max_size=12).map("\n".join))
 def test_random_documents_are_a_scene_or_refused_in_one_line(text: str) -> None:
     scene_or_one_line(text)
     scene_or_one_line("schema = 1\n" + text)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=3 * settings.default.max_examples)
 @given(
     st.sampled_from(["schema", "moments", "omega", "gamma", "end"]),
     st.lists(_PAIRS.filter(lambda pair: not pair.startswith("samples")), min_size=1, max_size=3),
@@ -331,7 +331,7 @@ def test_a_good_scene_with_random_lines_is_a_scene_or_refused(key: str, lines: l
     scene_or_one_line(base(**{key: "\n".join(lines)}))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=2 * settings.default.max_examples)
 @given(st.text(max_size=200))
 def test_random_text_is_refused_in_one_line(text: str) -> None:
     scene_or_one_line(text)

@@ -51,6 +51,7 @@ def test_the_cases_of_a_kind_are_what_it_says(kind, holds):
 # -- powers of two ----------------------------------------------------------------------------
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("number", [DOUBLE, EXTENDED, QUAD], ids=lambda n: n.name)
 @pytest.mark.parametrize("name", ["euler/irrational", "lagrange/turned-axes", "hard/near-cusp"])
 def test_powers_of_two_change_no_bit(name, number):

@@ -39,6 +39,7 @@ def products(ta) -> int:
     return sum(bool(re.fullmatch(r"\(u_\d+ \* u_\d+\)", str(f))) for f, _ in ta.decomposition)
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize(("name", "kept", "left"), TOPS)
 @pytest.mark.parametrize("number", [DOUBLE, EXTENDED, QUAD], ids=lambda x: x.name)
 def test_what_the_equations_keep_is_multiplied_as_a_number(name, kept, left, number):

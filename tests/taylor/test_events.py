@@ -57,7 +57,7 @@ def ulp(t: Fraction, bits: int) -> Fraction:
 # -- where and how often ----------------------------------------------------------------------
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize(
     ("name", "end", "texts"),
@@ -148,6 +148,7 @@ def test_rising_and_falling_are_meant_as_t_grows_in_backward_runs_too():
         assert all(row[0] * row[2] < 0 for row in run.events[2].states)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("number", NUMBERS[:3], ids=lambda n: n.name)
 @pytest.mark.parametrize("steps", [1, 2, 5])
 def test_chunk_boundaries_neither_lose_nor_repeat_an_event(number, steps, monkeypatch):
@@ -169,6 +170,7 @@ def test_output_times_change_no_event():
     assert np.array_equal(few.events[0].states, many.events[0].states)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 def test_events_do_not_steer_the_steps(number):
     """The same steps as without; the last bits may differ, where terms are shared."""
@@ -210,6 +212,7 @@ def test_events_are_found_once_where_angles_are_led_over_a_pole():
 # -- grazing ----------------------------------------------------------------------------------
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 def test_an_exact_tangency_is_one_grazing_event(number):
     """q touches its largest value once a period; rounding decides on 0, 1 or 2 zeros."""
@@ -225,6 +228,7 @@ def test_an_exact_tangency_is_one_grazing_event(number):
     assert all(abs(t - first - k * period) < near for k, t in enumerate(event.times))
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("shift", "zeros", "grazing"),
     [("1e-6", 2, 0), ("-1e-6", 0, 0), ("1e-10", 1, 1), ("-1e-10", 1, 1), ("1e-30", 1, 1)],
@@ -247,6 +251,7 @@ def test_a_grazing_contact_does_not_stop_a_run():
 # -- stopping ---------------------------------------------------------------------------------
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize("way", [1, -1])
 def test_a_run_stops_at_its_event(number, way):
@@ -399,6 +404,7 @@ def test_a_step_limit_keeps_the_events_up_to_it():
     assert run.events[0].times[-1] <= run.reached
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("number", ["double", "extended"])
 @pytest.mark.parametrize("way", [1, -1])
 def test_crossings_polished_together_are_those_polished_where_they_are_met(

@@ -47,6 +47,7 @@ def chaplygin(order: tuple[int, int, int] = (0, 1, 2)) -> polhode.Scene:
 # -- the integrals ----------------------------------------------------------------------------
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     ("scene", "onto"),
     [
@@ -82,6 +83,7 @@ def test_a_fourth_integral_needs_its_condition_exactly():
 # -- what it gains ----------------------------------------------------------------------------
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", TOPS)
 @pytest.mark.parametrize(("number", "end"), [("double", 5000), ("extended", 1500)])
 def test_a_projected_run_has_more_digits(name, number, end):
@@ -90,6 +92,7 @@ def test_a_projected_run_has_more_digits(name, number, end):
     assert bare + 1 < projected < bare + 5
 
 
+@pytest.mark.sample(1, first=2)
 @pytest.mark.parametrize("name", TOPS)
 def test_a_slightly_wrong_target_shows_in_the_digits(name, monkeypatch):
     scene, again = (polhode.load(name).at((Fraction(5000),)) for _ in range(2))
@@ -144,7 +147,7 @@ def test_no_case_loses_digits(name):
         assert often > bare - LOSES.get(name, 0.5)
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     "name",
     [
@@ -206,6 +209,7 @@ def next_to(motion: str, near: Fraction) -> polhode.Scene:
     return polhode.Scene(top, (0, near, 4), gamma, times=(20,))
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("exponent", [5, 7, 9])
 @pytest.mark.parametrize(
     "motion", ["rotation about C", "sleeping top, pushed", "sleeping top, tilted"]
@@ -260,6 +264,7 @@ def test_an_output_time_may_be_where_a_correction_is():
     assert polhode.compare(found).worst > 13.5
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["kovalevskaya/generic", "lagrange/nutation"])
 def test_dense_output_follows_the_corrections(name, monkeypatch):
     """Chunks are taken again with the same corrections, in whatever order they are asked for."""
