@@ -178,3 +178,40 @@ def test_ctrl_c_of_a_terminal_does_not_reach_them(monkeypatch):
     assert [*found] == [1]
     before = signal.pthread_sigmask(signal.SIG_BLOCK, ())
     assert signal.SIGINT not in before  # of this thread
+
+
+ORPHANS = """\
+import time
+from polhode.runs import processes
+from polhode.runs.workers import in_order
+made, make = [], processes.Process
+processes.Process = lambda: made.append(make()) or made[-1]
+found = in_order(time.sleep, [0, 600, 600], 2)
+next(found)
+print(*(x._process.pid for x in made), flush=True)
+next(found)
+"""
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="a system without /proc")
+def test_processes_end_with_their_caller_however_it_ends():
+    """Killed, it can tell them nothing: they notice, in the middle of their jobs."""
+    caller = subprocess.Popen([sys.executable, "-c", ORPHANS], stdout=subprocess.PIPE, text=True)
+    pids = [int(pid) for pid in caller.stdout.readline().split()]
+    caller.kill()
+    caller.communicate()
+    until = time.monotonic() + 60
+    left = set(pids)
+    while left and time.monotonic() < until:
+        left = {pid for pid in left if alive(pid)}
+        time.sleep(0.01)
+    assert (len(pids), left) == (2, set())
+
+
+def alive(pid):
+    """Whether a process is there; one that has ended and waits to be noticed is not."""
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            return file.read().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False

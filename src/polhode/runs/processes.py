@@ -17,6 +17,7 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.spawn import get_executable
+from queue import SimpleQueue
 from typing import IO, TypeVar
 
 J = TypeVar("J")
@@ -111,12 +112,18 @@ def work() -> None:
         os.dup2(2, 1)  # what a library may print is no answer
     except OSError:  # no stderr
         os.dup2(0, 1)
-    try:
+    jobs: SimpleQueue[bytes] = SimpleQueue()
+
+    def listen() -> None:
         while (job := _read(asked)) is not None:
-            _write(told, _answer(job))
-    except OSError:
-        pass
-    os._exit(0)  # nobody reads what libraries may say at an end
+            jobs.put(job)
+        os._exit(0)  # in the middle of a job too: nobody is there to whom its answer could go
+
+    threading.Thread(target=listen, daemon=True).start()
+    with suppress(OSError):
+        while True:
+            _write(told, _answer(jobs.get()))
+    os._exit(0)
 
 
 def _answer(asked: bytes) -> bytes:
