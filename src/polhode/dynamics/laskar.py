@@ -30,7 +30,7 @@ _SECOND_LEFT_OUT = 8  # the second window is without the first of so many parts
 _SECOND_MORE = 2  # lines looked for there: weak ones of equal size come in any order
 _MORE, _SWEEPS = 4, 2  # weaker lines taken away too; sweeps, each line anew beside all others
 _SURE = 2.0  # times what the second window and the rest say
-_ROUNDING, _WANDER = 16.0, 512.0  # half ulps: of a frequency; of the phase of a run in double
+_ROUNDING, _WANDER = 32.0, 512.0  # half ulps: of a frequency; of the phase of a run in double
 _REST_NEAR, _LINE_NEAR = 2.0, 4.0  # of 2 pi/T: what is left, and other lines, so near to a line
 _UNRESOLVED = 1e-10  # of its amplitude are neighbours that are not told from it
 
