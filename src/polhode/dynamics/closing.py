@@ -113,8 +113,6 @@ def closed(on: Surface, state: Doubles, period: float, conditions: Conditions) -
             return Closed(state + step[:6], period + step[6], monodromy, inverse, count)
         last = size
         state, period = _damped(on, state, period, step, miss, conditions)
-        if period < 0.99 * on.shortest:
-            raise NotClosed("it led to the period 0")
         if not guess / 3 < period < 3 * guess:
             raise NotClosed("the period left the neighbourhood of the guess")
     raise NotClosed(f"after {MOST_CORRECTIONS} corrections the motion still misses by {miss:.1e}")
