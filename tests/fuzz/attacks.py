@@ -212,7 +212,7 @@ def kept(random: Random, scene: polhode.Scene) -> tuple[str, Work]:
         told = f"bytes of {piece.name}"
     elif turn < 0.5:
         other = random.choice(sorted(known.folder.glob("*-*.npz")))
-        shutil.copyfile(other, piece)
+        piece.write_bytes(other.read_bytes())
         told = f"{other.name} as {piece.name}"
     elif turn < 0.6:
         piece.unlink()

@@ -209,6 +209,15 @@ def test_an_option_without_its_value_is_refused(option):
     assert promise.of_command(["run", "top.toml", option]) == ([], 2)
 
 
+@pytest.mark.parametrize("digits", [1, 5, 15])
+def test_mp_of_few_digits_is_run_with_as_many_bits_as_it_takes(digits):
+    """heyoka's ValueError came through below 64 bits."""
+    run = polhode.integrate("top.toml", "mp", digits=digits, at=[1])
+    assert run.outcome.done
+    assert run.number.bits >= 64
+    assert polhode.compare(run).worst >= digits
+
+
 def test_digits_without_a_number_are_refused():
     """They were ignored without a word."""
     assert promise.of_command(["compare", "table.csv", "top.toml", "--digits", "30"]) == ([], 2)

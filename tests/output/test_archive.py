@@ -68,6 +68,7 @@ CHANGES = {
     "bits": about(bits=10**9),
     "bits of a double": about(bits=54),
     "number": about(number="half"),
+    "bits of no mp": about(number="mp"),
     "tolerance": about(tolerance="nan"),
     "method": about(method="guess"),
     "projection": about(projection={"onto": 3}),

@@ -20,6 +20,7 @@ NAMES = ("double", "extended", "quad", "mp")
 DEFAULT_MP_DIGITS = 50
 MAX_DIGITS = 4000  # that --digits may ask for
 MOST_ASKED = MAX_DIGITS + 1000  # of a reference: those, and what judging them spares
+LEAST_MP_BITS = 64  # what heyoka's integers come in: its states of fewer bits would not take them
 _SPARE = 0.5  # digits that an expected loss may fall short
 
 
@@ -73,8 +74,8 @@ def bits_for(digits: float) -> int:
 
 
 def mp(digits: float = DEFAULT_MP_DIGITS) -> NumberType:
-    """The arbitrary-precision type that holds so many decimal digits."""
-    return NumberType("mp", bits_for(digits))
+    """The arbitrary-precision type that holds so many decimal digits, or more where heyoka must."""
+    return NumberType("mp", max(LEAST_MP_BITS, bits_for(digits)))
 
 
 def named(name: str, mp_digits: float = DEFAULT_MP_DIGITS) -> NumberType:

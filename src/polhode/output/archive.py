@@ -18,7 +18,7 @@ from polhode.common.values import same
 from polhode.numbers import expression
 from polhode.numbers.convert import number_value
 from polhode.numbers.decimals import decimal_in_full, strings
-from polhode.numbers.number_types import NAMES, NumberType, named
+from polhode.numbers.number_types import LEAST_MP_BITS, NAMES, NumberType, named
 from polhode.output.results import as_json
 from polhode.runs import integrate as runs
 from polhode.runs.trajectory import Trajectory
@@ -152,7 +152,8 @@ def _run(held: _Held, about: dict[str, Any], scene: Scene) -> Trajectory:
 
 def _number(about: dict[str, Any]) -> NumberType:
     found = NumberType(_told(about, "number", str), _told(about, "bits", int))
-    known = found.name in NAMES and 1 < found.bits <= MOST_BITS
+    known = found.name in NAMES and found.bits <= MOST_BITS
+    known = known and (found.name != "mp" or found.bits >= LEAST_MP_BITS)
     if not known or (found.name != "mp" and found != named(found.name)):
         raise ValueError(f"number: {found.name} of {found.bits} bits")
     return found
