@@ -56,7 +56,7 @@ def test_lanes_idle_less():
 def test_a_short_way_is_not_tried_beforehand(monkeypatch):
     monkeypatch.setattr(lane_order, "by_steps", None)
     assert batches.solve(job_of("20")).done.all()
-    assert batches.solve(job_of("600", 8)).done.all()
+    assert batches.solve(job_of("600", batches.width(DOUBLE))).done.all()
 
 
 def test_a_member_that_fails_keeps_its_place():
