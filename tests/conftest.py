@@ -42,6 +42,21 @@ def callers_precision() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(autouse=True, scope="session")
+def little_optimised() -> Iterator[None]:
+    """Outside CI, code in the wider types is compiled unoptimised: the same bits, sooner.
+
+    An x87 or library operation has no faster form.  Doubles are left alone: theirs are contracted.
+    """
+    from polhode.taylor import heyoka_numbers
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name in () if "CI" in os.environ else ("extended", "quad", "mp"):
+            options = heyoka_numbers._TYPES[name]
+            patch.setitem(heyoka_numbers._TYPES, name, lambda n, o=options: o(n) | {"opt_level": 0})
+        yield
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """``sample(n, first=k)``: n cases of the test, evenly spread from the k-th, are fast.

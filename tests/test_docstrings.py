@@ -29,7 +29,13 @@ def test_every_public_name_has_an_example(name):
     assert ">>> " in (inspect.getdoc(getattr(polhode, name)) or "")
 
 
-@pytest.mark.parametrize("module", MODULES)
+#: Modules whose examples take long.
+LONG = ("dynamics.orbit_families",)
+
+
+@pytest.mark.parametrize(
+    "module", [pytest.param(m, marks=[pytest.mark.slow] * (m in LONG)) for m in MODULES]
+)
 def test_every_example_runs_and_prints_what_it_says(module):
     with mpmath.workprec(53):  # that of a caller who leaves it alone
         found = doctest.testmod(importlib.import_module(f"polhode.{module}".rstrip(".")))
