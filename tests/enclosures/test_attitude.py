@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 import statistics
 from collections.abc import Sequence
@@ -315,6 +316,34 @@ def test_a_departure_is_followed_until_its_direction_may_be_30_degrees_off(order
     if order == 2:  # less than the bound that |w'| and |w''| alone would give
         grown = 2 * rate * pace.speed + pace.speed**2 * rate * time
         assert sup > grown
+
+
+def test_the_bound_of_the_third_derivative_is_that_of_the_derivation() -> None:
+    """Term by term as at the head of the module; infinite where |w'| is not bounded so."""
+    pace, rate = windings.Pace(1.3, 0.4, 0.7), 0.3
+    leaving = windings.Leaving(np.array([1.0, 1.0]), 2, 0.2, rate)
+    for time in (0.05, 0.4):
+        grown = 1 + 1.3 * time * math.exp(1.3 * time) / 2
+        least = 1 - math.sqrt(2) * 0.4 * 1.3 * time - 0.7 * time**2 * grown
+        fastest = rate / least
+        second = math.sqrt(2) * 0.4 * 1.3 * fastest + 0.7 * time * grown * fastest
+        moved = time * grown * fastest
+        third = 1.3**2 * moved + 2 * 1.3 * fastest + 2 * moved * fastest + second
+        assert least > 0.1
+        assert leaving._third(pace, time) == pytest.approx(third, rel=1e-14)
+    assert leaving._third(pace, 1.0) == math.inf
+
+
+@pytest.mark.parametrize("length", [0.25, 4.0])
+def test_turns_are_counted_in_steps_of_any_length(length: float) -> None:
+    """The same path walked faster or slower, with bounds as tight as they may be."""
+    turns, size = 3, 0.01
+    rate = 2 * np.pi * turns / length
+    for pace in (windings.Pace(rate * size, 0.0, 1e9), windings.Pace(1e3, -1.0, rate**2 * size)):
+        followed = windings.Followed(0.0, 0.0, True)
+        (found,) = followed.step(_around(turns, size), length, pace, 1e-6, np.array([1.0]))
+        assert found == pytest.approx([2 * np.pi * turns, -2 * np.pi * turns], abs=1e-12)
+        assert 0 < followed.slack < 0.1
 
 
 def test_a_passage_through_a_pole_loses_psi_and_phi_for_good() -> None:

@@ -35,8 +35,15 @@ import tempfile
 import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 from xml.etree import ElementTree
+
+import flint  # noqa: F401  what every child would import by itself
+import heyoka  # noqa: F401
+import hypothesis  # noqa: F401
+import mpmath  # noqa: F401
+import numpy  # noqa: F401
+import pytest
 
 TOP = Path(__file__).parents[2]
 SOURCE = Path("src/polhode")
@@ -257,23 +264,38 @@ class Copy:
 
     def fails(self, names: list[str], limit: int) -> str | None:
         """The first test that fails; empty where the time went out, None where none fails."""
-        done = subprocess.run(
-            [sys.executable, "-m", "pytest", "-x", "-n0", "-p", "no:cacheprovider", *names],
-            cwd=self.folder,
-            env={**os.environ, "PYTHONPATH": "src", "PYTHONDONTWRITEBYTECODE": "1"},
-            capture_output=True,
-            text=True,
-            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit)),
-        )
-        if done.returncode == 0:
+        with tempfile.TemporaryFile("w+") as told:
+            child = os.fork()
+            if child == 0:
+                self._test(names, limit, told.fileno())
+            _, status = os.waitpid(child, 0)
+            told.seek(0)
+            text = told.read()
+        if os.WIFSIGNALED(status):
+            return ""
+        code = os.WEXITSTATUS(status)
+        if code == 0:
             return None
-        if done.returncode in (4, 5):
-            raise RuntimeError(done.stdout + done.stderr)
-        lines = done.stdout.splitlines()
-        named = [line for line in lines if line.startswith(("FAILED", "ERROR"))]
-        if named:
-            return named[0]
-        return "" if done.returncode < 0 else f"exit {done.returncode}"
+        if code in (4, 5):
+            raise RuntimeError(text)
+        named = [line for line in text.splitlines() if line.startswith(("FAILED", "ERROR"))]
+        return named[0] if named else f"exit {code}"
+
+    def _test(self, names: list[str], limit: int, out: int) -> NoReturn:
+        """In a child process, which imports polhode anew: nothing here has imported it."""
+        code = 3
+        try:
+            resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
+            os.dup2(out, 1)
+            os.dup2(out, 2)
+            os.chdir(self.folder)
+            os.environ |= {"PYTHONPATH": "src", "PYTHONDONTWRITEBYTECODE": "1"}
+            sys.path.insert(0, str(self.folder / "src"))
+            sys.dont_write_bytecode = True
+            code = pytest.main(["-x", "-n0", "-p", "no:cacheprovider", *names])
+            sys.stdout.flush()
+        finally:
+            os._exit(code)
 
 
 def run(tests: Times, target: Path, chosen: list[Mutant]) -> None:

@@ -114,6 +114,27 @@ def test_angles_and_attitude_at_any_time_are_the_closed_forms(number):
         run.angles_at(2.5)
 
 
+def test_angles_past_a_pole_where_they_end_are_refused():
+    """The state goes on; psi and phi are integrated no farther."""
+    run = polhode.integrate(replace(polhode.load("lagrange/upper-pole"), outputs=()), at=[100])
+    assert run.outcome.done
+    with pytest.raises(polhode.BadInput) as refused:
+        run.angles_at([1, 40])
+    assert re.fullmatch(
+        r"lagrange/upper-pole: t = 40: expected a time at which there are angles; "
+        r"a state or a step became infinite or undefined at t = 1\d\.\d+",
+        str(refused.value),
+    )
+
+
+def test_an_interrupt_of_a_run_made_again_goes_on(monkeypatch):
+    run = a_run()
+    ended = replace(run, outcome=polhode.Outcome.INTERRUPTED, times=(), angles=[])
+    monkeypatch.setattr("polhode.runs.again.integrate", lambda *_, **__: ended)
+    with pytest.raises(KeyboardInterrupt):
+        run.angles_at([1])
+
+
 def test_times_as_doubles():
     run = polhode.integrate(TOP, "quad", at=["1/3"])
     assert run.t.dtype == np.float64

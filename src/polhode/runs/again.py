@@ -11,7 +11,7 @@ from polhode.numbers.convert import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, binary, rounded, sign
 from polhode.numbers.scalars import Rows
-from polhode.runs.integrate import integrate
+from polhode.runs.integrate import integrate, undisturbed
 from polhode.runs.trajectory import Trajectory
 
 NEAR = 400  # bits to which times are told apart
@@ -36,14 +36,20 @@ def at_times(run: Trajectory, what: str, t: Any) -> Rows:
     times = tuple(distinct.values())
     changed = replace(scene, outputs=(what,), events=events, times=times)
     every = None if run.projection is None else run.projection.every
-    again = integrate(
-        changed,
-        run.number,
-        digits=run.digits,
-        tol=None if run.at_full_tolerance else run.tolerance,
-        project=every or False,
-        method=run.method,
+    again = undisturbed(
+        integrate(
+            changed,
+            run.number,
+            digits=run.digits,
+            tol=None if run.at_full_tolerance else run.tolerance,
+            project=every or False,
+            method=run.method,
+        )
     )
+    if len(again.times) < len(times):  # angles are singular where the state is not
+        expected = f"a time at which there are {what}; {again.outcome.cause}"
+        at = f"t = {shown(again.reached)}"
+        raise BadInput(scene.name, "t", shown(times[len(again.times)]), f"{expected} at {at}")
     rows = dict(zip(distinct, getattr(again, what), strict=True))
     found = [rows[x] for x in near]
     return found if several else found[0]
