@@ -332,6 +332,7 @@ def test_the_bound_of_the_third_derivative_is_that_of_the_derivation() -> None:
         assert least > 0.1
         assert leaving._third(pace, time) == pytest.approx(third, rel=1e-14)
     assert leaving._third(pace, 1.0) == math.inf
+    assert pace.bend == pytest.approx(1.3**2 * 1.4 + 0.7, rel=1e-15)  # |w|^2 + |w'|
 
 
 @pytest.mark.parametrize("length", [0.25, 4.0])
