@@ -48,7 +48,7 @@ def little_optimised() -> Iterator[None]:
 
     An x87 or library operation has no faster form.  Doubles are left alone: theirs are contracted.
     """
-    from polhode.taylor import heyoka_numbers
+    from polhode.taylor.backend import heyoka_numbers
 
     with pytest.MonkeyPatch.context() as patch:
         for name in () if "CI" in os.environ else ("extended", "quad", "mp"):

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.common.values import same
+from polhode.common.value_semantics import same
 
 PUBLIC = [name for name in polhode.__all__ if name != "__version__"]
 MODULES = ["", *sorted({getattr(polhode, name).__module__[len("polhode.") :] for name in PUBLIC})]
@@ -30,7 +30,7 @@ def test_every_public_name_has_an_example(name):
 
 
 #: Modules whose examples take long.
-LONG = ("dynamics.orbit_families",)
+LONG = ("dynamics.periodic_orbits.families",)
 
 
 @pytest.mark.parametrize(

@@ -16,47 +16,50 @@ from typing import TYPE_CHECKING as _TYPE_CHECKING
 if _TYPE_CHECKING:
     # `as`: mypy and pyright take these names, and no others, for exported
     from polhode.common.errors import BadInput as BadInput
-    from polhode.common.page import Page as Page
+    from polhode.common.html_page import Page as Page
     from polhode.common.provenance import __version__ as __version__
-    from polhode.dynamics.chaos_maps import ChaosMap as ChaosMap
-    from polhode.dynamics.chaos_maps import chaos_map as chaos_map
-    from polhode.dynamics.frequencies import Frequencies as Frequencies
-    from polhode.dynamics.frequencies import frequencies as frequencies
-    from polhode.dynamics.levels import Levels as Levels
-    from polhode.dynamics.levels import levels as levels
-    from polhode.dynamics.orbit_families import OrbitFamily as OrbitFamily
-    from polhode.dynamics.orbit_families import orbit_family as orbit_family
-    from polhode.dynamics.orbit_search import OrbitSearch as OrbitSearch
-    from polhode.dynamics.orbit_search import orbit_search as orbit_search
-    from polhode.dynamics.orbits import Orbit as Orbit
-    from polhode.dynamics.orbits import orbit as orbit
-    from polhode.dynamics.reduce_many import Reductions as Reductions
-    from polhode.dynamics.reduce_many import reduce_many as reduce_many
-    from polhode.dynamics.sections import Section as Section
-    from polhode.dynamics.sections import section as section
+    from polhode.dynamics.chaos.chaos_map import ChaosMap as ChaosMap
+    from polhode.dynamics.chaos.chaos_map import chaos_map as chaos_map
+    from polhode.dynamics.frequencies.frequencies import Frequencies as Frequencies
+    from polhode.dynamics.frequencies.frequencies import frequencies as frequencies
+    from polhode.dynamics.levels.levels import Levels as Levels
+    from polhode.dynamics.levels.levels import levels as levels
+    from polhode.dynamics.observables.reduce_many import Reductions as Reductions
+    from polhode.dynamics.observables.reduce_many import reduce_many as reduce_many
+    from polhode.dynamics.periodic_orbits.families import OrbitFamily as OrbitFamily
+    from polhode.dynamics.periodic_orbits.families import orbit_family as orbit_family
+    from polhode.dynamics.periodic_orbits.orbit import Orbit as Orbit
+    from polhode.dynamics.periodic_orbits.orbit import orbit as orbit
+    from polhode.dynamics.periodic_orbits.search import OrbitSearch as OrbitSearch
+    from polhode.dynamics.periodic_orbits.search import orbit_search as orbit_search
+    from polhode.dynamics.sections.section import Section as Section
+    from polhode.dynamics.sections.section import section as section
     from polhode.enclosures.certify import certify as certify
     from polhode.enclosures.events import CertifiedEvents as CertifiedEvents
     from polhode.enclosures.events import certify_events as certify_events
     from polhode.enclosures.result import Enclosure as Enclosure
-    from polhode.equations.plain import field as field
+    from polhode.equations.plain_field import field as field
     from polhode.figures.drawing import plot as plot
     from polhode.figures.drawing import view as view
-    from polhode.judging.assured import integrate as integrate
-    from polhode.judging.certified import Certified as Certified
-    from polhode.judging.comparison import compare as compare
-    from polhode.judging.conditioning import Conditioning as Conditioning
-    from polhode.judging.conditioning import conditioning as conditioning
-    from polhode.judging.judgement import Judgement as Judgement
-    from polhode.judging.lyapunov import Lyapunov as Lyapunov
-    from polhode.judging.lyapunov import lyapunov as lyapunov
-    from polhode.judging.reference import Reference as Reference
-    from polhode.judging.reference import reference as reference
-    from polhode.judging.rolling import Rolling as Rolling
-    from polhode.judging.rolling import rolling as rolling
-    from polhode.judging.two_precisions import TwoPrecisions as TwoPrecisions
+    from polhode.judging.adaptive_precision import integrate as integrate
+    from polhode.judging.conditioning.conditioning import Conditioning as Conditioning
+    from polhode.judging.conditioning.conditioning import conditioning as conditioning
+    from polhode.judging.conditioning.lyapunov import Lyapunov as Lyapunov
+    from polhode.judging.conditioning.lyapunov import lyapunov as lyapunov
+    from polhode.judging.references.certified import Certified as Certified
+    from polhode.judging.references.reference import Reference as Reference
+    from polhode.judging.references.reference import reference as reference
+    from polhode.judging.references.two_precisions import TwoPrecisions as TwoPrecisions
+    from polhode.judging.rolling_cones import Rolling as Rolling
+    from polhode.judging.rolling_cones import rolling as rolling
+    from polhode.judging.score.compare import compare as compare
+    from polhode.judging.score.judgement import Judgement as Judgement
+    from polhode.motion.outcomes import EventTimes as EventTimes
+    from polhode.motion.outcomes import Outcome as Outcome
+    from polhode.motion.outcomes import Projection as Projection
     from polhode.output.archive import load_run as load_run
-    from polhode.runs.ensemble import Ensemble as Ensemble
-    from polhode.runs.sweep import integrate_many as integrate_many
+    from polhode.runs.sweep.ensemble import Ensemble as Ensemble
+    from polhode.runs.sweep.integrate_many import integrate_many as integrate_many
     from polhode.runs.trajectory import Trajectory as Trajectory
     from polhode.scenes.body import Body as Body
     from polhode.scenes.event import Event as Event
@@ -67,66 +70,63 @@ if _TYPE_CHECKING:
     from polhode.scenes.scene import SectionPlan as SectionPlan
     from polhode.scenes.scene_text import toml as as_toml
     from polhode.scenes.shapes import Part as Part
-    from polhode.taylor.outcomes import EventTimes as EventTimes
-    from polhode.taylor.outcomes import Outcome as Outcome
-    from polhode.taylor.outcomes import Projection as Projection
 
 _HOMES = {
     "BadInput": "common.errors",
     "Body": "scenes.body",
-    "ChaosMap": "dynamics.chaos_maps",
+    "ChaosMap": "dynamics.chaos.chaos_map",
     "CertifiedEvents": "enclosures.events",
-    "Certified": "judging.certified",
-    "Conditioning": "judging.conditioning",
+    "Certified": "judging.references.certified",
+    "Conditioning": "judging.conditioning.conditioning",
     "Enclosure": "enclosures.result",
-    "Ensemble": "runs.ensemble",
+    "Ensemble": "runs.sweep.ensemble",
     "Event": "scenes.event",
-    "EventTimes": "taylor.outcomes",
-    "Frequencies": "dynamics.frequencies",
-    "Judgement": "judging.judgement",
-    "Levels": "dynamics.levels",
-    "Lyapunov": "judging.lyapunov",
-    "Orbit": "dynamics.orbits",
-    "OrbitFamily": "dynamics.orbit_families",
-    "OrbitSearch": "dynamics.orbit_search",
-    "Outcome": "taylor.outcomes",
-    "Page": "common.page",
+    "EventTimes": "motion.outcomes",
+    "Frequencies": "dynamics.frequencies.frequencies",
+    "Judgement": "judging.score.judgement",
+    "Levels": "dynamics.levels.levels",
+    "Lyapunov": "judging.conditioning.lyapunov",
+    "Orbit": "dynamics.periodic_orbits.orbit",
+    "OrbitFamily": "dynamics.periodic_orbits.families",
+    "OrbitSearch": "dynamics.periodic_orbits.search",
+    "Outcome": "motion.outcomes",
+    "Page": "common.html_page",
     "Part": "scenes.shapes",
-    "Projection": "taylor.outcomes",
+    "Projection": "motion.outcomes",
     "Published": "scenes.scene",
-    "Reductions": "dynamics.reduce_many",
-    "Reference": "judging.reference",
-    "Rolling": "judging.rolling",
+    "Reductions": "dynamics.observables.reduce_many",
+    "Reference": "judging.references.reference",
+    "Rolling": "judging.rolling_cones",
     "Scene": "scenes.scene",
-    "Section": "dynamics.sections",
+    "Section": "dynamics.sections.section",
     "SectionPlan": "scenes.scene",
     "Trajectory": "runs.trajectory",
-    "TwoPrecisions": "judging.two_precisions",
+    "TwoPrecisions": "judging.references.two_precisions",
     "__version__": "common.provenance",
     "as_toml": "scenes.scene_text:toml",
     "certify": "enclosures.certify",
     "certify_events": "enclosures.events",
-    "chaos_map": "dynamics.chaos_maps",
-    "compare": "judging.comparison",
-    "conditioning": "judging.conditioning",
-    "field": "equations.plain",
-    "frequencies": "dynamics.frequencies",
-    "integrate": "judging.assured",
-    "integrate_many": "runs.sweep",
-    "levels": "dynamics.levels",
+    "chaos_map": "dynamics.chaos.chaos_map",
+    "compare": "judging.score.compare",
+    "conditioning": "judging.conditioning.conditioning",
+    "field": "equations.plain_field",
+    "frequencies": "dynamics.frequencies.frequencies",
+    "integrate": "judging.adaptive_precision",
+    "integrate_many": "runs.sweep.integrate_many",
+    "levels": "dynamics.levels.levels",
     "load": "scenes.library",
     "load_run": "output.archive",
-    "lyapunov": "judging.lyapunov",
-    "orbit": "dynamics.orbits",
-    "orbit_family": "dynamics.orbit_families",
-    "orbit_search": "dynamics.orbit_search",
+    "lyapunov": "judging.conditioning.lyapunov",
+    "orbit": "dynamics.periodic_orbits.orbit",
+    "orbit_family": "dynamics.periodic_orbits.families",
+    "orbit_search": "dynamics.periodic_orbits.search",
     "plot": "figures.drawing",
-    "reduce_many": "dynamics.reduce_many",
-    "reference": "judging.reference",
-    "rolling": "judging.rolling",
+    "reduce_many": "dynamics.observables.reduce_many",
+    "reference": "judging.references.reference",
+    "rolling": "judging.rolling_cones",
     "top": "scenes.from_numbers",
     "view": "figures.drawing",
-    "section": "dynamics.sections",
+    "section": "dynamics.sections.section",
 }
 
 __all__ = [*_HOMES]

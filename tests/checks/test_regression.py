@@ -10,7 +10,7 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.checks import printed, regression
+from polhode.checks import published_figures, regression
 from polhode.closed_forms.euler import top
 from polhode.closed_forms.families import FAMILIES
 from polhode.equations.forms import principal
@@ -176,12 +176,14 @@ def test_an_unknown_number_type_is_refused():
 # -- published figures ------------------------------------------------------------------------
 
 
-def figure(value: str, right: int | None = None, quantity: str = "p") -> printed.PrintedFigure:
+def figure(
+    value: str, right: int | None = None, quantity: str = "p"
+) -> published_figures.PrintedFigure:
     scene = replace(
         polhode.load("published/orekit"),
         published=(Published(Fraction(20), quantity, value, "by hand", right),),
     )
-    return printed.figures(scene, polhode.reference(scene))[0]
+    return published_figures.figures(scene, polhode.reference(scene))[0]
 
 
 def test_a_printed_figure_stands_if_rounded_or_cut_off_from_ours():
@@ -213,6 +215,6 @@ def test_quantities_are_expressions_in_the_columns():
 def test_published_digits_need_no_integration_to_the_same_time():
     """The reference is asked at the figure's own time, whatever the run's times are."""
     scene = replace(polhode.load("published/orekit"), times=(Fraction(1),))
-    shown = printed.figures(scene, polhode.reference(scene))
+    shown = published_figures.figures(scene, polhode.reference(scene))
     assert all(f.passed for f in shown)
     assert number_types.bits_for(20) > 60

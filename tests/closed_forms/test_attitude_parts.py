@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from polhode.closed_forms.attitude import azimuth
-from polhode.closed_forms.attitude.azimuth import Azimuth
-from polhode.closed_forms.attitude.one_orbit import OneOrbit
-from polhode.closed_forms.attitude.quaternion import of_matrix, product
-from polhode.numbers.private import mpf, mpmath
+from polhode.closed_forms.engine import azimuth_quadrature
+from polhode.closed_forms.engine.azimuth_quadrature import Azimuth
+from polhode.closed_forms.engine.periodic_attitude import OneOrbit
+from polhode.closed_forms.functions.quaternion import of_matrix, product
+from polhode.numbers.mpmath_context import mpf, mpmath
 from shared.closed_form_checks import rotation
 
 BITS = 128
@@ -75,7 +75,7 @@ def test_a_quaternion_from_an_azimuth_is_continuous_through_zeros_of_its_compone
 def test_the_upright_turn_takes_the_vertical_up_and_its_direction_to_the_front(e):
     with mpmath.workprec(BITS):
         gamma = tuple(mpf(x) / 9 for x in (4, -7, 4))
-        turned = rotation(azimuth._upright(gamma, e))
+        turned = rotation(azimuth_quadrature._upright(gamma, e))
         up, front = (turned * mpmath.matrix(v) for v in (gamma, e))
         assert mpmath.norm(up - mpmath.matrix([0, 0, 1])) < mpf(2) ** -120
         assert front[0] > 0.4

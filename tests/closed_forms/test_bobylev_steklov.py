@@ -13,7 +13,7 @@ from polhode.closed_forms.bobylev_steklov.top import (
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.closed_forms.pendulum.top import Pendulum
 from polhode.numbers import exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import orbit_checks as checks
 from shared.closed_form_checks import fractions
 

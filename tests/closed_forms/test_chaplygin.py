@@ -6,7 +6,7 @@ import pytest
 
 from polhode.closed_forms.chaplygin.top import REGIME, Chaplygin
 from polhode.numbers import exact
-from polhode.numbers.private import mpf
+from polhode.numbers.mpmath_context import mpf
 from shared import orbit_checks as checks
 
 F = Fraction

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import polhode
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 PAGE = Path(polhode.__file__).parent / "errata.md"
 WORKING = 80

@@ -15,12 +15,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from polhode.closed_forms.attitude import angles as euler_angles
 from polhode.closed_forms.euler import attitude as euler_attitude
 from polhode.closed_forms.euler import motion
 from polhode.closed_forms.euler.top import EulerTop
+from polhode.closed_forms.winding import euler_angles as euler_angles
 from polhode.numbers import exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import series
 from shared.closed_form_checks import (
     check_attitude,

@@ -10,14 +10,14 @@ from fractions import Fraction
 
 import pytest
 
-from polhode.closed_forms.attitude.two_terms import Sum, Turning
 from polhode.closed_forms.euler import turns
 from polhode.closed_forms.euler.attitude import EulerAttitude
 from polhode.closed_forms.euler.crossings import crossings
 from polhode.closed_forms.euler.top import EulerTop
 from polhode.closed_forms.functions.jacobi import MP, jacobi
+from polhode.closed_forms.winding.argument_of_sum import Sum, Turning
 from polhode.numbers.exact import sqrt
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from shared.closed_form_checks import rational_axes
 
 F = Fraction

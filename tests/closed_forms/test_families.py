@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 
 from polhode.closed_forms import families
+from polhode.closed_forms.engine.principal_scene import in_principal_axes
 from polhode.closed_forms.families import FAMILIES, Family, Misfit, closed_form, closed_forms
-from polhode.closed_forms.principal_scene import in_principal_axes
 from polhode.common.errors import BadInput
-from polhode.judging.reference import reference
+from polhode.judging.references.reference import reference
 from polhode.scenes import scene_file
-from polhode.scenes.words import REFERENCES
+from polhode.scenes.vocabulary import REFERENCES
 
 TOP = Path(__file__).parents[2]
 
@@ -108,7 +108,7 @@ def test_body_and_start_stay_exact_in_turned_principal_axes():
 def test_only_the_family_that_fits_is_made(name, loaded):
     code = (
         "import sys; from polhode.scenes import library; "
-        "from polhode.judging.reference import reference; "
+        "from polhode.judging.references.reference import reference; "
         f"reference(library.load({name!r})); "
         "print(*(m for m in sys.modules if m.startswith('polhode.closed_forms.') "
         "and m.endswith('.top')))"

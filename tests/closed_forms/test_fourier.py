@@ -5,7 +5,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from polhode.closed_forms.functions import fourier, plane
+from polhode.closed_forms.functions import fourier
+from polhode.closed_forms.functions.chebyshev_panels import Panels
 from polhode.closed_forms.functions.fourier import (
     TooManyTerms,
     cosines,
@@ -14,8 +15,8 @@ from polhode.closed_forms.functions.fourier import (
     transform,
     waves,
 )
-from polhode.closed_forms.functions.panels import Panels
-from polhode.numbers.private import mpf, mpmath
+from polhode.closed_forms.winding import torus_line_integral
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 
 def test_the_fast_transform_is_the_sum():
@@ -109,7 +110,7 @@ def test_integral_along_a_line_on_a_torus(second):
             return np.array([[fixed(x, bits) for x in row] for row in turns], dtype=object)
 
         half = Fraction(1, 2)
-        made = plane.plane(grid, (mpf(1), rate), (half, half))
+        made = torus_line_integral.plane(grid, (mpf(1), rate), (half, half))
         start, t = (mpf(1) / 3, mpf(1) / 5), mpf(25)
         found = made.at(start[0] + t, start[1] + rate * t) - made.at(*start) + made.slowly(start, t)
         wanted = mpmath.quad(

@@ -13,23 +13,23 @@ from fractions import Fraction
 import pytest
 
 from polhode.closed_forms import families
+from polhode.closed_forms.engine.principal_scene import PrincipalScene
 from polhode.closed_forms.functions import fourier
 from polhode.closed_forms.goryachev_chaplygin import (
-    attitude,
-    charts,
-    clocks,
+    abel_integrals,
     conditions,
+    local_coordinates,
     motion,
     regimes,
-    variables,
+    separation_variables,
 )
+from polhode.closed_forms.goryachev_chaplygin.attitude import attitude
 from polhode.closed_forms.goryachev_chaplygin.axes import failure
 from polhode.closed_forms.goryachev_chaplygin.top import GoryachevChaplyginTop
-from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.common.errors import BadInput
-from polhode.judging.reference import reference
+from polhode.judging.references.reference import reference
 from polhode.numbers import exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes import scene_file
 from shared import surface_checks as checks
 from shared.closed_form_checks import number, unwound
@@ -184,7 +184,7 @@ def test_300_random_members():
 
 CORRUPTIONS = {
     "speed of u": (
-        variables.Variable,
+        separation_variables.Variable,
         "rate",
         lambda old: lambda *a: old(*a) * (1 + mpf(10) ** -30 if isinstance(a[1], mpf) else 1),
     ),
@@ -281,10 +281,10 @@ def test_elliptic_angles_change_nothing_but_the_length():
     near = place(on_cubics(F(9, 4), F(5, 4), F(2), F(7) + F(1, 10**8), F(1, 2)))
     found = top(*near)
     with mpmath.workprec(192):
-        variable = variables.v_part(found._start, 192, high=True)
-        made, _ = charts.chart(variable, 64)
-        assert not isinstance(made, charts.Plain)
-        elliptic = clocks.oscillating(variable)
+        variable = separation_variables.v_part(found._start, 192, high=True)
+        made, _ = local_coordinates.chart(variable, 64)
+        assert not isinstance(made, local_coordinates.Plain)
+        elliptic = abel_integrals.oscillating(variable)
 
         def integrands(x):
             c, s = mpmath.cos_sin(x / 2)

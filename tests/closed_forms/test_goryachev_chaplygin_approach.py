@@ -11,9 +11,14 @@ from test_goryachev_chaplygin import named, off, on_cubics, place, top
 
 from polhode.closed_forms.functions.fourier import TooManyTerms
 from polhode.closed_forms.functions.jacobi import MP
-from polhode.closed_forms.goryachev_chaplygin import approach, pieces, regimes, turning
-from polhode.closed_forms.goryachev_chaplygin.clocks import InverseS
-from polhode.numbers.private import mpf, mpmath
+from polhode.closed_forms.goryachev_chaplygin import regimes
+from polhode.closed_forms.goryachev_chaplygin.abel_integrals import InverseS
+from polhode.closed_forms.goryachev_chaplygin.attitude import (
+    asymptotic_series,
+    momentum_azimuth,
+    taylor_pieces,
+)
+from polhode.numbers.mpmath_context import mpf, mpmath
 from shared.surface_checks import largest
 
 F = Fraction
@@ -27,8 +32,8 @@ def test_powers_of_q_are_v_and_its_halves(name):
         path = top(*named(name))._motion(200).path
         v = path.torus.v
         for Y in (mpf(2), mpf(5)):
-            powers = approach._powers(v, mpmath.exp(-2 * Y), 100)
-            sine, cosine = approach._halves(v, powers, path.a)
+            powers = asymptotic_series._powers(v, mpmath.exp(-2 * Y), 100)
+            sine, cosine = asymptotic_series._halves(v, powers, path.a)
             here = v.at(v.phase(4 * Y / v.gw), MP)
             root = mpmath.sqrt(here.z)
             wanted = here.z - v.w, root * here.sine, root * here.cosine
@@ -43,7 +48,7 @@ def test_the_series_has_the_rate_of_chi(name):
     with mpmath.workprec(224):
         path = top(*named(name))._motion(224).path
         u, v, inverse = path.torus.u, path.torus.v, InverseS(path.torus.u)
-        series = approach.approach(path.torus, v, path.a, inverse.at)
+        series = asymptotic_series.approach(path.torus, v, path.a, inverse.at)
         step = mpf(10) ** -12
         for al, more in ((mpf("0.7"), mpf("0.01")), (mpf("-5.1"), mpf(1)), (mpf(40), mpf(30))):
             Y = series.edge + more
@@ -53,7 +58,7 @@ def test_the_series_has_the_rate_of_chi(name):
 
             slope = (along(-2) - 8 * along(-1) + 8 * along(1) - along(2)) / (12 * step)
             one, other = u.at(inverse.at(al), MP), v.at(v.phase(4 * Y / v.gw), MP)
-            rate = turning._flow(path, one, other) / (2 * path.a)
+            rate = momentum_azimuth._flow(path, one, other) / (2 * path.a)
             assert mpf("1e-60") < abs(slope - rate) < mpf("1e-44")
 
 
@@ -67,9 +72,11 @@ def test_series_and_pieces_agree_where_both_hold(name, monkeypatch):
     times = [F(k, 2) for k in range(-24, 25, 8)]
     plain = top(*named(name)).attitude(times, 30)
     edges = []
-    made = approach.approach
-    monkeypatch.setattr(approach, "_SHARE", 0.005)
-    monkeypatch.setattr(turning, "approach", lambda *a: edges.append(made(*a)) or edges[-1])
+    made = asymptotic_series.approach
+    monkeypatch.setattr(asymptotic_series, "_SHARE", 0.005)
+    monkeypatch.setattr(
+        momentum_azimuth, "approach", lambda *a: edges.append(made(*a)) or edges[-1]
+    )
     moved = top(*named(name)).attitude(times, 30)
     assert edges
     for one, other in zip(plain, moved, strict=True):
@@ -132,16 +139,20 @@ def test_200_random_members():
 @pytest.mark.parametrize("fault", ["first", "rule", "pieces"])
 def test_a_corrupted_formula_fails(fault, monkeypatch):
     if fault == "first":
-        right = approach._first
-        monkeypatch.setattr(approach, "_first", lambda v: right(v) * (1 + mpf(10) ** -20))
+        right = asymptotic_series._first
+        monkeypatch.setattr(asymptotic_series, "_first", lambda v: right(v) * (1 + mpf(10) ** -20))
     elif fault == "rule":
-        rule = approach._quartic
+        rule = asymptotic_series._quartic
         monkeypatch.setattr(
-            approach, "_quartic", lambda v: [*rule(v)[:-1], rule(v)[-1] * (1 + mpf(10) ** -15)]
+            asymptotic_series,
+            "_quartic",
+            lambda v: [*rule(v)[:-1], rule(v)[-1] * (1 + mpf(10) ** -15)],
         )
     else:
-        rows = pieces._expanded
-        monkeypatch.setattr(pieces, "_expanded", lambda s, a: rows(s, a * (1 + mpf(10) ** -20)))
+        rows = taylor_pieces._expanded
+        monkeypatch.setattr(
+            taylor_pieces, "_expanded", lambda s, a: rows(s, a * (1 + mpf(10) ** -20))
+        )
     assert off(named("from below"), (F(-18),), digits=25, attitudes=True) > HIGH
 
 
@@ -151,5 +162,5 @@ def test_where_the_series_is_too_long_panels_take_over(monkeypatch):
         raise TooManyTerms("too long")
 
     plain = top(*named("from below")).attitude([F(2)], 20)
-    monkeypatch.setattr(turning, "approach", refused)
+    monkeypatch.setattr(momentum_azimuth, "approach", refused)
     assert largest(plain[0], top(*named("from below")).attitude([F(2)], 20)[0]) < mpf("1e-20")

@@ -6,7 +6,7 @@ import pytest
 
 from polhode.closed_forms.grioli.top import REGIME, Grioli
 from polhode.numbers import exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import orbit_checks as checks
 from shared.closed_form_checks import fractions
 

@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 
 from polhode.closed_forms import families
+from polhode.closed_forms.engine.principal_scene import PrincipalScene
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.hess import axes, conditions, explicit, general, series
 from polhode.closed_forms.hess.doubles import DoubleGeneral
 from polhode.closed_forms.hess.top import HessTop
-from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.common.errors import BadInput
-from polhode.judging.reference import reference
+from polhode.judging.references.reference import reference
 from polhode.numbers import exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.output.description import described
 from polhode.scenes import library
 from shared import surface_checks as checks

@@ -6,9 +6,9 @@ from fractions import Fraction
 import pytest
 
 from polhode.closed_forms.functions.jacobi import MP, jacobi, numpy_functions, quotient
-from polhode.closed_forms.functions.weierstrass import Quartic, weierstrass
+from polhode.closed_forms.kovalevskaya.theta.weierstrass import Quartic, weierstrass
 from polhode.numbers.exact import ONE, ZERO
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 PARAMETERS = ["0", "1e-20", "0.3", "0.5", "0.7", "0.999", "1"]
 ARGUMENTS = ["0", "0.3", "-1.7", "7.3"]

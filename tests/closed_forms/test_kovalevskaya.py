@@ -15,15 +15,16 @@ import pytest
 from mpmath import libmp
 
 import polhode
-from polhode.closed_forms.functions import quadrature, riemann_theta
 from polhode.closed_forms.kovalevskaya import axes as top_axes
-from polhode.closed_forms.kovalevskaya import cayley_klein, generic
-from polhode.closed_forms.kovalevskaya.abel import image
+from polhode.closed_forms.kovalevskaya import generic
+from polhode.closed_forms.kovalevskaya.abel_map import image
+from polhode.closed_forms.kovalevskaya.attitude import cayley_klein
 from polhode.closed_forms.kovalevskaya.curve import curve
+from polhode.closed_forms.kovalevskaya.theta import quadrature, riemann_theta
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers import exact
-from polhode.numbers.convert import exactly
-from polhode.numbers.private import mpc, mpf, mpmath
+from polhode.numbers.conversion import exactly
+from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 from polhode.scenes.body import OWN_AXES, PrincipalAxes, cross, dot
 from shared import orbit_checks, series
 from shared.closed_form_checks import (

@@ -7,15 +7,16 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.closed_forms.functions.riemann_periods import solved
 from polhode.closed_forms.functions.rounding import number as rounded
-from polhode.closed_forms.kovalevskaya import regimes, theta_growth
-from polhode.closed_forms.kovalevskaya.real_periods import real_periods
-from polhode.closed_forms.kovalevskaya.theta_growth import ThetaSum
+from polhode.closed_forms.kovalevskaya import regimes
+from polhode.closed_forms.kovalevskaya.attitude import theta_argument
+from polhode.closed_forms.kovalevskaya.attitude.real_periods import real_periods
+from polhode.closed_forms.kovalevskaya.attitude.theta_argument import ThetaSum
+from polhode.closed_forms.kovalevskaya.attitude.theta_turns import TorusTurns
+from polhode.closed_forms.kovalevskaya.theta.riemann_periods import solved
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
-from polhode.closed_forms.kovalevskaya.torus_turns import TorusTurns
-from polhode.numbers.convert import exactly
-from polhode.numbers.private import mpc, mpf, mpmath
+from polhode.numbers.conversion import exactly
+from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 from shared.closed_form_checks import fractions
 from shared.kovalevskaya_motions import GENERIC
 
@@ -187,6 +188,6 @@ def test_doubles_leave_no_piece_unsettled(monkeypatch):
     """What doubles settle, the precision in force settles the same."""
     z, way = (mpc("0.1", "-0.4"), mpc("0.7", "1.3")), (mpc("0.6", "0.4"), mpc("-0.5", "0.3"))
     plain = ThetaSum(TAU, COEFFICIENTS).growth(z, way)
-    monkeypatch.setattr(theta_growth, "_LOST", 10.0)
+    monkeypatch.setattr(theta_argument, "_LOST", 10.0)
     with mpmath.workprec(80):
         assert abs(ThetaSum(TAU, COEFFICIENTS).growth(z, way) - plain) < 1e-9

@@ -19,7 +19,7 @@ from polhode.closed_forms.lagrange import axes as top_axes
 from polhode.closed_forms.lagrange import motion as lagrange_motion
 from polhode.closed_forms.lagrange.top import LagrangeTop
 from polhode.numbers import exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import series
 from shared.closed_form_checks import (
     belongs,

@@ -5,11 +5,11 @@ from fractions import Fraction
 
 import pytest
 
-from polhode.closed_forms.attitude import angles as euler_angles
 from polhode.closed_forms.lagrange.attitude import LagrangeAttitude
 from polhode.closed_forms.lagrange.top import LagrangeTop
+from polhode.closed_forms.winding import euler_angles as euler_angles
 from polhode.numbers import exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import series
 from shared.closed_form_checks import (
     check_attitude,

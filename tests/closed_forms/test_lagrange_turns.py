@@ -4,11 +4,11 @@ from fractions import Fraction
 
 import pytest
 
-from polhode.closed_forms.attitude.two_terms import Sum, Turning
 from polhode.closed_forms.lagrange import turns
 from polhode.closed_forms.lagrange.attitude import LagrangeAttitude
 from polhode.closed_forms.lagrange.top import LagrangeTop
-from polhode.numbers.private import mpf, mpmath
+from polhode.closed_forms.winding.argument_of_sum import Sum, Turning
+from polhode.numbers.mpmath_context import mpf, mpmath
 from shared.closed_form_checks import distance, in_scene, rational_axes
 from shared.lagrange_motions import PSI, motion
 

@@ -19,7 +19,7 @@ from polhode.closed_forms.pendulum import conditions
 from polhode.closed_forms.pendulum import top as pendulum
 from polhode.closed_forms.pendulum.top import Pendulum
 from polhode.numbers import exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.body import cross
 from shared import series
 from shared.closed_form_checks import (

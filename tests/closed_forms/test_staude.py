@@ -8,7 +8,7 @@ import pytest
 from polhode.closed_forms.staude.stability import STABLE, UNDECIDED, UNSTABLE, Stability
 from polhode.closed_forms.staude.top import HANGING, UPRIGHT, Staude
 from polhode.numbers import exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import orbit_checks as checks
 from shared.closed_form_checks import fractions, number
 

@@ -7,7 +7,7 @@ import pytest
 
 from polhode.closed_forms.steklov.top import REGIMES, Steklov
 from polhode.numbers import exact
-from polhode.numbers.private import mpc, mpf, mpmath
+from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 from shared import orbit_checks as checks
 
 F = Fraction

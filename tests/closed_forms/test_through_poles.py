@@ -1,6 +1,6 @@
 """Motions that pass exactly through poles ever again: one rule for psi and phi, on both sides of 0.
 
-The rule is that of :mod:`polhode.equations.poles`.  Here it is followed along samples of the
+The rule is that of :mod:`polhode.equations.pole_passage`.  Here it is followed along samples of the
 attitude: of two neighbours whose argument turns by almost pi a zero lies between, and it turns up.
 """
 
@@ -9,16 +9,16 @@ from fractions import Fraction
 
 import pytest
 
-from polhode.closed_forms.attitude import angles as euler_angles
-from polhode.closed_forms.attitude import two_terms
 from polhode.closed_forms.euler.attitude import EulerAttitude
 from polhode.closed_forms.euler.top import EulerTop
 from polhode.closed_forms.lagrange import attitude as lagrange_attitude
 from polhode.closed_forms.lagrange.attitude import LagrangeAttitude
 from polhode.closed_forms.lagrange.motion import Nutating
 from polhode.closed_forms.lagrange.top import LagrangeTop
+from polhode.closed_forms.winding import argument_of_sum
+from polhode.closed_forms.winding import euler_angles as euler_angles
 from polhode.numbers import exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from shared.closed_form_checks import in_scene
 from shared.lagrange_motions import PSI, motion
 
@@ -177,7 +177,7 @@ def test_a_passage_at_a_distance_of_1e_60_counted(monkeypatch):
 def test_a_fault_is_noticed(fault, monkeypatch):
     if fault == "free":
         name = "free, later"
-        monkeypatch.setattr(two_terms, "turns_over_zeros", lambda *_: 0)
+        monkeypatch.setattr(argument_of_sum, "turns_over_zeros", lambda *_: 0)
     elif fault == "steady":
         name = "steady slow, later"
         monkeypatch.setattr(lagrange_attitude, "turns_over_zeros", lambda *_: 0)

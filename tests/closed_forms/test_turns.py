@@ -12,14 +12,14 @@ import pytest
 from test_goryachev_chaplygin import named as goryachev_start
 from test_hess import named as hess_start
 
-from polhode.closed_forms.attitude import lattice
-from polhode.closed_forms.goryachev_chaplygin import poles
 from polhode.closed_forms.goryachev_chaplygin import top as goryachev_top
-from polhode.closed_forms.goryachev_chaplygin import turns as torus_turns
+from polhode.closed_forms.goryachev_chaplygin.attitude import poles
+from polhode.closed_forms.goryachev_chaplygin.attitude import turn_counting as torus_turns
 from polhode.closed_forms.goryachev_chaplygin.top import GoryachevChaplyginTop
 from polhode.closed_forms.hess import turns as period_turns
 from polhode.closed_forms.hess.top import HessTop
-from polhode.numbers.private import mpf, mpmath
+from polhode.closed_forms.winding import floor_sums
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 F = Fraction
 FAR = [10**12, -(10**12)]
@@ -73,15 +73,15 @@ def test_sums_of_integer_parts():
     for _ in range(2000):
         n, m = rng.randint(0, 30), rng.randint(1, 40)
         a, b = rng.randint(-60, 60), rng.randint(-90, 90)
-        assert lattice.floor_sum(n, m, a, b) == sum((a * k + b) // m for k in range(n))
+        assert floor_sums.floor_sum(n, m, a, b) == sum((a * k + b) // m for k in range(n))
 
 
 def test_a_point_on_the_line_is_not_decided():
     with mpmath.workprec(100):
         tiny = mpf(2) ** -80
-        assert lattice.floors(3, mpf(1) / 3, mpf(1) / 2, tiny) == 1
+        assert floor_sums.floors(3, mpf(1) / 3, mpf(1) / 2, tiny) == 1
         with pytest.raises(ArithmeticError, match="too near a point"):
-            lattice.floors(3, mpf(1) / 2, mpf(0), tiny)
+            floor_sums.floors(3, mpf(1) / 2, mpf(0), tiny)
 
 
 @pytest.mark.parametrize("axes", [None, NEXT, TURNED])
@@ -148,8 +148,8 @@ def test_a_fault_is_noticed(fault, monkeypatch):
         right = poles._charge
         monkeypatch.setattr(poles, "_charge", lambda *a: -right(*a))
     elif fault == "floor":
-        sums = lattice.floor_sum
-        monkeypatch.setattr(lattice, "floor_sum", lambda n, m, a, b: sums(n, m, a, b + m // 3))
+        sums = floor_sums.floor_sum
+        monkeypatch.setattr(floor_sums, "floor_sum", lambda n, m, a, b: sums(n, m, a, b + m // 3))
     else:
         loops = torus_turns.TorusTurns._loop
         monkeypatch.setattr(

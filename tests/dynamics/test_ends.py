@@ -15,13 +15,16 @@ import pytest
 import polhode
 from polhode import cli
 from polhode.common import memory
-from polhode.dynamics import arc_parts, section_jobs, section_states
-from polhode.dynamics.arc_parts import RationalBody, Reach
-from polhode.dynamics.section_starts import asked_of
-from polhode.dynamics.surface import Surface
-from polhode.taylor import crossings as taylor
-from polhode.taylor import first_crossings, strides, tangents
-from polhode.taylor.heyoka_numbers import compact_beyond
+from polhode.dynamics.levels import rotation_arcs
+from polhode.dynamics.levels.rotation_arcs import RationalBody, Reach
+from polhode.dynamics.periodic_orbits.level_set import Surface
+from polhode.dynamics.sections import coordinates, jobs
+from polhode.dynamics.sections.starts import asked_of
+from polhode.taylor.backend.heyoka_numbers import compact_beyond
+from polhode.taylor.batches import step_blocks
+from polhode.taylor.events import batch_crossings as taylor
+from polhode.taylor.events import batch_first_crossings
+from polhode.taylor.variations import tangent_batches
 
 REGULAR = "general/asymmetric-regular"
 
@@ -52,8 +55,8 @@ def test_a_pole_or_a_root_on_the_way_is_one_line(capsys, by):
     assert said in err
     l, ratio, t = map(float, re.findall(r"= (-?[\d.]+)(?:,| it|\n)", err)[-3:])
     scene = polhode.load(REGULAR)
-    on = section_states.ground(scene, scene.integrals.energy, scene.integrals.area)
-    starts = section_states.momentum_states(on, np.array([l]), np.array([ratio]), True).states
+    on = coordinates.ground(scene, scene.integrals.energy, scene.integrals.area)
+    starts = coordinates.momentum_states(on, np.array([l]), np.array([ratio]), True).states
     near = [abs(_q(scene, start, t) + (by != "1/q")) for start in starts]
     assert min(near) < 1e-4  # q is 0 there, or -1
 
@@ -109,7 +112,7 @@ def test_a_long_expression_is_compiled_as_loops(terms, loops):
 
 def test_jobs_look_between_blocks_whether_to_stop(monkeypatch):
     """Each of them asked only between stretches, which have no longest time."""
-    monkeypatch.setattr(strides, "BLOCK", 5)
+    monkeypatch.setattr(step_blocks, "BLOCK", 5)
     asked: list[bool] = []
 
     def stop() -> bool:
@@ -118,24 +121,24 @@ def test_jobs_look_between_blocks_whether_to_stop(monkeypatch):
 
     scene = polhode.load(REGULAR)
     what = asked_of(scene, "momentum", "max", None, None)
-    on = section_states.ground(scene, what.h, what.f)
-    starts = section_states.momentum_states(on, np.array([1.5]), np.array([0.5]), True).states
-    zero = section_jobs.zero_of(scene, on, "momentum")
-    (job,) = section_jobs.jobs_of(what, on, zero, -1, 5, starts)
+    on = coordinates.ground(scene, what.h, what.f)
+    starts = coordinates.momentum_states(on, np.array([1.5]), np.array([0.5]), True).states
+    zero = jobs.zero_of(scene, on, "momentum")
+    (job,) = jobs.jobs_of(what, on, zero, -1, 5, starts)
     assert taylor.solve(job, stop).outcomes == (taylor.STOPPED,)
     assert len(asked) == 3
 
     names, numbers = zip(*job.coefficients, strict=True)
     own, tangent = np.array([numbers]), np.ones((1, 6))
     asked.clear()
-    far = tangents.TangentJob(names, own, starts[:1], tangent, 1e9, 1, None, (), 1.0)
-    assert tangents.solve(far, stop).last.tolist() == [0]
+    far = tangent_batches.TangentJob(names, own, starts[:1], tangent, 1e9, 1, None, (), 1.0)
+    assert tangent_batches.solve(far, stop).last.tolist() == [0]
     asked.clear()
     columns = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
-    first = first_crossings.FirstJob(
+    first = batch_first_crossings.FirstJob(
         names, columns, "q-100", 128.0, 0, 10**9, 1e9, 0, own, starts[:1], None
     )
-    assert np.isnan(first_crossings.solve(first, stop).times).all()
+    assert np.isnan(batch_first_crossings.solve(first, stop).times).all()
     assert len(asked) == 3
 
 
@@ -143,16 +146,16 @@ def test_a_first_crossing_beyond_a_pole_is_left_to_a_run():
     """The steps were zero for ever, a hundred million of them."""
     scene = polhode.load(REGULAR)
     what = asked_of(scene, "momentum", "max", None, None)
-    on = section_states.ground(scene, what.h, what.f)
-    starts = section_states.momentum_states(on, np.array([1.5]), np.array([0.5]), True).states
-    zero = section_jobs.zero_of(scene, on, "momentum")
-    (job,) = section_jobs.jobs_of(what, on, zero, -1, 5, starts)
+    on = coordinates.ground(scene, what.h, what.f)
+    starts = coordinates.momentum_states(on, np.array([1.5]), np.array([0.5]), True).states
+    zero = jobs.zero_of(scene, on, "momentum")
+    (job,) = jobs.jobs_of(what, on, zero, -1, 5, starts)
     names, numbers = zip(*job.coefficients, strict=True)
     columns = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
-    first = first_crossings.FirstJob(
+    first = batch_first_crossings.FirstJob(
         names, columns, "1/q", 128.0, 0, 10**9, 64.0, 0, np.array([numbers]), starts[:1], None
     )
-    assert first_crossings.solve(first).unsure.tolist() == [True]
+    assert batch_first_crossings.solve(first).unsure.tolist() == [True]
 
 
 # -- sizes ----------------------------------------------------------------------------------------
@@ -221,7 +224,7 @@ def test_reach_of_exact_levels():
     )
     none = Reach.of(near._replace(moments=(1 + Fraction(1, 2**80), Fraction(1), Fraction(2))))
     assert none.most < none.least
-    assert arc_parts.MOST_SPREAD == 140
+    assert rotation_arcs.MOST_SPREAD == 140
     free = body._replace(torque=(Fraction(0),) * 3)
     assert Fraction(10) ** 400 in Reach.of(free)
 

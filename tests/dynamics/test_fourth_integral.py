@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.dynamics.arc_parts import BODY_BITS, RationalBody
-from polhode.dynamics.fourth_integral import fourth_integral
-from polhode.numbers.convert import to_double
+from polhode.dynamics.levels.fourth_integral import fourth_integral
+from polhode.dynamics.levels.rotation_arcs import BODY_BITS, RationalBody
+from polhode.numbers.conversion import to_double
 from polhode.numbers.polynomials import fraction_near
 from polhode.scenes import scene_file
 

@@ -10,8 +10,8 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics import frequencies, laskar
-from polhode.figures import samples
+from polhode.dynamics.frequencies import frequencies, naff
+from polhode.figures.canvas import curve_sampling
 
 
 def test_lines_of_a_made_up_signal():
@@ -19,13 +19,13 @@ def test_lines_of_a_made_up_signal():
     t = 0.1 * np.arange(4001)
     made = [(1.2345678901234567, 1.0), (-0.76543210987654321, 0.3j), (2.7182818284590452, -1e-3)]
     signal = sum(a * np.exp(1j * om * t) for om, a in made)
-    found = laskar.lines(signal, 0.1, 3)
+    found = naff.lines(signal, 0.1, 3)
     for line, (om, a) in zip(found, made, strict=True):
         off = abs(line.frequency - om)
         assert off < 3e-14
         assert off <= line.error
         assert abs(line.amplitude - a) < 1e-11 * abs(a) + 1e-13
-    assert len(laskar.lines(signal, 0.1, 50)) < 50  # it ends where the signal does
+    assert len(naff.lines(signal, 0.1, 50)) < 50  # it ends where the signal does
 
 
 def test_the_error_is_never_too_small():
@@ -38,7 +38,7 @@ def test_the_error_is_never_too_small():
         if np.min(np.abs(np.diff(np.sort(om)))) < 12 * 2 * np.pi / 200:
             continue
         a = np.array([1, 0.5, 0.25]) * np.exp(2j * np.pi * rng.random(3))
-        found = laskar.lines(np.exp(1j * np.outer(t, om)) @ a, 0.2, 3)
+        found = naff.lines(np.exp(1j * np.outer(t, om)) @ a, 0.2, 3)
         ratios += [abs(line.frequency - x) / line.error for line, x in zip(found, om, strict=True)]
     assert len(ratios) > 20
     assert max(ratios) <= 1
@@ -149,7 +149,7 @@ def test_a_file_with_other_steps_is_refused(tmp_path):
 
 ON_THE_WAY = {
     frequencies: lambda: polhode.frequencies("lagrange/nutation", end=1),
-    samples: lambda: polhode.plot("lagrange/nutation", "omega", end=1),
+    curve_sampling: lambda: polhode.plot("lagrange/nutation", "omega", end=1),
 }
 
 

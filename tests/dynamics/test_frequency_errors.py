@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.dynamics import laskar
-from polhode.dynamics.leakage import leak
+from polhode.dynamics.frequencies import naff
+from polhode.dynamics.frequencies.leakage import leak
 
 HALVES = {"s1", "s2", "u", "v"}  # of separated variables: the state has twice their period
 
@@ -32,7 +32,7 @@ def test_lines_of_falling_times_are_the_same_motions():
     made = [(1.2345678901234567, 1.0), (-0.76543210987654321, 0.3j), (2.7182818284590452, -1e-3)]
     for step in (0.1, -0.1):
         signal = sum(a * np.exp(1j * om * t * math.copysign(1, step)) for om, a in made)
-        for line, (om, a) in zip(laskar.lines(signal, step, 3), made, strict=True):
+        for line, (om, a) in zip(naff.lines(signal, step, 3), made, strict=True):
             assert abs(line.frequency - om) < 1e-13
             assert abs(line.frequency - om) <= line.error < 1e-9
             assert abs(line.amplitude - a) < 1e-10 * abs(a) + 1e-13
@@ -43,7 +43,7 @@ def test_no_unit_costs_a_digit(unit):
     t = np.arange(801)
     signal = np.exp(0.3j * t) + 0.1 * np.exp(-1.1j * t)
     for one, other in zip(
-        laskar.lines(signal, 1.0, 2), laskar.lines(signal * unit, unit, 2), strict=True
+        naff.lines(signal, 1.0, 2), naff.lines(signal * unit, unit, 2), strict=True
     ):
         assert abs(one.frequency - other.frequency * unit) <= 2**-50 * abs(one.frequency)
         assert abs(one.amplitude - other.amplitude / unit) <= 1e-13
@@ -51,7 +51,7 @@ def test_no_unit_costs_a_digit(unit):
 
 
 def test_nothing_has_no_lines():
-    assert laskar.lines(np.zeros(100), 0.1, 3) == []
+    assert naff.lines(np.zeros(100), 0.1, 3) == []
     assert polhode.frequencies("lagrange/nutation", of=["r"], end=30).lines["r"] == ()
 
 
@@ -130,7 +130,7 @@ def test_claims_cover_lines_near_and_far(least, most):
     rng, factors, sharp = np.random.default_rng(7), [], []
     for _ in range(15):
         signal, step, om = quasi_periodic(rng, least)
-        for line in laskar.lines(signal, step, len(om)):
+        for line in naff.lines(signal, step, len(om)):
             off = float(np.min(np.abs(om - line.frequency)))
             assert off <= line.error
             factors.append(line.error / max(off, 2**-50 * abs(line.frequency)))
@@ -146,7 +146,7 @@ def test_two_lines_within_one_bin_claim_no_digits():
     unit = 2 * np.pi / t[-1]
     for apart in (0.01, 0.1, 0.5):
         signal = np.exp(1j * t) + np.exp(1j * (1 + apart * unit) * t)
-        (line,) = laskar.lines(signal, 0.1, 1)
+        (line,) = naff.lines(signal, 0.1, 1)
         off = min(abs(line.frequency - 1), abs(line.frequency - 1 - apart * unit))
         assert off == pytest.approx(apart * unit / 2, rel=0.1)
         assert off <= line.error < 12 * off
@@ -155,22 +155,22 @@ def test_two_lines_within_one_bin_claim_no_digits():
 @pytest.mark.parametrize("by", [1, -1, 0.37])
 def test_a_wrong_line_cannot_claim_digits(monkeypatch, by):
     """A refinement that ends off by some of 2 pi/T, in every window: the estimate tells."""
-    right = laskar._refined
+    right = naff._refined
 
     def wrong(weighted, time, start, cell, most):
         return right(weighted, time, start, cell, most) + by * 2 * math.pi / time[-1]
 
     signal, step, om = quasi_periodic(np.random.default_rng(3), 20)
-    monkeypatch.setattr(laskar, "_refined", wrong)
-    for line in laskar.lines(signal, step, len(om)):
+    monkeypatch.setattr(naff, "_refined", wrong)
+    for line in naff.lines(signal, step, len(om)):
         assert np.min(np.abs(om - line.frequency)) <= line.error
 
 
 def test_a_stuck_refinement_cannot_claim_digits(monkeypatch):
     """The nearest point of the grid, which the second window does not share."""
-    monkeypatch.setattr(laskar, "_refined", lambda weighted, time, start, cell, most: start)
+    monkeypatch.setattr(naff, "_refined", lambda weighted, time, start, cell, most: start)
     signal, step, om = quasi_periodic(np.random.default_rng(4), 20)
-    found = laskar.lines(signal, step, len(om))
+    found = naff.lines(signal, step, len(om))
     assert any(np.min(np.abs(om - line.frequency)) > 1e-3 for line in found)
     assert all(np.min(np.abs(om - line.frequency)) <= line.error for line in found)
 
@@ -178,12 +178,12 @@ def test_a_stuck_refinement_cannot_claim_digits(monkeypatch):
 def test_how_far_a_line_shifts_another():
     """Of the maximum of two lines alone: the envelope is reached, and never passed."""
     n = 4001
-    window = laskar._Window(n, 1.0, 8)
+    window = naff._Window(n, 1.0, 8)
     for bins in (1.6, 4.0, 9.0, 14.0):
         shifts = []
         for phase in np.linspace(0, 2 * np.pi, 24, endpoint=False):
             other = 1e-3 * np.exp(1j * (phase + bins * window.bin * window.time))
             shifts.append(window.line(1 + other, 0.0)[0] / window.bin)
         largest = max(map(abs, shifts)) / 1e-3
-        bound = float(leak(np.array([bins]), laskar.POWER)[0])
+        bound = float(leak(np.array([bins]), naff.POWER)[0])
         assert 0.5 * bound < largest < 1.02 * bound

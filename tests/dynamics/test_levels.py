@@ -12,9 +12,9 @@ from flint import arb
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics import permanent, reduced
-from polhode.dynamics.arc_parts import RationalBody
-from polhode.numbers.balls import ctx
+from polhode.dynamics.levels import effective_potential, permanent_rotations
+from polhode.dynamics.levels.rotation_arcs import RationalBody
+from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle, rational
 from polhode.scenes.body import Body
 
@@ -45,7 +45,7 @@ def inside(arc, segment, part=Fraction(1, 3)):
 @pytest.mark.parametrize("name", BODIES)
 def test_energy_grows_by_omega_times_area(name):
     """dh = om df, by differences of 1e-25 in balls of 320 bits: an error of their square."""
-    for arc in permanent.arcs(body(name)):
+    for arc in permanent_rotations.arcs(body(name)):
         for segment in arc.segments:
             with ctx.workprec(320):
                 at = inside(arc, segment)
@@ -59,7 +59,7 @@ def test_energy_grows_by_omega_times_area(name):
 def test_the_points_are_permanent_rotations_of_their_type(name):
     """At gamma and om the field vanishes; the eigenvalues of its derivative say the type."""
     known = body(name)
-    for arc in permanent.arcs(known):
+    for arc in permanent_rotations.arcs(known):
         for segment in arc.segments:
             with ctx.workprec(320):
                 point = arc.at(arb(rational(inside(arc, segment))))
@@ -183,8 +183,8 @@ def region_on_a_grid(known, h, f):
 )
 def test_regions_by_counting_on_a_grid(name, f):
     known, f = body(name), Fraction(f)
-    found = permanent.arcs(known)
-    column = reduced.regions_between(known, found, f)
+    found = permanent_rotations.arcs(known)
+    column = effective_potential.regions_between(known, found, f)
     energies = [h for h, _ in column]
     gap = (energies[-1] - energies[0]) / 30
     looked = 0
@@ -193,20 +193,20 @@ def test_regions_by_counting_on_a_grid(name, f):
         if high - low > gap:  # the grid does not see less
             h = (low + high) / 2
             assert region_on_a_grid(known, h, float(f)) == region, h
-            assert reduced.region(known, found, Fraction(h), f) == region
+            assert effective_potential.region(known, found, Fraction(h), f) == region
             looked += 1
     assert looked >= 2
-    assert reduced.region(known, found, Fraction(energies[0] - gap), f) == ()
+    assert effective_potential.region(known, found, Fraction(energies[0] - gap), f) == ()
 
 
 def test_a_level_has_two_discs_or_three_edges():
     """The levels at which the number of critical points alone would mislead."""
     generic = body("generic")
-    arcs = permanent.arcs(generic)
-    assert reduced.region(generic, arcs, Fraction("1.495"), Fraction("2.3")) == (1, 1)
+    arcs = permanent_rotations.arcs(generic)
+    assert effective_potential.region(generic, arcs, Fraction("1.495"), Fraction("2.3")) == (1, 1)
     kovalevskaya = body("kovalevskaya")
-    arcs = permanent.arcs(kovalevskaya)
-    assert reduced.region(kovalevskaya, arcs, Fraction("1.9"), Fraction("1.9")) == (3,)
+    arcs = permanent_rotations.arcs(kovalevskaya)
+    assert effective_potential.region(kovalevskaya, arcs, Fraction("1.9"), Fraction("1.9")) == (3,)
 
 
 def test_on_a_bifurcation_there_is_no_region():
@@ -222,7 +222,9 @@ def test_no_state_lies_below_the_least_energy():
     for name in BODIES:
         known = body(name)
         for f in (Fraction(1, 2), Fraction(2)):
-            lowest = reduced.regions_between(known, permanent.arcs(known), f)[0][0]
+            lowest = effective_potential.regions_between(known, permanent_rotations.arcs(known), f)[
+                0
+            ][0]
             gamma = rng.normal(size=(3, 40000))
             gamma /= np.linalg.norm(gamma, axis=0)
             moments, torque = (np.array([float(x) for x in numbers]) for numbers in known[:2])

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.dynamics import reduce_many as module
+from polhode.dynamics.observables import reduce_many as module
+from polhode.motion.outcomes import Outcome
 from polhode.scenes import scene_file
-from polhode.taylor import first_crossings
-from polhode.taylor.outcomes import Outcome
+from polhode.taylor.events import batch_first_crossings
 from shared.motions import heavy
 
 VARIED = {"start.omega[3]": "0.5:4:5", "body.weight": ["1/2", 1, 3]}
@@ -65,7 +65,7 @@ def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned)
 @pytest.mark.parametrize("turned", [False, True])
 def test_first_events_are_the_first_of_each_run(end, turned, monkeypatch):
     """Times and states to a few eps (times of a double end at eps t; errors grow with t)."""
-    monkeypatch.setattr(first_crossings, "STRETCH", 3.0)  # more than one stretch
+    monkeypatch.setattr(batch_first_crossings, "STRETCH", 3.0)  # more than one stretch
     scene = scene_file.parse(TURNED.format(end=end)) if turned else heavy(end)
     varied = {"start.omega[1]": [1, 20], "body.inertia[1][2]": ["0.5", 0]} if turned else VARIED
     scene = replace(scene, events=EVENTS)
@@ -104,8 +104,10 @@ def test_a_crossing_that_lanes_lose_is_found_by_a_run_of_its_own(lost, monkeypat
     """heyoka's first and second crossing of each lane dropped: the signs at the ends tell."""
     scene = replace(heavy("6"), events=(polhode.Event("level", "gamma3 - 1/2"),))
     true = polhode.reduce_many(scene, VARIED, "first level")["t of first level"]
-    monkeypatch.setattr(first_crossings, "STRETCH", 0.5)  # so short that one crossing is in it
-    whole, seen = first_crossings._Met.__call__, {}
+    monkeypatch.setattr(
+        batch_first_crossings, "STRETCH", 0.5
+    )  # so short that one crossing is in it
+    whole, seen = batch_first_crossings._Met.__call__, {}
 
     def dropping(self, ta, time, sign, lane):
         key = id(self), lane
@@ -113,9 +115,9 @@ def test_a_crossing_that_lanes_lose_is_found_by_a_run_of_its_own(lost, monkeypat
         if seen[key] != lost:
             whole(self, ta, time, sign, lane)
 
-    monkeypatch.setattr(first_crossings._Met, "__call__", dropping)
-    first_crossings._compiled.cache_clear()
-    first_crossings._mine.__dict__.clear()
+    monkeypatch.setattr(batch_first_crossings._Met, "__call__", dropping)
+    batch_first_crossings._compiled.cache_clear()
+    batch_first_crossings._mine.__dict__.clear()
     singles = []
     alone = module.solve.__globals__["integrate"]
     monkeypatch.setitem(
@@ -124,7 +126,7 @@ def test_a_crossing_that_lanes_lose_is_found_by_a_run_of_its_own(lost, monkeypat
         lambda *a, **k: singles.append(1) or alone(*a, **k),
     )
     found = polhode.reduce_many(scene, VARIED, "first level", workers=1)["t of first level"]
-    first_crossings._compiled.cache_clear()
+    batch_first_crossings._compiled.cache_clear()
     assert seen
     assert singles
     assert np.allclose(found, true, rtol=0, atol=100 * EPS, equal_nan=True)

@@ -15,10 +15,18 @@ import pytest
 from flint import fmpz, fmpz_poly
 
 import polhode
-from polhode.enclosures import attitude, conserved, fixed, march, quaternion, turn_series, windings
+from polhode.enclosures import (
+    attitude,
+    attitude_series,
+    fixed_point_problem,
+    integral_contraction,
+    proof_loop,
+    quaternion,
+    winding_number,
+)
 from polhode.enclosures.quaternion import Turned, Turns
 from polhode.enclosures.result import Part
-from polhode.numbers.convert import exactly
+from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.runs.integrate import integrate
 from polhode.scenes import library
@@ -46,7 +54,7 @@ def _ratios(found: Any, attitudes: Any, angles: Any) -> list[float]:
 
 def _against_the_closed_form(name: str, digits: int) -> list[float]:
     scene = replace(library.load(name), outputs=OUTPUTS)
-    steps = fixed.motion(scene)
+    steps = fixed_point_problem.motion(scene)
     away = -1 if scene.times[-1] < 0 else 1
     times = [away * Fraction(t) * Fraction(2) ** steps.unit for t in ("1/3", "7", "19")]
     found = polhode.certify(scene, at=times, digits=digits)
@@ -119,10 +127,10 @@ def test_many_random_tops_have_their_attitude_and_angles_inside() -> None:
 
 def _turn(scene: Scene, problem: Any, last: int, approximate: Any) -> tuple[list[Any], float]:
     """The midpoint of the turn since the start, in principal axes, and its claimed error."""
-    motion = fixed.motion(replace(scene, outputs=("attitude",)))
-    times = [fixed.ball(Fraction(last), 400)]
+    motion = fixed_point_problem.motion(replace(scene, outputs=("attitude",)))
+    times = [fixed_point_problem.ball(Fraction(last), 400)]
     watch = attitude.Watch(motion, problem, times, approximate, False)
-    march.run(problem, times, conserved.prepared(motion, 400), watchers=[watch])
+    proof_loop.run(problem, times, integral_contraction.prepared(motion, 400), watchers=[watch])
     centre = [Fraction(int(x), 1 << problem.fine) for x in watch._turned.centre]
     return centre, watch._turned.radius * 2.0**-problem.noise
 
@@ -148,31 +156,31 @@ def _of_the_sphere(rate: Fraction, last: int) -> list[Fraction]:
 
 
 def _wrong_start(sharp: Any, noise: int) -> Any:
-    rows, level = turn_series.approximate(sharp, noise)
+    rows, level = attitude_series.approximate(sharp, noise)
     bent = [[x + (fmpz(1) << (level - 40)) * (k == 3) for k, x in enumerate(row)] for row in rows]
     return bent, level
 
 
 def _wrong_slope(sharp: Any, noise: int) -> Any:
-    rows, level = turn_series.approximate(sharp, noise)
+    rows, level = attitude_series.approximate(sharp, noise)
     by = fmpz_poly([0, fmpz(1) << (level - 40)])
     return [[x + by * (k == 3) for k, x in enumerate(row)] for row in rows], level
 
 
 def _by_a_fault(approximate: Any) -> float:
-    problem = fixed.problem(fixed.motion(SPHERE), 90)
+    problem = fixed_point_problem.problem(fixed_point_problem.motion(SPHERE), 90)
     centre, claimed = _turn(SPHERE, problem, 4, approximate)
     return _off(centre, _of_the_sphere(Fraction(1, 2), 4)) / claimed
 
 
 def _by_the_state() -> float:
     """The start is a box and the truth at its edge: the turn is off by what w is."""
-    problem = fixed.problem(fixed.motion(SPHERE), 90)
-    unit = fixed.motion(SPHERE).unit
+    problem = fixed_point_problem.problem(fixed_point_problem.motion(SPHERE), 90)
+    unit = fixed_point_problem.motion(SPHERE).unit
     ticks = 1 << (problem.fine - 50)
     start = (*problem.start[:2], problem.start[2] + ticks, *problem.start[3:])
     boxed = replace(problem, start=start, spread=(0.0, 0.0, 2.0**40, 0.0, 0.0, 0.0))
-    centre, claimed = _turn(SPHERE, boxed, 4, turn_series.approximate)
+    centre, claimed = _turn(SPHERE, boxed, 4, attitude_series.approximate)
     assert unit == 0
     return _off(centre, _of_the_sphere(Fraction(1, 2), 4)) / claimed
 
@@ -180,7 +188,7 @@ def _by_the_state() -> float:
 def _by_rounding() -> float:
     """Products of exact quaternions, of which only the rounding of each is charged."""
     rng = random.Random(5)
-    problem = fixed.problem(fixed.motion(SPHERE), 90)
+    problem = fixed_point_problem.problem(fixed_point_problem.motion(SPHERE), 90)
     turned, true = Turned(problem), [Fraction(1), Fraction(0), Fraction(0), Fraction(0)]
     for _ in range(30):
         a, b, c = (rng.randrange(-9, 9) for _ in range(3))
@@ -220,22 +228,22 @@ def test_no_fault_in_the_approximated_turn_makes_a_wrong_attitude() -> None:
     scene = replace(trials.random_scene(rng, "generic"), outputs=OUTPUTS)
     run = integrate(scene.at((2,)), NumberType("mp", 320), max_steps=10**6)
     true = [exactly(x) for x in run.attitude[0]]
-    motion = fixed.motion(scene)
-    times = fixed.times(motion, [Fraction(2)])
+    motion = fixed_point_problem.motion(scene)
+    times = fixed_point_problem.times(motion, [Fraction(2)])
     spoiled = 0
     for _ in range(24):
 
         def faulty(sharp: Any, noise: int) -> Any:
-            rows, level = turn_series.approximate(sharp, noise)
+            rows, level = attitude_series.approximate(sharp, noise)
             rows = [list(row) for row in rows]
             n, k = rng.randrange(len(rows)), rng.randrange(4)
             power, size = rng.randrange(sharp.near.shape[1]), rng.randrange(level + 2)
             rows[n][k] += fmpz_poly([0] * power + [fmpz(rng.choice((-1, 1))) << size])
             return rows, level
 
-        problem = fixed.problem(motion, rng.choice((60, 90, 126)))
+        problem = fixed_point_problem.problem(motion, rng.choice((60, 90, 126)))
         watch = attitude.Watch(motion, problem, times, faulty, True)
-        march.run(problem, times, watchers=[watch])
+        proof_loop.run(problem, times, watchers=[watch])
         pose = watch.poses[0]
         ratios = trials.ratios([pose.quaternion], [true])
         assert max(ratios) <= 1.0
@@ -261,15 +269,17 @@ def test_turns_are_counted_however_many_there_are_in_a_step() -> None:
     speed = 2 * np.pi * turns * 0.01
 
     def found(bend: float, asked: Any) -> Any:
-        pace = windings.Pace(speed, 0.0, bend)
-        return windings.Followed(1.0, 2.0, True).step(_around(20, 0.01), 1.0, pace, 0.0, asked)
+        pace = winding_number.Pace(speed, 0.0, bend)
+        return winding_number.Followed(1.0, 2.0, True).step(
+            _around(20, 0.01), 1.0, pace, 0.0, asked
+        )
 
     true = [[1 + 20 * np.pi, 2 - 20 * np.pi], [1 + 40 * np.pi, 2 - 40 * np.pi]]
     by_chords, by_speed = (2 * np.pi * turns) ** 2 * 0.01, 1e9
     for bend in (by_chords, by_speed):
         assert np.max(np.abs(found(bend, np.array([0.5, 1.0])) - true)) < 1e-12
     for bend, term in ((by_speed, "1.01 * length * pace.speed"), (by_chords, "1.01 * pace.bend")):
-        with without(windings, "Followed.step", term, "0.0"):
+        with without(winding_number, "Followed.step", term, "0.0"):
             assert abs(found(bend, np.array([1.0]))[0][0] - 1 - 40 * np.pi) > 1
 
 
@@ -286,29 +296,31 @@ def test_a_chord_says_nothing_where_the_motion_may_pass_0_on_its_other_side(beyo
         return np.array([path, path.conj()])
 
     def grown() -> Any:
-        pace = windings.Pace(1e3, -1.0, bend)  # so fast that nothing is known by the ends alone
-        followed = windings.Followed(0.0, 0.0, True)
+        pace = winding_number.Pace(
+            1e3, -1.0, bend
+        )  # so fast that nothing is known by the ends alone
+        followed = winding_number.Followed(0.0, 0.0, True)
         return followed.step(at, 1.0, pace, 0.0, np.array([1.0]))[0]
 
     true = np.unwrap(np.angle(at(np.linspace(0.0, 1.0, 10_001))[0]))
     turned = true[-1] - true[0]
     assert turned > 6  # below 0, from left to right
     assert grown() == pytest.approx([turned, -turned], abs=1e-9)
-    with without(windings, "Followed.step", "** 2 / 8.0", "** 2 / 32.0"):
+    with without(winding_number, "Followed.step", "** 2 / 8.0", "** 2 / 32.0"):
         assert grown()[0] == pytest.approx(turned - 2 * np.pi, abs=1e-9)  # above it
 
 
 def test_the_distance_of_a_chord_is_that_of_its_nearest_point() -> None:
     ends = np.array([[1 + 1j, -1 + 1j, -3 + 1j, -3 + 1j], [2 + 0j, 1 + 0j, 0 + 1j, 0 - 1j]])
-    found = windings._chords(ends)
+    found = winding_number._chords(ends)
     assert np.max(np.abs(found - [[1, 2**0.5, 10**0.5], [1, 0.5**0.5, 0]])) < 1e-15
 
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_a_departure_is_followed_until_its_direction_may_be_30_degrees_off(order: int) -> None:
     """By sup t/((order + 1) size), the sine of the angle, sup of the next derivative."""
-    pace, rate = windings.Pace(1.3, 0.4, 0.7), 0.3
-    leaving = windings.Leaving(np.array([1.0, 1.0]), order, 0.2, rate)
+    pace, rate = winding_number.Pace(1.3, 0.4, 0.7), 0.3
+    leaving = winding_number.Leaving(np.array([1.0, 1.0]), order, 0.2, rate)
     time = leaving.until(pace)
     sup = pace.bend if order == 1 else leaving._third(pace, time)
     off = sup * time / ((order + 1) * leaving.size)
@@ -320,8 +332,8 @@ def test_a_departure_is_followed_until_its_direction_may_be_30_degrees_off(order
 
 def test_the_bound_of_the_third_derivative_is_that_of_the_derivation() -> None:
     """Term by term as at the head of the module; infinite where |w'| is not bounded so."""
-    pace, rate = windings.Pace(1.3, 0.4, 0.7), 0.3
-    leaving = windings.Leaving(np.array([1.0, 1.0]), 2, 0.2, rate)
+    pace, rate = winding_number.Pace(1.3, 0.4, 0.7), 0.3
+    leaving = winding_number.Leaving(np.array([1.0, 1.0]), 2, 0.2, rate)
     for time in (0.05, 0.4):
         grown = 1 + 1.3 * time * math.exp(1.3 * time) / 2
         least = 1 - math.sqrt(2) * 0.4 * 1.3 * time - 0.7 * time**2 * grown
@@ -340,29 +352,37 @@ def test_turns_are_counted_in_steps_of_any_length(length: float) -> None:
     """The same path walked faster or slower, with bounds as tight as they may be."""
     turns, size = 3, 0.01
     rate = 2 * np.pi * turns / length
-    for pace in (windings.Pace(rate * size, 0.0, 1e9), windings.Pace(1e3, -1.0, rate**2 * size)):
-        followed = windings.Followed(0.0, 0.0, True)
+    for pace in (
+        winding_number.Pace(rate * size, 0.0, 1e9),
+        winding_number.Pace(1e3, -1.0, rate**2 * size),
+    ):
+        followed = winding_number.Followed(0.0, 0.0, True)
         (found,) = followed.step(_around(turns, size), length, pace, 1e-6, np.array([1.0]))
         assert found == pytest.approx([2 * np.pi * turns, -2 * np.pi * turns], abs=1e-12)
         assert 0 < followed.slack < 0.1
 
 
 def test_a_passage_through_a_pole_loses_psi_and_phi_for_good() -> None:
-    followed = windings.Followed(0.0, 0.0, True)
+    followed = winding_number.Followed(0.0, 0.0, True)
 
     def through(nodes: Any) -> Any:
         return np.array([nodes - 1 / 3 + 0j, nodes + 1 + 0j])
 
-    assert followed.step(through, 1.0, windings.Pace(1.0, 0.0, 0.0), 0.0, np.array([1.0])) is None
     assert (
-        followed.step(_around(1, 0.5), 1.0, windings.Pace(4.0, 0.0, 4.0), 0.0, np.array([1.0]))
+        followed.step(through, 1.0, winding_number.Pace(1.0, 0.0, 0.0), 0.0, np.array([1.0]))
+        is None
+    )
+    assert (
+        followed.step(
+            _around(1, 0.5), 1.0, winding_number.Pace(4.0, 0.0, 4.0), 0.0, np.array([1.0])
+        )
         is None
     )
 
 
 def test_doubt_adds_up_until_the_turns_are_lost() -> None:
-    followed = windings.Followed(0.0, 0.0, True)
-    pace = windings.Pace(0.4, 0.0, 0.1)
+    followed = winding_number.Followed(0.0, 0.0, True)
+    pace = winding_number.Pace(0.4, 0.0, 0.1)
     for _ in range(20):
         if followed.step(_around(0.1, 0.5), 1.0, pace, 1e-3, np.array([1.0])) is None:
             break
@@ -434,9 +454,9 @@ def test_a_departure_is_told_in_the_units_of_the_proof(across: Any) -> None:
     for unit in (1, 2**10):
         body = polhode.Body.of_moments((2, Fraction(3, 2), 1), (0, 1, 1), unit * unit)
         scene = Scene(body, (across * unit, 0, 2 * unit), (0, 0, 1), outputs=OUTPUTS)
-        motion = fixed.motion(scene)
-        problem = fixed.problem(motion, 90)
-        watch = attitude.Watch(motion, problem, [], turn_series.approximate, True)
+        motion = fixed_point_problem.motion(scene)
+        problem = fixed_point_problem.problem(motion, 90)
+        watch = attitude.Watch(motion, problem, [], attitude_series.approximate, True)
         assert watch._followed.leaving is not None
         found.append(watch._followed.leaving)
     one, other = found

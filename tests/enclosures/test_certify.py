@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 
 import polhode
-from polhode.enclosures import conserved, fixed, march
-from polhode.enclosures.fixed import Refused
+from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
+from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.result import guaranteed
-from polhode.numbers.convert import exact_number, exactly
+from polhode.numbers.conversion import exact_number, exactly
 from polhode.numbers.exact import Irrational
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
@@ -129,12 +129,12 @@ def test_chaos_is_answered_and_grows_no_faster_than_its_exponent() -> None:
 
 def test_the_integrals_make_the_radii_smaller_and_keep_the_truth() -> None:
     scene = top()
-    motion = fixed.motion(scene)
-    problem = fixed.problem(motion, 90)
-    times = [fixed.ball(Fraction(1200), 300)]  # t = 300
-    known = conserved.prepared(motion, 400)
-    with_them = march.run(problem, times, known).rows[0]
-    without = march.run(problem, times).rows[0]
+    motion = fixed_point_problem.motion(scene)
+    problem = fixed_point_problem.problem(motion, 90)
+    times = [fixed_point_problem.ball(Fraction(1200), 300)]  # t = 300
+    known = integral_contraction.prepared(motion, 400)
+    with_them = proof_loop.run(problem, times, known).rows[0]
+    without = proof_loop.run(problem, times).rows[0]
     gain = max(float(x.rad()) for x in without) / max(float(x.rad()) for x in with_them)
     assert 2.0 < gain < 1000.0
 
@@ -156,7 +156,7 @@ def test_the_integrals_used_are_those_that_hold_exactly(
     moments: Any, centre: Any, weight: Any, names: set[str]
 ) -> None:
     scene = top(Body.of_moments(moments, centre, weight))
-    assert set(conserved.first_integrals(fixed.motion(scene))) == names
+    assert set(integral_contraction.first_integrals(fixed_point_problem.motion(scene))) == names
 
 
 def test_backward_and_forward_are_the_same_motion() -> None:
@@ -298,7 +298,7 @@ def test_a_constant_that_does_not_sharpen_is_refused() -> None:
     from flint import arb
 
     with pytest.raises(Refused, match="not known sharply"):
-        fixed.sharp(lambda bits: arb(1, 1e-9), 80)
+        fixed_point_problem.sharp(lambda bits: arb(1, 1e-9), 80)
 
 
 @pytest.mark.slow

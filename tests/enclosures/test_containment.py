@@ -12,9 +12,14 @@ import pytest
 from flint import arb, ctx
 
 import polhode
-from polhode.enclosures import conserved, fixed, march, pilot
-from polhode.enclosures.fixed import Refused
-from polhode.numbers.convert import exactly
+from polhode.enclosures import (
+    fixed_point_problem,
+    integral_contraction,
+    precision_choice,
+    proof_loop,
+)
+from polhode.enclosures.fixed_point_problem import Refused
+from polhode.numbers.conversion import exactly
 from polhode.scenes import library
 from shared import enclosure_faults as faults
 from shared import enclosure_trials as trials
@@ -39,10 +44,10 @@ def _random_ratios(seed: int, rounds: int, levels: tuple[int, ...]) -> tuple[lis
         scene = trials.random_scene(rng, trials.KINDS[n % len(trials.KINDS)])
         what = trials.trial(scene, _times(rng, rng.choice((1, 5, 20))), max(levels) + 120)
         for noise in levels:
-            problem = fixed.problem(what.motion, noise)
-            known = conserved.prepared(what.motion, 400) if n % 2 else []
+            problem = fixed_point_problem.problem(what.motion, noise)
+            known = integral_contraction.prepared(what.motion, 400) if n % 2 else []
             try:
-                proof = march.run(problem, trials.asked(what, problem), known)
+                proof = proof_loop.run(problem, trials.asked(what, problem), known)
             except Refused:
                 refused += 1
                 continue
@@ -83,18 +88,18 @@ def _faulty_runs(seed: int, count: int) -> tuple[int, int, float]:
         what = trials.trial(scene, _times(rng, rng.choice((1, 4, 12))), 240)
         for _ in range(8):
             noise = rng.choice((42, 50, 60, 79, 96, 126))
-            problem = fixed.problem(what.motion, noise)
+            problem = fixed_point_problem.problem(what.motion, noise)
             if rng.random() < 0.4:  # a box whose corner is the truth
                 units = rng.choice((1, 2**10, 2**20))
                 ticks = units << (problem.fine - noise)
                 start = tuple(x + rng.choice((-1, 1)) * ticks for x in problem.start)
                 spread = tuple(units * (1 + 1e-9) + r for r in problem.spread)
                 problem = replace(problem, start=start, spread=spread)
-            known = conserved.prepared(what.motion, 400) if rng.random() < 0.4 else []
+            known = integral_contraction.prepared(what.motion, 400) if rng.random() < 0.4 else []
             _, untrusted = faults.random_fault(rng)
             try:
                 with np.errstate(all="ignore"):
-                    proof = march.run(problem, trials.asked(what, problem), known, untrusted)
+                    proof = proof_loop.run(problem, trials.asked(what, problem), known, untrusted)
             except Refused:
                 refused += 1
                 continue
@@ -132,38 +137,40 @@ def test_a_motion_beside_the_true_one_is_excluded(part: str) -> None:
         body = type(body).of_moments(body.moments, body.centre, body.weight + small)
     else:
         omega = (omega[0] + small / 1000, *omega[1:])
-    beside = fixed.motion(replace(scene, body=body, omega=omega))
+    beside = fixed_point_problem.motion(replace(scene, body=body, omega=omega))
     assert beside.unit == what.motion.unit
-    problem = fixed.problem(beside, 130)
-    proof = march.run(problem, trials.asked(what, problem))
+    problem = fixed_point_problem.problem(beside, 130)
+    proof = proof_loop.run(problem, trials.asked(what, problem))
     assert max(trials.ratios(proof.rows, what.states)) > 100.0
 
 
 def test_a_constant_wrong_in_its_thirtieth_digit_is_noticed() -> None:
     what = trials.trial(trials.random_scene(random.Random(9), "generic"), [Fraction(10)], 300)
-    problem = fixed.problem(what.motion, 130, 142)
+    problem = fixed_point_problem.problem(what.motion, 130, 142)
     constants = list(problem.constants)
     constants[0] += 1 << (142 - 100)
     wrong = replace(problem, constants=tuple(constants))
-    proof = march.run(wrong, trials.asked(what, problem))
+    proof = proof_loop.run(wrong, trials.asked(what, problem))
     assert max(trials.ratios(proof.rows, what.states)) > 100.0
 
 
 def test_an_integral_that_is_not_kept_is_a_contradiction() -> None:
     what = trials.trial(trials.random_scene(random.Random(9), "generic"), [Fraction(10)], 300)
-    problem = fixed.problem(what.motion, 96)
-    known = conserved.prepared(what.motion, 400)
+    problem = fixed_point_problem.problem(what.motion, 96)
+    known = integral_contraction.prepared(what.motion, 400)
     with ctx.workprec(400):
         wrong = [row._replace(value=row.value + arb((1, -60))) for row in known]
-    with pytest.raises(conserved.Contradiction):
-        march.run(problem, trials.asked(what, problem), wrong)
+    with pytest.raises(integral_contraction.Contradiction):
+        proof_loop.run(problem, trials.asked(what, problem), wrong)
 
 
 def _contained(name: str, digits: int) -> list[float]:
     """The ratios of a case against its closed form."""
     scene = library.load(name)
     times = scene.times[-1:] if len(scene.times) < 3 else scene.times[:: len(scene.times) // 3]
-    steps = pilot.steps(fixed.motion(scene), times[-1])  # a fast body is followed less far
+    steps = precision_choice.steps(
+        fixed_point_problem.motion(scene), times[-1]
+    )  # a fast body is followed less far
     times = tuple(t * min(Fraction(1), Fraction(1500) / Fraction(steps)) for t in times)
     found = polhode.certify(scene, at=times, digits=digits)
     assert found.reached

@@ -12,7 +12,13 @@ import numpy as np
 import pytest
 from flint import arb, fmpq, fmpz_poly
 
-from polhode.enclosures import bound, conserved, fixed, march, zonotope
+from polhode.enclosures import (
+    fixed_point_problem,
+    integral_contraction,
+    proof_loop,
+    step_bound,
+    zonotope,
+)
 from polhode.enclosures.polynomial import BallPolynomial
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
@@ -39,9 +45,9 @@ def _rounded_matrices() -> float:
         a, column, true = _cancelling(random.Random(seed))
         v = np.zeros((1, 2, 6, 6))
         v[0, 0, :, 0] = column
-        a_norms, v_norms = bound._norms(a), bound._norms(v)
+        a_norms, v_norms = step_bound._norms(a), step_bound._norms(v)
         sums = [np.sum(x, axis=1) for x in (a_norms, v_norms)]
-        claimed = bound._matrix_residual(a, a_norms, 0 * a_norms, sums[0], v, v_norms, sums[1])
+        claimed = step_bound._matrix_residual(a, a_norms, 0 * a_norms, sums[0], v, v_norms, sums[1])
         worst = max(worst, float(true / Fraction(float(claimed[0]))))
     return worst
 
@@ -58,10 +64,10 @@ def _rounded_residual() -> float:
         )
         known: Any = SimpleNamespace(pieces=shape, values=np.zeros((1, 3, 6)), roundings=0)
         problem: Any = SimpleNamespace(slack=(0.0,) * 9)
-        a_sum = np.sum(bound._norms(a), axis=1)
+        a_sum = np.sum(step_bound._norms(a), axis=1)
         sigma = np.sum(np.max(np.abs(e), axis=2), axis=1)
         weights = 1.0 / np.arange(1, 4)
-        claimed = bound._delta(problem, known, e, a, a_sum, np.zeros(1), sigma, weights)
+        claimed = step_bound._delta(problem, known, e, a, a_sum, np.zeros(1), sigma, weights)
         worst = max(worst, float(true / Fraction(float(claimed[0]))))
     return worst
 
@@ -85,7 +91,7 @@ def _rounded_residual() -> float:
 )
 def test_what_double_cannot_see_of_a_residual_is_bounded(found: Any, change: Any) -> None:
     assert 1e-2 < found() <= 1.0
-    with without(bound, *change):
+    with without(step_bound, *change):
         assert found() > 1.0
 
 
@@ -103,14 +109,14 @@ def _rounded_defects() -> float:
     sigma = np.sum(np.max(np.abs(e), axis=2), axis=1)
     weights, none = 1.0 / np.arange(1, 26), np.zeros(1)
     a = np.zeros((1, 13, 6, 6))
-    claimed = bound._delta(problem, known, e, a, none, none, sigma, weights)
+    claimed = step_bound._delta(problem, known, e, a, none, none, sigma, weights)
     true = off * 2.0**-53 * float(np.sum(np.max(np.abs(values), axis=2) * weights))
     return true / float(claimed[0])
 
 
 def test_what_the_doubles_of_a_defect_are_off_is_bounded() -> None:
     assert 0.1 < _rounded_defects() <= 1.0
-    with without(bound, "_delta", "gamma(2 + known.roundings)", "gamma(2)"):
+    with without(step_bound, "_delta", "gamma(2 + known.roundings)", "gamma(2)"):
         assert _rounded_defects() > 1.0
 
 
@@ -119,11 +125,11 @@ def test_what_the_doubles_of_a_defect_are_off_is_bounded() -> None:
 
 def _at_a_time_not_known() -> float:
     """A body at rest, w in a box: gamma moves by the time, and the time has a radius."""
-    motion = fixed.motion(Scene(Body.of_moments((1, 1, 1)), (0, 0, 0), (0, 0, 1)))
-    problem = fixed.problem(motion, 60)
+    motion = fixed_point_problem.motion(Scene(Body.of_moments((1, 1, 1)), (0, 0, 0), (0, 0, 1)))
+    problem = fixed_point_problem.problem(motion, 60)
     problem = replace(problem, spread=(1.0, 1.0, 1.0, 0.0, 0.0, 0.0))
     time, late = arb(Fraction(1, 4).numerator) / 4, Fraction(1, 64)
-    proof = march.run(problem, [time + arb(0, float(late)), arb(1)])
+    proof = proof_loop.run(problem, [time + arb(0, float(late)), arb(1)])
     # gamma = (0, 0, 1) x w t to first order
     return float(1 / 4 + late) / (float(proof.rows[0][3].rad()) * 2.0**problem.noise)
 
@@ -136,15 +142,15 @@ def test_a_time_that_is_a_ball_widens_the_set() -> None:
 
 def _by_an_integral_known_roughly() -> float:
     """|gamma|**2 known to a ball, the truth at its edge."""
-    motion = fixed.motion(Scene(Body.of_moments((1, 1, 1)), (0, 0, 0), (0, 0, 1)))
-    problem = fixed.problem(motion, 96)
-    (known,) = [i for i in conserved.prepared(motion, 400) if i.name == "|gamma|^2"]
+    motion = fixed_point_problem.motion(Scene(Body.of_moments((1, 1, 1)), (0, 0, 0), (0, 0, 1)))
+    problem = fixed_point_problem.problem(motion, 96)
+    (known,) = [i for i in integral_contraction.prepared(motion, 400) if i.name == "|gamma|^2"]
     off = arb((1, -40))
     radius = 2.0 ** (problem.noise - 30)
     state = zonotope.State(0, problem.start, np.diag([1.0] * 3 + [radius] * 3))
-    with fixed.ctx.workprec(400):
+    with fixed_point_problem.ctx.workprec(400):
         value = known.value + 2 * off + arb(0, 2.0**-39)
-        after = conserved.shrunk(problem, state, [known._replace(value=value)])
+        after = integral_contraction.shrunk(problem, state, [known._replace(value=value)])
     assert after is not state
     true = abs(Fraction(1) - Fraction(after.centre[5], 1 << problem.fine)) * 2**problem.noise
     return float(true / Fraction(float(after.radii[5])))
@@ -152,16 +158,16 @@ def _by_an_integral_known_roughly() -> float:
 
 def test_an_integral_whose_value_is_a_ball_shrinks_the_set_no_further() -> None:
     assert 1e-3 < _by_an_integral_known_roughly() <= 1.0
-    with without(conserved, "_measured", "+ upper(missing - arb(float(rest[k])))", ""):
+    with without(integral_contraction, "_measured", "+ upper(missing - arb(float(rest[k])))", ""):
         assert _by_an_integral_known_roughly() > 1.0
 
 
 def _by_an_integral_of_a_rough_slope() -> float:
     """|gamma|**2, its gradient known to one part in ten, the truth half way out in the set."""
-    motion = fixed.motion(Scene(Body.of_moments((1, 1, 1)), (0, 0, 0), (0, 0, 1)))
-    problem = fixed.problem(motion, 96)
-    (known,) = [i for i in conserved.prepared(motion, 400) if i.name == "|gamma|^2"]
-    with fixed.ctx.workprec(400):
+    motion = fixed_point_problem.motion(Scene(Body.of_moments((1, 1, 1)), (0, 0, 0), (0, 0, 1)))
+    problem = fixed_point_problem.problem(motion, 96)
+    (known,) = [i for i in integral_contraction.prepared(motion, 400) if i.name == "|gamma|^2"]
+    with fixed_point_problem.ctx.workprec(400):
         rough = [
             BallPolynomial(tuple((key, value * arb(0.95, 0.06)) for key, value in row.terms))
             for row in known.gradient
@@ -169,7 +175,7 @@ def _by_an_integral_of_a_rough_slope() -> float:
     radius = 2.0**30
     start = (*problem.start[:5], problem.start[5] + (1 << (problem.fine - problem.noise + 29)))
     state = zonotope.State(0, start, np.diag([1.0] * 5 + [radius]))
-    after = conserved.shrunk(problem, state, [known._replace(gradient=tuple(rough))])
+    after = integral_contraction.shrunk(problem, state, [known._replace(gradient=tuple(rough))])
     assert after is not state
     true = abs(Fraction(1) - Fraction(after.centre[5], 1 << problem.fine)) * 2**problem.noise
     return float(true / Fraction(float(after.radii[5])))
@@ -177,15 +183,15 @@ def _by_an_integral_of_a_rough_slope() -> float:
 
 def test_a_slope_that_is_not_sharp_widens_what_an_integral_leaves() -> None:
     assert 0.1 < _by_an_integral_of_a_rough_slope() <= 1.0
-    with without(conserved, "_measured", "off * eps", "0.0 * eps"):
+    with without(integral_contraction, "_measured", "off * eps", "0.0 * eps"):
         assert _by_an_integral_of_a_rough_slope() > 1.0
 
 
 def _on_a_coarse_grid() -> float:
     """|gamma|**2, states rounded to a grid far coarser than the set that is left."""
-    motion = fixed.motion(Scene(Body.of_moments((1, 1, 1)), (0, 0, 0), (0, 0, 1)))
-    problem = fixed.problem(motion, 96)
-    known = [i for i in conserved.prepared(motion, 400) if i.name == "|gamma|^2"]
+    motion = fixed_point_problem.motion(Scene(Body.of_moments((1, 1, 1)), (0, 0, 0), (0, 0, 1)))
+    problem = fixed_point_problem.problem(motion, 96)
+    known = [i for i in integral_contraction.prepared(motion, 400) if i.name == "|gamma|^2"]
     coarse, ticks = problem.noise - 20, 41
     problem = replace(problem, fine=coarse)
     worst = 0.0
@@ -194,10 +200,10 @@ def _on_a_coarse_grid() -> float:
         start = (0, 0, 0, 0, 0, (1 << coarse) + ticks)
         radius = 2.0**20 * (ticks + 1)
         truth = 1 + Fraction(off, 8 << coarse)
-        with fixed.ctx.workprec(400):
+        with fixed_point_problem.ctx.workprec(400):
             value = arb(fmpq(truth.numerator, truth.denominator)) ** 2
         state = zonotope.State(0, start, np.diag([1.0] * 5 + [radius]))
-        after = conserved.shrunk(problem, state, [known[0]._replace(value=value)])
+        after = integral_contraction.shrunk(problem, state, [known[0]._replace(value=value)])
         assert after is not state
         true = abs(truth - Fraction(after.centre[5], 1 << coarse)) * 2**problem.noise
         worst = max(worst, float(true / Fraction(float(after.radii[5]))))
@@ -206,7 +212,7 @@ def _on_a_coarse_grid() -> float:
 
 def test_the_grid_of_states_is_part_of_what_an_integral_leaves() -> None:
     assert 0.1 < _on_a_coarse_grid() <= 1.0
-    with without(conserved, "shrunk", "+ lost + left)", "+ lost)"):
+    with without(integral_contraction, "shrunk", "+ lost + left)", "+ lost)"):
         assert _on_a_coarse_grid() > 1.0
 
 

@@ -11,8 +11,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from polhode.enclosures import bound, correction, defect, fixed, march, pieces, zonotope
-from polhode.enclosures.fixed import CLOCK, Refused
+from polhode.enclosures import (
+    defect,
+    fixed_point_problem,
+    newton_correction,
+    proof_loop,
+    step_bound,
+    taylor_polynomials,
+    zonotope,
+)
+from polhode.enclosures.fixed_point_problem import CLOCK, Refused
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from shared import enclosure_checker as checker
@@ -79,21 +87,21 @@ def _window(
     scene: Scene | None = None,
 ) -> Any:
     """A step of a heavy top with altered data, V, and polynomials moved off their doubles."""
-    motion = fixed.motion(scene or asymmetric("0.9"))
-    problem = change(fixed.problem(motion, 60))
+    motion = fixed_point_problem.motion(scene or asymmetric("0.9"))
+    problem = change(fixed_point_problem.problem(motion, 60))
     state = zonotope.beginning(problem)
-    found = march.HONEST.window(problem, state, 1 << (CLOCK - 1), 1, 1.0)
-    shape = pieces.of_doubles(found.times, found.series)
+    found = proof_loop.HONEST.window(problem, state, 1 << (CLOCK - 1), 1, 1.0)
+    shape = taylor_polynomials.of_doubles(found.times, found.series)
     if moved:
         off = np.zeros(shape.near.shape)
         off[:, 0] = np.sign(shape.near[:, 0]) * np.ldexp(moved, problem.noise)
-        shape = pieces.improved(shape, off, problem.noise, shape.level)
-    a = bound.jacobian(problem, shape.near, shape.lengths)
+        shape = taylor_polynomials.improved(shape, off, problem.noise, shape.level)
+    a = step_bound.jacobian(problem, shape.near, shape.lengths)
     matrices = v(a)
     known = defect.defects(problem, shape)
     gaps = defect.gaps(problem, shape, state.centre)
-    e = correction.correction(a, known.values, correction.matrices(a), gaps)
-    return motion, bound.bounds(problem, known, e, matrices)
+    e = newton_correction.correction(a, known.values, newton_correction.matrices(a), gaps)
+    return motion, step_bound.bounds(problem, known, e, matrices)
 
 
 def _ratio(name: str, *given: Any) -> float:
@@ -115,13 +123,13 @@ def _wrong_factors(problem: Any) -> Any:
 
 
 def _bent(a: Any) -> Any:
-    found = correction.matrices(a)
+    found = newton_correction.matrices(a)
     found[:, 1:] *= 0.99
     return found
 
 
 def _short(a: Any) -> Any:
-    return correction.matrices(a)[:, :4]
+    return newton_correction.matrices(a)[:, :4]
 
 
 def _steep(problem: Any) -> Any:
@@ -138,45 +146,49 @@ def _steep(problem: Any) -> Any:
 
 
 DISC = Scene(Body.of_moments((2, 3, 5), ("0.3", "0.2", "0.5"), 1), (1, 1, 1), ("0.6", 0, "0.8"))
-GAPS = (bound, "_jacobian_gaps", "found * lengths[:, None]", "0.0 * found")
+GAPS = (step_bound, "_jacobian_gaps", "found * lengths[:, None]", "0.0 * found")
 NUMBERS: list[tuple[str, tuple[Any, ...], tuple[Any, str, str, str]]] = [
-    ("matrix residual", (_same, _bent), (bound, "bounds", "growth * (miss", "(miss")),
+    ("matrix residual", (_same, _bent), (step_bound, "bounds", "growth * (miss", "(miss")),
     (
         "matrix residual",
         (_same, _short),
-        (bound, "_matrix_residual", "np.sum(after * v_norms, axis=1) / terms", "0.0"),
+        (step_bound, "_matrix_residual", "np.sum(after * v_norms, axis=1) / terms", "0.0"),
     ),
     (
         "matrix residual",
-        (_same, correction.matrices, 1e-3),
-        (bound, "_matrix_residual", "np.sum(a_gaps, axis=1) * sizes", "0.0"),
+        (_same, newton_correction.matrices, 1e-3),
+        (step_bound, "_matrix_residual", "np.sum(a_gaps, axis=1) * sizes", "0.0"),
     ),
-    ("delta", (_same, correction.matrices, 1e-3), (bound, "_delta", "a_gap * sigma", "0.0")),
     (
-        "alpha",
-        (_same, correction.matrices, 1e-3),
-        (bound, "bounds", "(a_norms + a_gaps)", "a_norms"),
-    ),
-    ("alpha", (_same, correction.matrices, 1e-3), GAPS),
-    (
-        "alpha",
-        (_same, correction.matrices, 1e-3),
-        (bound, "_jacobian_gaps", "4.0 * max(1.0, bend) * pieces.gap", "0.0 * pieces.gap"),
+        "delta",
+        (_same, newton_correction.matrices, 1e-3),
+        (step_bound, "_delta", "a_gap * sigma", "0.0"),
     ),
     (
         "alpha",
-        (_same, correction.matrices, 1e-3),
-        (pieces, "improved", "old.gap + moved", "old.gap + 0.0 * moved"),
+        (_same, newton_correction.matrices, 1e-3),
+        (step_bound, "bounds", "(a_norms + a_gaps)", "a_norms"),
+    ),
+    ("alpha", (_same, newton_correction.matrices, 1e-3), GAPS),
+    (
+        "alpha",
+        (_same, newton_correction.matrices, 1e-3),
+        (step_bound, "_jacobian_gaps", "4.0 * max(1.0, bend) * pieces.gap", "0.0 * pieces.gap"),
     ),
     (
         "alpha",
-        (_wrong_factors, correction.matrices),
-        (bound, "_jacobian_gaps", "found[:, 0] += 2.0 * slack", "pass"),
+        (_same, newton_correction.matrices, 1e-3),
+        (taylor_polynomials, "improved", "old.gap + moved", "old.gap + 0.0 * moved"),
     ),
     (
         "alpha",
-        (_steep, correction.matrices, 0.0, DISC),
-        (bound, "_jacobian_gaps", "+ 2.0 * slack * largest", ""),
+        (_wrong_factors, newton_correction.matrices),
+        (step_bound, "_jacobian_gaps", "found[:, 0] += 2.0 * slack", "pass"),
+    ),
+    (
+        "alpha",
+        (_steep, newton_correction.matrices, 0.0, DISC),
+        (step_bound, "_jacobian_gaps", "+ 2.0 * slack * largest", ""),
     ),
 ]
 
@@ -192,7 +204,7 @@ def test_a_number_of_a_step_holds_alone_and_not_without_its_term(
 
 def test_beta_holds_for_the_exact_constants() -> None:
     # |bend| <= 1 for a body, so 2 decides; larger ones are taken as they are, with their radii
-    problem = fixed.problem(fixed.motion(asymmetric("0.9")), 60)
+    problem = fixed_point_problem.problem(fixed_point_problem.motion(asymmetric("0.9")), 60)
     assert 2.0 <= problem.beta < 2.0001
     wide = replace(problem, factors=(3.0,) * 9, factor_slack=(0.5,) * 9)
     assert 3.5 <= wide.beta < 3.5001

@@ -10,8 +10,8 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.enclosures import march
-from polhode.taylor.outcomes import Outcome
+from polhode.enclosures import proof_loop
+from polhode.motion.outcomes import Outcome
 
 SCENE = "general/asymmetric-regular"
 EVENTS = """
@@ -52,7 +52,7 @@ def test_what_was_proven_until_an_interruption_is_kept() -> None:
 
 def test_a_limit_on_the_time_stops_between_windows(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = polhode.certify(SCENE, at=[1, 300], digits=15)
-    monkeypatch.setattr(march, "time", _Clock())
+    monkeypatch.setattr(proof_loop, "time", _Clock())
     monkeypatch.setattr("polhode.enclosures.certify.time", _Clock())
     found = polhode.certify(SCENE, at=[1, 300], digits=15, max_seconds=3)
     assert found.outcome is Outcome.TIME_LIMIT
@@ -63,7 +63,7 @@ def test_a_limit_on_the_time_stops_between_windows(monkeypatch: pytest.MonkeyPat
 
 
 def test_a_proof_stopped_before_the_first_time_has_no_rows(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(march, "time", _Clock())
+    monkeypatch.setattr(proof_loop, "time", _Clock())
     monkeypatch.setattr("polhode.enclosures.certify.time", _Clock())
     found = polhode.certify(SCENE, at=[300], digits=15, max_seconds=2)
     assert found.times == found.centres == found.digits == ()
@@ -101,7 +101,7 @@ def test_the_command_line_prints_what_is_proven(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = ("reference", SCENE, "--certified", "--digits", "15", "--at", "1,300", "--json")
-    monkeypatch.setattr(march, "time", _Clock())
+    monkeypatch.setattr(proof_loop, "time", _Clock())
     monkeypatch.setattr("polhode.enclosures.certify.time", _Clock())
     assert cli.main((*asked, "--max-seconds", "3")) == 3
     out, err = capsys.readouterr()

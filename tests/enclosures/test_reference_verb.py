@@ -10,7 +10,7 @@ import pytest
 import polhode
 from polhode import cli
 from polhode.enclosures.result import rounded_up
-from polhode.numbers.convert import exactly
+from polhode.numbers.conversion import exactly
 
 CASE = "kovalevskaya/generic"
 

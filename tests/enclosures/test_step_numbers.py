@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from polhode.enclosures import bound, defect, fixed, march, zonotope
-from polhode.enclosures.fixed import CLOCK
+from polhode.enclosures import defect, fixed_point_problem, proof_loop, step_bound, zonotope
+from polhode.enclosures.fixed_point_problem import CLOCK
 from shared import enclosure_checker as checker
 from shared import enclosure_trials as trials
 from shared.mutation import without
@@ -20,13 +20,13 @@ LEAST = {"alpha": 0.999, "growth": 0.999, "sigma": 0.999, "delta": 0.2}
 
 def _windows(rng: random.Random, kinds: Any, levels: Any, steps: int = 12) -> Any:
     for kind in kinds:
-        motion = fixed.motion(trials.random_scene(rng, kind))
+        motion = fixed_point_problem.motion(trials.random_scene(rng, kind))
         for noise in levels:
-            problem = fixed.problem(motion, noise)
+            problem = fixed_point_problem.problem(motion, noise)
             state = zonotope.beginning(problem)
             for _ in range(2):  # a second window starts from rounded states
                 end = state.time + (20 << CLOCK)
-                known = march._window(problem, state, end, steps, 0.3, march.HONEST)
+                known = proof_loop._window(problem, state, end, steps, 0.3, proof_loop.HONEST)
                 assert known is not None
                 yield motion, state, known
                 state, _, _ = zonotope.advance(state, known, [])
@@ -73,15 +73,15 @@ def test_no_number_of_many_steps_is_below_its_exact_value() -> None:
 )
 def test_the_checker_sees_a_dropped_factor(name: str, change: tuple[str, str, str]) -> None:
     rng = random.Random(3)
-    motion = fixed.motion(trials.random_scene(rng, "generic"))
-    problem = fixed.problem(motion, 60, 44)
+    motion = fixed_point_problem.motion(trials.random_scene(rng, "generic"))
+    problem = fixed_point_problem.problem(motion, 60, 44)
     state = zonotope.beginning(problem)
 
     def known() -> Any:
-        return march._window(problem, state, 3 << CLOCK, 4, 0.3, march.HONEST)
+        return proof_loop._window(problem, state, 3 << CLOCK, 4, 0.3, proof_loop.HONEST)
 
     assert max(_ratios(motion, known(), name)) <= 1.0
-    with without(bound, *change):
+    with without(step_bound, *change):
         wrong = known()
     assert max(_ratios(motion, wrong, name)) > 1.0
 
@@ -98,20 +98,20 @@ def test_the_doubles_of_a_defect_are_off_by_no_more_than_they_say() -> None:
     from flint import fmpz
 
     rng = random.Random(4)
-    motion = fixed.motion(trials.random_scene(rng, "generic"))
-    problem = fixed.problem(motion, 100)
+    motion = fixed_point_problem.motion(trials.random_scene(rng, "generic"))
+    problem = fixed_point_problem.problem(motion, 100)
     state = zonotope.beginning(problem)
-    known = march._window(problem, state, 5 << CLOCK, 6, 0.3, march.HONEST)
+    known = proof_loop._window(problem, state, 5 << CLOCK, 6, 0.3, proof_loop.HONEST)
     assert known is not None
     defects = defect.defects(problem, known.pieces)
     pieces, level = known.pieces, known.pieces.level
     for n, row in enumerate(pieces.rows):
         h = pieces.times[n + 1] - pieces.times[n]
-        for i, (a, b) in enumerate(fixed.CYCLE):
+        for i, (a, b) in enumerate(fixed_point_problem.CYCLE):
             exact = row[3 + i].derivative() * (fmpz(1) << (CLOCK + level))
             exact -= (row[3 + a] * row[b] - row[3 + b] * row[a]) * h
             unit = Fraction(2) ** (problem.noise - 2 * level - CLOCK)
             for k in range(defects.values.shape[1]):
                 true = int(exact[k]) * unit
                 off = abs(true - Fraction(float(defects.values[n, k, 3 + i])))
-                assert off <= Fraction(bound.gamma(defects.roundings)) * abs(true)
+                assert off <= Fraction(step_bound.gamma(defects.roundings)) * abs(true)

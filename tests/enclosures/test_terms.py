@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
-from polhode.enclosures import bound, conserved, zonotope
-from polhode.enclosures.fixed import Refused
+from polhode.enclosures import integral_contraction, step_bound, zonotope
+from polhode.enclosures.fixed_point_problem import Refused
 from shared import enclosure_terms as terms
 from shared.mutation import without
 
 #: The term, the motion that shows it, and how the term is dropped: module, function, old, new.
 DROPPED: list[tuple[str, Callable[[], list[float]], tuple[Any, str, str, str]]] = [
-    ("residual", terms.residual, (bound, "_delta", "UP * (found +", "UP * (0.0 * found +")),
+    ("residual", terms.residual, (step_bound, "_delta", "UP * (found +", "UP * (0.0 * found +")),
     ("jump", terms.jumps, (zonotope, "_Carried.step", "(jump + gamma(7) * hull)", "hull * 1e-16")),
     ("start", terms.start_box, (zonotope, "beginning", "np.diag(problem.spread)", "np.eye(6)")),
     (
@@ -26,7 +26,7 @@ DROPPED: list[tuple[str, Callable[[], list[float]], tuple[Any, str, str, str]]] 
     (
         "constants",
         terms.constants,
-        (bound, "_delta", "pieces.lengths * np.max(missed, axis=1)", "0.0"),
+        (step_bound, "_delta", "pieces.lengths * np.max(missed, axis=1)", "0.0"),
     ),
     ("sigma", terms.quadratic, (zonotope, "_accepted", "(sigma + r) ** 2", "r ** 2")),
     ("r", terms.second_order, (zonotope, "_accepted", "(sigma + r) ** 2", "sigma ** 2")),
@@ -39,9 +39,13 @@ DROPPED: list[tuple[str, Callable[[], list[float]], tuple[Any, str, str, str]]] 
     (
         "matrix residual",
         terms.matrix,
-        (bound, "_matrix_residual", "UP * (found +", "UP * (0.0 * found +"),
+        (step_bound, "_matrix_residual", "UP * (found +", "UP * (0.0 * found +"),
     ),
-    ("|I - V(0)|", terms.matrix_start, (bound, "bounds", "growth * (miss +", "growth * (0.0 +")),
+    (
+        "|I - V(0)|",
+        terms.matrix_start,
+        (step_bound, "bounds", "growth * (miss +", "growth * (0.0 +"),
+    ),
     ("s at an output", terms.quadratic, (zonotope, "_ball", "radii + step.s", "radii")),
     ("s in the chain", terms.residual, (zonotope, "_Carried.step", "UP * (s +", "UP * (0.0 +")),
     (
@@ -67,9 +71,9 @@ DROPPED: list[tuple[str, Callable[[], list[float]], tuple[Any, str, str, str]]] 
     (
         "curvature of an integral",
         terms.integrals,
-        (conserved, "_measured", "0.5 * eps * curved", "0.0 * eps * curved"),
+        (integral_contraction, "_measured", "0.5 * eps * curved", "0.0 * eps * curved"),
     ),
-    ("w of an integral", terms.integrals, (conserved, "shrunk", "size @ width +", "")),
+    ("w of an integral", terms.integrals, (integral_contraction, "shrunk", "size @ width +", "")),
 ]
 _SEEN: dict[str, list[float]] = {}
 
@@ -89,7 +93,7 @@ def test_a_dropped_term_is_noticed(term: str) -> None:
     with without(*change):
         try:
             found = motion()
-        except conserved.Contradiction:
+        except integral_contraction.Contradiction:
             return
     assert max(found) > 1.0
 

@@ -11,11 +11,11 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.equations import equilibrium
-from polhode.numbers import convert, number_types
+from polhode.motion.outcomes import Outcome
+from polhode.numbers import conversion, number_types
 from polhode.numbers.exact import sqrt
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes.event import Event
-from polhode.taylor.outcomes import Outcome
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
 F = Fraction
@@ -66,7 +66,7 @@ def test_a_relative_equilibrium_stands_still(name, number):
     assert run.projection is None
     assert all(list(row) == list(run.states[0]) for row in run.states)
     for x, exact in zip(run.states[0], scene.start, strict=True):
-        error = abs(convert.exactly(x) - number_types.mp(100).rounded(exact))
+        error = abs(conversion.exactly(x) - number_types.mp(100).rounded(exact))
         assert error <= number.eps * 2
 
 
@@ -84,16 +84,16 @@ def test_a_hair_off_is_a_motion(name):
 @pytest.mark.parametrize("end", [500, -500])
 def test_a_permanent_rotation_turns_uniformly(number, end):
     """psi grows like |w| t; the quaternion keeps its length, and gamma is the one it says."""
-    from polhode.numbers.private import mpmath
+    from polhode.numbers.mpmath_context import mpmath
 
     scene = replace(staude(), psi=F(1, 3), outputs=("angles", "attitude"))
     run = polhode.integrate(scene, number, at=[0, end])
     with mpmath.workprec(number.bits + 64):
         rate = mpmath.sqrt(3)
-        psi, theta, phi = (convert.to_mpf(convert.exactly(x), 400) for x in run.angles[1])
+        psi, theta, phi = (conversion.to_mpf(conversion.exactly(x), 400) for x in run.angles[1])
         assert abs(psi - (mpmath.mpf(1) / 3 + rate * end)) <= 1000 * mpmath.mpf(2) ** -number.bits
         assert [float(theta), float(phi)] == [float(x) for x in run.angles[0][1:]]
-        q0, q1, q2, q3 = (convert.to_mpf(convert.exactly(x), 400) for x in run.attitude[1])
+        q0, q1, q2, q3 = (conversion.to_mpf(conversion.exactly(x), 400) for x in run.attitude[1])
         # psi + phi = 2 arg(q0 + i q3), psi - phi = 2 arg(q1 + i q2)
         for whole, half in (
             (psi + phi, mpmath.atan2(q3, q0)),

@@ -12,16 +12,16 @@ import pytest
 import polhode
 from polhode import cli
 from polhode.equations.form import equations, source
-from polhode.judging.digits import worst_digits
-from polhode.numbers import convert, number_types
-from polhode.numbers.convert import exactly
-from polhode.numbers.private import mpmath
+from polhode.judging.correct_digits import worst_digits
+from polhode.motion.outcomes import Outcome
+from polhode.numbers import conversion, number_types
+from polhode.numbers.conversion import exactly
+from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes.body import Body
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
-from polhode.scenes.words import FORMS
-from polhode.taylor.outcomes import Outcome
-from polhode.taylor.singular_set import nearest
+from polhode.scenes.vocabulary import FORMS
+from polhode.taylor.integrator.singularities import nearest
 from shared.form_trials import turned
 from shared.motions import ASYMMETRIC, asymmetric, in_other_units, same_bits
 from shared.policies import change_policy
@@ -106,13 +106,13 @@ def test_states_are_read_out_in_more_precision_than_the_run_has(name, number):
     form = equations(scene)
     with mpmath.workprec(200):
         # the rounded variables at t = 0, read out exactly
-        k = {key: convert.to_mpf(x, 200) for key, x in form.coefficients.items()}
-        values = [convert.to_mpf(run.number.rounded(x), 200) for x in form.start]
+        k = {key: conversion.to_mpf(x, 200) for key, x in form.coefficients.items()}
+        values = [conversion.to_mpf(run.number.rounded(x), 200) for x in form.start]
         from shared.form_trials import state
 
         wanted = state(form, values, k)
         for x, y in zip(run.states[0], wanted, strict=True):
-            error = abs(convert.to_mpf(exactly(x), 200) - y)
+            error = abs(conversion.to_mpf(exactly(x), 200) - y)
             assert error <= float(run.number.eps) * (abs(y) * 0.501 + 1e-3)
 
 
@@ -131,7 +131,7 @@ def test_the_general_form_of_a_body_turned_rationally_gives_the_turned_states():
         polhode.integrate(s, digits=40, at=[10]) for s in (replace(scene, form="general"), other)
     ]
     with mpmath.workprec(200):
-        row = [convert.to_mpf(exactly(x), 200) for x in runs[0].states[0]]
+        row = [conversion.to_mpf(exactly(x), 200) for x in runs[0].states[0]]
         spun = [[mpmath.mpf(x.numerator) / x.denominator for x in line] for line in TURN]
         expected = [*turned(spun, row[:3]), *turned(spun, row[3:])]
         worst = max(abs(a - b) for a, b in zip(expected, runs[1].states[0], strict=True))
@@ -258,19 +258,19 @@ def test_forms_on_the_command_line(capsys, tmp_path):
 
 
 def test_a_wrong_equation_in_one_form_fails_the_cross_checks(monkeypatch):
-    from polhode.checks import forms
+    from polhode.checks import form_cross_checks
     from polhode.equations.forms import matrices
 
     honest = matrices.across
-    monkeypatch.setattr(forms, "SCENES", ("kovalevskaya/generic",))
-    monkeypatch.setattr(forms, "FORMS", ("principal", "momentum", "hamiltonian"))
-    assert [c.passed for c in forms.cross_checks()] == [True, True]
+    monkeypatch.setattr(form_cross_checks, "SCENES", ("kovalevskaya/generic",))
+    monkeypatch.setattr(form_cross_checks, "FORMS", ("principal", "momentum", "hamiltonian"))
+    assert [c.passed for c in form_cross_checks.cross_checks()] == [True, True]
 
     def corrupted(vector):
         return tuple(tuple(x * (1 + F(1, 10**36)) for x in row) for row in honest(vector))
 
     monkeypatch.setattr(matrices, "across", corrupted)
-    assert [c.passed for c in forms.cross_checks()] == [False, True]
+    assert [c.passed for c in form_cross_checks.cross_checks()] == [False, True]
 
 
 @pytest.mark.slow

@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 import polhode
 from polhode.common.errors import BadInput
 from polhode.equations.forms import hamiltonian, lagrangian, routhian
-from polhode.numbers.convert import to_mpf
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.conversion import to_mpf
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.number_types import DOUBLE, mp
-from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.taylor.outcomes import Outcome
 from shared import form_trials as trials
 from shared import series
 from shared.form_integrals import form_integrals

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 import polhode
 from polhode.equations.form import equations
 from polhode.equations.forms import matrices
-from polhode.numbers.convert import exactly
+from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import sign
-from polhode.numbers.private import mpmath
+from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes.body import Body, cross, dot
 from polhode.scenes.scene import Scene
 from shared import form_trials as trials

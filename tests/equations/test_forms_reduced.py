@@ -12,12 +12,12 @@ import polhode
 from polhode.common.errors import BadInput
 from polhode.equations.forms import momentum_only, omega_only
 from polhode.equations.forms.without_gamma import gamma_from_omega
-from polhode.numbers.convert import to_mpf
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.conversion import to_mpf
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.number_types import DOUBLE, mp
-from polhode.numbers.private import mpf, mpmath
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.taylor.outcomes import Outcome
 from shared import form_trials as trials
 from shared import series
 from shared.form_integrals import form_integrals

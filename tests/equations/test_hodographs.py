@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 import polhode
 from polhode.cli import main
 from polhode.equations import hodographs
-from polhode.judging import rolling
+from polhode.judging import rolling_cones
 from polhode.numbers import number_types
-from polhode.numbers.convert import exactly, to_extended, to_mpf
+from polhode.numbers.conversion import exactly, to_extended, to_mpf
+from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
-from polhode.numbers.private import mpmath
 
 NUMBERS = ("double", "extended", "quad", "mp")
 TOPS = ("euler/largest-axis", "lagrange/turned-axes", "kovalevskaya/generic", "pendulum/librating")
@@ -109,7 +109,7 @@ def test_the_body_hodograph_is_the_states_own_numbers():
 def test_the_hodographs_roll_on_each_other(name, number):
     """Common tangent and equal arcs, to what rounding leaves of differences over 1/200."""
     run = polhode.integrate(scene_of(name), number)
-    found, eps = rolling.rolling(run), float(run.number.eps)
+    found, eps = rolling_cones.rolling(run), float(run.number.eps)
     floor = 1e-45 if number == "mp" else 0.0  # what the differences leave
     assert eps < found.tangent < 3000 * eps + floor
     assert 0 <= found.arc < 30 * eps + floor
@@ -121,9 +121,9 @@ def test_a_curve_that_slips_is_seen():
     half = np.array([float(t) for t in run.times]) * 0.5e-6
     a, b, c, d = run.attitude.T
     slipping = np.array([a - half * d, b - half * c, c + half * b, d + half * a]).T
-    found = rolling.rolling(replace(run, attitude=slipping))
+    found = rolling_cones.rolling(replace(run, attitude=slipping))
     assert 1e-7 < found.tangent < 1e-5
-    assert rolling.rolling(run).tangent < 1e-11
+    assert rolling_cones.rolling(run).tangent < 1e-11
 
 
 def test_arcs_are_measured_by_the_time_between_samples_and_not_by_the_date():
@@ -134,7 +134,7 @@ def test_arcs_are_measured_by_the_time_between_samples_and_not_by_the_date():
     turning = np.array([a - quarter * d, b - quarter * c, c + quarter * b, d + quarter * a]).T
     early = replace(run, attitude=turning)
     late = replace(early, times=tuple(t + 100 for t in run.times))
-    now, then = rolling.rolling(early), rolling.rolling(late)
+    now, then = rolling_cones.rolling(early), rolling_cones.rolling(late)
     assert 1e-7 < now.arc < 1e-2
     assert then.arc == pytest.approx(now.arc, rel=1e-12)
     assert then.tangent == pytest.approx(now.tangent, rel=1e-12)
@@ -145,7 +145,7 @@ def test_the_rolling_condition_needs_hodographs_and_samples():
     without = polhode.integrate(scene_of("kovalevskaya/generic", outputs=("attitude",)))
     for run in (few, without):
         with pytest.raises(ValueError, match="25 times"):
-            rolling.rolling(run)
+            rolling_cones.rolling(run)
 
 
 def test_omega_rate_is_the_form_that_is_integrated():
@@ -157,7 +157,7 @@ def test_omega_rate_is_the_form_that_is_integrated():
     fn = Functions(Fraction(0), None, None, None)
     ours = principal.field(state, principal.coefficients(scene.body), fn)[:3]
     given_mpf = [to_mpf(x, 120) for x in state]
-    vectors = rolling.omega_rate(scene.body, given_mpf[:3], given_mpf[3:], 120)
+    vectors = rolling_cones.omega_rate(scene.body, given_mpf[:3], given_mpf[3:], 120)
     for x, y in zip(vectors, ours, strict=True):
         assert abs(exactly(x) - y) < Fraction(1, 2**112)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from polhode.equations import spinors, turns
+from polhode.equations import quaternion_products, spinors
 
 EPS = 2.0**-52
 
@@ -25,18 +25,18 @@ def test_the_vertical_is_the_spinors_point_on_the_sphere():
     a, b = spinors.spinor(q)
     across = 2 * a.conj() * b
     point = np.array([across.real, across.imag, abs(a) ** 2 - abs(b) ** 2])
-    assert np.abs(point - np.array(turns.vertical(q))).max() <= 8 * EPS
+    assert np.abs(point - np.array(quaternion_products.vertical(q))).max() <= 8 * EPS
 
 
 def test_a_section_has_gamma_on_the_sphere_whatever_the_direction():
     gamma, a = units(500, 3, 3), units(500, 3, 4)
     a[:, :2] = np.array([[0, 0], [0, 0], [1, -1]])
     z = spinors.section(spinors.of_direction(a), gamma)
-    found = np.array(turns.vertical(spinors.quaternion(z)))
+    found = np.array(quaternion_products.vertical(spinors.quaternion(z)))
     far = 1 + (gamma * a).sum(axis=0) > 0.01
     assert far.sum() > 450
     assert np.abs(found - gamma)[:, far].max() <= 400 * EPS
-    own = np.array(turns.vertical(spinors.quaternion(spinors.of_direction(a))))
+    own = np.array(quaternion_products.vertical(spinors.quaternion(spinors.of_direction(a))))
     assert np.abs(own - a).max() <= 8 * EPS
 
 
@@ -50,8 +50,8 @@ def test_the_rate_is_that_of_the_phase_in_units_of_the_section(seed):
     def phase(t):
         length = np.sqrt(w @ w)
         turn = [np.cos(length * t / 2), *(np.sin(length * t / 2) * w / length)]
-        now = np.array(turns.product(q, turn))
-        gamma = np.array(turns.vertical(now))[:, None]
+        now = np.array(quaternion_products.product(q, turn))
+        gamma = np.array(quaternion_products.vertical(now))[:, None]
         z = spinors.section(spinors.of_direction(a), gamma)
         return 2 * np.angle(spinors.product(z, spinors.spinor(now[:, None])))[0], gamma
 

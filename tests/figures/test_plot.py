@@ -14,8 +14,8 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.figures import over_time, samples
-from polhode.figures.globe import Globe, facing_most
+from polhode.figures.canvas import curve_sampling, over_time
+from polhode.figures.canvas.globe import Globe, facing_most
 
 pytest.importorskip("matplotlib")
 SVG = "{http://www.w3.org/2000/svg}"
@@ -170,7 +170,7 @@ def test_cusps_and_loops_of_the_apex_stand_on_the_sphere(tmp_path, name):
 def test_the_error_shown_is_the_error_found(tmp_path, number):
     figure = Figure(plotted(tmp_path, TOP, "--what", "error", "--number", number))
     scene = replace(polhode.load(TOP), outputs=())  # of the errors no output is integrated
-    times = samples.shown_times(scene, None, over_time.SAMPLES)
+    times = curve_sampling.shown_times(scene, None, over_time.SAMPLES)
     worst = -polhode.compare(polhode.integrate(scene, number, at=times)).worst
     drawn = max(
         np.nanmax(log10s(figure, name, panel)) for name, panel in (("omega", 1), ("gamma", 2))
@@ -253,7 +253,7 @@ def test_json_says_what_was_drawn(tmp_path, capsys):
     out, err = capsys.readouterr()
     shown = json.loads(out)
     assert shown["file"] == str(path)
-    assert shown["samples"] == samples.SAMPLES
+    assert shown["samples"] == curve_sampling.SAMPLES
     assert 0 < shown["to"] < 200
     assert "of 10000" in err
     assert "--end" in err
@@ -312,7 +312,7 @@ def test_a_place_that_cannot_be_written_is_refused_before_the_run(
     tmp_path, monkeypatch, capsys, name
 ):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(samples, "run", None)
+    monkeypatch.setattr(curve_sampling, "run", None)
     assert main(["plot", TOP, "--what", "angles", "-o", name]) == 2
     assert capsys.readouterr().err.count("\n") == 1
     assert not list(tmp_path.iterdir())

@@ -23,8 +23,8 @@ import polhode
 from fuzz import hostile_values as values
 from fuzz.generate import mangled
 from polhode import cli
-from polhode.dynamics import section_jobs  # noqa: F401  (imported before memory is measured)
-from polhode.runs import parts
+from polhode.dynamics.sections import jobs  # noqa: F401  (imported before memory is measured)
+from polhode.runs.sweep import sweep_checkpoint
 from polhode.scenes.shapes import SHAPES
 
 Work = Callable[[], Any]
@@ -174,18 +174,18 @@ class Kept:
         self.whole = Path(f"folder/in/{verb}.npz")
         self.store = Path(f"folder/in/{verb}.store")
         self.folder = Path(f"folder/in/{verb}.npz.parts")
-        every, parts.EVERY = parts.EVERY, 0.0
-        removed = parts.Parts.remove
+        every, sweep_checkpoint.EVERY = sweep_checkpoint.EVERY, 0.0
+        removed = sweep_checkpoint.Parts.remove
         try:
-            parts.Parts.remove = lambda kept: kept.release()  # type: ignore[method-assign]
-            from polhode.runs.kept_folder import KeptFolder
+            sweep_checkpoint.Parts.remove = lambda kept: kept.release()  # type: ignore[method-assign]
+            from polhode.common.checkpoint import KeptFolder
 
             below = KeptFolder.remove
             KeptFolder.remove = lambda kept: kept.release()  # type: ignore[method-assign]
             assert cli.main([*self.words, "--json"]) == 0
             KeptFolder.remove = below  # type: ignore[method-assign]
         finally:
-            parts.Parts.remove, parts.EVERY = removed, every  # type: ignore[method-assign]
+            sweep_checkpoint.Parts.remove, sweep_checkpoint.EVERY = removed, every  # type: ignore[method-assign]
         self.folder.rename(self.store)
         self.right = self.said()
 

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polhode import cli
-from polhode.runs import parts
+from polhode.runs.sweep import sweep_checkpoint
 from polhode.studies import report
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
@@ -184,7 +184,7 @@ class Trials:
 def trials(work: str, moments: int, seed: int) -> Trials:
     """A work ended at so many random moments by each signal, in the present folder."""
     report.STUDIES = ("published",)  # one that ends within seconds
-    parts.EVERY = 0.02
+    sweep_checkpoint.EVERY = 0.02
     given: list[Path] = []
 
     def prepare(folder: Path) -> None:
@@ -204,11 +204,11 @@ def trials(work: str, moments: int, seed: int) -> Trials:
 
 def _imported() -> None:
     """What every work imports, once, but for ``run``: its moments fall into imports, too."""
-    import polhode.figures.canvas
-    import polhode.judging.reference
+    import polhode.figures.canvas.canvas
+    import polhode.judging.references.reference
     import polhode.output.sweeps
     import polhode.runs.integrate
-    import polhode.taylor.batches  # noqa: F401
+    import polhode.taylor.batches.batch_integrator  # noqa: F401
 
 
 def main() -> None:

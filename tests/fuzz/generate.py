@@ -218,7 +218,7 @@ def call(random: Random, scene: polhode.Scene) -> tuple[str, Callable[[], Any]]:
     """A call of the front door with one or two arguments that are wrong, and how it is written."""
     import numpy as np
 
-    from polhode.numbers.private import mpf
+    from polhode.numbers.mpmath_context import mpf
 
     hostile = values.python(np.array, mpf)
     good: dict[str, tuple[list[Any], dict[str, Any]]] = {

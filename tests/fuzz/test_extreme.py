@@ -13,7 +13,7 @@ from random import Random
 import pytest
 
 import polhode
-from polhode.numbers.private import mpf, mpmath, own
+from polhode.numbers.mpmath_context import mpf, mpmath, own
 from shared import series
 
 DIGITS = 25

@@ -18,8 +18,8 @@ from fuzz import generate, promise
 from fuzz.campaign import case
 from polhode.common import files
 from polhode.output import description
-from polhode.runs import sweep_results
-from polhode.taylor.integrator import Integrator
+from polhode.runs.sweep import results
+from polhode.taylor.integrator.stepping import Integrator
 from shared.commands import STEPPING
 
 FAST = {"scene": 600, "call": 1300, "table": 50, "command": 50}
@@ -236,7 +236,7 @@ def test_one_long_cell_costs_no_reference_of_as_many_digits(monkeypatch):
 
 
 def test_a_table_of_many_right_digits_is_given_them_all():
-    from polhode.numbers.private import mpmath
+    from polhode.numbers.mpmath_context import mpmath
 
     exact = polhode.reference("top.toml")
     Path("right.csv").write_text(f"t,p\n1,{mpmath.nstr(exact.at([1], 420)[0][0], 410)}\n")
@@ -287,14 +287,14 @@ def test_ctrl_c_waits_until_files_are_whole(monkeypatch):
 
 
 def test_ctrl_c_while_a_sweep_is_read_out_loses_nothing(monkeypatch):
-    read = sweep_results.Reader.states
+    read = results.Reader.states
 
     def interrupted(*given):
-        monkeypatch.setattr(sweep_results.Reader, "states", read)
+        monkeypatch.setattr(results.Reader, "states", read)
         os.kill(os.getpid(), signal.SIGINT)
         return read(*given)
 
-    monkeypatch.setattr(sweep_results.Reader, "states", interrupted)
+    monkeypatch.setattr(results.Reader, "states", interrupted)
     many = polhode.integrate_many("top.toml", {"start.omega[1]": [1, "1.1"]}, at=[0])
     assert many.done
 

@@ -14,10 +14,10 @@ from typing import NamedTuple
 import pytest
 
 import polhode
-from polhode.judging.conditioning import conditioning
-from polhode.judging.digits import digits_of, errors, rate_scale
+from polhode.judging.conditioning.conditioning import conditioning
+from polhode.judging.correct_digits import digits_of, errors, rate_scale
 from polhode.numbers import number_types
-from polhode.numbers.convert import exactly, to_mpf
+from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene

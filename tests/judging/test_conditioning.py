@@ -17,16 +17,16 @@ import polhode
 from polhode import cli
 from polhode.equations.forms import principal
 from polhode.equations.system import System, system
-from polhode.judging import limits
-from polhode.judging.conditioning import Conditioning, conditioning
-from polhode.judging.digits import rate_scale
-from polhode.judging.rounding import Band
+from polhode.judging.conditioning.conditioning import Conditioning, conditioning
+from polhode.judging.conditioning.rounding_errors import Band
+from polhode.judging.correct_digits import rate_scale
+from polhode.judging.diagnosis import error_budget
+from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
-from polhode.numbers.private import mpmath
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.taylor.build import build
-from polhode.taylor.passage import Passage
+from polhode.taylor.integrator.build import build
+from polhode.taylor.variations.state_transition import Passage
 from shared.motions import asymmetric
 
 # -- kappa against motions of perturbed inputs ------------------------------------------------
@@ -170,7 +170,7 @@ def envelope(scene: Scene, t: int) -> float:
 
 
 def test_the_monodromy_is_the_one_known():
-    from polhode.taylor.variations import Variations
+    from polhode.taylor.variations.equations import Variations
 
     for spin, end, size in (("3", 1000, 5.6e2), ("1.1", 100, 1e5)):
         scene = asymmetric(spin, [end])
@@ -314,7 +314,7 @@ def test_a_chaotic_run_past_its_digits_is_given_no_number():
         (14.0, (11.9, 12.4, 13.0), 15.0, math.inf, "conditioning"),
         (11.8, (11.9, 12.4, 13.0), 12.4, math.inf, "method (of it)"),
         (13.8, (13.9, 14.4, 15.0), 14.0, math.inf, "method (of it)"),
-        (11.9, None, None, math.inf, limits.UNKNOWN),
+        (11.9, None, None, math.inf, error_budget.UNKNOWN),
         (11.8, (11.9, 12.4, 13.0), 12.4, 12.5, "reference"),
         (0.1, (0.0, 0.0, 0.0), 0.0, 30.0, "conditioning"),
     ],
@@ -322,13 +322,13 @@ def test_a_chaotic_run_past_its_digits_is_given_no_number():
 def test_the_limit_has_a_name(digits, expected, inputs, reference, name):
     band = None if expected is None else Band(*expected)
     held = DOUBLE.most_digits
-    assert limits.limit(digits, held, band, inputs, reference, "of it") == name
+    assert error_budget.limit(digits, held, band, inputs, reference, "of it") == name
 
 
 @pytest.mark.parametrize(("times", "digits"), [(1, 0.0), (2, 0.0583), (11, 0.1607), (301, 0.2836)])
 def test_the_worst_of_many_times_may_lie_lower_than_each(times, digits):
     """By twenty thousand runs of independent times: one in twenty falls short at its worst."""
-    found = limits.selected(times)
+    found = error_budget.selected(times)
     assert abs(found - digits) < 1e-4
     errors = np.abs(np.random.default_rng(times).standard_normal((20_000, times))).max(axis=1)
     short = np.mean(errors > 10**found * 1.959964)
@@ -336,7 +336,7 @@ def test_the_worst_of_many_times_may_lie_lower_than_each(times, digits):
     band = Band(12.0, 12.5, 13.0)
     for below, name in ((0.01, "conditioning"), (-0.01, "method (of it)")):
         worst = 12.0 - found + below
-        assert limits.limit(worst, 15.95, band, None, math.inf, "of it", times) == name
+        assert error_budget.limit(worst, 15.95, band, None, math.inf, "of it", times) == name
 
 
 def test_the_worst_of_many_times_is_no_method_for_being_chosen():

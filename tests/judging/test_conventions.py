@@ -12,9 +12,9 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.judging import conventions
-from polhode.judging.synonyms import Column, column
-from polhode.scenes.words import ANGLES, ATTITUDE, STATE
+from polhode.judging.diagnosis import conventions
+from polhode.judging.tables.column_aliases import Column, column
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 
 TIMES = tuple(Fraction(k, 4) for k in range(21))
 SCENE = polhode.load("lagrange/nutation").at(TIMES)

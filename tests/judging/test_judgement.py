@@ -12,20 +12,20 @@ import pytest
 import polhode
 from polhode import cli
 from polhode.equations import integrals
-from polhode.judging import digits as correct_digits
-from polhode.judging.reference import Reference
-from polhode.judging.subject import of_table
-from polhode.judging.table import Table
-from polhode.judging.two_precisions import TwoPrecisions
+from polhode.judging import correct_digits as correct_digits
+from polhode.judging.references.reference import Reference
+from polhode.judging.references.two_precisions import TwoPrecisions
+from polhode.judging.tables.candidate import of_table
+from polhode.judging.tables.table import Table
+from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact, number_types
-from polhode.numbers.convert import exact_number
+from polhode.numbers.conversion import exact_number
+from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.private import mpmath
 from polhode.output import description
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
-from polhode.scenes.words import STATE
-from polhode.taylor.outcomes import Outcome
+from polhode.scenes.vocabulary import STATE
 
 TIMES = (Fraction(0), Fraction(1), Fraction(2), Fraction(5))
 
@@ -208,7 +208,7 @@ def test_two_precisions_says_how_far_it_agrees_on_a_chaotic_motion():
 
 def test_two_precisions_are_raised_until_they_agree(monkeypatch):
     """To t = 300 the motion takes some 15 digits: the first pair of runs has too few."""
-    from polhode.judging import two_precisions
+    from polhode.judging.references import two_precisions
 
     told, real = [], two_precisions.worst_digits
 
@@ -300,7 +300,7 @@ def test_the_closed_form_gives_the_digits_asked_for_and_not_many_more(digits):
     ],
 )
 def test_bodies_are_named_by_their_exact_structure(body, kind):
-    from polhode.scenes.tops import kind_of_body
+    from polhode.scenes.classification import kind_of_body
 
     text = f"schema = 1\n[body]\n{body}\n[start]\nomega = [1, 2, 3]\ngamma = [0, 0, 1]\n"
     assert kind_of_body(scene_file.parse(text).body) == kind

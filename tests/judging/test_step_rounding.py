@@ -10,16 +10,16 @@ import pytest
 
 import polhode
 from polhode.equations.system import system
-from polhode.judging.step_rounding import StepRounding, spacing
+from polhode.judging.conditioning.step_rounding import StepRounding, spacing
 from polhode.numbers import exact
-from polhode.numbers.convert import exactly
+from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, extended_here
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import random_scene
-from polhode.taylor.build import build
-from polhode.taylor.flows import Flow
-from polhode.taylor.passage import passage
+from polhode.taylor.integrator.build import build
+from polhode.taylor.variations.flow_map import Flow
+from polhode.taylor.variations.state_transition import passage
 
 F = Fraction
 

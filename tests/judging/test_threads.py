@@ -22,7 +22,7 @@ import pytest
 import polhode
 from polhode.common import locks
 from polhode.common.deadline import TooLong
-from polhode.numbers import balls, private
+from polhode.numbers import flint_context, mpmath_context
 
 FAMILIES = (
     "euler/largest-axis",
@@ -172,7 +172,7 @@ def test_answers_are_ordinary_numbers_whatever_the_callers_precision(k):
         found[bits] = [*leaves(runs("quad")[k]())]
         assert mpmath.mp.prec == bits
     for x in found[20]:
-        assert not isinstance(x, (private.mpf, private.mpc))
+        assert not isinstance(x, (mpmath_context.mpf, mpmath_context.mpc))
         assert isinstance(x, mpmath.mpf) or not hasattr(x, "_mpf_")
     raw = {
         bits: [getattr(x, "_mpf_", x) for x in numbers if not callable(x)]
@@ -186,7 +186,7 @@ def test_a_fork_while_another_thread_computes_does_not_wait_for_it():
     ready, done = threading.Event(), threading.Event()
 
     def hold() -> None:
-        with private.mpmath.workprec(100):
+        with mpmath_context.mpmath.workprec(100):
             ready.set()
             done.wait(60)
 
@@ -204,19 +204,19 @@ def test_a_fork_while_another_thread_computes_does_not_wait_for_it():
 
 def test_a_precision_ends_with_its_block():
     def fail() -> None:
-        with private.mpmath.workprec(200):
-            with private.mpmath.extraprec(7):
-                assert private.mpmath.prec == 207
-            assert private.mpmath.prec == 200
+        with mpmath_context.mpmath.workprec(200):
+            with mpmath_context.mpmath.extraprec(7):
+                assert mpmath_context.mpmath.prec == 207
+            assert mpmath_context.mpmath.prec == 200
             raise ZeroDivisionError
 
-    before = private.mpmath.prec
+    before = mpmath_context.mpmath.prec
     with pytest.raises(ZeroDivisionError):
         fail()
-    assert private.mpmath.prec == before
+    assert mpmath_context.mpmath.prec == before
     with ThreadPoolExecutor(1) as pool:  # another thread: the lock is free
-        assert pool.submit(private.PRECISION.bare.acquire, timeout=10).result()
-        pool.submit(private.PRECISION.bare.release).result()
+        assert pool.submit(mpmath_context.PRECISION.bare.acquire, timeout=10).result()
+        pool.submit(mpmath_context.PRECISION.bare.release).result()
 
 
 def after_calls(code: CodeType) -> set[int]:
@@ -226,7 +226,7 @@ def after_calls(code: CodeType) -> set[int]:
     }
 
 
-@pytest.mark.parametrize("context", [private.mpmath, balls.ctx])
+@pytest.mark.parametrize("context", [mpmath_context.mpmath, flint_context.ctx])
 def test_an_alarm_at_any_moment_leaves_the_lock_to_others(context):
     """The alarm of `show` came between taking the lock and noting it: other threads waited."""
 
@@ -235,7 +235,11 @@ def test_an_alarm_at_any_moment_leaves_the_lock_to_others(context):
 
         def trace(frame: FrameType, event: str, _: object) -> Any:
             nonlocal left
-            if frame.f_code.co_filename not in (private.__file__, balls.__file__, locks.__file__):
+            if frame.f_code.co_filename not in (
+                mpmath_context.__file__,
+                flint_context.__file__,
+                locks.__file__,
+            ):
                 return None
             frame.f_trace_opcodes = True
             code = frame.f_code
@@ -259,7 +263,7 @@ def test_an_alarm_at_any_moment_leaves_the_lock_to_others(context):
     with ThreadPoolExecutor(1) as pool:
         step = 1
         while interrupted(step):
-            assert pool.submit(private.PRECISION.bare.acquire, timeout=10).result(), step
-            pool.submit(private.PRECISION.bare.release).result()
+            assert pool.submit(mpmath_context.PRECISION.bare.acquire, timeout=10).result(), step
+            pool.submit(mpmath_context.PRECISION.bare.release).result()
             step += 1
     assert step > 5

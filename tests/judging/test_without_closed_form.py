@@ -11,7 +11,7 @@ import pytest
 
 from polhode.closed_forms.families import FAMILIES, closed_form
 from polhode.enclosures.certify import certify
-from polhode.numbers.convert import exactly, to_mpf
+from polhode.numbers.conversion import exactly, to_mpf
 from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from shared import plain_taylor

@@ -22,7 +22,7 @@ import polhode
 from polhode.closed_forms.families import closed_form
 from polhode.numbers import number_types
 from polhode.scenes import scene_file
-from polhode.taylor import heyoka_numbers
+from polhode.taylor.backend import heyoka_numbers
 
 SCENE = (
     "schema = 1\n[body]\nmoments = [2, 3, 4]\n{heavy}[start]\nomega = [0.3, 0.4, 1.1]\n"

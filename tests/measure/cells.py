@@ -20,11 +20,13 @@ import numpy as np
 
 import polhode
 from polhode.equations.forms import principal
-from polhode.numbers.convert import to_double
+from polhode.numbers.conversion import to_double
 from polhode.peers.field import TERMS, returning
-from polhode.runs import sweep_plan
+from polhode.runs.sweep import plan as sweep_plan
 from polhode.scenes.scene import even_times
-from polhode.taylor import batch_jobs, batches, heyoka_numbers
+from polhode.taylor.backend import heyoka_numbers
+from polhode.taylor.batches import batch_integrator
+from polhode.taylor.batches import jobs as batch_jobs
 
 TOPS = {
     "Euler": "euler/largest-axis",
@@ -194,12 +196,12 @@ def sweeps() -> None:
         single, whole = least(
             [loop, lambda s=scene, g=given: polhode.integrate_many(s, g, workers=1)], 4, 1
         )
-        lanes = batches.width(plan.number)
+        lanes = batch_integrator.width(plan.number)
         job = batch_jobs.BatchJob(
             *(plan.names, plan.number, None, 300, plan.times, 0),
             plan.lanes.some(np.full(lanes, MEMBERS // 2)),
         )
-        many, far = batches.compiled(job), np.full(lanes, 1e9)
+        many, far = batch_integrator.compiled(job), np.full(lanes, 1e9)
 
         def eight(many: Any = many, far: Any = far) -> None:
             many.set_time(0.0)
@@ -209,7 +211,7 @@ def sweeps() -> None:
             one.time = 0.0
             one.propagate_until(1e9, max_steps=300)
 
-        batches.solve(job)  # gives every lane its coefficients
+        batch_integrator.solve(job)  # gives every lane its coefficients
         one.pars[:], one.state[:] = table[MEMBERS // 2], starts[MEMBERS // 2]
         a, b = least([alone, eight], 0.5)
         print(f"{name:14s}{single:10.3f}{single / whole:8.2f}{lanes * a / b:10.2f}", flush=True)

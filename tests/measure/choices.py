@@ -24,20 +24,21 @@ import heyoka as hy
 import numpy as np
 
 import polhode
+from polhode.common import executors as crew
 from polhode.common.provenance import cpu, versions
 from polhode.equations.forms import principal
 from polhode.equations.system import system
-from polhode.judging.digits import errors as state_errors
-from polhode.judging.digits import rate_scale
+from polhode.judging.correct_digits import errors as state_errors
+from polhode.judging.correct_digits import rate_scale
 from polhode.numbers import number_types
-from polhode.numbers.convert import exactly
-from polhode.runs import sweep_plan
-from polhode.runs import workers as crew
-from polhode.runs.run import Run
-from polhode.runs.setup import asked, setup
+from polhode.numbers.conversion import exactly
+from polhode.runs.methods.taylor import Run
+from polhode.runs.problem.problem import asked, setup
+from polhode.runs.sweep import plan as sweep_plan
 from polhode.scenes import library, scene_file
 from polhode.studies.long_run import rows as long_run
-from polhode.taylor import batch_jobs, batches, heyoka_numbers, policy
+from polhode.taylor.backend import defaults, heyoka_numbers
+from polhode.taylor.batches import batch_integrator, jobs
 
 SCENE = (
     "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
@@ -191,9 +192,9 @@ def chunks() -> None:
     )
     scene = heavy(100_000)
     rows, base = [], 0.0
-    before = dict(policy.TABLE)
+    before = dict(defaults.TABLE)
     for steps in (200_000, 20_000, 2_000, 200, 20):
-        policy.TABLE["double"] = before["double"]._replace(chunk=steps)
+        defaults.TABLE["double"] = before["double"]._replace(chunk=steps)
 
         def job() -> float:
             run = polhode.integrate(scene)
@@ -203,10 +204,10 @@ def chunks() -> None:
         base = base or best
         wait = steps * 0.6e-3
         rows.append([f"{steps}", f"{best / base:.2f}", f"{wait:.3g}"])
-    policy.TABLE.update(before)
+    defaults.TABLE.update(before)
     rows[0][0] = f"**{rows[0][0]}**"
     table(["steps a chunk", "time", "wait for Ctrl-C, ms"], rows)
-    print(", ".join(f"{n}: {policy.of(t).chunk} steps" for n, t in TYPES.items()) + ".\n")
+    print(", ".join(f"{n}: {defaults.of(t).chunk} steps" for n, t in TYPES.items()) + ".\n")
 
 
 def cadences() -> None:
@@ -244,7 +245,9 @@ def projected(scenes: Any, truths: Any, name: str, project: Any) -> tuple[float,
 
 
 def lanes() -> None:
-    print(f"## Batch width of a sweep: what heyoka recommends, {batches.width(TYPES['double'])}\n")
+    print(
+        f"## Batch width of a sweep: what heyoka recommends, {batch_integrator.width(TYPES['double'])}\n"
+    )
     print(
         "The same top in every lane, 20 000 steps each; scalar code with constants and with "
         "parameters for comparison.\n"
@@ -277,7 +280,7 @@ def lanes() -> None:
             lambda m=many, w=width: m.propagate_until(np.full(w, 1e9), max_steps=n), 9
         )
         each = seconds / n / width
-        name = f"**{width}**" if width == batches.width(TYPES["double"]) else str(width)
+        name = f"**{width}**" if width == batch_integrator.width(TYPES["double"]) else str(width)
         cells = [f"{build * 1e3:.0f}", f"{each * 1e6:.3f}", f"{scalar / n / each:.2f}"]
         rows.append([name, *cells])
     table(["lanes", "build, ms", "µs a step and lane", "times scalar"], rows)
@@ -348,9 +351,9 @@ def sweeps() -> None:
 
 
 def _solved(plan: Any) -> None:
-    for group in plan.groups(batches.width(plan.number), 16):
-        batches.solve(
-            batch_jobs.BatchJob(
+    for group in plan.groups(batch_integrator.width(plan.number), 16):
+        batch_integrator.solve(
+            jobs.BatchJob(
                 plan.names,
                 plan.number,
                 None,

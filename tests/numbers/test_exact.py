@@ -25,7 +25,7 @@ from polhode.numbers.exact import (
     sin,
 )
 from polhode.numbers.exact import sqrt as root
-from polhode.numbers.private import mpmath
+from polhode.numbers.mpmath_context import mpmath
 
 TWO, THREE, SIX = Fraction(2), Fraction(3), Fraction(6)
 BITS = [1, 2, 8, 24, 53, 64, 113, 333]

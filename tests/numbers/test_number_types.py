@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from polhode.numbers import convert, exact, number_types
-from polhode.numbers.convert import exactly
+from polhode.numbers import conversion, exact, number_types
+from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_in_full, decimal_string
 from polhode.numbers.expression import decimal as read_decimal
+from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType, for_digits
-from polhode.numbers.private import mpmath
 
 TYPES = [DOUBLE, EXTENDED, QUAD, number_types.mp(1), number_types.mp(50), NumberType("mp", 1000)]
 wide = pytest.mark.skipif(np.finfo(np.longdouble).nmant != 63, reason="no 80-bit long double here")
@@ -122,27 +122,27 @@ def test_exactly_takes_extended_numbers_as_they_are_at_any_magnitude(top: int, p
 @settings(deadline=None)
 @given(fractions)
 def test_to_extended_is_the_nearest_80_bit_number(x: Fraction) -> None:
-    assert exactly(convert.to_extended(x)) == EXTENDED.rounded(x)
+    assert exactly(conversion.to_extended(x)) == EXTENDED.rounded(x)
 
 
 @settings(deadline=None)
 @given(fractions, st.sampled_from([24, 113, 333]))
 def test_to_mpf_is_the_nearest_of_so_many_bits(x: Fraction, bits: int) -> None:
-    assert exactly(convert.to_mpf(x, bits)) == NumberType("mp", bits).rounded(x)
+    assert exactly(conversion.to_mpf(x, bits)) == NumberType("mp", bits).rounded(x)
 
 
 @settings(deadline=None)
 @given(st.fractions(min_value=Fraction(1, 10**9), max_value=10**9))
 def test_to_double_is_the_nearest_double_of_an_irrational(x: Fraction) -> None:
-    found = convert.to_double(exact.sqrt(x) * exact.pi())
+    found = conversion.to_double(exact.sqrt(x) * exact.pi())
     with mpmath.workprec(500):
         assert found == float(mpmath.sqrt(mpmath.mpf(x.numerator) / x.denominator) * mpmath.pi)
 
 
 def test_to_double_beyond_the_range() -> None:
-    assert convert.to_double(Fraction(10) ** 400) == math.inf
-    assert convert.to_double(exact.sqrt(Fraction(2)) * 10**400) == math.inf
-    assert convert.to_double(Fraction(10) ** -400) == 0
+    assert conversion.to_double(Fraction(10) ** 400) == math.inf
+    assert conversion.to_double(exact.sqrt(Fraction(2)) * 10**400) == math.inf
+    assert conversion.to_double(Fraction(10) ** -400) == 0
 
 
 @pytest.mark.parametrize(
@@ -174,7 +174,7 @@ def test_exactly_takes_other_exact_numbers() -> None:
     assert exactly(Fraction(1, 3)) == Fraction(1, 3)
     assert exactly(np.float32(0.1)) == Fraction(float(np.float32(0.1)))
     assert exactly(decimal.Decimal("0.1")) == Fraction(1, 10)
-    assert convert.exact_number("1/10") == Fraction(1, 10)
+    assert conversion.exact_number("1/10") == Fraction(1, 10)
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.common.progress import bar
-from polhode.numbers.convert import exactly
+from polhode.numbers.conversion import exactly
 
 TOP = "lagrange/nutation"
 
@@ -130,7 +130,7 @@ def test_angles_past_a_pole_where_they_end_are_refused():
 def test_an_interrupt_of_a_run_made_again_goes_on(monkeypatch):
     run = a_run()
     ended = replace(run, outcome=polhode.Outcome.INTERRUPTED, times=(), angles=[])
-    monkeypatch.setattr("polhode.runs.again.integrate", lambda *_, **__: ended)
+    monkeypatch.setattr("polhode.runs.reevaluate.integrate", lambda *_, **__: ended)
     with pytest.raises(KeyboardInterrupt):
         run.angles_at([1])
 

@@ -8,9 +8,9 @@ import pytest
 
 import polhode
 from polhode.numbers import number_types
-from polhode.numbers.convert import exactly
+from polhode.numbers.conversion import exactly
 from polhode.refined.attitude import Following
-from polhode.refined.motion import QUAD, refine
+from polhode.refined.refinement import QUAD, refine
 from polhode.runs.integrate import integrate
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene

@@ -8,15 +8,15 @@ import pytest
 
 import polhode
 from polhode.common.errors import BadInput
+from polhode.motion.outcomes import Outcome
 from polhode.numbers import expression, number_types
-from polhode.numbers.convert import exactly
-from polhode.refined import motion
+from polhode.numbers.conversion import exactly
+from polhode.refined import refinement
+from polhode.refined.errors import CannotRefine
 from polhode.refined.events import Search
-from polhode.refined.motion import QUAD, refine
-from polhode.refined.trouble import CannotRefine
+from polhode.refined.refinement import QUAD, refine
 from polhode.runs.integrate import integrate
 from polhode.scenes.event import Event
-from polhode.taylor.outcomes import Outcome
 
 SCENE = "kovalevskaya/generic"
 NUTATION = "p*gamma2 - q*gamma1"
@@ -136,7 +136,7 @@ def test_another_grouping_of_steps_finds_the_same():
 
 def test_events_at_the_seams_of_runs_in_double(monkeypatch):
     """At a seam, and as far to both sides as the run in double is off: each once."""
-    monkeypatch.setattr(motion, "STEPS", 40)
+    monkeypatch.setattr(refinement, "STEPS", 40)
     plain = polhode.load(SCENE)
     edges = [t for t, _ in refine(plain, [Fraction(30)], QUAD)._marks[1:]]
     assert len(edges) >= 2

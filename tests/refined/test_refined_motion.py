@@ -11,11 +11,11 @@ import pytest
 
 import polhode
 from polhode.common.errors import BadInput
-from polhode.numbers.convert import exactly
-from polhode.refined import base, self_test
-from polhode.refined.kernels import Kernels, kernels
-from polhode.refined.motion import QUAD, Accuracy, accuracy, refine
-from polhode.refined.trouble import CannotRefine
+from polhode.numbers.conversion import exactly
+from polhode.refined import double_run, self_test
+from polhode.refined.compiled_field import Kernels, kernels
+from polhode.refined.errors import CannotRefine
+from polhode.refined.refinement import QUAD, Accuracy, accuracy, refine
 from polhode.scenes import library
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
@@ -142,9 +142,9 @@ def test_what_few_nodes_neglect_is_within_the_estimate_and_not_far_below():
 def test_guesses_that_are_off_change_less_than_the_estimate(monkeypatch):
     scene = asymmetric()
     found = run(scene, 30)
-    before, draw = base.Base.states, np.random.default_rng(3)
+    before, draw = double_run.Base.states, np.random.default_rng(3)
     monkeypatch.setattr(
-        base.Base,
+        double_run.Base,
         "states",
         lambda self, t: before(self, t) + draw.uniform(-1e-12, 1e-12, (6, *t.shape)),
     )
@@ -155,9 +155,9 @@ def test_guesses_that_are_off_change_less_than_the_estimate(monkeypatch):
 
 
 def test_guesses_too_far_off_are_refused(monkeypatch):
-    before, draw = base.Base.states, np.random.default_rng(3)
+    before, draw = double_run.Base.states, np.random.default_rng(3)
     monkeypatch.setattr(
-        base.Base,
+        double_run.Base,
         "states",
         lambda self, t: before(self, t) + draw.uniform(-1e-5, 1e-5, (6, *t.shape)),
     )
@@ -171,11 +171,11 @@ def test_there_and_back():
     unit = Fraction(2) ** scene.time_unit
     end = there.exactly(0)
     # gamma is of length 1 to 1e-35 only: the start of the way back is not checked, but given
-    from polhode.refined import motion
-    from polhode.refined.problem import problem
+    from polhode.refined import refinement
+    from polhode.refined.scaled_problem import problem
 
     exact = problem(scene, 200, backward=False)
-    back = motion._Run(
+    back = refinement._Run(
         replace(exact, state=(*(-x for x in end[:3]), *end[3:])), [50 / unit], QUAD, 6
     )
     back.to_the_end(None, None)
@@ -339,7 +339,7 @@ def test_a_compiler_that_reassociates_is_found_out(monkeypatch):
         return compiled(out, given, fast_math=True, **options)
 
     compiled = heyoka.cfunc
-    monkeypatch.setattr("polhode.refined.kernels.hy.cfunc", careless)
+    monkeypatch.setattr("polhode.refined.compiled_field.hy.cfunc", careless)
     spoilt = kernels.__wrapped__(QUAD.limbs)
     assert self_test.field_error(spoilt, QUAD.limbs) > 2.0**-QUAD.limbs.bits
 

@@ -18,11 +18,11 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode.common import memory
-from polhode.numbers.convert import exactly
-from polhode.runs import sweep_plan
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.conversion import exactly
+from polhode.runs.sweep import plan as sweep_plan
 from polhode.scenes import scene_file, vary
-from polhode.taylor import batches
-from polhode.taylor.outcomes import Outcome
+from polhode.taylor.batches import batch_integrator
 from shared.motions import heavy, heavy_file
 from shared.policies import change_policy
 
@@ -307,7 +307,7 @@ def test_progress_counts_members():
 def test_the_work_is_shared_among_threads(monkeypatch):
     by = set()
     together = threading.Barrier(2, timeout=20)
-    solve = batches.solve
+    solve = batch_integrator.solve
 
     def noted(job, stop):
         if threading.get_ident() not in by:
@@ -315,7 +315,7 @@ def test_the_work_is_shared_among_threads(monkeypatch):
             together.wait()
         return solve(job, stop)
 
-    monkeypatch.setattr(batches, "solve", noted)
+    monkeypatch.setattr(batch_integrator, "solve", noted)
     polhode.integrate_many(heavy(), {"body.weight": "0:1:64"}, workers=2)
     assert len(by) == 2
     assert threading.get_ident() not in by
@@ -388,7 +388,7 @@ def test_a_fault_of_ours_is_not_hidden(monkeypatch):
     def broken(job, stop=None):
         raise ZeroDivisionError("ours")
 
-    monkeypatch.setattr(batches, "solve", broken)
+    monkeypatch.setattr(batch_integrator, "solve", broken)
     with pytest.raises(ZeroDivisionError):
         polhode.integrate_many(heavy(), {"body.weight": [1]})
 

@@ -18,14 +18,14 @@ import pytest
 import polhode
 from polhode.equations.forms import principal
 from polhode.equations.system import System, system
-from polhode.numbers import convert, number_types
-from polhode.numbers.convert import exactly
+from polhode.motion.outcomes import Outcome
+from polhode.numbers import conversion, number_types
+from polhode.numbers.conversion import exactly
+from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType
-from polhode.numbers.private import mpmath
-from polhode.taylor import heyoka_numbers, policy
-from polhode.taylor.build import build
-from polhode.taylor.integrator import Integrator
-from polhode.taylor.outcomes import Outcome
+from polhode.taylor.backend import defaults, heyoka_numbers
+from polhode.taylor.integrator.build import build
+from polhode.taylor.integrator.stepping import Integrator
 from shared.commands import STEPPING
 from shared.motions import heavy_file, in_other_units, same_bits
 from shared.policies import change_policy
@@ -85,7 +85,7 @@ def test_every_constant_in_the_compiled_equations_is_the_rounded_exact_one(numbe
     ours = {number.rounded(x) for x in run.coefficients.values()}
     plain = {Fraction(x) for x in (0, 1, Fraction(1, 2), 2)}
     if outputs == ("angles",):
-        plain.add(Fraction(1, policy.of(number).divisor))
+        plain.add(Fraction(1, defaults.of(number).divisor))
     found = constants_of(built.decomposition, number.bits)
     strange = {x for x in found if abs(x) not in {abs(y) for y in ours | plain}}
     assert not strange
@@ -403,13 +403,13 @@ def test_angles_of_a_start_at_a_pole_begin_at_their_one_sided_limits(number, gam
     with mpmath.workprec(200):
         for mine, true in zip(run.angles[1:], exact[1:], strict=True):
             for k, (x, y) in enumerate(zip(mine, true, strict=True)):
-                gap = convert.to_mpf(exactly(x), 200) - y
+                gap = conversion.to_mpf(exactly(x), 200) - y
                 if k != 1:
                     gap -= 2 * mpmath.pi * mpmath.nint(gap / (2 * mpmath.pi))
                 assert abs(gap) < 2000 * mpmath.mpf(2) ** (1 - number.bits)
-        first, start = run.angles[1], convert.to_mpf(scene.psi, 200)
+        first, start = run.angles[1], conversion.to_mpf(scene.psi, 200)
         sign = 1 if gamma[2] > 0 else -1
-        kept = convert.to_mpf(exactly(first[0]) + sign * exactly(first[2]), 200)
+        kept = conversion.to_mpf(exactly(first[0]) + sign * exactly(first[2]), 200)
         assert abs(kept - start) < 0.1  # psi ± phi stays continuous over the pole
 
 

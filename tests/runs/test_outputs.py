@@ -9,9 +9,9 @@ from fractions import Fraction
 import pytest
 
 import polhode
-from polhode.numbers import convert
-from polhode.numbers.convert import exactly
-from polhode.numbers.private import mpmath
+from polhode.numbers import conversion
+from polhode.numbers.conversion import exactly
+from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes import library
 from shared.policies import change_policy
 
@@ -32,7 +32,7 @@ def worst_error(mine, exact) -> float:
             for x, y in zip(row, true, strict=True):
                 assert (x is None) == (y is None)
                 if x is not None:
-                    worst = max(worst, abs(convert.to_mpf(exactly(x), 200) - y))
+                    worst = max(worst, abs(conversion.to_mpf(exactly(x), 200) - y))
         return float(worst)
 
 
@@ -73,8 +73,8 @@ def test_angles_that_grow_loosen_no_step(number, project, monkeypatch):
     assert abs(along(along.times)[1] - along.states[1])[3:].max() < 1e4 * along.number.eps
     for row, true in zip(along.angles, truth.angles(along.times, 40), strict=True):
         ulp = float(true[2]) * float(along.number.eps)
-        assert float(abs(convert.to_mpf(exactly(row[2]), 200) - true[2])) < 4 * ulp
-        assert float(abs(convert.to_mpf(exactly(row[0]), 200) - true[0])) < 100 * float(
+        assert float(abs(conversion.to_mpf(exactly(row[2]), 200) - true[2])) < 4 * ulp
+        assert float(abs(conversion.to_mpf(exactly(row[0]), 200) - true[0])) < 100 * float(
             along.number.eps
         )
 

@@ -9,9 +9,10 @@ import pytest
 
 import polhode
 from polhode.equations import integrals
-from polhode.numbers.convert import exactly, to_mpf
-from polhode.runs import sweep_lanes, sweep_plan
-from polhode.scenes import many, scene_file
+from polhode.numbers.conversion import exactly, to_mpf
+from polhode.runs.sweep import lanes
+from polhode.runs.sweep import plan as sweep_plan
+from polhode.scenes import scene_file, sweep_columns
 from shared.motions import heavy, heavy_file
 
 
@@ -40,9 +41,9 @@ def test_columns_plan_what_members_plan(vary, number, monkeypatch):
     scene = heavy()
     quick = planned(scene, vary, number)
     asked = []
-    monkeypatch.setattr(many.Columns, "readable", False)
-    one = sweep_lanes._Made.one
-    monkeypatch.setattr(sweep_lanes._Made, "one", lambda made, k: asked.append(k) or one(made, k))
+    monkeypatch.setattr(sweep_columns.Columns, "readable", False)
+    one = lanes._Made.one
+    monkeypatch.setattr(lanes._Made, "one", lambda made, k: asked.append(k) or one(made, k))
     assert same_plan(quick, planned(scene, vary, number))
     assert len(asked) == len(quick.members)
 
@@ -90,8 +91,8 @@ def test_axes_that_turn_from_member_to_member():
 
 def test_most_members_need_no_scene(monkeypatch):
     asked = []
-    one = sweep_lanes._Made.one
-    monkeypatch.setattr(sweep_lanes._Made, "one", lambda made, k: asked.append(k) or one(made, k))
+    one = lanes._Made.one
+    monkeypatch.setattr(lanes._Made, "one", lambda made, k: asked.append(k) or one(made, k))
     planned(heavy(), {"start.omega[3]": "0.5:1.5:1000", "body.weight": [1, "sqrt(2)", 0]})
     assert 1000 <= len(asked) < 1020  # those of the irrational weight
 
@@ -124,7 +125,7 @@ def test_members_of_one_unit_of_time_go_together():
 
 def test_neighbours_of_another_unit_change_no_bit(monkeypatch):
     """Where a run is cut into stretches depended on the fastest lane beside it."""
-    monkeypatch.setattr("polhode.taylor.stretches._UNITS_PER_STEP", 1)
+    monkeypatch.setattr("polhode.taylor.batches.time_slices._UNITS_PER_STEP", 1)
     from shared.policies import change_policy
 
     change_policy(monkeypatch, chunk=12)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from polhode.runs.sweep_endings import Ended
-from polhode.taylor.outcomes import Outcome, code
+from polhode.motion.outcomes import Outcome, code
+from polhode.runs.sweep.endings import Ended
 
 END, EVENT, LIMIT, UNDONE = (
     Outcome.REACHED_END,

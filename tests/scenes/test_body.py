@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.expression import number
-from polhode.numbers.private import mpmath
+from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes.body import OWN_AXES, Body, Matrix, UnphysicalBody, Vector, cross, diagonal, dot
 
 small = st.integers(-6, 6)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.numbers.convert import to_double
+from polhode.numbers.conversion import to_double
 from polhode.scenes import keys, library, scene_file
 
 EPS = np.finfo(float).eps

@@ -10,7 +10,7 @@ from fractions import Fraction
 import pytest
 
 import polhode
-from polhode.scenes.members import Members
+from polhode.scenes.sweep_scenes import Members
 from polhode.scenes.vary import grid
 
 

@@ -3,9 +3,9 @@
 import itertools
 from fractions import Fraction
 
-from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.closed_forms.engine.principal_scene import PrincipalScene
 from polhode.numbers import exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 
 def fractions(row):

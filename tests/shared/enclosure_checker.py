@@ -13,8 +13,8 @@ from typing import Any
 
 from flint import arb, arb_mat, arb_poly, ctx, fmpq, fmpq_poly, fmpz
 
-from polhode.enclosures.bound import Bounds
-from polhode.enclosures.fixed import CLOCK, ball
+from polhode.enclosures.fixed_point_problem import CLOCK, ball
+from polhode.enclosures.step_bound import Bounds
 
 BITS = 500
 CYCLE = ((1, 2), (2, 0), (0, 1))

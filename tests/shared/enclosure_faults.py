@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from polhode.enclosures import approximate, correction
-from polhode.enclosures.march import Untrusted
+from polhode.enclosures import newton_correction, window_approximation
+from polhode.enclosures.proof_loop import Untrusted
 
 #: How large an alteration is, relative to what is altered.
 SIZES = (1e-15, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 0.5, 3.0)
@@ -138,21 +138,21 @@ def _odd_grid(rng: random.Random, honest: Any, *given: Any) -> Any:
 
 
 def _long_steps(rng: random.Random, honest: Any, *given: Any) -> Any:
-    kept = approximate.MOST_TURN
-    approximate.MOST_TURN = rng.choice((0.1, 8.0, 20.0))
+    kept = window_approximation.MOST_TURN
+    window_approximation.MOST_TURN = rng.choice((0.1, 8.0, 20.0))
     try:
         return honest(*given)
     finally:
-        approximate.MOST_TURN = kept
+        window_approximation.MOST_TURN = kept
 
 
 def _few_terms(rng: random.Random, honest: Any, *given: Any) -> Any:
-    kept = correction.LEAST_TERM
-    correction.LEAST_TERM = rng.choice((1e-2, 1e-5, 1e-9))
+    kept = newton_correction.LEAST_TERM
+    newton_correction.LEAST_TERM = rng.choice((1e-2, 1e-5, 1e-9))
     try:
         return honest(*given)
     finally:
-        correction.LEAST_TERM = kept
+        newton_correction.LEAST_TERM = kept
 
 
 FAULTS: list[tuple[str, str, Callable[..., Any]]] = [

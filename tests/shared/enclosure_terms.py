@@ -15,9 +15,17 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from polhode.enclosures import bound, conserved, correction, defect, fixed, pieces, zonotope
-from polhode.enclosures.fixed import CLOCK, Problem
-from polhode.enclosures.march import Untrusted, run
+from polhode.enclosures import (
+    defect,
+    fixed_point_problem,
+    integral_contraction,
+    newton_correction,
+    step_bound,
+    taylor_polynomials,
+    zonotope,
+)
+from polhode.enclosures.fixed_point_problem import CLOCK, Problem
+from polhode.enclosures.proof_loop import Untrusted, run
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from shared.enclosure_trials import ratios, trial
@@ -38,21 +46,21 @@ def generic() -> Scene:
 
 def short_steps(*given: Any) -> Any:
     """An honest approximation on steps so short that exp(alpha) is near 1."""
-    from polhode.enclosures import approximate
+    from polhode.enclosures import window_approximation
 
-    kept = approximate.MOST_TURN
-    approximate.MOST_TURN = 0.05
+    kept = window_approximation.MOST_TURN
+    window_approximation.MOST_TURN = 0.05
     try:
-        return approximate.window(*given)
+        return window_approximation.window(*given)
     finally:
-        approximate.MOST_TURN = kept
+        window_approximation.MOST_TURN = kept
 
 
 def of_faulty(scene: Scene, untrusted: Untrusted, **changes: Any) -> list[float]:
     """The ratios of w in a proof whose untrusted parts are these, at t = 5 of its unit."""
     what = trial(scene, [Fraction(5)], 300)
-    problem = replace(fixed.problem(what.motion, NOISE), **changes)
-    proof = run(problem, [fixed.ball(t, 300) for t in what.times], (), untrusted)
+    problem = replace(fixed_point_problem.problem(what.motion, NOISE), **changes)
+    proof = run(problem, [fixed_point_problem.ball(t, 300) for t in what.times], (), untrusted)
     return ratios([row[:3] for row in proof.rows], [row[:3] for row in what.states])
 
 
@@ -60,7 +68,7 @@ def residual() -> list[float]:
     """int |d + e' - A e|: the correction drifts away from the motion without a jump."""
 
     def drifting(a: Any, defects: Any, v: Any, gaps: Any) -> Any:
-        found = correction.correction(a, defects, v, gaps)
+        found = newton_correction.correction(a, defects, v, gaps)
         found[:, 0, 0] += 1e6 * np.arange(len(found))
         found[:, 1, 0] += 1e6
         return found
@@ -72,7 +80,7 @@ def jumps() -> list[float]:
     """|J_n|: the correction moves away in jumps; what is constant leaves no residual."""
 
     def jumping(a: Any, defects: Any, v: Any, gaps: Any) -> Any:
-        found = correction.correction(a, defects, v, gaps)
+        found = newton_correction.correction(a, defects, v, gaps)
         found[:, 0, 0] += 1e6 * np.arange(1, len(found) + 1)
         return found
 
@@ -84,13 +92,13 @@ def start_box() -> list[float]:
     worst: list[float] = []
     for signs in itertools.product((-1, 1), repeat=3):
         what = trial(generic(), [Fraction(5)], 300)
-        problem = fixed.problem(what.motion, 96)
+        problem = fixed_point_problem.problem(what.motion, 96)
         ticks = (1 << 20) << (problem.fine - problem.noise)
         corner = [*signs, 1, -1, 1]
         start = tuple(x + s * ticks for x, s in zip(problem.start, corner, strict=True))
         spread = tuple(2.0**20 * (1 + 1e-12) + r for r in problem.spread)
         problem = replace(problem, start=start, spread=spread)
-        proof = run(problem, [fixed.ball(t, 300) for t in what.times])
+        proof = run(problem, [fixed_point_problem.ball(t, 300) for t in what.times])
         worst.append(max(ratios(proof.rows, what.states)))
     return worst
 
@@ -98,16 +106,16 @@ def start_box() -> list[float]:
 def constants() -> list[float]:
     """The constants' radii: coarser by 22 bits than the noise level asks."""
     what = trial(generic(), [Fraction(1)], 300)
-    problem = fixed.problem(what.motion, NOISE, NOISE - 10)
-    proof = run(problem, [fixed.ball(t, 300) for t in what.times])
+    problem = fixed_point_problem.problem(what.motion, NOISE, NOISE - 10)
+    proof = run(problem, [fixed_point_problem.ball(t, 300) for t in what.times])
     return ratios(proof.rows, what.states)
 
 
 def one_step(
-    problem: Problem, length: int, moved: Any, v: Callable[[Any], Any] = correction.matrices
+    problem: Problem, length: int, moved: Any, v: Callable[[Any], Any] = newton_correction.matrices
 ) -> tuple[Any, Any]:
     """A state after one step whose polynomial is wrong by ``moved`` (6,), corrected once."""
-    from polhode.enclosures import approximate
+    from polhode.enclosures import window_approximation
 
     state = zonotope.beginning(problem)
     centre = tuple(
@@ -115,14 +123,14 @@ def one_step(
         for x, by in zip(state.centre, moved, strict=True)
     )
     false = replace(state, centre=centre)
-    found = approximate.window(problem, false, length, 1, 1.0)
-    shape = pieces.of_doubles(found.times, found.series)
-    a = bound.jacobian(problem, shape.near, shape.lengths)
+    found = window_approximation.window(problem, false, length, 1, 1.0)
+    shape = taylor_polynomials.of_doubles(found.times, found.series)
+    a = step_bound.jacobian(problem, shape.near, shape.lengths)
     matrices = v(a)
     known = defect.defects(problem, shape)
     gaps = defect.gaps(problem, shape, state.centre)
-    e = correction.correction(a, known.values, correction.matrices(a), gaps)
-    bounds = bound.bounds(problem, known, e, matrices)
+    e = newton_correction.correction(a, known.values, newton_correction.matrices(a), gaps)
+    bounds = step_bound.bounds(problem, known, e, matrices)
     end = arb((length, -CLOCK))
     after, rows, _ = zonotope.advance(state, bounds, [end])
     return after, rows
@@ -134,7 +142,7 @@ def quadratic() -> list[float]:
     for signs in ((1, 1, 1, 1, 1, 1), (1, -1, 1, 1, 1, -1), (-1, 1, 1, -1, 1, 1)):
         length = 1 << (CLOCK - 2)
         what = trial(generic(), [Fraction(1, 4)], 300)
-        problem = fixed.problem(what.motion, 60)
+        problem = fixed_point_problem.problem(what.motion, 60)
         _, rows = one_step(problem, length, [s * 2.0**-20 for s in signs])
         worst.append(max(ratios(rows, what.states)))
     return worst
@@ -146,7 +154,7 @@ def second_order() -> list[float]:
     length = 1 << (CLOCK - 2)
     what = trial(generic(), [Fraction(1, 4)], 300)
     for signs in itertools.product((-1, 1), repeat=6):
-        problem = fixed.problem(what.motion, 96)
+        problem = fixed_point_problem.problem(what.motion, 96)
         ticks = 1 << (problem.fine - 16)
         start = tuple(x + s * ticks for x, s in zip(problem.start, signs, strict=True))
         radius = 2.0 ** (problem.noise - 16)
@@ -160,7 +168,7 @@ def matrix() -> list[float]:
     """rho: V too small by a thousandth after its start, the truth at a corner."""
 
     def faulty(a: Any) -> Any:
-        found = correction.matrices(a)
+        found = newton_correction.matrices(a)
         found[:, 1:] *= 0.99
         return found
 
@@ -169,7 +177,7 @@ def matrix() -> list[float]:
 
 def matrix_start() -> list[float]:
     """|I - V(0)|: all of V halved, so that V' = A V still holds."""
-    return _with_matrices(lambda a: 0.5 * correction.matrices(a))
+    return _with_matrices(lambda a: 0.5 * newton_correction.matrices(a))
 
 
 def _with_matrices(faulty: Callable[[Any], Any]) -> list[float]:
@@ -177,7 +185,7 @@ def _with_matrices(faulty: Callable[[Any], Any]) -> list[float]:
     what = trial(generic(), [Fraction(1, 4)], 300)
     worst = []
     for signs in ((1, 1, 1, 1, 1, 1), (1, -1, 1, 1, -1, 1), (-1, 1, 1, -1, -1, 1)):
-        problem = fixed.problem(what.motion, 96)
+        problem = fixed_point_problem.problem(what.motion, 96)
         ticks = (1 << 10) << (problem.fine - problem.noise)
         start = tuple(x + s * ticks for x, s in zip(problem.start, signs, strict=True))
         spread = tuple(2.0**10 * (1 + 1e-9) + r for r in problem.spread)
@@ -194,7 +202,7 @@ def rounding() -> list[float]:
         return short_steps(problem, state, end, 1, pace)
 
     def drifting(a: Any, defects: Any, v: Any, gaps: Any) -> Any:
-        found = correction.correction(a, defects, v, gaps)
+        found = newton_correction.correction(a, defects, v, gaps)
         found[:, 1, 0] += 0.51 * 2.0**-12  # a tick is 2**-(P + 12)
         return found
 
@@ -205,9 +213,9 @@ def integrals() -> list[float]:
     """w of the first integrals: |gamma|**2 is curved, with the truth at the corners of a box."""
     worst = []
     truth = (*[Fraction(0)] * 3, Fraction(2, 15), Fraction(5, 15), Fraction(14, 15))
-    motion = fixed.motion(Scene(Body.of_moments((1, 1, 1)), truth[:3], truth[3:]))
-    problem = fixed.problem(motion, 96)
-    known = [i for i in conserved.prepared(motion, 400) if i.name == "|gamma|^2"]
+    motion = fixed_point_problem.motion(Scene(Body.of_moments((1, 1, 1)), truth[:3], truth[3:]))
+    problem = fixed_point_problem.problem(motion, 96)
+    known = [i for i in integral_contraction.prepared(motion, 400) if i.name == "|gamma|^2"]
     radius = 2.0 ** (problem.noise - 20)
     for signs in itertools.product((-1, 1), repeat=3):
         centre = list(problem.start)
@@ -215,7 +223,7 @@ def integrals() -> list[float]:
             centre[3 + k] += s * (1 << (problem.fine - 20))
         columns = np.diag([1.0, 1.0, 1.0, *(radius + r for r in problem.spread[3:])])
         state = zonotope.State(0, tuple(centre), columns)
-        after = conserved.shrunk(problem, state, known)
+        after = integral_contraction.shrunk(problem, state, known)
         assert after is not state
         for x, y, r in zip(truth[3:], after.centre[3:], after.radii[3:], strict=True):
             off = abs(x - Fraction(y, 1 << problem.fine)) * 2**problem.noise
@@ -225,6 +233,6 @@ def integrals() -> list[float]:
 
 def far_too_large() -> None:
     """A start known to a quarter only: no step can be proven."""
-    problem = fixed.problem(fixed.motion(generic()), 60)
+    problem = fixed_point_problem.problem(fixed_point_problem.motion(generic()), 60)
     problem = replace(problem, spread=(2.0**58,) * 6)
-    run(problem, [fixed.ball(Fraction(5), 300)])
+    run(problem, [fixed_point_problem.ball(Fraction(5), 300)])

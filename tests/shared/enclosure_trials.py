@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 
 from flint import arb, ctx
 
-from polhode.enclosures import fixed
-from polhode.enclosures.fixed import Motion, Problem
+from polhode.enclosures import fixed_point_problem
+from polhode.enclosures.fixed_point_problem import Motion, Problem
 from polhode.numbers import exact
-from polhode.numbers.convert import exactly
+from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.runs.integrate import integrate
 from polhode.scenes.body import Body
@@ -97,7 +97,7 @@ class Trial(NamedTuple):
 
 def trial(scene: Scene, times: Sequence[Fraction], bits: int) -> Trial:
     """The true states of a scene given in principal axes, ready for proofs of any noise level."""
-    motion = fixed.motion(scene)
+    motion = fixed_point_problem.motion(scene)
     by = Fraction(2) ** motion.unit
     asked = [t * by for t in times]
     rows = truth(replace(scene, outputs=()), asked, bits)
@@ -106,7 +106,7 @@ def trial(scene: Scene, times: Sequence[Fraction], bits: int) -> Trial:
 
 def asked(what: Trial, problem: Problem) -> list[Any]:
     """The times of a trial as balls."""
-    return [fixed.ball(t, problem.noise + 200) for t in what.times]
+    return [fixed_point_problem.ball(t, problem.noise + 200) for t in what.times]
 
 
 def ratios(balls: Sequence[Sequence[Any]], states: Sequence[Sequence[Any]]) -> list[float]:
@@ -115,7 +115,7 @@ def ratios(balls: Sequence[Sequence[Any]], states: Sequence[Sequence[Any]]) -> l
     with ctx.workprec(2000):
         for row, true in zip(balls, states, strict=True):
             for x, y in zip(row, true, strict=True):
-                off = abs(fixed.ball(y, 2000) - x.mid())
+                off = abs(fixed_point_problem.ball(y, 2000) - x.mid())
                 if x.rad() == 0:
                     found.append(0.0 if off == 0 else float("inf"))
                 else:

@@ -10,7 +10,7 @@ solution over a length at which its last terms are below the precision.
 import math
 from operator import mul
 
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 CYCLE = ((1, 2), (2, 0), (0, 1))
 

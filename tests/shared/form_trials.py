@@ -8,9 +8,9 @@ from fractions import Fraction
 
 from hypothesis import strategies as st
 
-from polhode.numbers.convert import to_mpf
+from polhode.numbers.conversion import to_mpf
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.number_types import DOUBLE, mp
-from polhode.numbers.private import mpf, mpmath
 from polhode.numbers.scalars import Functions
 from polhode.scenes.body import OWN_AXES, Body
 from polhode.scenes.scene import Scene
@@ -184,16 +184,17 @@ def dot(a, b):
 
 def marched(form, times, number=DOUBLE):
     """The form's variables at the times (the scene's unit) by heyoka, the run and its outcome."""
-    from polhode.taylor import blueprint, heyoka_numbers, integrator
+    from polhode.taylor.backend import heyoka_numbers
+    from polhode.taylor.integrator import specification, stepping
 
-    plan = blueprint.Blueprint(
+    plan = specification.Blueprint(
         form.variables,
         lambda values, k: form.field(values, k, heyoka_numbers.EXPRESSIONS),
         form.coefficients,
         form.start,
         number,
     )
-    run = integrator.Integrator(plan)
+    run = stepping.Integrator(plan)
     unit = F(2) ** form.scene.time_unit
     rows, outcome = run.chunk([F(t) / unit for t in times], 10**6)
     return rows, run, outcome

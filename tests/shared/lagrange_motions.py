@@ -4,7 +4,7 @@ import functools
 from fractions import Fraction
 
 from polhode.closed_forms.lagrange.top import LagrangeTop
-from polhode.numbers.private import mpmath
+from polhode.numbers.mpmath_context import mpmath
 from shared.closed_form_checks import fractions, number
 
 F = Fraction

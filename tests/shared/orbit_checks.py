@@ -13,11 +13,11 @@ from pathlib import Path
 
 import pytest
 
-from polhode.closed_forms.attitude.normal_form import shortfall
-from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.closed_forms.engine.normal_form import shortfall
+from polhode.closed_forms.engine.principal_scene import PrincipalScene
 from polhode.numbers import exact
 from polhode.numbers.expression import number as parsed
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import fast_series
 from shared.closed_form_checks import distance, number
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from polhode.taylor import policy
+from polhode.taylor.backend import defaults
 
 
 def change_policy(monkeypatch: pytest.MonkeyPatch, **changes: int) -> None:
     """Change columns of the policy table, for every number type and the rest of a test."""
-    for name, row in policy.TABLE.items():
-        monkeypatch.setitem(policy.TABLE, name, row._replace(**changes))
+    for name, row in defaults.TABLE.items():
+        monkeypatch.setitem(defaults.TABLE, name, row._replace(**changes))

@@ -10,7 +10,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from shared import orbit_checks

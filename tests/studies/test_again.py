@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from polhode.studies import report
-from polhode.studies.only import Only
 from polhode.studies.page.blocks import PageTable, Text, markdown
+from polhode.studies.row_filter import Only
 
 COMMITTED = Path(__file__).parents[2] / "reports"
 

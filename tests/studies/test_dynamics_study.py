@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from polhode.output.results import as_json
+from polhode.output.json_results import as_json
 from polhode.studies import report
 from polhode.studies.dynamics import cost, figure, page, rows
-from polhode.studies.only import Only
 from polhode.studies.page.blocks import markdown
+from polhode.studies.row_filter import Only
 
 COMMITTED = Path(__file__).parents[2] / "reports"
 

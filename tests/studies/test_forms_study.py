@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from polhode.scenes.words import FORMS
+from polhode.scenes.vocabulary import FORMS
 from polhode.studies.forms import figure, page, rows
 from polhode.studies.page.blocks import markdown
 

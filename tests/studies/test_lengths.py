@@ -8,18 +8,18 @@ from fractions import Fraction
 import pytest
 
 from polhode.common.errors import BadInput
-from polhode.numbers.convert import exactly
+from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE
 from polhode.scenes.scene import even_times
 from polhode.studies import ensembles, report
-from polhode.studies.only import Only
 from polhode.studies.page.blocks import Text, markdown
-from polhode.studies.processes import plain_scene, run_all
-from polhode.studies.speed import cells, figure
+from polhode.studies.peer_processes import plain_scene, run_all
+from polhode.studies.row_filter import Only
+from polhode.studies.speed import benchmark_grid, figure
 from polhode.studies.speed.page import lengths
 from polhode.studies.speed.work_precision import WorkPoint
 
-CELL = cells.Cell("kovalevskaya", 10, 11)
+CELL = benchmark_grid.Cell("kovalevskaya", 10, 11)
 
 
 # -- ensembles --------------------------------------------------------------------------------
@@ -35,22 +35,22 @@ def test_a_random_scene_is_found_by_its_name(kind):
 
 
 def test_starts_of_one_body_have_one_body_and_eight_starts():
-    scenes = [CELL.scene(k) for k in range(cells.STARTS)]
+    scenes = [CELL.scene(k) for k in range(benchmark_grid.STARTS)]
     assert len({scene.body for scene in scenes}) == 1
-    assert len({scene.start for scene in scenes}) == cells.STARTS >= 8
+    assert len({scene.start for scene in scenes}) == benchmark_grid.STARTS >= 8
 
 
 def test_every_length_and_number_of_outputs_is_asked_for():
-    assert {end for end, _ in cells.LENGTHS} == {10, 100, 1000, 10_000}
-    assert {outputs for _, outputs in cells.LENGTHS} == {2, 11, 1001}
-    assert len(cells.LENGTHS) == 12  # each with each
+    assert {end for end, _ in benchmark_grid.LENGTHS} == {10, 100, 1000, 10_000}
+    assert {outputs for _, outputs in benchmark_grid.LENGTHS} == {2, 11, 1001}
+    assert len(benchmark_grid.LENGTHS) == 12  # each with each
 
 
 def test_the_page_says_how_long_a_run_is_that_is_made_once():
     told = " ".join(
         block.text for block in lengths.blocks([row(10, 2.0)]) if isinstance(block, Text)
     )
-    assert f"of more than {cells.PATIENCE:g} seconds is made once" in told
+    assert f"of more than {benchmark_grid.PATIENCE:g} seconds is made once" in told
 
 
 # -- judging ----------------------------------------------------------------------------------
@@ -58,20 +58,20 @@ def test_the_page_says_how_long_a_run_is_that_is_made_once():
 
 @pytest.mark.parametrize("kind", ["lagrange", "asymmetric"])
 def test_digits_are_those_of_the_error_that_is_put_in(kind):
-    cell = cells.Cell(kind, 4, 11)
-    true = cells.truth(cell, 1)
+    cell = benchmark_grid.Cell(kind, 4, 11)
+    true = benchmark_grid.truth(cell, 1)
     states = true.high.copy()
-    assert cells.digits(states, true) > 15.5
+    assert benchmark_grid.digits(states, true) > 15.5
     states[7, 4] += 1e-9
-    assert cells.digits(states, true) == pytest.approx(9, abs=1e-6)
-    assert cells.digits(states[[0, -1]], true) > 15.5  # with two outputs the end alone
+    assert benchmark_grid.digits(states, true) == pytest.approx(9, abs=1e-6)
+    assert benchmark_grid.digits(states[[0, -1]], true) > 15.5  # with two outputs the end alone
     states[-1, 1] += 1e-5 * true.scale
-    assert cells.digits(states[[0, -1]], true) == pytest.approx(5, abs=1e-6)
+    assert benchmark_grid.digits(states[[0, -1]], true) == pytest.approx(5, abs=1e-6)
 
 
 @pytest.mark.parametrize(("outputs", "every"), [(2, 1), (11, 1), (1001, 100)])
 def test_the_judged_times_are_among_the_outputs(outputs, every):
-    cell = cells.Cell("euler", 1000, outputs)
+    cell = benchmark_grid.Cell("euler", 1000, outputs)
     assert cell.every == every
     judged = cell.scene(0).times[::every]
     wanted = [exactly(DOUBLE.rounded(t)) for t in even_times(Fraction(1000), 11)]
@@ -81,7 +81,7 @@ def test_the_judged_times_are_among_the_outputs(outputs, every):
 def test_a_row_tells_median_least_and_most_of_each_starts_own_ratio():
     ours = [[WorkPoint(6, s), WorkPoint(12, 2 * s)] for s in (1.0, 2.0, 4.0)]
     other = [[WorkPoint(6, 3.0)], [WorkPoint(6, 3.0)], []]
-    row = cells.cell_row(CELL, {"polhode": ours, "CyRK VERN8": other}, {})
+    row = benchmark_grid.cell_row(CELL, {"polhode": ours, "CyRK VERN8": other}, {})
     six, nine, _ = row["levels"]
     mine, theirs = six["methods"]
     assert (mine["reached"], mine["seconds"], mine["factor"]) == (3, [2.0, 1.0, 4.0], None)
@@ -97,7 +97,7 @@ def row(end: int, factor: float | None, name: str = "CyRK VERN8") -> dict:
     ours = [[WorkPoint(5, 1.0), WorkPoint(13, 1.0)]] * 2
     theirs = [[WorkPoint(13, factor)] if factor else [WorkPoint(2, 0.1)]] * 2
     marks = {"polhode": ours, "heyoka alone": [[WorkPoint(13, 0.1)]] * 2, name: theirs}
-    return cells.cell_row(cells.Cell("euler", end, 11), marks, {})
+    return benchmark_grid.cell_row(benchmark_grid.Cell("euler", end, 11), marks, {})
 
 
 CLOSEST = "polhode is ahead of every program tried but heyoka, its own engine, wherever it arrives"
@@ -157,7 +157,7 @@ def test_where_polhode_does_not_arrive_nothing_is_claimed():
     def short(arrived: int) -> dict:
         ours = [[WorkPoint(13 if k < arrived else 7, 1.0)] for k in range(8)]
         marks = {"polhode": ours, "CyRK VERN8": [[WorkPoint(13, 2.0)]] * 8}
-        return cells.cell_row(cells.Cell("euler", 1000, 11), marks, {})
+        return benchmark_grid.cell_row(benchmark_grid.Cell("euler", 1000, 11), marks, {})
 
     assert lengths.stands([short(6)]).startswith("No run here is")
     assert "takes 2 times as long" in lengths.stands([short(7)])
@@ -176,10 +176,10 @@ def test_page_and_figure_of_cells():
 @pytest.mark.slow
 def test_one_cell_alone_from_end_to_end(tmp_path):
     only = Only(("kovalevskaya t=10 outputs=2", "heyoka"))
-    assert not cells.wanted_cells(True, only)  # a quick study has eleven outputs alone
-    asked = cells.wanted_cells(True, Only(("kovalevskaya t=10 ", "heyoka")))
-    curves = run_all(cells.tasks(asked, True), tmp_path)
-    (found,) = cells.rows(asked, curves, True)
+    assert not benchmark_grid.wanted_cells(True, only)  # a quick study has eleven outputs alone
+    asked = benchmark_grid.wanted_cells(True, Only(("kovalevskaya t=10 ", "heyoka")))
+    curves = run_all(benchmark_grid.tasks(asked, True), tmp_path)
+    (found,) = benchmark_grid.rows(asked, curves, True)
     assert {m["method"] for m in found["levels"][0]["methods"]} == {"polhode", "heyoka alone"}
     for level in found["levels"]:
         for method in level["methods"]:

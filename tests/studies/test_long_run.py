@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from polhode.equations.integrals import departures, drift
-from polhode.judging.conditioning import conditioning
-from polhode.judging.reference import reference
+from polhode.judging.conditioning.conditioning import conditioning
+from polhode.judging.references.reference import reference
 from polhode.runs.integrate import integrate
 from polhode.scenes.body import dot
 from polhode.studies.ensembles import random_scene
-from polhode.studies.long_run import far, figure, growth, page
+from polhode.studies.long_run import figure, growth, late_time, page
 from polhode.studies.long_run import rows as long_run
-from polhode.studies.only import Only
 from polhode.studies.page.blocks import markdown
+from polhode.studies.row_filter import Only
 
 TIMES = [100.0, 316.0, 1000.0, 3162.0, 10000.0]
 
@@ -178,7 +178,7 @@ def small():
         "quick": True,
         "brouwer": long_run.BROUWER,
         "tops": tops,
-        "at": far.rows(100, 3, quick=True, only=Only(("euler",))),
+        "at": late_time.rows(100, 3, quick=True, only=Only(("euler",))),
     }
 
 
@@ -232,13 +232,13 @@ def test_unprojected_runs_obey_brouwers_law():
 
 
 def test_what_compiles_long_is_one_process_and_dear_programs_get_half_of_the_starts():
-    asked = [(top, method) for method in far.METHODS for top in ("euler", "lagrange")]
-    jobs = far._jobs(asked)
+    asked = [(top, method) for method in late_time.METHODS for top in ("euler", "lagrange")]
+    jobs = late_time._jobs(asked)
     assert sorted(one for job in jobs for one in job) == sorted(asked)
     assert {method.name for _, method in jobs[0]} == {"CyRK DOP853", "CyRK VERN8"}
     assert {top for top, _ in jobs[0]} == {"euler", "lagrange"}
     assert [len(job) for job in jobs[1:]] == [1, 1, 1, 1]
-    starts = {method.name: far._starts(method, 16) for method in far.METHODS}
+    starts = {method.name: late_time._starts(method, 16) for method in late_time.METHODS}
     assert starts.pop("heyoka alone") == 16
     assert set(starts.values()) == {8}
 

@@ -7,7 +7,7 @@ import numpy as np
 import polhode
 from polhode.equations.hodographs import path
 from polhode.numbers import number_types
-from polhode.numbers.convert import exactly
+from polhode.numbers.conversion import exactly
 from polhode.studies.accuracy import figure, motions, page
 
 

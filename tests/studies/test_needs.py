@@ -8,9 +8,9 @@ import pytest
 
 from polhode.studies import report
 from polhode.studies.needs import page, rows
-from polhode.studies.only import Only
 from polhode.studies.page import html
 from polhode.studies.page.blocks import Text
+from polhode.studies.row_filter import Only
 
 
 @pytest.mark.slow

@@ -18,18 +18,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from polhode.equations.forms import principal
-from polhode.numbers.convert import to_double
+from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.scalars import Functions
 from polhode.peers import field
-from polhode.studies import processes
-from polhode.studies.only import Only
+from polhode.studies import peer_processes
 from polhode.studies.page.blocks import markdown
-from polhode.studies.processes import Method, Task
+from polhode.studies.peer_processes import Method, Task
 from polhode.studies.published import rows as published
-from polhode.studies.speed import cells, contenders, figure, page, refined
+from polhode.studies.row_filter import Only
+from polhode.studies.speed import benchmark_grid, contenders, figure, page, refined
 from polhode.studies.speed import rows as speed
-from polhode.studies.speed.elsewhere import READ
+from polhode.studies.speed.published_benchmarks import READ
 from polhode.studies.speed.work_precision import WorkPoint, against, frontier, seconds_at, wall
 
 SHORT = contenders.SpeedMotion("short", "general/asymmetric-regular", 2, "regular")
@@ -78,7 +78,9 @@ def peer(tmp_path, monkeypatch):
             "serve(load, build)\n"
         )
         method = Method(name, name, "", tolerances, limit=limit)
-        return processes.run_all([Task(method, contenders.scene_of(SHORT))], tmp_path / "cache")[0]
+        return peer_processes.run_all(
+            [Task(method, contenders.scene_of(SHORT))], tmp_path / "cache"
+        )[0]
 
     return run
 
@@ -146,17 +148,17 @@ def test_a_peer_that_takes_too_long_is_stopped_and_keeps_what_it_had(peer):
 
 def test_a_module_that_is_not_there_fails_with_its_last_word():
     job = {"problems": []}
-    answers, fault = processes.ask("polhode.peers.nobody", job, 20.0, Path("unused"))
+    answers, fault = peer_processes.ask("polhode.peers.nobody", job, 20.0, Path("unused"))
     assert answers == []
     assert "nobody" in fault
 
 
 def test_stale_rows():
     start, moved = [1, 2], [1, 3]
-    assert processes.stale([start, start])
-    assert processes.stale([start, moved, moved])
-    assert processes.stale([start, moved, start])
-    assert not processes.stale([start, moved, [2, 3]])
+    assert peer_processes.stale([start, start])
+    assert peer_processes.stale([start, moved, moved])
+    assert peer_processes.stale([start, moved, start])
+    assert not peer_processes.stale([start, moved, [2, 3]])
 
 
 #: What the process of a peer needs beside numpy.
@@ -189,7 +191,7 @@ def compiled(tmp_path_factory):
 def test_every_method_that_is_here_finds_the_motion(method, digits, compiled):
     scene = contenders.scene_of(SHORT)
     tight = method._replace(tolerances=method.tolerances[-1:])
-    curve = processes.run_all([Task(tight, scene, repeats=1)], compiled, rounds=1)[0]
+    curve = peer_processes.run_all([Task(tight, scene, repeats=1)], compiled, rounds=1)[0]
     if curve.status == "missing":
         assert missing(PACKAGES[method.module.rpartition(".")[2]])
         pytest.skip(curve.reason)
@@ -256,7 +258,7 @@ def test_a_reference_that_is_wrong_is_found_by_the_wall(monkeypatch, tmp_path):
         if m.name in ("polhode double", "polhode extended")
     ]
     tasks = [Task(method, scene, repeats=1) for method in asked]
-    curves = processes.run_all(tasks, tmp_path, rounds=1)
+    curves = peer_processes.run_all(tasks, tmp_path, rounds=1)
     curves = dict(zip(asked, curves, strict=True))
     assert speed.motion_row(SHORT, scene, curves)["wall"] is None
     true = speed.reference_of(scene)
@@ -430,7 +432,7 @@ def test_a_small_study_from_end_to_end(monkeypatch):
     """The quick study on its shortest motion alone; the same digits twice."""
     monkeypatch.setattr(speed, "MOTIONS", tuple(m for m in speed.MOTIONS if m.kind == "short"))
     told = []
-    monkeypatch.setattr(cells, "QUICK_LENGTHS", ((10, 11),))
+    monkeypatch.setattr(benchmark_grid, "QUICK_LENGTHS", ((10, 11),))
     found = speed.rows(quick=True, tick=told.append)
     assert told
     assert all(line.startswith("speed: ") for line in told)
@@ -446,7 +448,7 @@ def test_a_small_study_from_end_to_end(monkeypatch):
             assert 0 <= point.get("digits", 0) <= 19.27
     assert markdown(page.TITLE, page.blocks(found))
     assert figure.svgs(found)["speed"].startswith("<?xml")
-    assert {cell["kind"] for cell in found["cells"]} == {*cells.KINDS}
+    assert {cell["kind"] for cell in found["cells"]} == {*benchmark_grid.KINDS}
 
 
 def test_the_full_study_asks_for_every_peer_and_type():

@@ -7,11 +7,11 @@ from fractions import Fraction
 
 import pytest
 
-from polhode.judging.reference import reference
+from polhode.judging.references.reference import reference
 from polhode.peers import splitting
 from polhode.peers.protocol import Problem
 from polhode.studies.ensembles import random_scene
-from polhode.studies.processes import Method, Task, _problem
+from polhode.studies.peer_processes import Method, Task, _problem
 
 
 def power_sum(order: int, power: int) -> float:

@@ -9,10 +9,10 @@ import pytest
 
 import polhode
 from polhode.equations.equilibrium import at_rest
-from polhode.judging.limits import selected
+from polhode.judging.diagnosis.error_budget import selected
 from polhode.numbers import exact, number_types
+from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
-from polhode.numbers.private import mpmath
 from polhode.scenes import library
 from polhode.studies import report
 from polhode.studies.accuracy import rows as accuracy

@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
-from polhode.numbers.convert import exactly, to_mpf
+from polhode.numbers.conversion import exactly, to_mpf
+from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
-from polhode.numbers.private import mpmath
-from polhode.runs import sighted
-from polhode.scenes import columns, scene_file
+from polhode.runs.observers import events as event_observer
+from polhode.scenes import column_expressions, scene_file
 from polhode.scenes.event import Event
-from polhode.taylor.outcomes import Outcome
 from shared.policies import change_policy
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
@@ -42,7 +42,7 @@ def true_time(scene: polhode.Scene, text: str, near: Fraction) -> Fraction:
 
     def value(t):
         row = dict(zip(scene.columns, truth.at([t], 65)[0], strict=True), t=t)
-        return columns.value(text, row, BITS)
+        return column_expressions.value(text, row, BITS)
 
     with mpmath.workprec(BITS):
         guess = to_mpf(near, BITS)
@@ -411,7 +411,7 @@ def test_crossings_polished_together_are_those_polished_where_they_are_met(
     number, way, monkeypatch
 ):
     """An event that would end the run, and never comes, has each crossing polished where it is."""
-    monkeypatch.setattr(sighted, "fits", lambda *_: False)
+    monkeypatch.setattr(event_observer, "fits", lambda *_: False)
     change_policy(monkeypatch, chunk=400)
     never = Event("never", "q - 100", stop=True)
     asked = Event("plain", "q"), Event("up", "p*gamma2 - q*gamma1", "rising")
@@ -433,14 +433,14 @@ def test_crossings_polished_together_are_those_polished_where_they_are_met(
 
 
 def test_a_second_run_watches_with_the_integrator_of_the_first(monkeypatch):
-    from polhode.taylor import integrator
-    from polhode.taylor.pool import Idle
+    from polhode.taylor.backend.integrator_pool import Idle
+    from polhode.taylor.integrator import stepping
 
-    monkeypatch.setattr(integrator, "_IDLE", Idle())
-    monkeypatch.setattr(sighted, "fits", lambda *_: False)
+    monkeypatch.setattr(stepping, "_IDLE", Idle())
+    monkeypatch.setattr(event_observer, "fits", lambda *_: False)
     scene = watched(polhode.load("kovalevskaya/generic"), Event("q", "q"))
     first = polhode.integrate(scene)
-    monkeypatch.setattr(integrator, "built", None)
+    monkeypatch.setattr(stepping, "built", None)
     again = polhode.integrate(scene)
     assert again == first
     assert again.events[0].times

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE
-from polhode.runs.sweep_plan import planned
-from polhode.taylor import batch_jobs, batches, lane_order
-from polhode.taylor.outcomes import Outcome
+from polhode.runs.sweep.plan import planned
+from polhode.taylor.batches import batch_integrator, jobs, lane_order
 from shared.motions import heavy
 
 
@@ -20,7 +20,7 @@ def job_of(end: str, count: int = 61, **options):
     plan = planned(heavy(end, samples=3), varied, "double", None, None, options.get("steps"))
     assert len(set(plan.time_units)) == 1
     n = int(plan.time_units[0])
-    return batch_jobs.BatchJob(
+    return jobs.BatchJob(
         plan.names, DOUBLE, plan.tolerance, plan.max_steps, plan.times, n, plan.lanes
     )
 
@@ -30,9 +30,9 @@ def test_the_same_bits_in_whichever_order(end, monkeypatch):
     job = job_of(end)
     called, order = [], lane_order.by_steps
     monkeypatch.setattr(lane_order, "by_steps", lambda *a: called.append(1) or order(*a))
-    found = batches.solve(job)
+    found = batch_integrator.solve(job)
     monkeypatch.setattr(lane_order, "_LONG", 1e9)
-    plain = batches.solve(job)
+    plain = batch_integrator.solve(job)
     assert called == [1]
     for name in ("states", "outcomes", "steps", "reached"):
         assert np.array_equal(getattr(found, name), getattr(plain, name))
@@ -41,9 +41,9 @@ def test_the_same_bits_in_whichever_order(end, monkeypatch):
 
 def test_lanes_idle_less():
     """Steps wanted over lanes times steps of the longest in each batch."""
-    job, size = job_of("600", 64), batches.width(DOUBLE)
-    order = lane_order.by_steps(batches.compiled(job), job.lanes, size, 1.0)
-    steps = batches.solve(job).steps
+    job, size = job_of("600", 64), batch_integrator.width(DOUBLE)
+    order = lane_order.by_steps(batch_integrator.compiled(job), job.lanes, size, 1.0)
+    steps = batch_integrator.solve(job).steps
 
     def busy(order):
         return steps.sum() / (size * steps[order].reshape(-1, size).max(axis=1).sum())
@@ -55,8 +55,8 @@ def test_lanes_idle_less():
 
 def test_a_short_way_is_not_tried_beforehand(monkeypatch):
     monkeypatch.setattr(lane_order, "by_steps", None)
-    assert batches.solve(job_of("20")).done.all()
-    assert batches.solve(job_of("600", batches.width(DOUBLE))).done.all()
+    assert batch_integrator.solve(job_of("20")).done.all()
+    assert batch_integrator.solve(job_of("600", batch_integrator.width(DOUBLE))).done.all()
 
 
 def test_a_member_that_fails_keeps_its_place():
@@ -71,7 +71,7 @@ def test_what_is_put_in_order():
     order = np.array([2, 0, 1])
     number = np.arange(3)
     told = [(float(k),) for k in order]
-    some = batch_jobs.Solved(number[order, None, None], number[order], number[order], order, told)
+    some = jobs.Solved(number[order, None, None], number[order], number[order], order, told)
     found = some.in_order(order)
     assert found.outcomes.tolist() == found.steps.tolist() == found.reached.tolist() == [0, 1, 2]
     assert found.states[:, 0, 0].tolist() == [0, 1, 2]

@@ -14,7 +14,7 @@ import pytest
 
 from polhode import cli
 from polhode.numbers.expression import decimal
-from polhode.scenes.words import STATE
+from polhode.scenes.vocabulary import STATE
 from shared.motions import free_file
 
 DONE, BAD_INPUT, NOT_REACHED = 0, 2, 3

@@ -12,10 +12,10 @@ import pytest
 
 import polhode
 from polhode import cli
+from polhode.common import checkpoint
 from polhode.common.errors import BadInput
 from polhode.common.files import called
 from polhode.dynamics.kept import Kept
-from polhode.runs import kept_folder
 from polhode.studies import report
 from polhode.verbs import terminal
 from shared.motions import free_file
@@ -188,7 +188,7 @@ def test_a_full_disk_leaves_all_files_of_a_study_or_none(monkeypatch: pytest.Mon
 
 
 def test_a_first_piece_that_cannot_be_kept_leaves_no_folder(monkeypatch) -> None:
-    write = kept_folder.write_whole
+    write = checkpoint.write_whole
 
     def fail(texts: dict[Path, bytes]) -> None:
         if any(path.suffix == ".npz" for path in texts):
@@ -197,13 +197,13 @@ def test_a_first_piece_that_cannot_be_kept_leaves_no_folder(monkeypatch) -> None
 
     kept = Kept(Path("x.parts"), "section", "key")
     with monkeypatch.context() as patch:
-        patch.setattr(kept_folder, "write_whole", fail)
+        patch.setattr(checkpoint, "write_whole", fail)
         with pytest.raises(BadInput, match="No space left"):
             kept.save(0, {"a": [1.0]})
         assert not Path("x.parts").exists()
     kept.save(0, {"a": [1.0]})
     with monkeypatch.context() as patch:
-        patch.setattr(kept_folder, "write_whole", fail)
+        patch.setattr(checkpoint, "write_whole", fail)
         with pytest.raises(BadInput, match="No space left"):
             kept.save(1, {"a": [2.0]})
     assert kept.load(0)["a"].tolist() == [1.0]  # what is finished stays

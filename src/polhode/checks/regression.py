@@ -10,15 +10,15 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from polhode.checks.printed import PrintedFigure, figures
+from polhode.checks.published_figures import PrintedFigure, figures
+from polhode.common import executors as of_work
 from polhode.common.errors import BadInput, nearest
-from polhode.judging.comparison import compare
-from polhode.judging.conditioning import Conditioning, conditioning
-from polhode.judging.judgement import Judgement
-from polhode.judging.reference import Remembered
-from polhode.judging.reference import reference as reference_of
+from polhode.judging.conditioning.conditioning import Conditioning, conditioning
+from polhode.judging.references.reference import Remembered
+from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.score.compare import compare
+from polhode.judging.score.judgement import Judgement
 from polhode.numbers import number_types
-from polhode.runs import workers as of_work
 from polhode.runs.integrate import integrate, undisturbed
 from polhode.scenes import library
 from polhode.scenes.scene import Scene

@@ -10,8 +10,8 @@ from polhode.numbers.decimals import (
 )
 
 if TYPE_CHECKING:  # a run needs none of these
-    from polhode.checks.forms import CrossCheck
-    from polhode.checks.printed import PrintedFigure
+    from polhode.checks.form_cross_checks import CrossCheck
+    from polhode.checks.published_figures import PrintedFigure
     from polhode.checks.regression import Report
 
 

@@ -11,10 +11,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from polhode.checks.printed import PrintedFigure, columns_at, ours_of
-from polhode.judging.certified import Certified
-from polhode.judging.reference import Reference
-from polhode.judging.two_precisions import TwoPrecisions
+from polhode.checks.published_figures import PrintedFigure, columns_at, ours_of
+from polhode.judging.references.certified import Certified
+from polhode.judging.references.reference import Reference
+from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.numbers.expression import decimal
 from polhode.scenes.scene import Scene
 

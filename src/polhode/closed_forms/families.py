@@ -2,7 +2,7 @@
 
 A closed form shares no code with the integrator: it reads the exact scene and nothing else.
 FAMILIES lists all that there are.  A new family is a folder beside this file, one row of the table,
-and one word in :data:`polhode.scenes.words.REFERENCES`.
+and one word in :data:`polhode.scenes.vocabulary.REFERENCES`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any, NamedTuple, Protocol
 
-from polhode.closed_forms.principal_scene import PrincipalScene, in_principal_axes
+from polhode.closed_forms.engine.principal_scene import PrincipalScene, in_principal_axes
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import Exact, binary, log10, rounded
 from polhode.scenes.body import Vector

@@ -7,7 +7,7 @@ way.  Every taking is checked, so that any test that takes them in a wrong order
 one thread or many.
 
 Nothing else that holds a lock while it computes belongs in polhode: properties are kept by
-:mod:`polhode.common.cached`, and ``functools.lru_cache`` holds none.
+:mod:`polhode.common.cached_property`, and ``functools.lru_cache`` holds none.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Finished jobs of a long computation, in a folder: a rerun with the same key goes on from there.
 
-``job-00000.npz`` and so on, see :mod:`polhode.runs.kept_folder`, hold the arrays of one job each.
+``job-00000.npz`` and so on, see :mod:`polhode.common.checkpoint`, hold the arrays of one job each.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from polhode.runs.kept_folder import KeptFolder
+from polhode.common.checkpoint import KeptFolder
 
 
 class Kept(KeptFolder):

@@ -20,16 +20,16 @@ import numpy as np
 from flint import arb
 
 from polhode.enclosures import quaternion
-from polhode.enclosures.bound import Bounds
-from polhode.enclosures.fixed import TIME_BITS, UP, Motion, Problem, sharp
+from polhode.enclosures.fixed_point_problem import TIME_BITS, UP, Motion, Problem, sharp
 from polhode.enclosures.polynomial import ball
 from polhode.enclosures.quaternion import Approximation, Turned
-from polhode.enclosures.windings import Followed, Leaving, Pace
+from polhode.enclosures.step_bound import Bounds
+from polhode.enclosures.winding_number import Followed, Leaving, Pace
 from polhode.enclosures.zonotope import Step, inside, places
 from polhode.equations.kinematics import starting_attitude
-from polhode.equations.poles import departure, phi_leaving_the_pole
-from polhode.numbers.balls import ctx
+from polhode.equations.pole_passage import departure, phi_leaving_the_pole
 from polhode.numbers.exact import arctan2
+from polhode.numbers.flint_context import ctx
 
 
 class Pose(NamedTuple):

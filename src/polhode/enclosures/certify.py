@@ -15,19 +15,26 @@ from flint import arb
 
 from polhode.common.arguments import each, steps, whole
 from polhode.common.errors import BadInput
-from polhode.enclosures import attitude, conserved, fixed, march, pilot, turn_series
-from polhode.enclosures.fixed import MOST_NOISE, Motion, Refused, motion, upper
+from polhode.enclosures import (
+    attitude,
+    attitude_series,
+    fixed_point_problem,
+    integral_contraction,
+    precision_choice,
+    proof_loop,
+)
+from polhode.enclosures.fixed_point_problem import MOST_NOISE, Motion, Refused, motion, upper
 from polhode.enclosures.polynomial import ball
 from polhode.enclosures.result import Enclosure, Part, digits_of
+from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
-from polhode.numbers.balls import ctx
-from polhode.numbers.convert import exact_number
+from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.taylor.outcomes import Outcome
 
 MOST_DIGITS = 250
 MAX_STEPS = 300_000
@@ -40,7 +47,7 @@ def certify(
     at: Iterable[AnyNumber] | None = None,
     digits: int = 15,
     integrals: bool = True,
-    progress: march.Progress | None = None,
+    progress: proof_loop.Progress | None = None,
     max_steps: int = MAX_STEPS,
     max_seconds: float | None = None,
     forecast: Callable[[float], None] | None = None,
@@ -77,12 +84,12 @@ def certify(
     sides = [_Side(scene, times, backward) for backward in (False, True)]
     sides = [side for side in sides if side.places]
     for side in sides:
-        if (needed := pilot.steps(side.motion, side.last)) > max_steps:
+        if (needed := precision_choice.steps(side.motion, side.last)) > max_steps:
             expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
             raise BadInput(scene.name, "at", shown(side.last), expected)
-    noise = max(pilot.noise(side.motion, side.last, digits) for side in sides)
+    noise = max(precision_choice.noise(side.motion, side.last, digits) for side in sides)
     if forecast is not None:
-        forecast(sum(pilot.seconds(side.motion, side.last, noise) for side in sides))
+        forecast(sum(precision_choice.seconds(side.motion, side.last, noise) for side in sides))
     best: Enclosure | None = None
     refusal = ""
     for tries in range(1, _MOST_TRIES + 1):
@@ -105,7 +112,7 @@ def certify(
             return best
         if noise == MOST_NOISE:
             break
-        noise += math.ceil(pilot.BITS_A_DIGIT * (digits - best.fewest)) + _SPARE
+        noise += math.ceil(precision_choice.BITS_A_DIGIT * (digits - best.fewest)) + _SPARE
     had = f"{best.fewest:.1f} proven" if best else refusal
     expected = f"digits that can be proven to t = {_farthest(times)} ({had})"
     raise BadInput(scene.name, "digits", digits, expected)
@@ -147,7 +154,7 @@ def _found(
     digits: int,
     noise: int,
     integrals: bool,
-    progress: march.Progress | None,
+    progress: proof_loop.Progress | None,
     deadline: float,
 ) -> Enclosure:
     """The enclosure at one noise level, as far as it came; raises Refused."""
@@ -157,11 +164,13 @@ def _found(
     for side in sides:
         if not outcome.done:
             break
-        problem = fixed.problem(side.motion, noise)
-        asked = fixed.times(side.motion, side.ordered)
-        known = conserved.prepared(side.motion, 2 * problem.fine + 100) if integrals else []
+        problem = fixed_point_problem.problem(side.motion, noise)
+        asked = fixed_point_problem.times(side.motion, side.ordered)
+        known = (
+            integral_contraction.prepared(side.motion, 2 * problem.fine + 100) if integrals else []
+        )
         watch = _watch(side, problem, asked)
-        proof = march.run(
+        proof = proof_loop.run(
             problem, asked, known, progress=progress, watchers=watch, deadline=deadline
         )
         steps, outcome = steps + proof.steps, proof.outcome
@@ -197,12 +206,14 @@ def _found(
     )
 
 
-def _watch(side: _Side, problem: fixed.Problem, times: Sequence[Any]) -> list[attitude.Watch]:
+def _watch(
+    side: _Side, problem: fixed_point_problem.Problem, times: Sequence[Any]
+) -> list[attitude.Watch]:
     """What follows the attitude, if the scene's outputs ask for it."""
     modelled = side.motion.scene.modelled
     if not {"angles", "attitude"} & {*modelled}:
         return []
-    approximate = turn_series.approximate
+    approximate = attitude_series.approximate
     return [attitude.Watch(side.motion, problem, times, approximate, "angles" in modelled)]
 
 
@@ -257,7 +268,10 @@ def _at_rest(what: Motion) -> bool:
     if any(sign(x) for x in what.start[:3]):
         return False
     pull, push, gamma = what.constants[3:6], what.constants[6:], what.start[3:]
-    torques = (pull[i] * gamma[a] + push[i] * gamma[b] for i, (a, b) in enumerate(fixed.CYCLE))
+    torques = (
+        pull[i] * gamma[a] + push[i] * gamma[b]
+        for i, (a, b) in enumerate(fixed_point_problem.CYCLE)
+    )
     return all(sign(x) == 0 for x in torques)
 
 

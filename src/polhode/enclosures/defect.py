@@ -14,9 +14,15 @@ from typing import Any
 import numpy as np
 from flint import fmpz
 
-from polhode.enclosures.digits import MOST_FACTOR, UNPACKED, Double, packed, unpacked
-from polhode.enclosures.fixed import CLOCK, CYCLE, UP, Problem, Refused
-from polhode.enclosures.pieces import Pieces
+from polhode.enclosures.fixed_point_problem import CLOCK, CYCLE, UP, Problem, Refused
+from polhode.enclosures.kronecker_substitution import (
+    MOST_FACTOR,
+    UNPACKED,
+    Double,
+    packed,
+    unpacked,
+)
+from polhode.enclosures.taylor_polynomials import Pieces
 
 
 @dataclass(frozen=True)

@@ -12,22 +12,27 @@ from flint import arb
 
 from polhode.common.arguments import each, steps, whole
 from polhode.common.errors import BadInput
-from polhode.enclosures import conserved, fixed, march, pilot
+from polhode.enclosures import (
+    fixed_point_problem,
+    integral_contraction,
+    precision_choice,
+    proof_loop,
+)
+from polhode.enclosures.certified_zeros import Crossing, Search
 from polhode.enclosures.certify import MAX_STEPS, MOST_DIGITS, time_limit
-from polhode.enclosures.crossings import Crossing, Search
-from polhode.enclosures.fixed import Motion, Refused, motion, upper
+from polhode.enclosures.fixed_point_problem import Motion, Refused, motion, upper
 from polhode.enclosures.polynomial import Polynomial, constant, rate, total, variable
 from polhode.numbers import exact, expression
-from polhode.numbers.balls import ctx
-from polhode.numbers.convert import exact_number, to_double
+from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import Algebra, ExpressionError
+from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
-from polhode.scenes.words import STATE
+from polhode.scenes.vocabulary import STATE
 
 _MOST_TRIES = 4
 _DEARER = 1.4  # with events than without
@@ -74,7 +79,7 @@ def certify_events(
     scene: Scene | str | Path,
     end: AnyNumber | None = None,
     digits: int = 15,
-    progress: march.Progress | None = None,
+    progress: proof_loop.Progress | None = None,
     max_steps: int = MAX_STEPS,
     max_seconds: float | None = None,
     forecast: Callable[[float], None] | None = None,
@@ -105,14 +110,14 @@ def certify_events(
     digits = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
     max_steps = steps(scene.name, max_steps)
     what = motion(scene, backward=sign(last) < 0)
-    if (needed := pilot.steps(what, last)) > max_steps:
+    if (needed := precision_choice.steps(what, last)) > max_steps:
         expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
         raise BadInput(scene.name, "end", shown(last), expected)
     polynomials = [of_event(what, n, event) for n, event in enumerate(scene.events)]
-    noise = pilot.noise(what, last, digits)
+    noise = precision_choice.noise(what, last, digits)
     deadline = time_limit(scene, max_seconds)
     if forecast is not None:
-        forecast(_DEARER * pilot.seconds(what, last, noise))
+        forecast(_DEARER * precision_choice.seconds(what, last, noise))
     for _ in range(_MOST_TRIES):
         try:
             return _found(what, polynomials, last, noise, progress, deadline)
@@ -126,20 +131,20 @@ def _found(
     polynomials: Sequence[Polynomial],
     last: Exact,
     noise: int,
-    progress: march.Progress | None,
+    progress: proof_loop.Progress | None,
     deadline: float,
 ) -> tuple[CertifiedEvents, ...]:
-    problem = fixed.problem(what, noise)
+    problem = fixed_point_problem.problem(what, noise)
     bits = 2 * problem.fine + 100
-    end = fixed.times(what, [last])[0]
+    end = fixed_point_problem.times(what, [last])[0]
     field = what.field
     searches = [Search(g.balls(bits), rate(g, field).balls(bits)) for g in polynomials]
-    known = conserved.prepared(what, bits)
-    proof = march.run(
+    known = integral_contraction.prepared(what, bits)
+    proof = proof_loop.run(
         problem, [end], known, progress=progress, watchers=searches, deadline=deadline
     )
     done = proof.outcome.done
-    until = end if done else arb((proof.end.time, -fixed.CLOCK))
+    until = end if done else arb((proof.end.time, -fixed_point_problem.CLOCK))
     found = [
         _named(what, event, search, until, noise)
         for event, search in zip(what.scene.events, searches, strict=True)

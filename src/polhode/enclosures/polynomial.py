@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 from flint import arb, fmpq
 
 from polhode.numbers import exact
-from polhode.numbers.balls import ctx
 from polhode.numbers.exact import Exact
+from polhode.numbers.flint_context import ctx
 
 SIZE = 6
 MOST_POWER = 12

@@ -24,12 +24,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, arb_poly, fmpz, fmpz_poly
 
-from polhode.enclosures.bound import TINY, Bounds
-from polhode.enclosures.digits import floored
-from polhode.enclosures.fixed import CLOCK, UP, Problem, Refused
-from polhode.enclosures.pieces import Pieces, improved
+from polhode.enclosures.fixed_point_problem import CLOCK, UP, Problem, Refused
+from polhode.enclosures.kronecker_substitution import floored
+from polhode.enclosures.step_bound import TINY, Bounds
+from polhode.enclosures.taylor_polynomials import Pieces, improved
 from polhode.enclosures.zonotope import Step
-from polhode.numbers.balls import ctx
+from polhode.numbers.flint_context import ctx
 
 _MOST_WIDTH = 10_000
 _ROOT_OF_3 = 1.7320508076  # above it

@@ -8,15 +8,15 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
-from polhode.common.cached import cached_property
-from polhode.common.values import ByValue
-from polhode.numbers.convert import to_mpf
+from polhode.common.cached_property import cached_property
+from polhode.common.value_semantics import ByValue
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.conversion import to_mpf
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
-from polhode.numbers.private import ordinary
+from polhode.numbers.mpmath_context import ordinary
 from polhode.numbers.scalars import Real
 from polhode.scenes.scene import Scene
-from polhode.taylor.outcomes import Outcome
 
 
 class Part(NamedTuple):

@@ -33,10 +33,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, arb_poly
 
-from polhode.enclosures.bound import TINY, Bounds, gamma
 from polhode.enclosures.defect import difference, gaps
-from polhode.enclosures.fixed import CLOCK, TIME_BITS, UP, Problem, Refused, upper
-from polhode.numbers.balls import ctx
+from polhode.enclosures.fixed_point_problem import CLOCK, TIME_BITS, UP, Problem, Refused, upper
+from polhode.enclosures.step_bound import TINY, Bounds, gamma
+from polhode.numbers.flint_context import ctx
 
 SETTLED = 24
 MOST_COLUMNS = 80_000  # sums of more would need more than UP for their rounding

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
-from polhode.numbers.convert import exactly, mpf_row, to_extended, to_mpf
+from polhode.numbers.conversion import exactly, mpf_row, to_extended, to_mpf
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType, extended_here
 from polhode.numbers.scalars import Row, Rows, Scalar
@@ -51,7 +51,7 @@ def in_space(attitude: Rows, vectors: Rows, number: NumberType) -> Rows:
 
         quaternion, vector = (np.asarray(x, dtype=np.longdouble).T for x in (attitude, vectors))
         return np.array(turned(quaternion, vector)).T.astype(np.float64)
-    from polhode.numbers.private import mpmath, ordinary
+    from polhode.numbers.mpmath_context import mpmath, ordinary
 
     wide = number.bits + GUARD_BITS
     with mpmath.workprec(wide):

@@ -24,15 +24,15 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.numbers import exact
-from polhode.numbers.convert import exactly, to_extended, to_mpf
+from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.scalars import Row, Rows, Scalar, combination
-from polhode.scenes import tops
+from polhode.scenes import classification
 from polhode.scenes.body import Vector, dot, scaled
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
-    from polhode.numbers.pairs import Pairs
+    from polhode.numbers.double_double import Pairs
 
 GUARD_BITS = 64
 NEAR_REST = 10  # where |G(0)| is so many times less than the pendulum's momentum
@@ -132,11 +132,11 @@ _FOURTH: dict[str, Callable[..., Scalar]] = {
 
 #: The fourth integral of a classical top; Goryachev and Chaplygin's where f = 0 alone.
 _FOURTH_OF = {
-    tops.EULER: MOMENTUM,
-    tops.LAGRANGE: SPIN,
-    tops.SPHERE: SPIN,
-    tops.KOVALEVSKAYA: KOVALEVSKAYA,
-    tops.CHAPLYGIN: CHAPLYGIN,
+    classification.EULER: MOMENTUM,
+    classification.LAGRANGE: SPIN,
+    classification.SPHERE: SPIN,
+    classification.KOVALEVSKAYA: KOVALEVSKAYA,
+    classification.CHAPLYGIN: CHAPLYGIN,
 }
 
 
@@ -178,14 +178,14 @@ def _fourth(scene: Scene, torque: Vector) -> tuple[str | None, tuple[int, int, i
 
     ``torque``: Mg r0 in principal axes, in any unit.
     """
-    top = tops.classical_top(scene.body.moments, torque)
+    top = classification.classical_top(scene.body.moments, torque)
     name = _FOURTH_OF.get(top.kind)
     if name == CHAPLYGIN:  # the area is asked for here alone: it takes as long as all the rest
         area = scene.integrals.area
         name = name if area is not None and sign(area) == 0 else None
-    if name is None or top.axis is None or top.kind == tops.SPHERE:
+    if name is None or top.axis is None or top.kind == classification.SPHERE:
         return name, (0, 1, 2)
-    return name, tops.with_last(top.axis)
+    return name, classification.with_last(top.axis)
 
 
 def exact_values(scene: Scene, found: FirstIntegrals) -> list[Exact]:
@@ -208,7 +208,7 @@ def drift(scene: Scene, states: Rows, bits: int) -> Drift:
     if isinstance(states, np.ndarray) and states.dtype == np.float64:
         found = departures(scene, states).values()
         return _named(scene, [float(np.max(np.abs(d))) for d in found])
-    from polhode.numbers.private import mpmath
+    from polhode.numbers.mpmath_context import mpmath
 
     precision = bits + GUARD_BITS
     with mpmath.workprec(precision):
@@ -239,7 +239,7 @@ def drift_of_columns(scene: Scene, columns: Sequence[Pairs]) -> Drift | None:
     """
     import numpy as np
 
-    from polhode.numbers.pairs import of_exact
+    from polhode.numbers.double_double import of_exact
 
     with np.errstate(all="ignore"):
         try:

@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from polhode.numbers import exact
-from polhode.numbers.convert import exactly, to_mpf
+from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import ONE, Exact, sign
 from polhode.numbers.scalars import Scalar, Value, combination
 from polhode.scenes.body import PrincipalAxes, Vector
@@ -101,7 +101,7 @@ def angles_off_the_pole(
     psi + phi = 2 arg(q0 + i q3) and psi - phi = 2 arg(q1 + i q2): the former is continuous over the
     upper pole, the latter over the lower one.
     """
-    from polhode.numbers.private import mpmath
+    from polhode.numbers.mpmath_context import mpmath
 
     with mpmath.workprec(bits + 16):
         q0, q1, q2, q3, g1, g2, g3 = (to_mpf(exactly(x), bits) for x in (*quaternion, *gamma))

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.cached import cached_property
+from polhode.common.cached_property import cached_property
 from polhode.equations.form import equations
 from polhode.equations.kinematics import AngleFunctions, angles
-from polhode.numbers.convert import exactly, to_extended, to_mpf
+from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Row, Rows, Value, of_extended, of_mpmath
 from polhode.scenes.scene import Scene
-from polhode.scenes.words import ATTITUDE
+from polhode.scenes.vocabulary import ATTITUDE
 
 if TYPE_CHECKING:
     import numpy as np
@@ -43,7 +43,7 @@ class Readout:
                 turned[:, :3] = np.ldexp(turned[:, :3], exponent)
             return turned
         turned = self._vectors([row[: len(self.form.variables)] for row in rows])
-        from polhode.numbers.private import mpmath, ordinary
+        from polhode.numbers.mpmath_context import mpmath, ordinary
 
         return [ordinary([mpmath.ldexp(x, exponent) for x in row[:3]] + row[3:]) for row in turned]
 
@@ -92,7 +92,7 @@ class Readout:
 
     def _angles(self, states: Rows, integrated: list[Row]) -> list[list[Value | None]]:
         """The same above extended."""
-        from polhode.numbers.private import mpmath, ordinary, own
+        from polhode.numbers.mpmath_context import mpmath, ordinary, own
 
         fn = AngleFunctions(
             mpmath.hypot, mpmath.atan2, mpmath.pi, mpmath.nint, lambda c, a, b: a if c else b
@@ -126,7 +126,7 @@ class Readout:
 
     def _vectors(self, rows: Rows) -> list[list[Value]]:
         """Rows of omega and gamma in scene axes and the run's unit, rounded once at the end."""
-        from polhode.numbers.private import mpmath
+        from polhode.numbers.mpmath_context import mpmath
 
         bits = self.number.bits + GUARD_BITS
         with mpmath.workprec(bits):
@@ -139,7 +139,7 @@ class Readout:
 
     def _turned(self, found: Sequence[Sequence[Row]], bits: int) -> list[list[Value]]:
         """Pairs of omega and gamma, one after the other, turned and rounded to the run's type."""
-        from polhode.numbers.private import mpmath
+        from polhode.numbers.mpmath_context import mpmath
 
         axes = self.form.axes
         with mpmath.workprec(self.number.bits):

@@ -11,7 +11,7 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.scene import Scene
-from polhode.scenes.words import ANGLE_VARIABLES, ATTITUDE
+from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
 
 
 @dataclass(frozen=True)

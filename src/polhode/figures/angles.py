@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas import BODY, TIME, panels, remark
-from polhode.figures.samples import Samples
-from polhode.scenes.words import ANGLES
+from polhode.figures.canvas.canvas import BODY, TIME, panels, remark
+from polhode.figures.canvas.curve_sampling import Samples
+from polhode.scenes.vocabulary import ANGLES
 
 LABELS = {"psi": "ψ (rad)", "theta": "θ (rad)", "phi": "φ (rad)"}
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.figures import curves
-from polhode.figures.samples import Samples
-from polhode.scenes.words import ATTITUDE
+from polhode.figures.canvas import curves
+from polhode.figures.canvas.curve_sampling import Samples
+from polhode.scenes.vocabulary import ATTITUDE
 
 
 def draw(plt: Any, found: Samples, axes: Any = None) -> Any:

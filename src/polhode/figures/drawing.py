@@ -9,18 +9,19 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 
 from polhode.common.errors import BadInput, nearest
-from polhode.common.page import Page
-from polhode.figures import canvas, motion_page, over_time, samples
-from polhode.figures.samples import Samples
-from polhode.judging.reference import reference as reference_of
-from polhode.numbers.convert import exact_number
+from polhode.common.html_page import Page
+from polhode.figures import motion_page
+from polhode.figures.canvas import canvas, curve_sampling, over_time
+from polhode.figures.canvas.curve_sampling import Samples
+from polhode.judging.references.reference import reference as reference_of
+from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.integrate import undisturbed
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.scenes.words import Several, Single
+from polhode.scenes.vocabulary import Several, Single
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -137,11 +138,11 @@ def _samples(what_of: Trajectory | Scene | str | Path, what: str, end: AnyNumber
         raise BadInput(scene.name, "what", what, "a scene with start.gamma")
     number = None if run is None else run.number
     long = what in OVER_TIME
-    times = samples.shown_times(scene, last, over_time.SAMPLES if long else None)
+    times = curve_sampling.shown_times(scene, last, over_time.SAMPLES if long else None)
     project = False if what == "integrals" else None
-    found = undisturbed(samples.run(scene, times, OUTPUTS[what], number, project=project))
+    found = undisturbed(curve_sampling.run(scene, times, OUTPUTS[what], number, project=project))
     if not found.outcome.done:
         raise BadInput(scene.name, "end", float(times[-1]), f"an earlier end: {found.cause}")
     if what == "error":
         return over_time.errors_of_run(found, reference_of(scene))
-    return over_time.departures_of_run(found) if long else samples.of_run(found)
+    return over_time.departures_of_run(found) if long else curve_sampling.of_run(found)

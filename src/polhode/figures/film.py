@@ -14,12 +14,12 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.equations.hodographs import turned
-from polhode.figures.canvas import BODY, HIDDEN, PAPER, SPACE, pyplot
-from polhode.figures.globe import Globe, facing_most
+from polhode.figures.canvas.canvas import BODY, HIDDEN, PAPER, SPACE, pyplot
+from polhode.figures.canvas.curve_sampling import Samples
+from polhode.figures.canvas.globe import Globe, facing_most
 from polhode.figures.motion_page import Motion, of_samples
-from polhode.figures.samples import Samples
 from polhode.figures.sphere import IN_SPACE, apex
-from polhode.numbers.convert import to_double
+from polhode.numbers.conversion import to_double
 
 SUFFIXES = (".gif", ".mp4")
 FRAMES, PER_SECOND = 120, 20

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from polhode.dynamics.frequencies import Frequencies
-from polhode.dynamics.laskar import POWER
-from polhode.figures.canvas import BODY, SPACE
+from polhode.dynamics.frequencies.frequencies import Frequencies
+from polhode.dynamics.frequencies.naff import POWER
+from polhode.figures.canvas.canvas import BODY, SPACE
 
 
 def draw(plt: Any, found: Frequencies) -> Any:

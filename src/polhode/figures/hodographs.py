@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from polhode.equations.hodographs import turned
-from polhode.figures.canvas import BODY, HIDDEN, SPACE, panels
-from polhode.figures.globe import facing_most
-from polhode.figures.samples import Samples
-from polhode.numbers.convert import to_double
-from polhode.scenes.words import ATTITUDE, STATE
-from polhode.scenes.words import SPACE as SPACE_COLUMNS
+from polhode.figures.canvas.canvas import BODY, HIDDEN, SPACE, panels
+from polhode.figures.canvas.curve_sampling import Samples
+from polhode.figures.canvas.globe import facing_most
+from polhode.numbers.conversion import to_double
+from polhode.scenes.vocabulary import ATTITUDE, STATE
+from polhode.scenes.vocabulary import SPACE as SPACE_COLUMNS
 
 FLATTEST = 12  # semi-axes more unequal than this make no ellipsoid to look at
 UNIT = " (rad / unit of time)"

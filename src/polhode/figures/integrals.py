@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.figures import logarithmic
-from polhode.figures.canvas import BODY, REST, SPACE
-from polhode.figures.samples import Samples
+from polhode.figures.canvas import logarithmic
+from polhode.figures.canvas.canvas import BODY, REST, SPACE
+from polhode.figures.canvas.curve_sampling import Samples
 
 LABELS = {
     "h": "|Δh| / (T₀ + Mg|r₀|)",

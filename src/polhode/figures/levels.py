@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.dynamics.levels import Column, Levels
-from polhode.dynamics.reduced import Region
-from polhode.figures.canvas import SPACE
-from polhode.numbers.convert import to_double
+from polhode.dynamics.levels.effective_potential import Region
+from polhode.dynamics.levels.levels import Column, Levels
+from polhode.figures.canvas.canvas import SPACE
+from polhode.numbers.conversion import to_double
 
 COLUMNS = 160
 LINES: dict[str, Any] = {

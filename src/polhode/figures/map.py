@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.dynamics.chaos_maps import VERDICTS, ChaosMap
+from polhode.dynamics.chaos.chaos_map import VERDICTS, ChaosMap
 
 KINDS = ("fli", "megno", "exponent", "verdict")
 LABELS = {"fli": "FLI = max ln|u|", "megno": "MEGNO", "exponent": "exponent (1/unit of time)"}

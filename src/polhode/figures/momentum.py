@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures import curves
-from polhode.figures.samples import Samples
-from polhode.numbers.convert import to_double
-from polhode.scenes.words import STATE
+from polhode.figures.canvas import curves
+from polhode.figures.canvas.curve_sampling import Samples
+from polhode.numbers.conversion import to_double
+from polhode.scenes.vocabulary import STATE
 
 
 def draw(plt: Any, found: Samples, axes: Any = None) -> Any:

@@ -17,15 +17,15 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.common.provenance import __version__
-from polhode.common.text import printable
+from polhode.common.text_tables import printable
 from polhode.equations.hodographs import turned
-from polhode.figures.samples import Samples
+from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.sphere import apex
-from polhode.numbers.convert import to_double
+from polhode.numbers.conversion import to_double
 from polhode.scenes.body import Body, dot
 from polhode.scenes.scene import Scene
 from polhode.scenes.shapes import SHAPES, Part
-from polhode.scenes.words import ATTITUDE, STATE
+from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 _PARTS = Path(__file__).parent / "page"
 TURN_SECONDS = 2.5  # that a turn at the fastest rate takes on the screen

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.dynamics.continuation import BRANCH, DOUBLING, FOLD
-from polhode.dynamics.orbit_families import OrbitFamily
-from polhode.figures.canvas import BODY, PLAIN, REST, SPACE
+from polhode.dynamics.periodic_orbits.continuation import BRANCH, DOUBLING, FOLD
+from polhode.dynamics.periodic_orbits.families import OrbitFamily
+from polhode.figures.canvas.canvas import BODY, PLAIN, REST, SPACE
 
 _MARKS = {FOLD: ("s", SPACE), BRANCH: ("D", REST), DOUBLING: ("o", PLAIN)}
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from polhode.dynamics.sections import Section
-from polhode.equations.section_zero import HEIGHT
+from polhode.dynamics.sections.section import Section
+from polhode.equations.section_functions import HEIGHT
 
 #: Dark enough on white, neighbours far apart.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d00", "#5d3a9b", "#1b9e9e", "#a50f15")
@@ -47,8 +47,8 @@ def draw(plt: Any, found: Section) -> Any:
 
 def height(found: Section) -> tuple[Any, Any]:
     """The azimuth of gamma about r0 and its cosine, of every crossing."""
-    from polhode.dynamics import section_states as geometry
-    from polhode.numbers.convert import to_double
+    from polhode.dynamics.sections import coordinates as geometry
+    from polhode.numbers.conversion import to_double
 
     on = geometry.ground(found.scene, found.h, found.f)
     rows = np.array([[to_double(x) for x in row] for row in found.scene.body.axes.rows])
@@ -58,6 +58,6 @@ def height(found: Section) -> tuple[Any, Any]:
 
 def float_of(x: Any) -> float:
     """An exact number as a double."""
-    from polhode.numbers.convert import to_double
+    from polhode.numbers.conversion import to_double
 
     return to_double(x)

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from polhode.equations.hodographs import turned
-from polhode.figures.canvas import BODY, HIDDEN, SPACE, panels
-from polhode.figures.globe import facing_most
-from polhode.figures.samples import Samples
-from polhode.numbers.convert import to_double
+from polhode.figures.canvas.canvas import BODY, HIDDEN, SPACE, panels
+from polhode.figures.canvas.curve_sampling import Samples
+from polhode.figures.canvas.globe import facing_most
+from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import sqrt
 from polhode.scenes.body import dot
-from polhode.scenes.words import ATTITUDE, STATE
+from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 IN_BODY, IN_SPACE = ("x", "y", "z"), ("X", "Y", "Z")
 

@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.numbers import exact
-from polhode.numbers.convert import exactly
+from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import Exact, Irrational, Number
 from polhode.numbers.number_types import LOG10_2, NumberType
 from polhode.numbers.scalars import Rows, Value

@@ -18,8 +18,8 @@ from fractions import Fraction
 from functools import partial
 from typing import Any, TypeAlias
 
-from polhode.numbers import rules
-from polhode.numbers.rules import Interval
+from polhode.numbers import interval_rules
+from polhode.numbers.interval_rules import Interval
 
 EQUAL_BITS = 4096
 
@@ -90,7 +90,7 @@ class Irrational:
         return power(self, exact(exponent))
 
     def __neg__(self) -> Irrational:
-        return Irrational(rules.negative, self, square=self.square)
+        return Irrational(interval_rules.negative, self, square=self.square)
 
     def __abs__(self) -> Exact:
         return -self if sign(self) < 0 else self
@@ -142,7 +142,7 @@ def add(a: Exact, b: Exact) -> Exact:
         return b
     if isinstance(b, Fraction) and b == 0:
         return a
-    return Irrational(rules.added, a, b)
+    return Irrational(interval_rules.added, a, b)
 
 
 def multiply(a: Exact, b: Exact) -> Exact:
@@ -157,7 +157,7 @@ def multiply(a: Exact, b: Exact) -> Exact:
                 return ZERO
             if one == 1:
                 return other
-    return Irrational(rules.product, a, b)
+    return Irrational(interval_rules.product, a, b)
 
 
 def divide(a: Exact, b: Exact) -> Exact:
@@ -170,7 +170,7 @@ def divide(a: Exact, b: Exact) -> Exact:
         return ZERO
     if isinstance(b, Fraction):
         return multiply(a, 1 / b)
-    return Irrational(rules.quotient, a, b)
+    return Irrational(interval_rules.quotient, a, b)
 
 
 def total(terms: Iterable[Exact]) -> Exact:
@@ -191,7 +191,7 @@ def sqrt(x: Exact) -> Exact:
             return Fraction(top, bottom)
     elif sign(x) == 0:
         return ZERO
-    return Irrational(rules.root, x, square=x)
+    return Irrational(interval_rules.root, x, square=x)
 
 
 def sin(x: Exact) -> Exact:
@@ -199,7 +199,7 @@ def sin(x: Exact) -> Exact:
     _check_angle(x)
     if isinstance(x, Fraction) and x == 0:
         return ZERO
-    return Irrational(rules.sine, x)
+    return Irrational(interval_rules.sine, x)
 
 
 def cos(x: Exact) -> Exact:
@@ -207,7 +207,7 @@ def cos(x: Exact) -> Exact:
     _check_angle(x)
     if isinstance(x, Fraction) and x == 0:
         return ONE
-    return Irrational(rules.cosine, x)
+    return Irrational(interval_rules.cosine, x)
 
 
 def arctan2(y: Exact, x: Exact) -> Exact:
@@ -218,12 +218,12 @@ def arctan2(y: Exact, x: Exact) -> Exact:
         raise ValueError("the angle of a vector of length zero")
     if sign(y) == 0 and sign(x) > 0:
         return ZERO
-    return Irrational(rules.angle, y, x)
+    return Irrational(interval_rules.angle, y, x)
 
 
 def pi() -> Irrational:
     """The number pi."""
-    return Irrational(rules.pi)
+    return Irrational(interval_rules.pi)
 
 
 def power(x: Exact, exponent: Exact) -> Exact:
@@ -240,7 +240,7 @@ def power(x: Exact, exponent: Exact) -> Exact:
         if exponent < 0:
             raise ZeroDivisionError("division by zero")
         return ZERO
-    return Irrational(rules.power, x, exponent)
+    return Irrational(interval_rules.power, x, exponent)
 
 
 def _integer_power(x: Exact, n: int) -> Exact:
@@ -254,14 +254,14 @@ def _integer_power(x: Exact, n: int) -> Exact:
         return x
     if n == 2 and x.square is not None:
         return x.square
-    return Irrational(partial(rules.integer_power_of, n), x)
+    return Irrational(partial(interval_rules.integer_power_of, n), x)
 
 
 def sign(x: Number) -> int:
     """-1, 0 or 1; for an irrational number zero is decided by the rule for *equal*."""
     if not isinstance(x, Irrational):
         return (x > 0) - (x < 0)
-    lib = rules.libmp()
+    lib = interval_rules.libmp()
     for prec in _LADDER:
         low, high = x.enclosure(prec)
         if lib.mpf_sign(low) > 0:
@@ -277,7 +277,7 @@ def rounded(x: Number, bits: int) -> tuple[int, int]:
         return _rounded_rational(Fraction(x), bits)
     if sign(x) == 0:
         return 0, 0
-    lib = rules.libmp()
+    lib = interval_rules.libmp()
     prec = bits + 64
     while True:
         low, high = (_rounded_raw(end, bits) for end in x.enclosure(prec))
@@ -298,7 +298,7 @@ def log10(x: Number) -> float:
 def magnitude(x: Irrational) -> int:
     """The exponent of two just above |x|, or 0 where 128 bits do not tell x from zero."""
     low, high = x.enclosure(_LADDER[0])
-    if rules.libmp().mpf_sign(low) * rules.libmp().mpf_sign(high) <= 0:
+    if interval_rules.libmp().mpf_sign(low) * interval_rules.libmp().mpf_sign(high) <= 0:
         return 0
     _, _, exponent, bits = high
     return int(exponent + bits)
@@ -346,6 +346,6 @@ def _rounded_raw(raw: Any, bits: int) -> tuple[int, int] | None:
 def _held(part: Exact, prec: int) -> Interval:
     if isinstance(part, Irrational):
         return part._known[prec]
-    lib = rules.libmp()
+    lib = interval_rules.libmp()
     p, q = part.numerator, part.denominator
     return lib.from_rational(p, q, prec, "f"), lib.from_rational(p, q, prec, "c")

@@ -9,7 +9,7 @@ from flint import arb, fmpq, fmpq_poly
 
 from polhode.numbers import exact
 from polhode.numbers.exact import Number
-from polhode.numbers.private import mpf, mpmath, ordinary
+from polhode.numbers.mpmath_context import mpf, mpmath, ordinary
 
 #: flint.fmpq_poly: coefficients ascending.
 Polynomial: TypeAlias = fmpq_poly

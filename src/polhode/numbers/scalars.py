@@ -79,7 +79,7 @@ FLOATS = Functions(0.0, math.sin, math.cos, math.sqrt)
 
 def of_mpmath() -> Functions:
     """Of mpmath's numbers, to the precision at which they are called."""
-    from polhode.numbers.private import mpmath
+    from polhode.numbers.mpmath_context import mpmath
 
     return Functions(mpmath.mpf(0), mpmath.sin, mpmath.cos, mpmath.sqrt)
 

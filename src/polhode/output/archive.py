@@ -14,18 +14,18 @@ import numpy as np
 
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import check_writable, npz, read_npz, read_whole, write_whole
-from polhode.common.values import same
+from polhode.common.value_semantics import same
+from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers import expression
-from polhode.numbers.convert import number_value
+from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import decimal_in_full, strings
 from polhode.numbers.number_types import LEAST_MP_BITS, NAMES, NumberType, named
-from polhode.output.results import as_json
+from polhode.output.json_results import as_json
 from polhode.runs import integrate as runs
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import toml
-from polhode.taylor.outcomes import EventTimes, Outcome, Projection
 
 if TYPE_CHECKING:
     import numpy.typing as npt

@@ -9,12 +9,12 @@ from polhode.common.deadline import TooLong, within
 from polhode.common.errors import BadInput
 from polhode.equations import equilibrium
 from polhode.equations.form import equations, source
-from polhode.judging.reference import Reference
-from polhode.judging.reference import reference as reference_of
+from polhode.judging.references.reference import Reference
+from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.decimals import shown
-from polhode.output import results, tables
+from polhode.output import csv_tables, json_results
+from polhode.scenes.classification import kind_of_body
 from polhode.scenes.scene import Scene
-from polhode.scenes.tops import kind_of_body
 
 SECONDS = 1.0  # that frequencies may take
 
@@ -51,7 +51,7 @@ def described(scene: Scene) -> dict[str, Any]:
         "form": scene.form,
         "source": source(scene.form),
         "variables": list(equations(scene).variables),
-        "columns": tables.columns_of(scene),
+        "columns": csv_tables.columns_of(scene),
         "coefficients": sorted(equations(scene).coefficients),
         "times": len(scene.times),
         "end": shown(scene.end),
@@ -71,7 +71,7 @@ def _frequencies(reference: Reference) -> dict[str, Any]:
     found: dict[str, Any] = {}
     try:
         with within(SECONDS):
-            found["frequencies"] = results.frequencies(reference)
+            found["frequencies"] = json_results.frequencies(reference)
             if reference.curve is not None:
                 found["curve"] = _curve(reference.curve)
             if (rate := reference.approach) is not None:
@@ -87,7 +87,7 @@ def _frequencies(reference: Reference) -> dict[str, Any]:
 
 def _curve(found: dict[str, Any]) -> dict[str, Any]:
     """The curve of a Kovalevskaya top, in time units of 2**-exponent, to 17 digits."""
-    from polhode.numbers.private import mpmath
+    from polhode.numbers.mpmath_context import mpmath
 
     def text(x: Any) -> str:
         return str(mpmath.nstr(x, 17))

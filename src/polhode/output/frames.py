@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.numbers.convert import to_double
-from polhode.scenes.words import ANGLES, ATTITUDE, SPACE
+from polhode.numbers.conversion import to_double
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE
 
 if TYPE_CHECKING:
-    from polhode.runs.ensemble import Ensemble
+    from polhode.runs.sweep.ensemble import Ensemble
     from polhode.runs.trajectory import Trajectory
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.dynamics.frequencies import Frequencies
+from polhode.dynamics.frequencies.frequencies import Frequencies
 
 
 def of_frequencies(found: Frequencies) -> dict[str, Any]:

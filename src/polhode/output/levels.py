@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.dynamics.levels import Curve, Levels, Mark, topology
-from polhode.dynamics.reduced import Region
+from polhode.dynamics.levels.effective_potential import Region
+from polhode.dynamics.levels.levels import Curve, Levels, Mark, topology
 from polhode.numbers.decimals import shown
-from polhode.numbers.private import mpf
+from polhode.numbers.mpmath_context import mpf
 
 DIGITS = 36
 
@@ -45,14 +45,14 @@ def arrays(found: Levels) -> dict[str, Any]:
     """The arrays of an NPZ file: ``points`` (n, 2) of f and h, ``curve`` the curve of each."""
     import numpy as np
 
-    from polhode.output import results
+    from polhode.output import json_results
 
     counts = [len(curve.points) for curve in found.curves]
     return {
         "points": np.concatenate([curve.points for curve in found.curves]),
         "curve": np.repeat(np.arange(len(counts)), counts),
         "type": np.array([curve.type for curve in found.curves]),
-        "about": np.array(results.as_json(of_levels(found))),
+        "about": np.array(json_results.as_json(of_levels(found))),
     }
 
 
@@ -83,7 +83,7 @@ def _of_mark(mark: Mark) -> dict[str, Any]:
 def _number(x: mpf | None) -> str | None:
     if x is None:
         return None
-    from polhode.numbers.convert import exactly
+    from polhode.numbers.conversion import exactly
     from polhode.numbers.decimals import decimal_string
 
     return decimal_string(exactly(x), DIGITS)

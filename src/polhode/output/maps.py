@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.dynamics.chaos_maps import VERDICTS, ChaosMap
+from polhode.dynamics.chaos.chaos_map import VERDICTS, ChaosMap
 from polhode.numbers.decimals import shown
 
 _ROWS = ("at", "cell", "verdict", "fli", "megno", "growth", "exponent", "until")
@@ -21,9 +21,9 @@ def arrays(found: ChaosMap) -> dict[str, Any]:
     """The arrays of an NPZ file; ``verdict`` 0 regular, 1 undecided, 2 chaotic."""
     import numpy as np
 
-    from polhode.output import results
+    from polhode.output import json_results
 
-    about = results.as_json(_about(found) | {"provenance": dict(found.provenance)})
+    about = json_results.as_json(_about(found) | {"provenance": dict(found.provenance)})
     return {name: getattr(found, name) for name in _ROWS} | {"about": np.array(about)}
 
 

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from polhode.common.text import few, printable
-from polhode.figures.canvas import BODY, REST, SPACE
-from polhode.numbers.convert import to_double
+from polhode.common.text_tables import few, printable
+from polhode.figures.canvas.canvas import BODY, REST, SPACE
+from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import brief, shown
-from polhode.scenes.tops import kind_of_body
+from polhode.scenes.classification import kind_of_body
 
 if TYPE_CHECKING:
-    from polhode.judging.judgement import Judgement
-    from polhode.runs.ensemble import Ensemble
+    from polhode.judging.score.judgement import Judgement
+    from polhode.runs.sweep.ensemble import Ensemble
     from polhode.runs.trajectory import Trajectory
     from polhode.scenes.scene import Scene
 

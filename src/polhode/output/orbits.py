@@ -6,12 +6,12 @@ import math
 from fractions import Fraction
 from typing import Any
 
-from polhode.dynamics import refining
-from polhode.dynamics.orbit_families import Bifurcation, FamilyPoint, OrbitFamily
-from polhode.dynamics.orbit_search import OrbitSearch
-from polhode.dynamics.orbits import Orbit
+from polhode.dynamics.periodic_orbits import high_precision
+from polhode.dynamics.periodic_orbits.families import Bifurcation, FamilyPoint, OrbitFamily
+from polhode.dynamics.periodic_orbits.orbit import Orbit
+from polhode.dynamics.periodic_orbits.search import OrbitSearch
 from polhode.numbers import exact
-from polhode.numbers.convert import exactly
+from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_string, in_full, shown
 from polhode.numbers.exact import Exact
 
@@ -71,7 +71,7 @@ def arrays(found: OrbitFamily | OrbitSearch) -> dict[str, Any]:
     """The arrays of an NPZ file: ``state`` (n, 6), ``h``, ``f``, ``period``, ``residue``."""
     import numpy as np
 
-    from polhode.output import results
+    from polhode.output import json_results
 
     family = isinstance(found, OrbitFamily)
     points = found.points if isinstance(found, OrbitFamily) else found.orbits
@@ -82,7 +82,7 @@ def arrays(found: OrbitFamily | OrbitSearch) -> dict[str, Any]:
     }
     if family:
         del about["orbits"]
-    return held | {"about": np.array(results.as_json(about))}
+    return held | {"about": np.array(json_results.as_json(about))}
 
 
 def residue(found: Orbit) -> str:
@@ -115,7 +115,7 @@ def decimal(x: Exact, digits: int) -> str:
 def _placed(x: Exact, digits: int) -> str:
     """A component of a unit vector to so many places."""
     near = exact.binary(*exact.rounded(x, 4 * digits + 8)) if x else Fraction(0)
-    return refining.decimal(near, Fraction(1), digits)
+    return high_precision.decimal(near, Fraction(1), digits)
 
 
 def _known(x: Fraction, error: float, most: int) -> str:

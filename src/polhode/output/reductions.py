@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common.files import is_stream, npz, write_whole
 from polhode.common.interrupts import delayed
+from polhode.motion.outcomes import OUTCOMES
 from polhode.numbers.decimals import shown, strings
-from polhode.output import results, tables
+from polhode.output import csv_tables, json_results
 from polhode.output.sweeps import spread, value_text, values
-from polhode.taylor.outcomes import OUTCOMES
 
 if TYPE_CHECKING:
-    from polhode.dynamics.reduce_many import Reductions
+    from polhode.dynamics.observables.reduce_many import Reductions
 
 
 def of_reductions(found: Reductions) -> dict[str, Any]:
@@ -45,7 +45,7 @@ def arrays(found: Reductions) -> dict[str, Any]:
         "values_exact": spread(found.varied, value_text),
         "outcomes": np.array([outcome.value for outcome in OUTCOMES])[found.endings],
         "steps": found.counts,
-        "about": np.array(results.as_json(about)),
+        "about": np.array(json_results.as_json(about)),
     }
 
 
@@ -73,7 +73,7 @@ def _write(path: Path, found: Reductions) -> None:
         write_whole({path: npz(arrays(found))})
         return
     header, lines = table(found)
-    tables.write_table(path, [header, *lines], _about(found) | {"provenance": found.provenance})
+    csv_tables.write_table(path, [header, *lines], _about(found) | {"provenance": found.provenance})
 
 
 def _about(found: Reductions) -> dict[str, Any]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.dynamics.sections import Section
+from polhode.dynamics.sections.section import Section
 from polhode.numbers.decimals import shown
-from polhode.output import results
+from polhode.output import json_results
 
 
 def of_section(found: Section) -> dict[str, Any]:
@@ -47,7 +47,9 @@ def arrays(found: Section) -> dict[str, Any]:
         "none_left_from": found.none_left_from,
         "count": found.counts,
         "outcome": np.array(found.outcomes),
-        "about": np.array(results.as_json(_about(found) | {"provenance": dict(found.provenance)})),
+        "about": np.array(
+            json_results.as_json(_about(found) | {"provenance": dict(found.provenance)})
+        ),
     }
 
 

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 from polhode.common.files import check_writable, is_stream, npz, write_whole
 from polhode.common.interrupts import delayed
 from polhode.equations.integrals import Drift
+from polhode.motion.outcomes import OUTCOMES
 from polhode.numbers import decimals
 from polhode.numbers.decimals import decimal_in_full, shortest, shown, strings
 from polhode.numbers.exact import Exact
-from polhode.output import results, tables
-from polhode.taylor.outcomes import OUTCOMES
+from polhode.output import csv_tables, json_results
 
 if TYPE_CHECKING:
-    from polhode.runs.ensemble import Ensemble
+    from polhode.runs.sweep.ensemble import Ensemble
     from polhode.scenes.vary import Grid
 
 
@@ -45,7 +45,7 @@ def _members(found: Ensemble, states: bool) -> Iterator[dict[str, Any]]:
             "outcome": outcome.value,
             "reached": reached[t],
             "steps": steps,
-            "drift": results.of_drift(Drift(*drift)),
+            "drift": json_results.of_drift(Drift(*drift)),
         }
         if states:
             member["states"] = strings(found.rows(k), found.number)
@@ -55,7 +55,7 @@ def _members(found: Ensemble, states: bool) -> Iterator[dict[str, Any]]:
 def check_path(path: Path, inputs: Sequence[Path | None] = ()) -> None:
     """Refuse a path that cannot be written, before anything is integrated; raises BadInput."""
     if path.suffix.lower() == ".csv":
-        tables.check_paths(path, inputs)
+        csv_tables.check_paths(path, inputs)
     else:
         check_writable(path, [".npz", ".csv"], inputs)
 
@@ -79,7 +79,7 @@ def _write(path: Path, found: Ensemble) -> None:
         return
     short = not is_stream(path)
     beside = ({"t_bits": found.number.bits} if short else {}) | of_ensemble(found, states=False)
-    tables.write_table(path, _rows(found, short), beside)
+    csv_tables.write_table(path, _rows(found, short), beside)
 
 
 def arrays(found: Ensemble) -> dict[str, Any]:
@@ -115,7 +115,7 @@ def arrays(found: Ensemble) -> dict[str, Any]:
         "reached": _texts(found.arrived),
         "steps": found.counts,
         "drift": found.drift,
-        "about": np.array(results.as_json(about)),
+        "about": np.array(json_results.as_json(about)),
     }
 
 

@@ -17,9 +17,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polhode.equations.kinematics import starting_attitude
-from polhode.refined.problem import rational
-from polhode.refined.trouble import CannotRefine
-from polhode.refined.turns import QUATERNION, Turns, times
+from polhode.refined.attitude_correction import QUATERNION, Turns, times
+from polhode.refined.errors import CannotRefine
+from polhode.refined.scaled_problem import rational
 from polhode.scenes.scene import Scene
 
 _GUARD = 40  # bits of Q beyond the turns'

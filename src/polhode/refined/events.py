@@ -1,9 +1,9 @@
 """Events of a refined run: places found along the run in double, decided from refined states.
 
 At each place the state is refined as at an output time; from there its Taylor series leads to the
-zero or the contact, by the rules of :mod:`polhode.taylor.event_polish` that the steps of a run in
-the same number type follow, with the same thresholds.  An extremum on the far side of zero, which
-the run in double may have missed, gives the two zeros beside it.
+zero or the contact, by the rules of :mod:`polhode.taylor.events.root_refinement` that the steps of
+a run in the same number type follow, with the same thresholds.  An extremum on the far side of
+zero, which the run in double may have missed, gives the two zeros beside it.
 
 An event is lost only where the run in double has no place for it: where the expression and its rate
 and its bend all are smaller than 1e-8 of their sizes at a time.
@@ -16,20 +16,20 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.numbers import expression
-from polhode.numbers.convert import to_mpf
+from polhode.numbers.conversion import to_mpf
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import Algebra, ExpressionError
+from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.private import mpmath
-from polhode.refined.candidates import Candidates
-from polhode.refined.dual import Dual
-from polhode.refined.series import Series
-from polhode.refined.trouble import CannotRefine
+from polhode.refined.dual_numbers import Dual
+from polhode.refined.errors import CannotRefine
+from polhode.refined.event_candidates import Candidates
+from polhode.refined.taylor_series import Series
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
-from polhode.taylor.event_limits import Limits
-from polhode.taylor.event_polish import Mark, Place, is_start, polished, sorted_out
-from polhode.taylor.event_sizes import middle_axis, sign_at_start, size_of
+from polhode.taylor.events.magnitudes import middle_axis, sign_at_start, size_of
+from polhode.taylor.events.root_refinement import Mark, Place, is_start, polished, sorted_out
+from polhode.taylor.events.thresholds import Limits
 
 _GUARD = 32  # bits beyond the run's type
 _ALIKE = Fraction(1, 1 << 28)  # within it two zeros of one slope are one, found twice

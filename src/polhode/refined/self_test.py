@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from polhode.refined.kernels import COEFFICIENTS, FIELD_SHIFT, VARIABLES, Kernels, kernels
-from polhode.refined.limbs import Limbs
-from polhode.refined.tables import LARGEST_FIELD, Tables, tables
-from polhode.refined.trouble import CannotRefine
+from polhode.refined.collocation_tables import LARGEST_FIELD, Tables, tables
+from polhode.refined.compiled_field import COEFFICIENTS, FIELD_SHIFT, VARIABLES, Kernels, kernels
+from polhode.refined.errors import CannotRefine
+from polhode.refined.expansions import Limbs
 
 NODES = 8  # that the field is tried at
 LONGEST = 16  # H

@@ -13,19 +13,21 @@ from polhode.common.arguments import steps, whole
 from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
 from polhode.equations.readout import Readout
+from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Rows
-from polhode.runs import beside, refinement, sighted
-from polhode.runs.dense import Dense
-from polhode.runs.march import Progress
-from polhode.runs.request import choose_number, rounded_tolerance
-from polhode.runs.run import Run
-from polhode.runs.setup import Asked, Setup, asked, bare, setup
+from polhode.runs.methods import refined as refined_method
+from polhode.runs.methods.dense_output import Dense
+from polhode.runs.methods.output_loop import Progress
+from polhode.runs.methods.taylor import Run
+from polhode.runs.observers import attitude_lanes
+from polhode.runs.observers import events as event_observer
+from polhode.runs.problem.options import choose_number, rounded_tolerance
+from polhode.runs.problem.problem import Asked, Setup, asked, bare, setup
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.taylor import policy
-from polhode.taylor.outcomes import Outcome
+from polhode.taylor.backend import defaults
 
 _LOG = logging.getLogger("polhode")
 
@@ -45,8 +47,8 @@ def integrate(
 ) -> Trajectory:
     """Integrate the Euler–Poisson equations (3.29) of a scene with heyoka's Taylor method, once.
 
-    :func:`polhode.judging.assured.integrate`, which is polhode.integrate, also sees to it that
-    digits asked for are had.
+    :func:`polhode.judging.adaptive_precision.integrate`, which is polhode.integrate, also sees to
+    it that digits asked for are had.
 
     ``number``: double (default), extended, quad or mp (50 digits), or a NumberType.  ``digits``:
     the digits wanted, which choose the number type by the angle turned alone.  ``at``: output times
@@ -62,9 +64,9 @@ def integrate(
     ``method`` tells which it was.  ``progress``: called now and then with the fraction of the time
     done and the steps taken.
 
-    The trajectory can be called at any time that it reached, see :class:`polhode.runs.dense.Dense`.
-    Ctrl-C ends the run within a second; the trajectory then holds what was reached.  Raises
-    BadInput for what cannot be integrated.
+    The trajectory can be called at any time that it reached, see
+    :class:`polhode.runs.methods.dense_output.Dense`. Ctrl-C ends the run within a second; the
+    trajectory then holds what was reached.  Raises BadInput for what cannot be integrated.
     """
     scene = library.load(scene)
     if at is not None:
@@ -120,22 +122,22 @@ def _stepped(
     progress: Progress | None,
 ) -> tuple[Run, Outcome, Rows]:
     """A run, how it ended, and its rows: the state's, then quaternion, psi and phi."""
-    if sighted.fits(made, times):
+    if event_observer.fits(made, times):
         run = Run(bare(made), max_steps, every)
-        seen = sighted.rows(run, scene, made, times, progress)
+        seen = event_observer.rows(run, scene, made, times, progress)
         if seen is not None:
             return run, *seen
     found = None
-    if beside.fits(made, times):
+    if attitude_lanes.fits(made, times):
         run = Run(bare(made), max_steps, every)
-        found = beside.rows(run, made, beside.plan(scene, made, times), progress)
+        found = attitude_lanes.rows(run, made, attitude_lanes.plan(scene, made, times), progress)
     elif made.number.name == "extended":
-        from polhode.runs import sampled
+        from polhode.runs.observers import attitude_quadrature
 
-        wanted = sampled.plan(scene, made, times)
+        wanted = attitude_quadrature.plan(scene, made, times)
         if wanted is not None:
             run = Run(bare(made), max_steps, every)
-            found = sampled.rows(run, made, wanted, progress)
+            found = attitude_quadrature.rows(run, made, wanted, progress)
     if found is not None:
         return run, *found
     run = Run(made, max_steps, every)
@@ -162,20 +164,20 @@ def _refined(
     progress: Progress | None,
 ) -> tuple[Trajectory | None, dict[str, str]]:
     """The trajectory by refinement, None where it is to be integrated; why a refinement failed."""
-    refinement.check_method(scene, method)
+    refined_method.check_method(scene, method)
     if method == "taylor":
         return None, {}
-    hindrance = refinement.why_not(scene, number, tolerance, inputs, project)
+    hindrance = refined_method.why_not(scene, number, tolerance, inputs, project)
     if hindrance is not None and method == "refined":
         raise BadInput(scene.name, "method", method, f"{hindrance}, or the method taylor")
-    if hindrance is not None or (method == "auto" and not refinement.worth_it(scene, number)):
+    if hindrance is not None or (method == "auto" and not refined_method.worth_it(scene, number)):
         return None, {}
-    from polhode.refined.trouble import CannotRefine
+    from polhode.refined.errors import CannotRefine
 
     began = time.perf_counter()
     try:
-        plain = refinement.in_principal_axes(scene)
-        found = refinement.refinement(plain, number, times, digits, max_steps, progress)
+        plain = refined_method.in_principal_axes(scene)
+        found = refined_method.refinement(plain, number, times, digits, max_steps, progress)
     except CannotRefine as fault:
         _LOG.info("%s: not refined: %s", scene.name, fault)
         return None, {"not refined": str(fault)}
@@ -211,7 +213,7 @@ def _cadence(
         project = whole(scene.name, "project", project, 1)
     if project is None:
         full = tolerance is None or tolerance <= number.eps
-        project = full and policy.of(number).projected
+        project = full and defaults.of(number).projected
     if scene.form != "principal" or project is False:
         return None
-    return policy.of(number).project_every if project is True else project
+    return defaults.of(number).project_every if project is True else project

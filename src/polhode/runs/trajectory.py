@@ -9,18 +9,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
 from polhode.common import upstairs
-from polhode.common.cached import cached_property
-from polhode.common.values import ByValue
+from polhode.common.cached_property import cached_property
+from polhode.common.value_semantics import ByValue
 from polhode.equations.form import equations
 from polhode.equations.hodographs import Hodographs, hodographs
 from polhode.equations.integrals import Drift, drift
+from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers.decimals import decimal_in_full, shown, strings
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, Row, Rows, Value
-from polhode.runs.expected import Expected, by_errors, expected
+from polhode.runs.error_estimate import Expected, by_errors, expected
 from polhode.scenes.scene import Scene
-from polhode.scenes.words import Several, Single
-from polhode.taylor.outcomes import EventTimes, Outcome, Projection
+from polhode.scenes.vocabulary import Several, Single
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-    from polhode.common.page import Page
+    from polhode.common.html_page import Page
 
 _TORUS = 4  # integrals that fix the torus of an integrable top with gamma
 
@@ -82,7 +82,7 @@ class Trajectory(ByValue):
     def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> Row | Rows:
         """The state at time t, or the states at several times.
 
-        See :class:`polhode.runs.dense.Dense`.
+        See :class:`polhode.runs.methods.dense_output.Dense`.
 
         Raises BadInput (a ValueError) for a time that the run did not reach.
         """
@@ -108,12 +108,12 @@ class Trajectory(ByValue):
 
     def attitude_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Rows:
         """The quaternion q0 q1 q2 q3 at time t, or rows of it: the run made once more."""
-        rows: Rows = upstairs.call("runs.again:at_times", self, "attitude", t)
+        rows: Rows = upstairs.call("runs.reevaluate:at_times", self, "attitude", t)
         return rows
 
     def angles_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Rows:
         """psi, theta, phi at time t, or rows of them: the run made once more."""
-        rows: Rows = upstairs.call("runs.again:at_times", self, "angles", t)
+        rows: Rows = upstairs.call("runs.reevaluate:at_times", self, "angles", t)
         return rows
 
     @overload

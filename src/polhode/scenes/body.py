@@ -14,10 +14,10 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.common.arguments import each, of_kind
-from polhode.common.cached import cached_property
+from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.numbers import exact
-from polhode.numbers.convert import exact_number
+from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes.shapes import Part, carried, together
@@ -115,7 +115,7 @@ OWN_AXES = PrincipalAxes(IDENTITY, (ONE, ONE, ONE))
 class Body:
     """Inertia matrix I at the fixed point, centre of mass r0, weight Mg, in body axes.
 
-    Numbers of any kind are taken exactly, see :func:`polhode.numbers.convert.exact_number`.
+    Numbers of any kind are taken exactly, see :func:`polhode.numbers.conversion.exact_number`.
     Raises UnphysicalBody, a ValueError, unless I is symmetric with positive principal moments of
     which none exceeds the sum of the other two.  Any consistent units.  ``parts``: the solids that
     it is made of, where it was put together.

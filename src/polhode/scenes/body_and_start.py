@@ -9,10 +9,10 @@ from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.scenes.body import Body, Matrix, UnphysicalBody, Vector, diagonal, dot, scaled
-from polhode.scenes.level import omega_on_level
-from polhode.scenes.reading import Reading, as_written
+from polhode.scenes.level_start import omega_on_level
 from polhode.scenes.shapes import Part, carried
-from polhode.scenes.words import CENTRE, FIXED_POINT, SIGNS
+from polhode.scenes.validation import Reading, as_written
+from polhode.scenes.vocabulary import CENTRE, FIXED_POINT, SIGNS
 
 _NOWHERE: Vector = (ZERO, ZERO, ZERO)
 _WAYS_TO_TURN = ("gamma", "angles", "quaternion")

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, nearest
-from polhode.scenes.columns import check
-from polhode.scenes.words import DIRECTIONS, READY_MADE, SECTION, STATE
+from polhode.scenes.column_expressions import check
+from polhode.scenes.vocabulary import DIRECTIONS, READY_MADE, SECTION, STATE
 
 
 class Event(NamedTuple):

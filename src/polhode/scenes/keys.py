@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from polhode.numbers.number_types import NAMES
 from polhode.scenes.shapes import AXES, SHAPES
-from polhode.scenes.words import (
+from polhode.scenes.vocabulary import (
     CENTRE,
     DIRECTIONS,
     EXTREMA,

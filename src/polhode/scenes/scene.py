@@ -13,16 +13,16 @@ from typing import Any, NamedTuple
 
 from polhode.common import upstairs
 from polhode.common.arguments import each, of_kind
-from polhode.common.cached import cached_property
+from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, nearest
 from polhode.numbers import exact
-from polhode.numbers.convert import exact_number
+from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes.body import Body, Vector, dot, exact_vector, scaled
 from polhode.scenes.event import Event, check_event
-from polhode.scenes.words import (
+from polhode.scenes.vocabulary import (
     FORMS,
     OUTPUTS,
     STATE,

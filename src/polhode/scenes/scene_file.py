@@ -16,9 +16,9 @@ from polhode.numbers.expression import ExpressionError
 from polhode.scenes.body import Body, Vector
 from polhode.scenes.body_and_start import body_of, start_of
 from polhode.scenes.event import Event
-from polhode.scenes.reading import Literal, Reading, is_int
 from polhode.scenes.scene import Published, Scene, SectionPlan, even_times
-from polhode.scenes.words import (
+from polhode.scenes.validation import Literal, Reading, is_int
+from polhode.scenes.vocabulary import (
     ANGLES,
     ATTITUDE,
     DIRECTIONS,

@@ -8,15 +8,15 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.common.errors import BadInput, nearest, plain
-from polhode.numbers.convert import exact_number
+from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import in_full, is_decimal
 from polhode.numbers.exact import Irrational
 from polhode.scenes import keys, scene_file
 from polhode.scenes.event import Event
-from polhode.scenes.members import tables_of
-from polhode.scenes.reading import Literal
 from polhode.scenes.scene import Published, Scene
 from polhode.scenes.shapes import Part
+from polhode.scenes.sweep_scenes import tables_of
+from polhode.scenes.validation import Literal
 
 _TITLES = ("title", "tags", "cite")
 _OF_TIMES = ("end", "samples", "at")

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest
-from polhode.numbers.convert import exact_number
+from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 
 Vector = tuple[Exact, Exact, Exact]

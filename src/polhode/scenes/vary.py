@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, overload
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, plain
 from polhode.numbers import expression
-from polhode.numbers.convert import exact_number
+from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 

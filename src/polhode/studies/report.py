@@ -18,12 +18,12 @@ from typing import Any
 from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import check_writable, make_folder, write_whole
 from polhode.common.provenance import cpu, digest, versions
-from polhode.figures import canvas
-from polhode.output.results import as_json
+from polhode.figures.canvas import canvas
+from polhode.output.json_results import as_json
 from polhode.scenes import library
-from polhode.studies.only import Only
 from polhode.studies.page import html
 from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text, markdown
+from polhode.studies.row_filter import Only
 
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
 STUDIES = (

@@ -27,7 +27,7 @@ def main(options: Namespace) -> int:
         else:
             say(citation.bibtex().rstrip())
         return DONE
-    from polhode.taylor import heyoka_numbers
+    from polhode.taylor.backend import heyoka_numbers
 
     facts: dict[str, Any] = {
         "versions": versions(),
@@ -61,9 +61,9 @@ def main(options: Namespace) -> int:
 
 def _self_test() -> str:
     """Whether runs of quad and more digits can be refined here."""
-    from polhode.refined.motion import QUAD
+    from polhode.refined.errors import CannotRefine
+    from polhode.refined.refinement import QUAD
     from polhode.refined.self_test import trusted_kernels, trusted_tables
-    from polhode.refined.trouble import CannotRefine
 
     try:
         trusted_kernels(QUAD.limbs)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from polhode.common.files import check_writable, is_stdout, npz, write_whole
-from polhode.figures import canvas
+from polhode.figures.canvas import canvas
 from polhode.verbs.terminal import refuse_two_on_stdout
 
 ARRAYS = ".npz"

@@ -26,9 +26,9 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """The library's regression, and without SCENE the cross-checks between the forms."""
-    from polhode.checks.forms import cross_checks
+    from polhode.checks.form_cross_checks import cross_checks
     from polhode.checks.regression import check as checks
-    from polhode.runs.workers import cores
+    from polhode.common.executors import cores
     from polhode.scenes import library
 
     reports, crossed = [], []

@@ -7,11 +7,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from polhode.output import results
+from polhode.output import json_results
 from polhode.verbs.terminal import DONE, Progress, print_json, say, whole, word
 
 if TYPE_CHECKING:
-    from polhode.judging.judgement import Judgement
+    from polhode.judging.score.judgement import Judgement
 
 HELP = "judge a trajectory that some other program computed"
 
@@ -28,8 +28,8 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Judge a trajectory that some other program computed."""
-    from polhode.judging.comparison import compare
-    from polhode.runs.workers import cores
+    from polhode.common.executors import cores
+    from polhode.judging.score.compare import compare
 
     path, number, digits = Path(options.file), options.number, options.digits
     with Progress("compare") as progress:
@@ -48,7 +48,7 @@ def main(options: Namespace) -> int:
             workers=cores(),
             progress=partial(progress.show, what="rows of the closed form"),
         )
-        told = results.of_judgement(judged) if options.json else str(judged)
+        told = json_results.of_judgement(judged) if options.json else str(judged)
     if isinstance(told, str):
         say(told)
     else:

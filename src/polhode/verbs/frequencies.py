@@ -27,9 +27,9 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Find the lines and print them."""
-    from polhode.dynamics.frequencies import LINES, frequencies
-    from polhode.figures import canvas
+    from polhode.dynamics.frequencies.frequencies import LINES, frequencies
     from polhode.figures import frequencies as figure
+    from polhode.figures.canvas import canvas
     from polhode.output import frequencies as output
     from polhode.verbs.answer_file import answer_file
 

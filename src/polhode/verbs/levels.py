@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
 from polhode.numbers import expression
-from polhode.numbers.convert import to_double
+from polhode.numbers.conversion import to_double
 from polhode.numbers.expression import ExpressionError
 from polhode.scenes import library
 from polhode.verbs.terminal import DONE, print_json, print_table, say, word
 
 if TYPE_CHECKING:
-    from polhode.dynamics.levels import Levels
+    from polhode.dynamics.levels.levels import Levels
 
 HELP = "the (f, h) diagram in closed form: permanent rotations, cusps, regions, where a scene lies"
 
@@ -34,9 +34,9 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Print the special points and the scene's level; draw the diagram."""
-    from polhode.dynamics.levels import levels
-    from polhode.figures import canvas
+    from polhode.dynamics.levels.levels import levels
     from polhode.figures import levels as figure
+    from polhode.figures.canvas import canvas
     from polhode.output import levels as output
     from polhode.verbs.answer_file import ARRAYS, answer_file
 
@@ -61,7 +61,7 @@ def main(options: Namespace) -> int:
 
 
 def _say(found: Levels) -> None:
-    from polhode.dynamics.levels import topology
+    from polhode.dynamics.levels.levels import topology
     from polhode.numbers.decimals import shown
 
     rows = [

@@ -18,7 +18,7 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """The cases that ship."""
-    from polhode.judging.reference import reference as reference_of
+    from polhode.judging.references.reference import reference as reference_of
 
     rows = []
     scenes = {name: library.load(name) for name in library.names()}

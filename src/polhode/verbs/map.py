@@ -30,11 +30,11 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Follow the motions; print the counts, write the map."""
-    from polhode.dynamics.chaos_maps import TOLERANCE, chaos_map
-    from polhode.figures import canvas
+    from polhode.common import checkpoint
+    from polhode.dynamics.chaos.chaos_map import TOLERANCE, chaos_map
     from polhode.figures import map as figure
+    from polhode.figures.canvas import canvas
     from polhode.output import maps as output
-    from polhode.runs import kept_folder
     from polhode.scenes import vary
     from polhode.verbs.answer_file import ARRAYS, answer_file
 
@@ -55,7 +55,7 @@ def main(options: Namespace) -> int:
             options.f,
             TOLERANCE if options.tol is None else _tolerance(scene.name, options.tol),
             options.workers,
-            parts=None if file is None else kept_folder.beside(file.path),
+            parts=None if file is None else checkpoint.beside(file.path),
             progress=lambda fraction, done: progress.say(f"{100 * fraction:.0f} %, {done} motions"),
         )
     if file is not None and not found.interrupted:

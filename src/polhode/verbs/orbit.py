@@ -28,8 +28,8 @@ from polhode.verbs.terminal import (
 )
 
 if TYPE_CHECKING:
-    from polhode.dynamics.orbit_families import FamilyPoint, OrbitFamily
-    from polhode.dynamics.orbits import Orbit
+    from polhode.dynamics.periodic_orbits.families import FamilyPoint, OrbitFamily
+    from polhode.dynamics.periodic_orbits.orbit import Orbit
 
 HELP = "periodic orbits to any number of digits, their stability, their families"
 
@@ -65,7 +65,7 @@ def main(options: Namespace) -> int:
 
 
 def _orbit(options: Namespace, scene: Any) -> int:
-    from polhode.dynamics.orbits import DIGITS, orbit
+    from polhode.dynamics.periodic_orbits.orbit import DIGITS, orbit
 
     path = _scene_file(options)
     with Progress("orbit") as progress:
@@ -138,8 +138,8 @@ def _say(found: Orbit) -> None:
 
 
 def _search(options: Namespace, scene: Any) -> int:
-    from polhode.dynamics.orbit_search import orbit_search
-    from polhode.dynamics.orbits import DIGITS
+    from polhode.dynamics.periodic_orbits.orbit import DIGITS
+    from polhode.dynamics.periodic_orbits.search import orbit_search
     from polhode.output import orbits as output
     from polhode.verbs.answer_file import ARRAYS, answer_file
 
@@ -191,7 +191,7 @@ class Range(NamedTuple):
 
 def read_range(name: str, text: str) -> Range:
     """``h=TO``, ``h=FROM:TO`` or ``h=FROM:TO:N``, likewise of f."""
-    from polhode.dynamics.orbit_families import MOST_POINTS, POINTS
+    from polhode.dynamics.periodic_orbits.families import MOST_POINTS, POINTS
 
     by, equals, rest = text.partition("=")
     parts = rest.split(":")
@@ -209,10 +209,10 @@ def read_range(name: str, text: str) -> Range:
 
 
 def _family(options: Namespace, scene: Any) -> int:
-    from polhode.dynamics.orbit_families import orbit_family
-    from polhode.dynamics.orbits import orbit
-    from polhode.figures import canvas
+    from polhode.dynamics.periodic_orbits.families import orbit_family
+    from polhode.dynamics.periodic_orbits.orbit import orbit
     from polhode.figures import orbit_family as figure
+    from polhode.figures.canvas import canvas
     from polhode.output import orbits as output
     from polhode.verbs.answer_file import ARRAYS, answer_file
 

@@ -13,7 +13,7 @@ from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 from polhode.scenes import library
-from polhode.scenes.words import ANGLES, ATTITUDE, SPACE, STATE
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE, STATE
 from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
@@ -28,7 +28,7 @@ from polhode.verbs.terminal import (
 )
 
 if TYPE_CHECKING:
-    from polhode.figures.samples import Samples
+    from polhode.figures.canvas.curve_sampling import Samples
     from polhode.runs.trajectory import Trajectory
 
 HELP = "a figure of a motion, from a scene or a trajectory file"
@@ -65,7 +65,8 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Make one figure."""
     from polhode.common.files import called, check_writable, is_stdout, write_whole
-    from polhode.figures import canvas, film
+    from polhode.figures import film
+    from polhode.figures.canvas import canvas
     from polhode.figures.drawing import page_of
 
     path = Path(options.file)
@@ -119,9 +120,9 @@ def samples_of(options: Namespace) -> Samples | int:
 
 def _of_scene(options: Namespace) -> Samples | int:
     """What the figure of a scene shows; an exit code where the run did not get there."""
-    from polhode.figures import over_time, samples
+    from polhode.figures.canvas import curve_sampling, over_time
     from polhode.figures.drawing import FREE_OF_GAMMA, OUTPUTS, OVER_TIME
-    from polhode.judging.reference import reference as reference_of
+    from polhode.judging.references.reference import reference as reference_of
 
     scene = library.load(options.what_of)
     if options.scene is not None:
@@ -130,10 +131,10 @@ def _of_scene(options: Namespace) -> Samples | int:
         raise BadInput(scene.name, "--what", options.what, "a scene with start.gamma")
     end = None if options.end is None else _time(scene.name, options.end)
     long = options.what in OVER_TIME
-    times = samples.shown_times(scene, end, over_time.SAMPLES if long else None)
+    times = curve_sampling.shown_times(scene, end, over_time.SAMPLES if long else None)
     reference = reference_of(scene) if options.what == "error" else None
     with Progress("plot") as progress:
-        found = samples.run(
+        found = curve_sampling.run(
             scene,
             times,
             OUTPUTS["sphere" if options.what == "motion" else options.what],
@@ -149,23 +150,23 @@ def _of_scene(options: Namespace) -> Samples | int:
     if abs(times[-1]) < abs(scene.end) and end is None:
         note(
             f"{scene.name}: drawn to t = {brief(times[-1])} of {brief(scene.end)}, "
-            f"{samples.WINDOW} radians; --end draws to another time"
+            f"{curve_sampling.WINDOW} radians; --end draws to another time"
         )
-    apart = samples.radians_apart(scene, times)
+    apart = curve_sampling.radians_apart(scene, times)
     if not long and apart > 0.5:
         note(f"{scene.name}: {apart:.2g} radians between two samples: a shorter --end draws curves")
     if reference is not None:
         return over_time.errors_of_run(found, reference)
-    return over_time.departures_of_run(found) if long else samples.of_run(found)
+    return over_time.departures_of_run(found) if long else curve_sampling.of_run(found)
 
 
 def _of_file(options: Namespace) -> Samples:
     """What the figure of a trajectory file shows."""
-    from polhode.figures import over_time, samples
+    from polhode.figures.canvas import curve_sampling, over_time
     from polhode.figures.drawing import OVER_TIME
-    from polhode.judging.reference import reference as reference_of
-    from polhode.judging.table_file import read_table
-    from polhode.runs.request import choose_number
+    from polhode.judging.references.reference import reference as reference_of
+    from polhode.judging.tables.csv_file import read_table
+    from polhode.runs.problem.options import choose_number
 
     what, path = options.what, options.what_of
     scene = None if options.scene is None else library.load(options.scene)
@@ -183,7 +184,7 @@ def _of_file(options: Namespace) -> Samples:
         return over_time.errors_of_table(table, reference_of(scene), number)
     if what == "integrals" and scene is not None:
         return over_time.departures_of_table(table, scene, number)
-    found = samples.of_table(table, scene)
+    found = curve_sampling.of_table(table, scene)
     _refuse_what_is_missing(found, what)
     return found
 
@@ -218,7 +219,7 @@ def _time(name: str, text: str) -> Exact:
 
 def _not_reached(found: Trajectory) -> int:
     """Say why a run ended early; the exit code."""
-    from polhode.taylor.outcomes import Outcome
+    from polhode.motion.outcomes import Outcome
 
     scene = found.scene
     note(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from polhode.common.errors import BadInput
 from polhode.numbers import number_types
 from polhode.numbers.exact import Exact
-from polhode.output import results
+from polhode.output import json_results
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.verbs.terminal import (
@@ -62,8 +62,8 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """The closed form alone, or the enclosure."""
-    from polhode.judging.reference import Reference
-    from polhode.judging.reference import reference as reference_of
+    from polhode.judging.references.reference import Reference
+    from polhode.judging.references.reference import reference as reference_of
 
     scene = library.load(options.scene)
     if options.outputs is not None:
@@ -87,7 +87,7 @@ def main(options: Namespace) -> int:
     if not isinstance(reference, Reference):
         expected = "a scene with a closed form, or --certified"
         raise BadInput(scene.name, "reference", reference.regime, expected)
-    answer = results.of_reference(reference, times, options.digits)
+    answer = json_results.of_reference(reference, times, options.digits)
     if options.json:
         print_json(answer)
     else:
@@ -99,9 +99,9 @@ def _certified(scene: Scene, times: tuple[Exact, ...], options: Namespace) -> in
     """A proven enclosure, and proven events; on stdout nothing but proven digits."""
     from polhode.enclosures.certify import MAX_STEPS, certify
     from polhode.enclosures.events import certify_events
-    from polhode.taylor.outcomes import Outcome
+    from polhode.motion.outcomes import Outcome
 
-    held = results.held_times(scene, times, options.digits)
+    held = json_results.held_times(scene, times, options.digits)
     limits: dict[str, Any] = {
         "max_steps": options.max_steps or MAX_STEPS,
         "max_seconds": options.max_seconds,
@@ -116,9 +116,9 @@ def _certified(scene: Scene, times: tuple[Exact, ...], options: Namespace) -> in
                 limits["max_seconds"] = max(1e-3, options.max_seconds - time.monotonic() + began)
             last = max(held, key=abs)
             events = certify_events(scene, last, options.digits, progress=progress.show, **limits)
-    answer = results.of_enclosure(found)
+    answer = json_results.of_enclosure(found)
     if options.events:
-        answer["events"] = [results.of_certified_events(event) for event in events]
+        answer["events"] = [json_results.of_certified_events(event) for event in events]
     if options.json:
         print_json(answer)
     else:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from polhode.numbers.decimals import brief
-from polhode.output import results, tables
+from polhode.output import csv_tables, json_results
 from polhode.scenes import library
 from polhode.verbs.terminal import (
     DONE,
@@ -25,8 +25,8 @@ from polhode.verbs.terminal import (
 )
 
 if TYPE_CHECKING:
+    from polhode.motion.outcomes import EventTimes
     from polhode.runs.trajectory import Trajectory
-    from polhode.taylor.outcomes import EventTimes
 
 HELP = "integrate a scene"
 
@@ -67,9 +67,9 @@ def main(options: Namespace) -> int:
     """Integrate a scene."""
     from dataclasses import replace
 
-    from polhode.judging.assured import integrate
-    from polhode.judging.reference import reference as reference_of
-    from polhode.taylor.outcomes import Outcome
+    from polhode.judging.adaptive_precision import integrate
+    from polhode.judging.references.reference import reference as reference_of
+    from polhode.motion.outcomes import Outcome
 
     scene = library.load(options.scene)
     if options.at is not None:
@@ -80,7 +80,7 @@ def main(options: Namespace) -> int:
         scene = replace(scene, outputs=tuple(o for o in options.outputs.split(",") if o))
     path = None if options.file is None else Path(options.file)
     if path is not None:
-        tables.check_paths(path, [library.path_of(options.scene)])
+        csv_tables.check_paths(path, [library.path_of(options.scene)])
         refuse_two_on_stdout(path, options.json)
     reference = reference_of(scene)
     with Progress("run") as progress:
@@ -94,10 +94,10 @@ def main(options: Namespace) -> int:
             method=options.method,
             progress=progress.show,
         )
-    answer = results.of_run(found, reference.regime)
+    answer = json_results.of_run(found, reference.regime)
     done = found.outcome.done
     if path is not None and done:
-        tables.write_trajectory(path, answer)
+        csv_tables.write_trajectory(path, answer)
     if options.json:
         print_json(answer)
     elif path is None:
@@ -151,7 +151,7 @@ def _tell_digits(found: Trajectory) -> None:
     """What the digits printed are worth: those found right, or where the motion takes most."""
     name, right = found.scene.name, found.correct_digits
     if right is not None:
-        had = f"{results.round_down(right)} are right by the {found.checked_by}"
+        had = f"{json_results.round_down(right)} are right by the {found.checked_by}"
         note(f"{name}: {found.digits} digits were asked for, {had}")
         return
     expected = found.expected

@@ -52,12 +52,12 @@ def level_options(parser: ArgumentParser, output: str = _OUTPUT) -> None:
 
 def main(options: Namespace) -> int:
     """Follow the orbits, print or write their crossings."""
-    from polhode.dynamics.section_starts import OWN, read_starts
-    from polhode.dynamics.sections import section
-    from polhode.figures import canvas
+    from polhode.common import checkpoint
+    from polhode.dynamics.sections.section import section
+    from polhode.dynamics.sections.starts import OWN, read_starts
     from polhode.figures import section as figure
+    from polhode.figures.canvas import canvas
     from polhode.output import sections as output
-    from polhode.runs import kept_folder
     from polhode.verbs.answer_file import ARRAYS, answer_file
 
     scene = library.load(options.scene)
@@ -80,7 +80,7 @@ def main(options: Namespace) -> int:
             options.h,
             options.f,
             options.workers,
-            parts=None if file is None else kept_folder.beside(file.path),
+            parts=None if file is None else checkpoint.beside(file.path),
             progress=lambda fraction, done: progress.say(f"{100 * fraction:.0f} %, {done} orbits"),
         )
     if file is not None and not found.interrupted:

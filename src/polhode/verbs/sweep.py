@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
+from polhode.motion.outcomes import code
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.taylor.outcomes import code
 from polhode.verbs.terminal import (
     DONE,
     NOT_REACHED,
@@ -27,8 +27,8 @@ from polhode.verbs.terminal import (
 )
 
 if TYPE_CHECKING:
-    from polhode.dynamics.reduce_many import Reductions
-    from polhode.runs.ensemble import Ensemble
+    from polhode.dynamics.observables.reduce_many import Reductions
+    from polhode.runs.sweep.ensemble import Ensemble
 
 HELP = "many tops at once: numbers of a scene varied; bare steps, not projected"
 
@@ -74,7 +74,7 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Integrate many variants of a scene."""
     from polhode.output import sweeps
-    from polhode.runs.ensemble import Ensemble
+    from polhode.runs.sweep.ensemble import Ensemble
     from polhode.scenes import vary
 
     scene = library.load(options.scene)
@@ -130,11 +130,11 @@ def _found(
     tell: Callable[[float, int], None],
 ) -> Ensemble | Reductions:
     """The members' states, or what is kept of each."""
-    from polhode.dynamics.reduce_many import reduce_many
-    from polhode.runs import kept_folder
-    from polhode.runs.sweep import integrate_many
+    from polhode.common import checkpoint
+    from polhode.dynamics.observables.reduce_many import reduce_many
+    from polhode.runs.sweep.integrate_many import integrate_many
 
-    parts = None if path is None else kept_folder.beside(path)
+    parts = None if path is None else checkpoint.beside(path)
     shared: dict[str, Any] = {
         "number": options.number,
         "tol": options.tol,
@@ -153,7 +153,7 @@ def _found(
 
 def _takes_long(found: Ensemble | Reductions) -> bool:
     """Whether what there is would be written after Ctrl-C for seconds; the parts are kept."""
-    from polhode.runs.ensemble import Ensemble
+    from polhode.runs.sweep.ensemble import Ensemble
 
     many = isinstance(found, Ensemble) and len(found) * len(found.times) > _AT_ONCE
     return many and found.parts is not None
@@ -161,7 +161,7 @@ def _takes_long(found: Ensemble | Reductions) -> bool:
 
 def _write(path: Path, found: Ensemble | Reductions) -> None:
     from polhode.output import reductions, sweeps
-    from polhode.runs.ensemble import Ensemble
+    from polhode.runs.sweep.ensemble import Ensemble
 
     if isinstance(found, Ensemble):
         sweeps.write(path, found)
@@ -171,7 +171,7 @@ def _write(path: Path, found: Ensemble | Reductions) -> None:
 
 def _answer(found: Ensemble | Reductions) -> dict[str, Any]:
     from polhode.output import reductions, sweeps
-    from polhode.runs.ensemble import Ensemble
+    from polhode.runs.sweep.ensemble import Ensemble
 
     if isinstance(found, Ensemble):
         return sweeps.of_ensemble(found)
@@ -180,6 +180,6 @@ def _answer(found: Ensemble | Reductions) -> dict[str, Any]:
 
 def _table(found: Ensemble | Reductions) -> tuple[list[str], list[list[str]]]:
     from polhode.output import reductions, sweeps
-    from polhode.runs.ensemble import Ensemble
+    from polhode.runs.sweep.ensemble import Ensemble
 
     return sweeps.table(found) if isinstance(found, Ensemble) else reductions.table(found)

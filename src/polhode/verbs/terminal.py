@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING, Any, TextIO
 from polhode.common.errors import BadInput
 from polhode.common.files import is_stdout, write_stdout
 from polhode.common.interrupts import heard
-from polhode.common.text import aligned, printable
+from polhode.common.text_tables import aligned, printable
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 
 if TYPE_CHECKING:
-    from polhode.runs.kept_folder import KeptFolder
+    from polhode.common.checkpoint import KeptFolder
     from polhode.scenes.scene import Scene
 
 DONE, FAILED, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 1, 2, 3, 130
@@ -147,14 +147,14 @@ def refuse_two_on_stdout(path: Path, json: bool) -> None:
 
 def print_json(value: Any) -> None:
     """One JSON value on stdout."""
-    from polhode.output.results import as_json
+    from polhode.output.json_results import as_json
 
     write_stdout(as_json(value))
 
 
 def print_rows(answer: dict[str, Any], *, short: bool = False) -> None:
     """The rows of an answer as a table on stdout; ``short``: see ``rows_of``."""
-    from polhode.output.tables import rows_of
+    from polhode.output.csv_tables import rows_of
 
     header, rows = rows_of(answer, short=short)
     print_table(header, rows)

@@ -15,10 +15,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.attitude.quaternion import Quaternion, product
-from polhode.closed_forms.attitude.winding import bisected
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
-from polhode.numbers.private import mpc, mpf, mpmath
+from polhode.closed_forms.functions.quaternion import Quaternion, product
+from polhode.closed_forms.winding.winding_number import bisected
+from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from polhode.closed_forms.attitude.normal_form import (
+from polhode.closed_forms.engine.normal_form import (
     Condition,
     Placed,
     equal,
@@ -13,8 +13,8 @@ from polhode.closed_forms.attitude.normal_form import (
     placed_in,
     shortfall,
 )
+from polhode.closed_forms.engine.principal_scene import PrincipalScene
 from polhode.closed_forms.families import Misfit
-from polhode.closed_forms.principal_scene import PrincipalScene
 
 
 def conditions(scene: Placed) -> Iterator[Condition]:

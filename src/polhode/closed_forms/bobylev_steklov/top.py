@@ -22,16 +22,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.attitude.angles import Attitude
-from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
-from polhode.closed_forms.attitude.quaternion import Quaternion
 from polhode.closed_forms.bobylev_steklov.asymptotic import Asymptotic
 from polhode.closed_forms.bobylev_steklov.conditions import conditions
+from polhode.closed_forms.engine.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
+from polhode.closed_forms.functions.quaternion import Quaternion
 from polhode.closed_forms.functions.rounding import number
-from polhode.common.cached import cached_property
+from polhode.closed_forms.winding.euler_angles import Attitude
+from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, sign, sqrt
-from polhode.numbers.private import mpmath
+from polhode.numbers.mpmath_context import mpmath
 
 SWINGING = "Bobylev-Steklov, r changes its sign"
 TURNING = "Bobylev-Steklov, r keeps its sign"

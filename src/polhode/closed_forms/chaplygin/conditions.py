@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from polhode.closed_forms.attitude.normal_form import (
+from polhode.closed_forms.engine.normal_form import (
     Condition,
     Placed,
     equal,
@@ -15,8 +15,8 @@ from polhode.closed_forms.attitude.normal_form import (
     positive,
     shortfall,
 )
+from polhode.closed_forms.engine.principal_scene import PrincipalScene
 from polhode.closed_forms.families import Misfit
-from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers.exact import ONE, ZERO, Exact, power, sign
 
 

@@ -21,12 +21,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.chaplygin.conditions import coefficients, conditions
-from polhode.closed_forms.functions.one_degree import OneDegree, one_degree
+from polhode.closed_forms.engine.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms.functions.quadrature_1dof import OneDegree, one_degree
 from polhode.closed_forms.functions.rounding import number
 from polhode.numbers.exact import ONE, ZERO, Exact, power, sign
-from polhode.numbers.private import mpf
+from polhode.numbers.mpmath_context import mpf
 
 REGIME = "Chaplygin 1904"
 

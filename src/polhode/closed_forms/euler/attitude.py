@@ -14,14 +14,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.attitude.axes import MotionAxes
-from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, of_matrix, product
-from polhode.closed_forms.attitude.winding import fine_parameters
+from polhode.closed_forms.engine.axes import MotionAxes
 from polhode.closed_forms.euler.motion import EulerMotion, PermanentRotation, Polhode
 from polhode.closed_forms.euler.turns import PolhodeTurns
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
-from polhode.common.cached import cached_property
-from polhode.numbers.private import mpf, mpmath
+from polhode.closed_forms.functions.quaternion import Quaternion, conjugate, of_matrix, product
+from polhode.closed_forms.winding.winding_number import fine_parameters
+from polhode.common.cached_property import cached_property
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 
 @dataclass(frozen=True)

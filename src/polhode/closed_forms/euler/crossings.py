@@ -11,9 +11,9 @@ import itertools
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from polhode.closed_forms.attitude.two_terms import Crossing
 from polhode.closed_forms.functions.jacobi import MP, Jacobi
-from polhode.numbers.private import mpmath
+from polhode.closed_forms.winding.argument_of_sum import Crossing
+from polhode.numbers.mpmath_context import mpmath
 
 _NOISE = 16  # last bits of a sum that are not trusted
 _STEPS = 200  # of a bracketed Newton iteration

@@ -21,7 +21,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
-from polhode.closed_forms.attitude.quaternion import AnyVector, Quaternion, product
 from polhode.closed_forms.functions.jacobi import (
     MP,
     Jacobi,
@@ -30,7 +29,8 @@ from polhode.closed_forms.functions.jacobi import (
     jacobi,
     quotient,
 )
-from polhode.numbers.private import mpf, mpmath
+from polhode.closed_forms.functions.quaternion import AnyVector, Quaternion, product
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 
 @dataclass(frozen=True)

@@ -14,17 +14,17 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from polhode.closed_forms.attitude.from_attitude import FromAttitude
-from polhode.closed_forms.attitude.quaternion import turned_back
+from polhode.closed_forms.engine.from_attitude import FromAttitude
 from polhode.closed_forms.euler.attitude import EulerAttitude
 from polhode.closed_forms.euler.axes import numbered_axes
 from polhode.closed_forms.euler.motion import EulerMotion, permanent_rotation, polhode
 from polhode.closed_forms.euler.regimes import exact_numbers, is_permanent, regime
 from polhode.closed_forms.functions.jacobi import MP, pair_functions
+from polhode.closed_forms.functions.quaternion import turned_back
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened, vector
-from polhode.common.cached import cached_property
+from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import Exact, sign, sqrt, total
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.body import Vector, is_zero
 
 _ZERO = Fraction(0)
@@ -89,8 +89,8 @@ class EulerTop(FromAttitude):
     def columns(self, times: Any) -> tuple[list[Any], list[Any] | None]:
         """p q r [gamma1 gamma2 gamma3], and the quaternion, at many times at once.
 
-        ``times`` and answers are :class:`polhode.numbers.pairs.Pairs`; of their 100 bits the
-        phases take log2 of the largest.
+        ``times`` and answers are :class:`polhode.numbers.double_double.Pairs`; of their 100 bits
+        the phases take log2 of the largest.
         """
         with mpmath.workprec(_COLUMN_BITS):
             motion, fn = self._motion(_COLUMN_BITS), pair_functions()

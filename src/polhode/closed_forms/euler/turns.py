@@ -10,7 +10,7 @@ of the turn from the space axes along G to those along the vertical,
 
     al = a al* - b conj(bt*),    bt = a bt* + b conj(al*),
 
-each the sum of two terms of known arguments (:mod:`polhode.closed_forms.attitude.two_terms`).
+each the sum of two terms of known arguments (:mod:`polhode.closed_forms.winding.argument_of_sum`).
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from polhode.closed_forms.attitude.quaternion import AnyVector, Quaternion
-from polhode.closed_forms.attitude.two_terms import Polar, Sum, Terms, Turning
 from polhode.closed_forms.euler.crossings import crossings
 from polhode.closed_forms.euler.motion import Polhode
 from polhode.closed_forms.functions.jacobi import MP
-from polhode.numbers.private import mpc, mpf, mpmath
+from polhode.closed_forms.functions.quaternion import AnyVector, Quaternion
+from polhode.closed_forms.winding.argument_of_sum import Polar, Sum, Terms, Turning
+from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 
 
 class PolhodeTurns:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from polhode.closed_forms.functions.fourier import WaveSeries, cosines
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 
 @dataclass(frozen=True)

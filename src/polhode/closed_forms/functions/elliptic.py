@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from polhode.closed_forms.functions.jacobi import MP, Jacobi, jacobi
-from polhode.numbers.private import mpmath
+from polhode.numbers.mpmath_context import mpmath
 
 
 @dataclass(frozen=True)

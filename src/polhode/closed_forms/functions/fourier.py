@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from mpmath import libmp
 
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 _GUARD = 32  # bits of the integers beyond the precision in force
 _LEAST = 16  # samples tried first

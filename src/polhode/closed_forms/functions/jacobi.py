@@ -20,7 +20,7 @@ from typing import Any
 
 from mpmath import libmp
 
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 
 @dataclass(frozen=True)
@@ -57,10 +57,17 @@ def numpy_functions() -> SeriesFunctions:
 
 
 def pair_functions() -> SeriesFunctions:
-    """Functions of arrays of pairs of doubles, about 100 bits (:mod:`polhode.numbers.pairs`)."""
-    from polhode.numbers import pairs
+    """Functions of arrays of pairs of doubles, about 100 bits
+    (:mod:`polhode.numbers.double_double`)."""
+    from polhode.numbers import double_double
 
-    return SeriesFunctions(pairs.cos_sin, pairs.cosh_sinh, pairs.sqrt, pairs.hypot, pairs.nint)
+    return SeriesFunctions(
+        double_double.cos_sin,
+        double_double.cosh_sinh,
+        double_double.sqrt,
+        double_double.hypot,
+        double_double.nint,
+    )
 
 
 #: Past this X only a nome below exp(-2X) leads (|X| <= log(1/q')/2): a double is at its limit.

@@ -9,7 +9,7 @@ from typing import Any
 from mpmath import libmp
 
 from polhode.numbers.exact import Exact, rounded
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 _SPARE = 8  # bits kept beyond the digits asked for
 

@@ -7,8 +7,8 @@ Mg r0 = (c, 0, 0), c > 0, A (9B - 8C) = 16 C (B - C), 2C < B < 8C/3; with D = 9B
     c0 = 2 b0 (B-2C)(3B-2C)/(BC),    c2 = 16 (3B-4C)(9B^2-28BC+16C^2)/(B D^2),
     c4 = -256 C^2 (3B-4C)^2 (5B-4C)/(B b0 D^4),    H = b0 (9B^2-22BC+12C^2)/4C
 
-(D. N. Goryachev 1899), gamma by :mod:`polhode.closed_forms.functions.frame`.  X2 > 0 > -d being the
-roots of c0 + c2 X + c4 X^2 and X3 = -b0/b2 > X2, v = v0 + nu t and E = d + X2 cn^2 v,
+(D. N. Goryachev 1899), gamma by :mod:`polhode.closed_forms.functions.gamma_from_omega`.  X2 > 0 >
+-d being the roots of c0 + c2 X + c4 X^2 and X3 = -b0/b2 > X2, v = v0 + nu t and E = d + X2 cn^2 v,
 
     p = sqrt(X2 d/E) sn v,    q = s sqrt(b0 (d + X2)/E) dn v,    r = s sqrt(c0) (d + X2) cn v/E,
     nu = a1 sqrt(b2 c4 X3 (X2 + d)),    m = X2 (X3 + d)/(X3 (X2 + d)).
@@ -19,14 +19,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms.engine.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
-from polhode.closed_forms.functions.frame import Frame
+from polhode.closed_forms.functions.gamma_from_omega import Frame
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev.conditions import coefficients, conditions, frame_of
-from polhode.common.cached import cached_property
+from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import Exact, sign, sqrt
-from polhode.numbers.private import mpmath
+from polhode.numbers.mpmath_context import mpmath
 
 REGIME = "Goryachev"
 

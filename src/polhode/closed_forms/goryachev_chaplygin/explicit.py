@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from polhode.closed_forms.functions.jacobi import Jacobi, SeriesFunctions, jacobi
-from polhode.numbers.private import mpmath
+from polhode.numbers.mpmath_context import mpmath
 
 
 class HalvesPoint(NamedTuple):

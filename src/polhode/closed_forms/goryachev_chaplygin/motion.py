@@ -17,25 +17,25 @@ from typing import Any, Protocol
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev_chaplygin import explicit, regimes
-from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
-from polhode.closed_forms.goryachev_chaplygin.clocks import (
+from polhode.closed_forms.goryachev_chaplygin.abel_integrals import (
     Clock,
     Halves,
     Oscillating,
     Standing,
     oscillating,
 )
+from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
+from polhode.closed_forms.goryachev_chaplygin.double_root import tending
 from polhode.closed_forms.goryachev_chaplygin.explicit import HalvesPoint, positive
-from polhode.closed_forms.goryachev_chaplygin.tending import tending
-from polhode.closed_forms.goryachev_chaplygin.torus import Torus
-from polhode.closed_forms.goryachev_chaplygin.variables import (
+from polhode.closed_forms.goryachev_chaplygin.separation_variables import (
     lost_bits,
     started,
     u_variable,
     v_part,
     v_whole,
 )
-from polhode.numbers.private import mpf, mpmath
+from polhode.closed_forms.goryachev_chaplygin.torus_quadrature import Torus
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 
 class Path(Protocol):

@@ -13,27 +13,27 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from polhode.closed_forms.attitude.from_attitude import FromAttitude
-from polhode.closed_forms.attitude.moving import Between, Moving, moving
-from polhode.closed_forms.attitude.quaternion import of_matrix
-from polhode.closed_forms.attitude.settled import Settled
+from polhode.closed_forms.engine.body_frame_motion import Between, Moving, moving
+from polhode.closed_forms.engine.from_attitude import FromAttitude
 from polhode.closed_forms.functions.jacobi import MP
+from polhode.closed_forms.functions.quaternion import of_matrix
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.goryachev_chaplygin import regimes
-from polhode.closed_forms.goryachev_chaplygin.attitude import HalvesFrame, bounds
+from polhode.closed_forms.goryachev_chaplygin.attitude.attitude import HalvesFrame, bounds
+from polhode.closed_forms.goryachev_chaplygin.attitude.momentum_azimuth import settling, turning
+from polhode.closed_forms.goryachev_chaplygin.attitude.turn_counting import TorusTurns
 from polhode.closed_forms.goryachev_chaplygin.axes import start
+from polhode.closed_forms.goryachev_chaplygin.double_root import Tending
 from polhode.closed_forms.goryachev_chaplygin.motion import (
     GoryachevMotion,
     Separated,
     frequencies,
     motion,
 )
-from polhode.closed_forms.goryachev_chaplygin.tending import Tending
-from polhode.closed_forms.goryachev_chaplygin.turning import settling, turning
-from polhode.closed_forms.goryachev_chaplygin.turns import TorusTurns
-from polhode.closed_forms.goryachev_chaplygin.variables import lost_bits
+from polhode.closed_forms.goryachev_chaplygin.separation_variables import lost_bits
+from polhode.closed_forms.winding.asymptotic_period import Settled
 from polhode.numbers.exact import Exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.body import Vector
 
 _ZERO = Fraction(0)

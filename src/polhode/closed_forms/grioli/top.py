@@ -17,14 +17,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.attitude.angles import Attitude
-from polhode.closed_forms.attitude.one_orbit import OneOrbit
-from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
-from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.engine.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms.engine.periodic_attitude import OneOrbit
+from polhode.closed_forms.functions.quaternion import Quaternion, product
 from polhode.closed_forms.functions.rounding import number, vector
 from polhode.closed_forms.grioli.conditions import SpinFrame, conditions, spin_frame
-from polhode.common.cached import cached_property
-from polhode.numbers.private import mpmath
+from polhode.closed_forms.winding.euler_angles import Attitude
+from polhode.common.cached_property import cached_property
+from polhode.numbers.mpmath_context import mpmath
 
 REGIME = "Grioli's regular precession"
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from polhode.closed_forms.engine.principal_scene import PrincipalScene
 from polhode.closed_forms.families import Misfit
 from polhode.closed_forms.hess.axes import failure
-from polhode.closed_forms.principal_scene import PrincipalScene
 
 
 def fits(scene: PrincipalScene) -> bool:

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from polhode.closed_forms.attitude.quaternion import product
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
+from polhode.closed_forms.functions.quaternion import product
 from polhode.closed_forms.hess.explicit import SurfacePoint
 from polhode.closed_forms.hess.general import GeneralMotion, powered
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 _TERMS = 40  # of a step's series: they fall by e^-2
 

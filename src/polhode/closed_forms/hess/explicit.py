@@ -15,8 +15,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from polhode.closed_forms.attitude.quaternion import Quaternion, of_matrix, product
 from polhode.closed_forms.functions.jacobi import Jacobi, SeriesFunctions, jacobi
+from polhode.closed_forms.functions.quaternion import Quaternion, of_matrix, product
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.hess.axes import (
     CONE_LIMIT,
@@ -26,7 +26,7 @@ from polhode.closed_forms.hess.axes import (
     SEPARATRIX,
     HessStart,
 )
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 
 class SurfacePoint(NamedTuple):

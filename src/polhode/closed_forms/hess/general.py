@@ -15,13 +15,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.attitude.quaternion import Quaternion, conjugate, of_matrix, product
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
+from polhode.closed_forms.functions.quaternion import Quaternion, conjugate, of_matrix, product
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.hess.axes import HessStart
 from polhode.closed_forms.hess.explicit import SurfacePoint
 from polhode.closed_forms.hess.series import Period, period
-from polhode.numbers.private import mpc, mpf, mpmath
+from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from operator import mul
 from typing import Any
 
 from polhode.closed_forms.functions.fourier import fixed, floating
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 _GUARD = 48
 

@@ -14,19 +14,19 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from polhode.closed_forms.attitude.from_attitude import FromAttitude
-from polhode.closed_forms.attitude.moving import Between, Moving, moving
-from polhode.closed_forms.attitude.quaternion import Quaternion, of_matrix
-from polhode.closed_forms.attitude.settled import Settled
+from polhode.closed_forms.engine.body_frame_motion import Between, Moving, moving
+from polhode.closed_forms.engine.from_attitude import FromAttitude
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
+from polhode.closed_forms.functions.quaternion import Quaternion, of_matrix
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.hess import axes as surface
 from polhode.closed_forms.hess.doubles import DoubleGeneral
 from polhode.closed_forms.hess.explicit import Cone, PlaneMotion, cone, plane
 from polhode.closed_forms.hess.general import GeneralMotion, general
 from polhode.closed_forms.hess.turns import PeriodicTurns
+from polhode.closed_forms.winding.asymptotic_period import Settled
 from polhode.numbers.exact import Exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.body import Vector
 
 _ZERO = Fraction(0)

@@ -20,13 +20,13 @@ from typing import Any
 
 import numpy as np
 
-from polhode.closed_forms.attitude.lattice import floors
-from polhode.closed_forms.attitude.quaternion import Quaternion, product
-from polhode.closed_forms.attitude.winding import growth
+from polhode.closed_forms.functions.quaternion import Quaternion, product
 from polhode.closed_forms.hess.doubles import DoubleGeneral
 from polhode.closed_forms.hess.general import GeneralMotion
-from polhode.common.cached import cached_property
-from polhode.numbers.private import mpc, mpf, mpmath
+from polhode.closed_forms.winding.floor_sums import floors
+from polhode.closed_forms.winding.winding_number import growth
+from polhode.common.cached_property import cached_property
+from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 
 _LOST = 32  # bits that phases may have lost
 _SAMPLES = 64  # of a period, where u may pass a value

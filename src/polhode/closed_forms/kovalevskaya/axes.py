@@ -19,14 +19,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from polhode.closed_forms.attitude.axes import RowMatrix, in_scene, principal
+from polhode.closed_forms.engine.axes import RowMatrix, in_scene, principal
+from polhode.closed_forms.engine.principal_scene import PrincipalScene
 from polhode.closed_forms.functions.rounding import log2, number
-from polhode.closed_forms.principal_scene import PrincipalScene
-from polhode.common.cached import cached_property
+from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, Exact, binary, exact, rounded, sign, sqrt
-from polhode.numbers.private import mpmath
+from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes.body import Vector
-from polhode.scenes.tops import KOVALEVSKAYA, classical_top, with_last
+from polhode.scenes.classification import KOVALEVSKAYA, classical_top, with_last
 
 
 def fits(scene: PrincipalScene) -> bool:

@@ -22,13 +22,23 @@ from dataclasses import dataclass
 from itertools import pairwise, product
 from typing import Any
 
-from polhode.closed_forms.functions.quadrature import nodes, place
-from polhode.closed_forms.functions.riemann_periods import Pair, SymmetricMatrix, reduced, solved
-from polhode.closed_forms.functions.riemann_theta import Characteristic, added, is_odd, whole_parts
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
-from polhode.common.cached import cached_property
-from polhode.numbers.private import mpc, mpf, mpmath
+from polhode.closed_forms.kovalevskaya.theta.quadrature import nodes, place
+from polhode.closed_forms.kovalevskaya.theta.riemann_periods import (
+    Pair,
+    SymmetricMatrix,
+    reduced,
+    solved,
+)
+from polhode.closed_forms.kovalevskaya.theta.riemann_theta import (
+    Characteristic,
+    added,
+    is_odd,
+    whole_parts,
+)
+from polhode.common.cached_property import cached_property
+from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 
 _TILTS = 61  # directions tried
 _SMALL = 1e-280

@@ -18,7 +18,7 @@ from typing import Any
 
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.generic import Generic, generic
-from polhode.numbers.private import mpf
+from polhode.numbers.mpmath_context import mpf
 
 
 @dataclass(frozen=True)

@@ -21,13 +21,13 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
-from polhode.closed_forms.functions.riemann_periods import Pair
-from polhode.closed_forms.functions.riemann_theta import Thetas, added, thetas
 from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.kovalevskaya.abel import starts
+from polhode.closed_forms.kovalevskaya.abel_map import starts
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, Unresolved, curve
-from polhode.numbers.private import mpc, mpmath
+from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair
+from polhode.closed_forms.kovalevskaya.theta.riemann_theta import Thetas, added, thetas
+from polhode.numbers.mpmath_context import mpc, mpmath
 
 PAIRS = ((0, 1), (0, 2), (1, 2))
 

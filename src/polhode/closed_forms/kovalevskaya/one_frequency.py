@@ -18,11 +18,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.functions.weierstrass import Quartic, WeierstrassSolution, solution
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
+from polhode.closed_forms.kovalevskaya.theta.weierstrass import (
+    Quartic,
+    WeierstrassSolution,
+    solution,
+)
 from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
-from polhode.numbers.private import mpc, mpf, mpmath
+from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 
 State = list[Any]
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from polhode.closed_forms.attitude.normal_form import Condition, equal, missing, positive
+from polhode.closed_forms.engine.normal_form import Condition, equal, missing, positive
+from polhode.closed_forms.engine.principal_scene import PrincipalScene
 from polhode.closed_forms.families import Misfit
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_axes
 from polhode.closed_forms.kovalevskaya.curve import Unresolved, branch_points
@@ -17,10 +18,9 @@ from polhode.closed_forms.kovalevskaya.regimes import (
     passes_poles,
     regime,
 )
-from polhode.closed_forms.principal_scene import PrincipalScene
-from polhode.numbers.convert import exact_number
+from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
-from polhode.numbers.private import mpmath
+from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes.body import dot
 
 _MOST_BITS = 1 << 15

@@ -14,22 +14,22 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from polhode.closed_forms.attitude.angles import Attitude
-from polhode.closed_forms.attitude.axes import RowMatrix, placed
-from polhode.closed_forms.attitude.from_attitude import FromAttitude
+from polhode.closed_forms.engine.axes import RowMatrix, placed
+from polhode.closed_forms.engine.from_attitude import FromAttitude
 from polhode.closed_forms.functions.rounding import number, rounded_up, shortened
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.axes import top_axes
-from polhode.closed_forms.kovalevskaya.certified import CERTIFIED, Answers
+from polhode.closed_forms.kovalevskaya.certified_answers import CERTIFIED, Answers
 from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, cubic_roots
 from polhode.closed_forms.kovalevskaya.generic import Generic
 from polhode.closed_forms.kovalevskaya.one_frequency import special
-from polhode.common.cached import cached_property
+from polhode.closed_forms.winding.euler_angles import Attitude
+from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import Exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 if TYPE_CHECKING:
-    from polhode.closed_forms.kovalevskaya.attitudes import Attitudes
+    from polhode.closed_forms.kovalevskaya.attitude.attitude_choice import Attitudes
 
 _ZERO = Fraction(0)
 _TURNING = 16  # bits that the attitude may lose beyond the phase
@@ -67,7 +67,7 @@ class KovalevskayaTop(FromAttitude):
     @cached_property
     def _attitudes(self) -> Attitudes:
         """Imported when first asked: states need none of their many formulas."""
-        from polhode.closed_forms.kovalevskaya.attitudes import Attitudes
+        from polhode.closed_forms.kovalevskaya.attitude.attitude_choice import Attitudes
 
         return Attitudes(self._answers, self._axes, self._first_quaternion, self._placed)
 

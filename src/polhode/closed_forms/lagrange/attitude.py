@@ -16,11 +16,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from polhode.closed_forms.attitude.angles import TooFewBits
-from polhode.closed_forms.attitude.axes import RowMatrix
-from polhode.closed_forms.attitude.quaternion import Quaternion, of_matrix, product
-from polhode.closed_forms.attitude.two_terms import Turning, turns_over_zeros
+from polhode.closed_forms.engine.axes import RowMatrix
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
+from polhode.closed_forms.functions.quaternion import Quaternion, of_matrix, product
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.lagrange.motion import (
     LagrangeMotion,
@@ -33,9 +31,11 @@ from polhode.closed_forms.lagrange.motion import (
 )
 from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.closed_forms.lagrange.turns import turning
-from polhode.common.cached import cached_property
+from polhode.closed_forms.winding.argument_of_sum import Turning, turns_over_zeros
+from polhode.closed_forms.winding.euler_angles import TooFewBits
+from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import Exact, sign
-from polhode.numbers.private import mpc, mpf, mpmath
+from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 
 _TELLING_BITS = 1024  # that tell a nearly steady top's passages by a pole from those through it
 
@@ -104,7 +104,7 @@ class LagrangeAttitude:
     def _over_zeros(self, row: tuple[Parts, Parts], lead: int, begin: Any, t: Any) -> int:
         """Turns that the argument gains where the row's sum is 0, on what :meth:`_argument` has.
 
-        It grows by pi at each zero away from t = 0 (:mod:`polhode.equations.poles`).
+        It grows by pi at each zero away from t = 0 (:mod:`polhode.equations.pole_passage`).
         """
         if not isinstance(self.motion, Steady):
             alone = not any(row[1 - lead])

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from polhode.closed_forms.attitude.axes import RowMatrix, in_scene, principal
+from polhode.closed_forms.engine.axes import RowMatrix, in_scene, principal
+from polhode.closed_forms.engine.principal_scene import PrincipalScene
 from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.scenes import body
 from polhode.scenes.body import Vector, cross, dot
-from polhode.scenes.tops import LAGRANGE, SPHERE, classical_top, with_last
+from polhode.scenes.classification import LAGRANGE, SPHERE, classical_top, with_last
 
 
 def fits(scene: PrincipalScene) -> bool:

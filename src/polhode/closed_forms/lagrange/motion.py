@@ -37,7 +37,7 @@ from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.closed_forms.lagrange.roots import Gaps, gaps
 from polhode.numbers.exact import sign
-from polhode.numbers.private import mpc, mpf, mpmath
+from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 
 #: A complex number of any scalars, as its two parts.
 Parts: TypeAlias = tuple[Any, Any]

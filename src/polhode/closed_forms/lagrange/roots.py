@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.numbers.exact import sign
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 
 #: Distances of a point from u1, u2, u3: none is negative.
 Distances: TypeAlias = tuple[Any, Any, Any]

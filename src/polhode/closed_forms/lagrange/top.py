@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from polhode.closed_forms.attitude.axes import RowMatrix, placed
-from polhode.closed_forms.attitude.from_attitude import FromAttitude
+from polhode.closed_forms.engine.axes import RowMatrix, placed
+from polhode.closed_forms.engine.from_attitude import FromAttitude
 from polhode.closed_forms.functions.jacobi import MP, pair_functions
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.lagrange.attitude import LagrangeAttitude, attitude, top_start
@@ -33,7 +33,7 @@ from polhode.closed_forms.lagrange.motion import (
 from polhode.closed_forms.lagrange.regimes import constants, regime
 from polhode.closed_forms.lagrange.roots import gaps
 from polhode.numbers.exact import Exact
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.body import Vector
 
 _ZERO = Fraction(0)
@@ -93,8 +93,8 @@ class LagrangeTop(FromAttitude):
     def columns(self, times: Any) -> tuple[list[Any], list[Any]]:
         """p q r gamma1 gamma2 gamma3, and the quaternion, at many times at once.
 
-        ``times`` and answers are :class:`polhode.numbers.pairs.Pairs`; of their 100 bits the
-        phases take log2 of the largest.
+        ``times`` and answers are :class:`polhode.numbers.double_double.Pairs`; of their 100 bits
+        the phases take log2 of the largest.
         """
         with mpmath.workprec(_COLUMN_BITS):
             motion = self._motion(_COLUMN_BITS)

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.closed_forms.attitude.two_terms import Crossing, Polar, Sum, Terms, Turning
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.lagrange.motion import Nutating, Parameter, Parts
-from polhode.numbers.private import mpc, mpmath
+from polhode.closed_forms.winding.argument_of_sum import Crossing, Polar, Sum, Terms, Turning
+from polhode.numbers.mpmath_context import mpc, mpmath
 
 
 def turning(motion: Nutating, row: tuple[Parts, Parts]) -> Turning | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from polhode.closed_forms.attitude.normal_form import (
+from polhode.closed_forms.engine.normal_form import (
     Condition,
     Placed,
     equal,
@@ -14,9 +14,9 @@ from polhode.closed_forms.attitude.normal_form import (
     positive,
     shortfall,
 )
+from polhode.closed_forms.engine.principal_scene import PrincipalScene
 from polhode.closed_forms.families import Misfit
-from polhode.closed_forms.functions.frame import Frame, frame
-from polhode.closed_forms.principal_scene import PrincipalScene
+from polhode.closed_forms.functions.gamma_from_omega import Frame, frame
 from polhode.numbers.exact import sqrt
 
 

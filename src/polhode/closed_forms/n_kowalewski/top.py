@@ -14,9 +14,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
-from polhode.closed_forms.functions.frame import Frame
-from polhode.closed_forms.functions.one_degree import OneDegree, one_degree
+from polhode.closed_forms.engine.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms.functions.gamma_from_omega import Frame
+from polhode.closed_forms.functions.quadrature_1dof import OneDegree, one_degree
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.n_kowalewski.conditions import conditions, frame_of
 

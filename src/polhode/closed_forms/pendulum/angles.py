@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from polhode.closed_forms.attitude.quaternion import direction
+from polhode.closed_forms.functions.quaternion import direction
 from polhode.closed_forms.functions.rounding import digits_of, log2, number, rounded_up
 from polhode.closed_forms.pendulum.motion import Swing
 from polhode.numbers.exact import EQUAL_BITS, Exact, sign
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.body import Vector
 
 

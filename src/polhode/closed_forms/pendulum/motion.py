@@ -14,7 +14,7 @@ from polhode.closed_forms.functions.jacobi import MP, Jacobi, jacobi
 from polhode.closed_forms.pendulum.conditions import axis_of, momentum
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.body import Vector, cross, dot, is_zero
 
 HANGING, UPRIGHT = "rest, hanging", "rest, upright"

@@ -26,9 +26,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from polhode.closed_forms.attitude.axes import MotionAxes
-from polhode.closed_forms.attitude.quaternion import product
-from polhode.closed_forms.attitude.start import start_angles, start_quaternion, start_sign
+from polhode.closed_forms.engine.axes import MotionAxes
+from polhode.closed_forms.engine.initial_attitude import start_angles, start_quaternion, start_sign
+from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms.functions.quaternion import product
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.pendulum.angles import Angles
 from polhode.closed_forms.pendulum.conditions import axis_of, fits
@@ -44,10 +45,9 @@ from polhode.closed_forms.pendulum.motion import (
     regime,
     swing_of,
 )
-from polhode.closed_forms.principal_scene import PrincipalScene
 from polhode.numbers import exact
 from polhode.numbers.exact import EQUAL_BITS, ZERO, Exact, sign
-from polhode.numbers.private import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.body import Vector, cross, dot, scaled
 
 _GUARD = 40  # bits beyond the digits asked for and the growth of phases

@@ -11,16 +11,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.attitude.angles import Attitude
-from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
-from polhode.closed_forms.attitude.quaternion import Quaternion, product
+from polhode.closed_forms.engine.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
+from polhode.closed_forms.functions.quaternion import Quaternion, product
 from polhode.closed_forms.functions.rounding import number, shortened
 from polhode.closed_forms.staude.conditions import conditions
 from polhode.closed_forms.staude.stability import Stability, stability
-from polhode.common.cached import cached_property
+from polhode.closed_forms.winding.euler_angles import Attitude
+from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import sign
-from polhode.numbers.private import mpf
+from polhode.numbers.mpmath_context import mpf
 from polhode.scenes.body import dot, is_zero
 
 HANGING, UPRIGHT = "rest, hanging", "rest, upright"

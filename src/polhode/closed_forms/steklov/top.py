@@ -17,13 +17,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.attitude.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms.engine.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.steklov.conditions import coefficients, conditions
-from polhode.common.cached import cached_property
+from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import Exact, sign
-from polhode.numbers.private import mpmath
+from polhode.numbers.mpmath_context import mpmath
 
 #: By the sign of A - B: which of p and q is a sine, and where axis 1 points when p = 0.
 REGIMES = {

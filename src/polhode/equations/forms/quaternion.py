@@ -18,7 +18,7 @@ from polhode.equations.forms import principal
 from polhode.equations.forms.matrices import omega_and_gamma
 from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.scene import Scene
-from polhode.scenes.words import ATTITUDE
+from polhode.scenes.vocabulary import ATTITUDE
 
 NAME = "quaternion"
 SOURCE = "3.12, remark"

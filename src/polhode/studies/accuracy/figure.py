@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures import strips
-from polhode.figures.canvas import HIDDEN, PAPER, PLAIN, as_svg, pyplot
-from polhode.figures.direct import WIDTH
-from polhode.figures.globe import facing_most
+from polhode.figures.canvas import dot_strips
+from polhode.figures.canvas.canvas import HIDDEN, PAPER, PLAIN, as_svg, pyplot
+from polhode.figures.canvas.direct_labels import WIDTH
+from polhode.figures.canvas.globe import facing_most
 
 
 def svgs(found: dict[str, Any]) -> dict[str, str]:
@@ -38,8 +38,8 @@ def motions(rows: list[dict[str, Any]]) -> str:
 
 def digits(found: dict[str, Any]) -> str:
     """Correct digits of every case in every number type, a strip a kind of top."""
-    groups: dict[str, list[strips.Dot]] = {}
+    groups: dict[str, list[dot_strips.Dot]] = {}
     for case in found["cases"]:
         dots = groups.setdefault(case["case"].partition("/")[0], [])
-        dots += [dot for run in case["runs"] if (dot := strips.dot(run)) is not None]
-    return strips.svg(groups, strips.LABEL)
+        dots += [dot for run in case["runs"] if (dot := dot_strips.dot(run)) is not None]
+    return dot_strips.svg(groups, dot_strips.LABEL)

@@ -6,8 +6,8 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from polhode.equations.hodographs import path
-from polhode.judging.reference import Reference
-from polhode.judging.reference import reference as reference_of
+from polhode.judging.references.reference import Reference
+from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import number_types
 from polhode.numbers.exact import ONE, ZERO
 from polhode.scenes import library

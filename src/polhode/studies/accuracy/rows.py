@@ -6,21 +6,21 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from polhode.common.executors import cores, in_order
 from polhode.common.provenance import digest
-from polhode.judging.comparison import compare
-from polhode.judging.conditioning import Conditioning, conditioning
-from polhode.judging.digits import worst_digits
-from polhode.judging.reference import Remembered
-from polhode.judging.reference import reference as reference_of
-from polhode.judging.rounding import Band
-from polhode.numbers import convert, decimals, number_types
+from polhode.judging.conditioning.conditioning import Conditioning, conditioning
+from polhode.judging.conditioning.rounding_errors import Band
+from polhode.judging.correct_digits import worst_digits
+from polhode.judging.references.reference import Remembered
+from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.score.compare import compare
+from polhode.numbers import conversion, decimals, number_types
 from polhode.runs.integrate import integrate
 from polhode.runs.trajectory import Trajectory
-from polhode.runs.workers import cores, in_order
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.studies.accuracy.motions import paths
-from polhode.studies.only import Only
+from polhode.studies.row_filter import Only
 
 NAME = "accuracy"
 QUESTION = (
@@ -81,7 +81,7 @@ def _case(scene: Scene) -> dict[str, Any]:
         "reference": reference.kind,
         "log10_kappa": round(max(kappas), 2) if kappas else None,
         "kappa_note": known.note if known else "",
-        "end": decimals.decimal_string(convert.exactly(number_types.QUAD.rounded(scene.end)), 6),
+        "end": decimals.decimal_string(conversion.exactly(number_types.QUAD.rounded(scene.end)), 6),
         "sha256": digest(scene.text),
         "runs": runs,
     }

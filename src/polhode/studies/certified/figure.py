@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.figures.canvas import as_svg, pyplot
-from polhode.figures.direct import GRID, LOOKS, WIDTH, End, label_ends
+from polhode.figures.canvas.canvas import as_svg, pyplot
+from polhode.figures.canvas.direct_labels import GRID, LOOKS, WIDTH, End, label_ends
 
 _MARKS = ("o", "s", "D", "^")
 #: Methods of the price, by the names that the study gives them.

@@ -11,17 +11,17 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.closed_forms.families import closed_form
-from polhode.enclosures import fixed, pilot
+from polhode.common.executors import cores, in_order
+from polhode.enclosures import fixed_point_problem, precision_choice
 from polhode.enclosures.certify import certify
-from polhode.judging.reference import reference as reference_of
+from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import number_types
-from polhode.numbers.convert import exactly
+from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.runs.integrate import integrate
-from polhode.runs.workers import cores, in_order
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.studies.only import Only
+from polhode.studies.row_filter import Only
 
 NAME = "certified"
 QUESTION = (
@@ -96,7 +96,7 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
 
 def contained_in(scene: Scene, digits: int = CONTAINED_DIGITS) -> dict[str, Any]:
     """A closed form against its enclosure: |closed form - midpoint| over the radius, the worst."""
-    away = pilot.steps(fixed.motion(scene), scene.end)
+    away = precision_choice.steps(fixed_point_problem.motion(scene), scene.end)
     last = scene.end * min(Fraction(1), Fraction(CONTAINED_STEPS) / Fraction(math.ceil(away) + 1))
     times = [last * Fraction(k, 3) for k in (1, 2, 3)]
     found = certify(scene, times, digits)

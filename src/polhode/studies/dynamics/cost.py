@@ -15,15 +15,15 @@ from typing import Any
 
 import numpy as np
 
-from polhode.dynamics import section_states as geometry
-from polhode.dynamics.sections import section
+from polhode.dynamics.sections import coordinates as geometry
+from polhode.dynamics.sections.section import section
 from polhode.equations.forms import principal
-from polhode.numbers.convert import exactly, to_double
+from polhode.numbers.conversion import exactly, to_double
 from polhode.peers.field import TERMS, returning
 from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.studies.only import Only
+from polhode.studies.row_filter import Only
 
 CASE = "general/asymmetric-regular"
 CROSSINGS, ORBITS = 200, 48

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas import PAPER, SPACE, as_svg, pyplot
-from polhode.figures.direct import WIDTH
+from polhode.figures.canvas.canvas import PAPER, SPACE, as_svg, pyplot
+from polhode.figures.canvas.direct_labels import WIDTH
 from polhode.figures.levels import LINES, MARKS, OTHER, SHADES, STABLE, name
 from polhode.figures.map import SHADES as VERDICTS
 from polhode.figures.section import COLOURS

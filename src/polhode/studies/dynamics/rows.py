@@ -9,16 +9,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.dynamics import section_states as geometry
-from polhode.dynamics.chaos_maps import VERDICTS, chaos_map
-from polhode.dynamics.levels import levels, topology
-from polhode.dynamics.section_jobs import level_of
-from polhode.dynamics.sections import Section, section
-from polhode.numbers.convert import to_double
+from polhode.dynamics.chaos.chaos_map import VERDICTS, chaos_map
+from polhode.dynamics.levels.levels import levels, topology
+from polhode.dynamics.sections import coordinates as geometry
+from polhode.dynamics.sections.jobs import level_of
+from polhode.dynamics.sections.section import Section, section
+from polhode.numbers.conversion import to_double
 from polhode.scenes import library
 from polhode.scenes.scene_file import parse
 from polhode.studies.dynamics import cost
-from polhode.studies.only import Only
+from polhode.studies.row_filter import Only
 
 NAME = "dynamics"
 QUESTION = (

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.figures.canvas import COLOURS, MARKS, as_svg, pyplot
-from polhode.figures.direct import GRID, WIDTH, End, label_ends, name_types
+from polhode.figures.canvas.canvas import COLOURS, MARKS, as_svg, pyplot
+from polhode.figures.canvas.direct_labels import GRID, WIDTH, End, label_ends, name_types
 
 FLOOR = 0.01  # ulps: smaller errors are drawn there, on the axis
 

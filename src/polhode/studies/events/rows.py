@@ -9,18 +9,18 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
+from polhode.common.executors import cores, in_order
 from polhode.enclosures.events import certify_events
-from polhode.judging.reference import reference as reference_of
+from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import decimals, exact, number_types
-from polhode.numbers.convert import exactly
+from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.runs.integrate import integrate
-from polhode.runs.workers import cores, in_order
 from polhode.scenes import library
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.studies.events.zeros import Zeros, ulp
-from polhode.studies.only import Only
+from polhode.studies.row_filter import Only
 
 NAME = "events"
 QUESTION = (

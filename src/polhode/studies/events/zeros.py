@@ -8,11 +8,11 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from polhode.judging.reference import Reference
-from polhode.judging.reference import reference as reference_of
+from polhode.judging.references.reference import Reference
+from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import exact
-from polhode.numbers.convert import exactly, to_mpf
-from polhode.scenes import columns as columns_
+from polhode.numbers.conversion import exactly, to_mpf
+from polhode.scenes import column_expressions as columns_
 from polhode.scenes.scene import Scene
 
 DIGITS = 65  # of the closed form where its zeros are located
@@ -54,7 +54,7 @@ class Zeros:
         return found
 
     def _refined(self, low: Fraction, high: Fraction) -> Fraction:
-        from polhode.numbers.private import mpmath
+        from polhode.numbers.mpmath_context import mpmath
 
         def value(t: Any) -> Any:
             row = self._reference.at([t], DIGITS)[0]

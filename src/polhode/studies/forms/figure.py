@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.figures.canvas import COLOURS, as_svg, pyplot
-from polhode.figures.direct import GRID, WIDTH
+from polhode.figures.canvas.canvas import COLOURS, as_svg, pyplot
+from polhode.figures.canvas.direct_labels import GRID, WIDTH
 
 _MARKS = ("o", "s", "D", "^", "v")
 

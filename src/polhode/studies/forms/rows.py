@@ -8,17 +8,17 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from polhode.common.errors import BadInput
+from polhode.common.executors import cores, in_order
 from polhode.equations.form import source
-from polhode.judging.comparison import compare
-from polhode.judging.reference import Remembered
-from polhode.judging.reference import reference as reference_of
+from polhode.judging.references.reference import Remembered
+from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.score.compare import compare
 from polhode.runs.integrate import integrate
-from polhode.runs.workers import cores, in_order
 from polhode.scenes import library
 from polhode.scenes.body import Body, Vector
 from polhode.scenes.scene import Scene, even_times
-from polhode.scenes.words import FORMS
-from polhode.studies.only import Only
+from polhode.scenes.vocabulary import FORMS
+from polhode.studies.row_filter import Only
 
 NAME = "forms"
 QUESTION = (

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas import HIDDEN, PAPER, PLAIN, as_svg, pyplot
-from polhode.figures.globe import facing_most
+from polhode.figures.canvas.canvas import HIDDEN, PAPER, PLAIN, as_svg, pyplot
+from polhode.figures.canvas.globe import facing_most
 
 
 def svgs(found: dict[str, Any]) -> dict[str, str]:

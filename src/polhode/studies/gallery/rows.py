@@ -10,14 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polhode.equations.hodographs import turned
-from polhode.figures.samples import Samples
+from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.sphere import apex
-from polhode.judging.comparison import compare
-from polhode.judging.reference import reference as reference_of
+from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.score.compare import compare
 from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.scene import even_times
-from polhode.studies.only import Only
+from polhode.studies.row_filter import Only
 
 NAME = "gallery"
 QUESTION = "Which motions of a heavy rigid body are worth knowing, and what do they look like?"

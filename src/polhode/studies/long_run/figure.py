@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from polhode.figures.canvas import as_svg, pyplot
-from polhode.figures.direct import GRID, GUIDE, LOOKS, WIDTH, End, label_ends
+from polhode.figures.canvas.canvas import as_svg, pyplot
+from polhode.figures.canvas.direct_labels import GRID, GUIDE, LOOKS, WIDTH, End, label_ends
 
 _MARKS = {"euler": "o", "lagrange": "s", "kovalevskaya": "D"}
 _SLOPES = {"error": (1.5, "$t^{3/2}$"), "drift": (0.5, "$t^{1/2}$")}

@@ -18,18 +18,18 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from polhode.common.executors import in_order
 from polhode.equations.integrals import departures
-from polhode.judging.conditioning import conditioning
-from polhode.judging.digits import errors, rate_scale
-from polhode.judging.reference import Reference
-from polhode.judging.reference import reference as reference_of
+from polhode.judging.conditioning.conditioning import conditioning
+from polhode.judging.correct_digits import errors, rate_scale
+from polhode.judging.references.reference import Reference
+from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.number_types import DOUBLE, bits_for
 from polhode.runs.integrate import integrate
-from polhode.runs.workers import in_order
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import TOPS, random_scene
-from polhode.studies.long_run import far, growth
-from polhode.studies.only import Only
+from polhode.studies.long_run import growth, late_time
+from polhode.studies.row_filter import Only
 
 NAME = "long-run"
 QUESTION = (
@@ -99,7 +99,7 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
         "quick": quick,
         "brouwer": BROUWER,
         "tops": tops,
-        "at": far.rows(end, STARTS, quick, tick, wanted),
+        "at": late_time.rows(end, STARTS, quick, tick, wanted),
     }
     return found
 

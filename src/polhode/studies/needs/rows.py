@@ -15,11 +15,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from polhode.judging.digits import worst_digits
-from polhode.judging.reference import reference as reference_of
+from polhode.judging.correct_digits import worst_digits
+from polhode.judging.references.reference import reference as reference_of
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.studies.only import Only
+from polhode.studies.row_filter import Only
 
 NAME = "needs"
 QUESTION = "How many digits do I get, at what cost, for my need?"

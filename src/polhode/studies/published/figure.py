@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from polhode.figures.canvas import as_svg, pyplot
-from polhode.figures.direct import GRID, WIDTH
+from polhode.figures.canvas.canvas import as_svg, pyplot
+from polhode.figures.canvas.direct_labels import GRID, WIDTH
 
 _RIGHT, _OFF = "#333333", "#a50026"
 

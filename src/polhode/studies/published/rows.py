@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from polhode.checks.printed import PrintedFigure, figures, last_unit, significant_digits
+from polhode.checks.published_figures import PrintedFigure, figures, last_unit, significant_digits
 from polhode.checks.time_labels import TimeLabel, time_labels
-from polhode.judging.reference import reference as reference_of
+from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.decimals import decimal_string
 from polhode.scenes import library
-from polhode.studies.only import Only
+from polhode.studies.row_filter import Only
 
 NAME = "published"
 QUESTION = (

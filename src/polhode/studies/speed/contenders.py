@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from polhode.numbers.number_types import DOUBLE, named
 from polhode.scenes.scene import Scene, even_times
-from polhode.studies.processes import Method, plain_scene
+from polhode.studies.peer_processes import Method, plain_scene
 
 SAMPLES = 11
 TYPES_SHOWN = "Kovalevskaya top"  # the motion on which all number types are drawn
@@ -34,7 +34,7 @@ MOTIONS = (
     SpeedMotion("asymmetric body, short", "general/asymmetric-regular", 2, "short"),
 )
 
-_OWN = "polhode.studies.own_process"
+_OWN = "polhode.studies.isolated_process"
 _TOLERANCES = (1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
 _FINE = {
     "double": (*_TOLERANCES, 2.0**-52),

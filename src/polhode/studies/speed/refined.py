@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from polhode.judging.digits import worst_digits
-from polhode.judging.reference import reference
+from polhode.judging.correct_digits import worst_digits
+from polhode.judging.references.reference import reference
 from polhode.numbers import number_types
 from polhode.runs.integrate import integrate
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.studies.only import Only
+from polhode.studies.row_filter import Only
 
 _REPEATS = 3, 1  # of refined runs and of steps, after one of each that warms up
 _SPARE = 12  # digits more that the reference has

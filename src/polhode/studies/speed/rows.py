@@ -9,14 +9,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from polhode.judging.conditioning import conditioning
-from polhode.judging.digits import digits_of, errors, rate_scale
-from polhode.judging.reference import reference as reference_of
+from polhode.judging.conditioning.conditioning import conditioning
+from polhode.judging.correct_digits import digits_of, errors, rate_scale
+from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.number_types import DOUBLE, bits_for, named
 from polhode.scenes.scene import Scene
-from polhode.studies.only import Only
-from polhode.studies.processes import Curve, Method, Task, Tick, run_all
-from polhode.studies.speed import cells
+from polhode.studies.peer_processes import Curve, Method, Task, Tick, run_all
+from polhode.studies.row_filter import Only
+from polhode.studies.speed import benchmark_grid
 from polhode.studies.speed.contenders import (
     ENGINE,
     MOTIONS,
@@ -28,7 +28,7 @@ from polhode.studies.speed.contenders import (
     reported,
     scene_of,
 )
-from polhode.studies.speed.elsewhere import READ
+from polhode.studies.speed.published_benchmarks import READ
 from polhode.studies.speed.refined import contests
 from polhode.studies.speed.work_precision import Against, WorkPoint, against, wall
 
@@ -58,10 +58,12 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
     tasks = [
         Task(method, scenes[motion], 1, *timing) for motion in motions for method in asked[motion]
     ]
-    asked_cells = cells.wanted_cells(quick, wanted)
+    asked_cells = benchmark_grid.wanted_cells(quick, wanted)
     with tempfile.TemporaryDirectory() as cache:
-        curves = run_all([*tasks, *cells.tasks(asked_cells, quick)], Path(cache), _named(tick))
-    over = cells.rows(asked_cells, curves[len(tasks) :], quick, _named(tick))
+        curves = run_all(
+            [*tasks, *benchmark_grid.tasks(asked_cells, quick)], Path(cache), _named(tick)
+        )
+    over = benchmark_grid.rows(asked_cells, curves[len(tasks) :], quick, _named(tick))
     found = []
     for motion in motions:
         if tick is not None:

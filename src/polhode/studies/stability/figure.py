@@ -5,7 +5,7 @@ from __future__ import annotations
 from textwrap import fill
 from typing import Any
 
-from polhode.figures import strips
+from polhode.figures.canvas import dot_strips
 
 
 def svg(found: dict[str, Any]) -> str:
@@ -16,9 +16,9 @@ def svg(found: dict[str, Any]) -> str:
             dot
             for name in kind["cases"]
             for run in runs.get(name, ())
-            if (dot := strips.dot(run)) is not None
+            if (dot := dot_strips.dot(run)) is not None
         ]
         for kind in found["kinds"]
     }
     drawn = {kind: dots for kind, dots in groups.items() if dots}
-    return strips.svg(drawn, strips.LABEL)
+    return dot_strips.svg(drawn, dot_strips.LABEL)

@@ -8,7 +8,7 @@ import tempfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from polhode.studies.only import Only
+from polhode.studies.row_filter import Only
 
 _FREE = """schema = 1
 [body]

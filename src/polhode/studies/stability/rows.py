@@ -6,16 +6,16 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from polhode.common.executors import cores, in_order
 from polhode.equations.equilibrium import at_rest
-from polhode.judging.conditioning import conditioning
-from polhode.judging.reference import reference as reference_of
+from polhode.judging.conditioning.conditioning import conditioning
+from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import number_types
 from polhode.runs.integrate import integrate
-from polhode.runs.workers import cores, in_order
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.studies.accuracy.rows import case_rows
-from polhode.studies.only import Only
+from polhode.studies.row_filter import Only
 from polhode.studies.stability import hard_cases, limits, symmetries
 
 NAME = "stability"

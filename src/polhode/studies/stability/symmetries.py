@@ -10,15 +10,15 @@ from typing import Any
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.readout import Readout
 from polhode.equations.system import system
-from polhode.judging.digits import errors, rate_scale
+from polhode.judging.correct_digits import errors, rate_scale
 from polhode.numbers import exact
-from polhode.numbers.convert import exactly, number_value, to_mpf
+from polhode.numbers.conversion import exactly, number_value, to_mpf
 from polhode.numbers.number_types import NumberType, bits_for
 from polhode.numbers.scalars import Row
 from polhode.runs.integrate import integrate
 from polhode.scenes.body import Body, dot, scaled
 from polhode.scenes.scene import Scene
-from polhode.taylor.protocols import Integrating
+from polhode.taylor.integrator.protocols import Integrating
 
 #: Exponents of two by which mass, length and time are measured anew.
 UNITS = ((7, -3, 5), (-40, 33, -61))
@@ -68,7 +68,7 @@ def there_and_back(scene: Scene, number: NumberType) -> float:
 
     Relative as in *correct digits*, to |w| at 0; against the start as the type rounds it.
     """
-    from polhode.taylor.build import build
+    from polhode.taylor.integrator.build import build
 
     plain = replace(scene, outputs=(), events=())
     what = system(plain, ())

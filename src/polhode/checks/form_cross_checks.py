@@ -1,0 +1,68 @@
+"""Cross-checks between the forms of the equations: a few scenes in every form, at 40 digits.
+
+Evidence against a wrong equation in one form, not against what all share (the integrator).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from polhode.common.errors import BadInput
+from polhode.common.executors import in_order
+from polhode.judging.correct_digits import worst_digits
+from polhode.runs.integrate import integrate, undisturbed
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes import library
+from polhode.scenes.vocabulary import FORMS
+
+SCENES = ("euler/turned-axes", "kovalevskaya/generic", "general/asymmetric-regular")
+TIME = Fraction(10)
+DIGITS, LEAST = 40, 38.0
+
+
+@dataclass(frozen=True)
+class CrossCheck:
+    """One scene in one form: the digits to which it agrees with the principal form."""
+
+    scene: str
+    form: str
+    digits: float | None
+    note: str
+
+    @property
+    def passed(self) -> bool:
+        """Whether it agrees, or the form does not take such a scene and says so."""
+        return self.digits is None or self.digits >= LEAST
+
+
+def cross_checks(
+    tick: Callable[[str], None] | None = None, workers: int = 1
+) -> Iterator[CrossCheck]:
+    """Each scene in each form against its principal form; ``workers``: processes for that."""
+
+    def begun(name: str) -> None:
+        if tick is not None:
+            tick(f"{name} in all forms")
+
+    for found in in_order(_in_all_forms, SCENES, workers, begun):
+        yield from found
+
+
+def _in_all_forms(name: str) -> list[CrossCheck]:
+    scene = replace(library.load(name), outputs=(), events=(), form="principal")
+    trusted = undisturbed(integrate(scene, digits=DIGITS, at=[TIME]))
+    return [_checked(form, trusted) for form in FORMS if form != scene.form]
+
+
+def _checked(form: str, trusted: Trajectory) -> CrossCheck:
+    scene = trusted.scene
+    try:
+        run = undisturbed(integrate(replace(scene, form=form), trusted.number))
+    except BadInput as refusal:
+        return CrossCheck(scene.name, form, None, f"refused: {refusal.expected}")
+    if not run.outcome.done:
+        return CrossCheck(scene.name, form, 0.0, run.outcome.value)
+    digits = worst_digits(run.states, trusted.states, scene, DIGITS)
+    return CrossCheck(scene.name, form, digits, "agrees" if digits >= LEAST else "differs")

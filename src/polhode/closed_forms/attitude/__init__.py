@@ -1,1 +1,0 @@
-"""What every closed form needs for the attitude: start, quaternions, counted turns."""

@@ -1,0 +1,1 @@
+"""The attitude of Goryachev and Chaplygin's case."""

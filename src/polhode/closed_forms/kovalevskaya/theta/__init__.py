@@ -1,0 +1,1 @@
+"""Functions of genus two that the Kovalevskaya top alone needs."""

@@ -1,0 +1,1 @@
+"""Turns of psi and phi: all counting that families share."""

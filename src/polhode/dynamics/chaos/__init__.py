@@ -1,0 +1,1 @@
+"""Chaos maps: which motions of a level or of a family are chaotic."""

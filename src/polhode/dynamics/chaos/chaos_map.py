@@ -1,0 +1,248 @@
+"""Chaos maps: which motions of a level, or of a family of scenes, are chaotic.
+
+One tangent u a motion, followed to the time T:
+
+    growth = ln|u(T)| - ln|u(T/2)|,      FLI = max ln|u|,
+    MEGNO = (1/T) int Y dt,              Y(t) = 2 ln|u(t)| - (2/t) int_0^t ln|u|
+
+(the mean exponential growth of nearby orbits of P. Cincotta and C. Simo, A&AS 147 (2000) 205).  A
+motion is *chaotic* where growth > 6, the same bound as in
+:mod:`polhode.judging.conditioning.lyapunov`;
+*regular* (up to T) where growth < 2.5 and MEGNO < 2.2 and T is 1000 units or more; else
+*undecided*.  Orbits that stick to islands for longer than T are called regular.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from concurrent.futures import Executor
+from contextlib import nullcontext
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from polhode.common.arguments import each
+from polhode.common.errors import BadInput
+from polhode.common.jobs import Progress, carried_out
+from polhode.common.memory import refuse_too_much
+from polhode.common.provenance import provenance
+from polhode.common.value_semantics import ByValue
+from polhode.dynamics.chaos import map_motions
+from polhode.dynamics.kept import Kept
+from polhode.dynamics.sections.initial_tangents import tangents_of
+from polhode.judging.conditioning.lyapunov import CHAOTIC
+from polhode.numbers.conversion import exact_number, to_double
+from polhode.numbers.exact import Exact
+from polhode.numbers.scalars import AnyNumber, Doubles, Integers
+from polhode.scenes import library, vary
+from polhode.scenes.scene import Scene
+
+END = 1000  # units of the inner time
+TOLERANCE = 1e-8  # no verdict of 2000 was another at eps
+REGULAR_GROWTH, REGULAR_MEGNO, SHORTEST = 2.5, 2.2, 1000.0
+_BYTES = 24  # of a look: ln|u|, and what it is judged by
+LOOK, LEAST_LOOKS = 8.0, 16  # units of time between two looks, at most; looks, a multiple of this
+LANES = 256
+VERDICTS = ("regular", "undecided", "chaotic")
+MOST = 10_000_000  # units of time
+_ROUNDING = 1e-9  # of an end
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class ChaosMap(ByValue):
+    """Verdicts of many motions: arrays with a row a motion.
+
+    ``keys``: what the two coordinates are; ``at`` (n, 2): theirs.  ``shape``: cells of the grid,
+    ``cell`` (n,) the cell of each motion, in C order.  ``verdict``: indices into VERDICTS.
+    ``fli``, ``megno``, ``growth``, ``exponent`` (per unit of time) up to ``until``, which is less
+    than ``end`` where a motion was left as chaotic before.
+
+    >>> import polhode
+    >>> found = polhode.chaos_map("lagrange/nutation", grid=(3, 3), end=1000)
+    >>> int((found.verdict == 2).sum())  # no motion of a Lagrange top is chaotic
+    0
+    """
+
+    scene: Scene
+    keys: tuple[str, str]
+    shape: tuple[int, int]
+    at: Doubles
+    cell: Integers
+    verdict: Integers
+    fli: Doubles
+    megno: Doubles
+    growth: Doubles
+    exponent: Doubles
+    until: Doubles
+    end: float
+    h: Exact | None = None
+    f: Exact | None = None
+    interrupted: bool = False
+    kept: Kept | None = None
+    provenance: Mapping[str, object] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{n} {name}" for name, n in self.counts.items())
+        return f"<ChaosMap of {self.scene.name}: {len(self.verdict)} motions, {told}>"
+
+    @property
+    def enough(self) -> float:
+        """The least end at which a motion can be called regular; before, it stays undecided."""
+        return SHORTEST * 2.0**self.scene.time_unit
+
+    @property
+    def too_short(self) -> bool:
+        """Whether the end alone leaves what is not chaotic undecided."""
+        return self.end < self.enough * (1 - _ROUNDING)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many motions have each verdict."""
+        return {name: int((self.verdict == k).sum()) for k, name in enumerate(VERDICTS)}
+
+
+def chaos_map(
+    scene: Scene | str | Path,
+    grid: tuple[int, int] | None = None,
+    varied: vary.Vary | None = None,
+    end: AnyNumber | None = None,
+    by: str | None = None,
+    extremum: str | None = None,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
+    tol: float | None = TOLERANCE,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    parts: Path | None = None,
+    progress: Progress | None = None,
+) -> ChaosMap:
+    """Judge the motions on a section's grid, or of scenes in which two numbers vary.
+
+    ``grid``: cells of the section's coordinates (50 x 50), of the level ``h``, ``f`` (the scene's)
+    and the section ``by``, ``extremum`` of :func:`polhode.section`.  ``varied``: two numbers of the
+    scene file instead, as in ``integrate_many``.  ``end``: the time T (1000 units of the inner
+    time, a power of two of the scene's, about a radian of its start's fastest rate).  ``tol``: of a
+    step; None for eps.  ``workers``: threads.  ``executor``: of concurrent.futures.  ``parts``: a
+    folder for finished jobs.  Raises BadInput.
+
+    >>> import polhode
+    >>> found = polhode.chaos_map("general/asymmetric-chaotic", (4, 4), end=1000, h=3, f="1/2")
+    >>> found.counts["chaotic"] > 6
+    True
+    """
+    import numpy as np
+
+    from polhode.taylor.variations import tangent_batches
+
+    scene = library.load(scene)
+    unit = 2.0**scene.time_unit
+    default = Fraction(END) * Fraction(2) ** scene.time_unit
+    given = default if end is None else end
+    (last,) = each(scene.name, "end", (given,), exact_number, "a time")
+    length = to_double(last) / unit
+    if not 0 < length < MOST:
+        raise BadInput(scene.name, "end", to_double(last), f"a time above 0, below {MOST * unit:g}")
+    if tol is not None and not 2.0**-52 <= tol <= 1e-3:
+        raise BadInput(scene.name, "tol", tol, "a tolerance from 2.2e-16 to 1e-3")
+    if varied is None:
+        motions = map_motions.on_section(scene, grid, by, extremum, h, f)
+    else:
+        if grid is not None or h is not None or f is not None:
+            raise BadInput(scene.name, "vary", None, "no grid and no level beside it")
+        motions = map_motions.of_varied(scene, varied)
+    looks = LEAST_LOOKS * max(1, int(np.ceil(length / LOOK / LEAST_LOOKS)))
+    starts, coefficients = motions.starts, motions.coefficients
+    what = f"{len(starts)} motions with {looks} looks each"
+    words = "looks in all; a coarser grid, or an earlier end"
+    refuse_too_much(scene.name, "map", what, len(starts) * looks, _BYTES, words)
+    first = tangents_of(starts, motions.moments, motions.torques)
+    early = (looks // 8, looks // 4, looks // 2)
+    jobs = [
+        tangent_batches.TangentJob(
+            motions.names,
+            coefficients[k : k + LANES],
+            starts[k : k + LANES],
+            first[k : k + LANES],
+            length,
+            looks,
+            tol,
+            early,
+            CHAOTIC,
+        )
+        for k in range(0, len(starts), LANES)
+    ]
+    key = repr((scene.text, length, looks, tol, starts.tobytes(), coefficients.tobytes()))
+    kept = None if parts is None else Kept(parts, "map", key)
+    sizes = [len(job.starts) for job in jobs]
+    with kept or nullcontext():
+        results, interrupted = carried_out(
+            tangent_batches.solve,
+            jobs,
+            sizes,
+            workers,
+            executor,
+            kept,
+            lambda found: found._asdict(),
+            lambda held: tangent_batches.Followed(**held),
+            progress,
+        )
+    rows = np.concatenate(
+        [np.full(n, found is not None) for n, found in zip(sizes, results, strict=True)]
+    )
+    if not rows.any():
+        raise KeyboardInterrupt
+    done = [found for found in results if found is not None]
+    judged = _judged(
+        np.concatenate([found.sizes for found in done]),
+        np.concatenate([found.last for found in done]),
+        length,
+    )
+    judged["exponent"] = judged["exponent"] / unit
+    judged["until"] = judged["until"] * unit
+    return ChaosMap(
+        scene,
+        motions.keys,
+        motions.shape,
+        motions.at[rows],
+        motions.cell[rows],
+        **judged,
+        end=to_double(last),
+        h=motions.h,
+        f=motions.f,
+        interrupted=interrupted,
+        kept=kept,
+        provenance=provenance(scene.text),
+    )
+
+
+def _judged(sizes: Any, last: Any, length: float) -> dict[str, Any]:
+    """Growth, FLI, MEGNO, exponent and verdict of ln|u| at evenly spaced looks."""
+    import numpy as np
+
+    n, looks = sizes.shape[0], sizes.shape[1] - 1
+    step = length / looks
+    rows = np.arange(n)
+    growth = sizes[rows, last] - sizes[rows, last // 2]
+    until = last * step
+    time = step * np.arange(looks + 1)
+    area = np.zeros_like(sizes)
+    area[:, 1:] = np.cumsum((sizes[:, 1:] + sizes[:, :-1]) / 2, axis=1) * step
+    y = 2 * sizes
+    y[:, 1:] -= 2 * area[:, 1:] / time[1:]
+    mean = np.zeros_like(sizes)
+    mean[:, 1:] = np.cumsum((y[:, 1:] + y[:, :-1]) / 2, axis=1) * step / time[1:]
+    megno = mean[rows, last]
+    calm = (
+        (growth < REGULAR_GROWTH) & (megno < REGULAR_MEGNO) & (until >= SHORTEST * (1 - _ROUNDING))
+    )
+    verdict = np.where(growth > CHAOTIC, 2, np.where(calm, 0, 1))
+    half = np.maximum(last - last // 2, 1) * step
+    return {
+        "verdict": verdict,
+        "fli": np.nanmax(sizes, axis=1),
+        "megno": megno,
+        "growth": growth,
+        "exponent": growth / half,
+        "until": until,
+    }

@@ -1,0 +1,125 @@
+"""The motions of a chaos map: those of a section's grid, or of scenes in which two numbers vary."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from polhode.common.arguments import cells
+from polhode.common.errors import BadInput
+from polhode.dynamics.sections.starts import asked_of, starts_of
+from polhode.equations.section_functions import HEIGHT, MOMENTUM
+from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Exact
+from polhode.numbers.scalars import Doubles, Integers
+from polhode.scenes import vary
+from polhode.scenes.scene import Scene
+from polhode.scenes.sweep_scenes import Members
+
+GRID = 50, 50  # cells
+MOST_MOTIONS = 1_000_000
+
+
+class Motions(NamedTuple):
+    """Motions, a row each, and where on a map they are.
+
+    ``keys``, ``shape``, ``at``, ``cell``, ``h``, ``f``: as a ChaosMap has them.  ``starts`` (n, 6),
+    ``moments``, ``torques`` (n, 3): in principal axes and the run's unit of time.
+    ``coefficients``: of the equations in their principal form, a column for each of ``names``.
+    """
+
+    keys: tuple[str, str]
+    shape: tuple[int, int]
+    at: Doubles
+    cell: Integers
+    starts: Doubles
+    moments: Doubles
+    torques: Doubles
+    names: tuple[str, ...]
+    coefficients: Doubles
+    h: Exact | None = None
+    f: Exact | None = None
+
+
+def on_section(
+    scene: Scene, grid: Any, by: str | None, extremum: str | None, h: Any, f: Any
+) -> Motions:
+    """The motions that start in the cells of a section's grid; raises BadInput."""
+    import numpy as np
+
+    from polhode.dynamics.sections import coordinates as geometry
+    from polhode.equations.forms import principal
+
+    plan = scene.section
+    asked = asked_of(
+        scene,
+        plan.by if by is None else by,
+        plan.extremum if extremum is None else extremum,
+        h,
+        f,
+    )
+    if asked.by not in (MOMENTUM, HEIGHT):
+        raise BadInput(scene.name, "by", asked.by, "momentum or height, for a map")
+    on = geometry.ground(scene, asked.h, asked.f)
+    first, second = cells(scene.name, GRID if grid is None else grid, MOST_MOTIONS)
+    found = starts_of(asked, on, None, (first, second))
+    of = found.of // 2 if asked.by == HEIGHT else found.of
+    angle, cosine = geometry.cells(first, second)
+    k = {n: to_double(x) for n, x in principal.coefficients(scene.body, scene.time_unit).items()}
+    many = (len(found.states), 1)
+    return Motions(
+        keys=("azimuth", "u") if asked.by == HEIGHT else ("l", "L/G"),
+        shape=(first, second),
+        at=np.stack([angle[of], cosine[of]], axis=1),
+        cell=of,
+        starts=found.states,
+        moments=np.tile(on.moments, many),
+        torques=np.tile(on.torque, many),
+        names=tuple(k),
+        coefficients=np.tile(np.array([*k.values()]), many),
+        h=asked.h,
+        f=asked.f,
+    )
+
+
+def of_varied(scene: Scene, varied: vary.Vary) -> Motions:
+    """The motions of a scene in which two numbers vary; raises BadInput."""
+    import numpy as np
+
+    from polhode.equations.forms import principal
+
+    grid = vary.grid(varied, scene.name)
+    if len(grid.keys) != 2:
+        raise BadInput(scene.name, "vary", ", ".join(grid.keys), "two numbers of the scene")
+    if len(grid.rows) > MOST_MOTIONS:
+        expected = f"at most {MOST_MOTIONS}; a coarser grid"
+        raise BadInput(scene.name, "vary", f"{len(grid.rows)} motions", expected)
+    if scene.gamma is None:
+        raise BadInput(scene.name, "start.gamma", None, "given, for a map")
+    members = Members(scene, grid)
+    unit = 2.0**scene.time_unit
+    rows = np.array([[to_double(x) for x in row] for row in grid.rows])
+    axes = [np.unique(rows[:, k]) for k in (0, 1)]
+    first, second = (np.searchsorted(axis, rows[:, k]) for k, axis in enumerate(axes))
+    cell = first * len(axes[1]) + second
+    starts, moments, torques, every = [], [], [], []
+    for member in members:
+        turned = member.body.axes.components
+        assert member.gamma is not None
+        starts.append([unit * to_double(x) for x in turned(member.omega)])
+        starts[-1] += [to_double(x) for x in turned(member.gamma)]
+        moments.append([to_double(a) for a in member.body.moments])
+        torques.append([unit**2 * to_double(x) for x in turned(member.body.torque)])
+        every.append(principal.coefficients(member.body, scene.time_unit))
+    names = tuple(name for name in principal.NAMES if any(name in k for k in every))
+    values = np.array([[to_double(k.get(name, 0)) for name in names] for k in every])
+    return Motions(
+        keys=(grid.keys[0], grid.keys[1]),
+        shape=(len(axes[0]), len(axes[1])),
+        at=rows,
+        cell=cell,
+        starts=np.array(starts),
+        moments=np.array(moments),
+        torques=np.array(torques),
+        names=names,
+        coefficients=values,
+    )

@@ -1,0 +1,308 @@
+"""The frequencies of a motion, from its samples; beside them what a closed form says."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polhode.common.arguments import each, whole
+from polhode.common.errors import BadInput, nearest
+from polhode.common.provenance import provenance
+from polhode.common.value_semantics import ByValue
+from polhode.dynamics.frequencies import naff
+from polhode.judging.adaptive_precision import integrate
+from polhode.judging.references.reference import reference
+from polhode.judging.tables.csv_file import read_table
+from polhode.judging.tables.table import Table
+from polhode.numbers.conversion import exact_number, to_double
+from polhode.numbers.exact import Exact, sign
+from polhode.numbers.scalars import AnyNumber, Complexes, Doubles
+from polhode.runs.integrate import undisturbed
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes import library
+from polhode.scenes.scene import Scene, even_times
+from polhode.scenes.vocabulary import ATTITUDE, STATE
+
+LINES = 6
+LENGTH = 200  # units of time, where neither the caller nor the scene says an end
+PER_LINE = 6.0  # samples in a radian of the fastest rate: lines up to nine times as fast are seen
+MOST_SAMPLES = 400_000
+LARGEST_FACTOR, MOST_ORDER = 12, 16  # of an integer combination: each, and their sizes' sum
+_SURE = 30.0  # errors within which a combination is a line
+_SHARP = 1e-5  # of 2 pi/T: a line with a larger error stands too near to others
+
+#: Signals by name: the real part's column and the imaginary part's.
+SIGNALS = {
+    "p+iq": ("p", "q"),
+    "gamma1+i gamma2": ("gamma1", "gamma2"),
+    **{name: (name, "") for name in STATE},
+}
+AXIS = "axis"  # the third body axis in space, across the vertical; of a free body across G
+
+
+class Line(NamedTuple):
+    """A line of one signal; see :class:`polhode.dynamics.frequencies.naff.Line`.
+
+    ``combination``: integers by name of the frequency, empty where none fits.
+    """
+
+    frequency: float
+    amplitude: complex
+    error: float
+    half: float
+    combination: Mapping[str, int]
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Frequencies(ByValue):
+    """The lines of each signal, strongest first, in radians per unit of time.
+
+    ``known``: frequencies by name that the lines are combinations of: a closed form's where
+    ``closed_form``, else lines that are no combination of those before.  The mean of a real signal
+    is taken away.
+
+    >>> import polhode
+    >>> found = polhode.frequencies("lagrange/nutation", of=["gamma3"], end=200)
+    >>> found.lines["gamma3"][0].combination
+    {'nutation': 1}
+    >>> abs(found.lines["gamma3"][0].frequency - found.known["nutation"]) < 1e-13
+    True
+    """
+
+    name: str
+    end: float
+    samples: int
+    lines: Mapping[str, tuple[Line, ...]]
+    known: Mapping[str, float]
+    closed_form: bool
+    signals: Mapping[str, Doubles | Complexes] = field(default_factory=dict)
+    step: float = 0.0
+    provenance: Mapping[str, object] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"<Frequencies of {self.name}: {', '.join(self.lines)} to t = {self.end:g}>"
+
+
+def frequencies(
+    source: Scene | str | Path | Trajectory,
+    of: Sequence[str] | None = None,
+    end: AnyNumber | None = None,
+    lines: int = LINES,
+) -> Frequencies:
+    """Find the lines of a motion's signals by Laskar's frequency analysis.
+
+    ``source``: a scene, a run or a CSV with a column t; the times of a run or file must be equally
+    spaced.  ``of``: names among p+iq, gamma1+i gamma2, p, q, r, gamma1, gamma2, gamma3, and axis,
+    the third body axis in space (p+iq and gamma3 unless given).  ``end``: how far a scene is
+    integrated, its own end or 200 unless given.  ``lines``: how many of each signal.
+
+    >>> import polhode
+    >>> run = polhode.integrate("euler/attitude", at=[k / 10 for k in range(1, 2001)])
+    >>> line = polhode.frequencies(run, of=["r"]).lines["r"][0]
+    >>> line.combination
+    {'polhode': 2}
+    """
+    count = whole("frequencies", "lines", lines, 1, 100)
+    if isinstance(source, Trajectory):
+        if end is not None:
+            raise BadInput(source.scene.name, "end", end, "no end: a run is analysed whole")
+        return _of_run(source, _names(source.scene.name, of, source.scene), count)
+    if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".csv":
+        if end is not None:
+            raise BadInput(str(source), "end", end, "no end: a file is analysed whole")
+        return _of_table(read_table(Path(source), None), of, count)
+    scene = library.load(source)
+    names = _names(scene.name, of, scene)
+    last: Exact = Fraction(LENGTH) if sign(scene.end) == 0 else scene.end
+    if end is not None:
+        (last,) = each(scene.name, "end", (end,), exact_number, "a time")
+    if sign(last) == 0:
+        raise BadInput(scene.name, "end", "0", "a time other than 0")
+    outputs = ("attitude",) if AXIS in names else ()
+    speed = _fastest(scene)
+    samples = math.ceil(PER_LINE * speed * abs(to_double(last))) + 2
+    if samples > MOST_SAMPLES:
+        expected = f"a time up to {MOST_SAMPLES / PER_LINE / speed:.6g}: more samples take too long"
+        raise BadInput(scene.name, "end", to_double(last), expected)
+    bare = replace(scene, outputs=outputs, events=(), published=(), source=scene.source)
+    run = undisturbed(integrate(bare.at(even_times(last, max(64, samples)))))
+    if not run.outcome.done:
+        expected = f"a time that is reached: {run.outcome.cause}"
+        raise BadInput(scene.name, "end", to_double(last), expected)
+    return _of_run(run, names, count)
+
+
+def _names(source: str, of: Sequence[str] | None, scene: Scene | None) -> tuple[str, ...]:
+    heavy = scene is None or scene.gamma is not None
+    if of is None:
+        return ("p+iq", "gamma3") if heavy else ("p+iq", "r")
+    names = each(source, "of", of, str, "a list of signals")
+    for name in names:
+        if name not in (*SIGNALS, AXIS):
+            raise BadInput(source, "of", name, nearest(name, [*SIGNALS, AXIS]))
+        if "gamma" in name and not heavy:
+            raise BadInput(source, "of", name, "a scene with start.gamma")
+    if not names:
+        raise BadInput(source, "of", None, "at least one signal")
+    return names
+
+
+def _fastest(scene: Scene) -> float:
+    """A rate that |w| hardly exceeds: its bound by the energy."""
+    body, unit = scene.body, Fraction(2) ** scene.time_unit
+    largest = max(body.moments)  # and the run's unit of time: all numbers are of order one
+    torque = math.sqrt(sum(to_double(unit * unit * x / largest) ** 2 for x in body.torque))
+    least = to_double(min(body.moments) / largest)
+    energy = to_double(unit * unit * scene.integrals.energy / largest)
+    energy += torque if scene.gamma is not None else 0.0
+    fastest = max(math.sqrt(max(0.0, 2 * energy / least)), math.sqrt(torque))
+    return math.ldexp(fastest, -scene.time_unit) or 1.0
+
+
+def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
+    scene = run.scene
+    step = _step(scene.name, run.times)
+    columns = {
+        name: np.array([float(x) for x in column])
+        for name, column in zip(run.columns, zip(*run.states, strict=True), strict=True)
+    }
+    if run.attitude is not None:
+        columns |= {
+            name: np.array([float(x) for x in column])
+            for name, column in zip(ATTITUDE, zip(*run.attitude, strict=True), strict=True)
+        }
+    closed = reference(scene)
+    known: dict[str, float] = {}
+    if closed.is_closed_form:
+        half = {"s1", "s2", "u", "v"}  # of separated variables: the state has twice their period
+        for name, x in closed.frequencies.items():
+            known |= {f"{name}/2": float(x) / 2} if name in half else {name: float(x)}
+    signals = {name: _signal(scene.name, name, columns, scene) for name in names}
+    return _found(scene.name, signals, step, count, known, provenance(scene.text))
+
+
+def _of_table(table: Table, of: Sequence[str] | None, count: int) -> Frequencies:
+    step = _step(table.name, table.times)
+    columns = {}
+    for name, column in table.columns.items():
+        if None not in column:
+            columns[name] = np.array([float(x) for x in column if x is not None])
+    if of is None:
+        of = [name for name in ("p+iq", "gamma3") if all(c in columns for c in _columns(name))]
+        of = of or [name for name in STATE if name in columns]
+    names = _names(table.name, of, None)
+    signals = {name: _signal(table.name, name, columns, None) for name in names}
+    return _found(table.name, signals, step, count, {}, provenance(table.name))
+
+
+def _columns(name: str) -> tuple[str, ...]:
+    if name == AXIS:
+        return ATTITUDE
+    return tuple(column for column in SIGNALS[name] if column)
+
+
+def _step(name: str, times: Sequence[Fraction]) -> float:
+    """The time between two samples; raises BadInput unless they are equally spaced."""
+    if len(times) < 64:
+        raise BadInput(name, "times", len(times), "64 samples or more")
+    step = (times[-1] - times[0]) / (len(times) - 1)
+    off = max(abs(t - times[0] - k * step) for k, t in enumerate(times))
+    if off > abs(step) / 10**9:
+        raise BadInput(name, "times", None, "equally spaced times, to a billionth of their step")
+    return float(step)
+
+
+def _signal(source: str, name: str, columns: Mapping[str, Any], scene: Scene | None) -> Any:
+    for column in _columns(name):
+        if column not in columns:
+            raise BadInput(source, "of", name, f"a column {column}, beside {', '.join(columns)}")
+    if name == AXIS:
+        return _axis(columns, scene)
+    real, imaginary = SIGNALS[name]
+    if imaginary:
+        return columns[real] + 1j * columns[imaginary]
+    return columns[real].astype(complex)
+
+
+def _axis(columns: Mapping[str, Any], scene: Scene | None) -> Any:
+    """X + iY of the third body axis; of a free body in the plane across G, which stands still."""
+    q0, q1, q2, q3 = (columns[name] for name in ATTITUDE)
+    axis = np.array(
+        [2 * (q1 * q3 + q0 * q2), 2 * (q2 * q3 - q0 * q1), q0**2 - q1**2 - q2**2 + q3**2]
+    )
+    if scene is None or not scene.body.torque_free:
+        return axis[0] + 1j * axis[1]
+    momentum = np.array([to_double(x) for x in scene.body.momentum(scene.omega)])
+    a, b, c, d = (float(x[0]) for x in (q0, q1, q2, q3))
+    turn = np.array(
+        [
+            [a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)],
+            [2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)],
+            [2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d],
+        ]
+    )
+    up = turn @ momentum
+    up = up / np.linalg.norm(up)
+    first = np.cross(np.eye(3)[int(np.argmin(np.abs(up)))], up)
+    first = first / np.linalg.norm(first)
+    return first @ axis + 1j * (np.cross(up, first) @ axis)
+
+
+def _found(
+    name: str,
+    signals: Mapping[str, Any],
+    step: float,
+    count: int,
+    known: dict[str, float],
+    origin: Mapping[str, Any],
+) -> Frequencies:
+    closed = bool(known)
+    found: dict[str, tuple[Line, ...]] = {}
+    for signal, samples in signals.items():
+        real = not np.any(samples.imag)
+        centred = samples - _mean(samples) if real else samples
+        bin_width = 2 * math.pi / abs(step * (len(samples) - 1))
+        parts = []
+        for line in naff.lines(centred, step, count, naff.size_of(samples)):
+            if real and line.frequency < 0:
+                continue  # the mirror image of a real signal's line
+            sharp = line.error < _SHARP * bin_width
+            combination = combined(line.frequency, line.error, known) if sharp else {}
+            zero = abs(line.frequency) < 10 * line.error
+            if sharp and not (combination or closed or zero) and len(known) < 3:
+                label = f"{signal}: {len(known) + 1}"
+                known[label] = float(line.frequency)
+                combination = {label: 1}
+            parts.append(Line(*line, combination))
+        found[signal] = tuple(parts)
+    length = step * (len(next(iter(signals.values()))) - 1)
+    n = len(next(iter(signals.values())))
+    return Frequencies(name, length, n, found, known, closed, dict(signals), step, origin)
+
+
+def _mean(samples: Any) -> complex:
+    """The mean of a quasi-periodic signal, by the same window."""
+    window = (1 + np.cos(np.pi * np.linspace(-1, 1, len(samples)))) ** naff.POWER
+    return complex((samples @ window) / window.sum())
+
+
+def combined(frequency: float, error: float, known: Mapping[str, float]) -> dict[str, int]:
+    """The simplest integer combination of known frequencies that is this one; {} without any."""
+    names = [name for name, value in known.items() if value][:3]
+    best: tuple[int, dict[str, int]] | None = None
+    span = range(-LARGEST_FACTOR, LARGEST_FACTOR + 1)
+    for factors in itertools.product(span, repeat=len(names)):
+        order = sum(map(abs, factors))
+        if not 0 < order <= MOST_ORDER or (best is not None and order >= best[0]):
+            continue
+        value = sum(k * known[name] for k, name in zip(factors, names, strict=True))
+        if abs(value - frequency) < _SURE * error + 2.0**-48 * abs(frequency):
+            best = order, {n: k for n, k in zip(names, factors, strict=True) if k}
+    return {} if best is None else best[1]

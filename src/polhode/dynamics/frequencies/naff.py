@@ -1,0 +1,202 @@
+"""The lines of a quasi-periodic signal, by J. Laskar's method (Icarus 88 (1990) 266).
+
+With the window chi_n(t) = c_n (1 + cos pi tau)^n, tau from -1 to 1 over the samples and mean 1,
+
+    F(om) = mean of z(t) chi_n(t) exp(-i om t)
+
+has its largest modulus next to the strongest line: the nearest point of a fast Fourier transform,
+padded, is refined by Newton's method on |F|^2.  The line is subtracted, then the next is looked
+for.  A line at a distance d leaks by (d T)^-(2n + 1).
+
+The error of a frequency is judged by what did not make it (:func:`_errors`): a second window, and
+what the lines leave of the signal.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from polhode.dynamics.frequencies.leakage import leak
+
+POWER = 5  # of the window
+_NEWTON, _AGAIN = 12, 2  # steps: from a grid's point, and from where a line was found
+_SEPARATE = 1.0  # of 2 pi/T: a peak that near to a line found before is what is left of it
+_SMALLEST = 1e-14  # of the signal: a line below is rounding
+_PADDED, _SECOND_PADDED = 8, 5  # the two windows share no point of their grids
+_SECOND_LEFT_OUT = 8  # the second window is without the first of so many parts
+_SECOND_MORE = 2  # lines looked for there: weak ones of equal size come in any order
+_MORE, _SWEEPS = 4, 2  # weaker lines taken away too; sweeps, each line anew beside all others
+_SURE = 2.0  # times what the second window and the rest say
+_ROUNDING, _WANDER = 32.0, 512.0  # half ulps: of a frequency; of the phase of a run in double
+_REST_NEAR, _LINE_NEAR = 2.0, 4.0  # of 2 pi/T: what is left, and other lines, so near to a line
+_UNRESOLVED = 1e-10  # of its amplitude are neighbours that are not told from it
+
+
+_Wave: TypeAlias = tuple[float, complex]  # frequency and amplitude
+
+
+class Line(NamedTuple):
+    """One line: amplitude·exp(i frequency t), t from the first sample on.
+
+    ``error``: an estimate of the frequency's, see :func:`_errors`.
+    ``half``: what half the samples give less what all give: of a chaotic signal it is no smaller.
+    """
+
+    frequency: float
+    amplitude: complex
+    error: float
+    half: float
+
+
+class _Window:
+    """Samples under the window of power POWER: their transform, and its maxima."""
+
+    def __init__(self, n: int, step: float, padded: int) -> None:
+        window = (1 + np.cos(np.pi * np.linspace(-1, 1, n))) ** POWER
+        weight = np.ones(n)
+        weight[[0, -1]] = 0.5
+        window = window * weight
+        self.weights = window / window.sum()
+        self.time = step * np.arange(n)
+        self.padded = padded * 2 ** math.ceil(math.log2(n))
+        self.grid = 2 * np.pi * np.fft.fftfreq(self.padded, step)
+        self.bin = 2 * math.pi / float(self.time[-1])
+
+    def moduli(self, z: Any) -> Any:
+        """|F| at the points of the grid."""
+        return np.abs(np.fft.fft(z * self.weights, self.padded))
+
+    def line(self, z: Any, start: float, most: int = _NEWTON) -> _Wave:
+        """The maximum of |F|^2 nearest to ``start``, and F there."""
+        weighted, cell = z * self.weights, float(self.grid[1])
+        frequency = _refined(weighted, self.time, start, cell, most)
+        return frequency, complex(weighted @ np.exp(-1j * frequency * self.time))
+
+    def wave(self, line: _Wave) -> Any:
+        """A line's part of the signal."""
+        return line[1] * np.exp(1j * line[0] * self.time)
+
+    def beside_each_other(self, found: list[_Wave], rest: Any) -> tuple[list[_Wave], Any]:
+        """Each line again with all others taken away; and what is then left."""
+        lines = list(found)
+        for _ in range(_SWEEPS):
+            for k, line in enumerate(lines):
+                alone = rest + self.wave(line)
+                lines[k] = self.line(alone, line[0], _AGAIN)
+                rest = alone - self.wave(lines[k])
+        return lines, rest
+
+    def lines(self, z: Any, count: int, least: float) -> tuple[list[_Wave], Any]:
+        """The strongest lines, none below ``least``, and what they leave of z."""
+        rest, found = z.copy(), list[_Wave]()
+        for _ in range(count):
+            moduli = self.moduli(rest)
+            for other, _amplitude in found:
+                moduli[np.abs(self.grid - other) < _SEPARATE * self.bin] = 0
+            k = int(np.argmax(moduli))
+            if moduli[k] <= least:
+                break
+            found.append(self.line(rest, float(self.grid[k])))
+            rest = rest - self.wave(found[-1])
+        return found, rest
+
+
+def lines(samples: Any, step: float, count: int, size: float | None = None) -> list[Line]:
+    """The strongest lines of equally spaced complex samples, strongest first; fewer if they end.
+
+    ``step``: the time between two, negative where time falls; pi/step more than twice the fastest
+    line's frequency.  ``size``: of what the samples were rounded at, theirs unless given.
+    """
+    z = np.asarray(samples, dtype=complex)
+    size = size_of(z) if size is None else size
+    if size == 0:
+        return []
+    # powers of two: numbers of order one, and no bit of an answer depends on the units
+    unit, large = math.frexp(step)[1], math.frexp(size)[1]
+    z = np.ldexp(z.real, -large) + 1j * np.ldexp(z.imag, -large)
+    size, pace = math.ldexp(size, -large), abs(math.ldexp(step, -unit))
+    window = _Window(len(z), pace, _PADDED)
+    whole, rest = window.lines(z, count, _SMALLEST * size)
+    errors = _errors(window, z, whole, rest, size)
+    middle = z[: (len(z) + 1) // 2]
+    half, _ = _Window(len(middle), pace, _PADDED).lines(middle, count, _SMALLEST * size)
+    found = []
+    for (frequency, amplitude), error in zip(whole, errors, strict=True):
+        told = [frequency, error, _off(frequency, half, 2 * window.bin)]
+        told = [math.ldexp(x, -unit) for x in told]
+        if step < 0:  # the samples as time rises have each line's mirror image
+            told[0] = -told[0]
+        amplitude = complex(math.ldexp(amplitude.real, large), math.ldexp(amplitude.imag, large))
+        found.append(Line(told[0], amplitude, told[1], told[2]))
+    return found
+
+
+def size_of(samples: Any) -> float:
+    """The root of the mean square, without overflow."""
+    largest = float(np.max(np.abs(samples), initial=0.0))
+    if not largest:
+        return 0.0
+    return largest * math.sqrt(float(np.mean(np.abs(samples / largest) ** 2)))
+
+
+def _errors(window: _Window, z: Any, found: list[_Wave], rest: Any, size: float) -> list[float]:
+    """What each frequency may be off, by three things that a wrong one does not pass together.
+
+    A second window, shorter, later and on another grid, is searched anew.  Each line is refined
+    again beside all others, which takes their leakage away, and what is then left of the signal
+    leaks as the window does.  Where a rest or a line stays as near as the window sees, a neighbour
+    is not resolved: two lines d bins apart (d < 1) leave d^2, so the line may be off by the root.
+    Two that leave less than _UNRESOLVED count as one.
+    """
+    n, step = len(z), float(window.time[1])
+    second = _Window(n - n // _SECOND_LEFT_OUT, step, _SECOND_PADDED)
+    later = z[n - len(second.time) :]
+    others, _ = second.lines(later, len(found) + _SECOND_MORE, _SMALLEST * size)
+    beside, rest = window.beside_each_other(list(found), rest)
+    more, rest = window.lines(rest, _MORE, _SMALLEST * size)
+    beside, rest = window.beside_each_other(beside + more, rest)
+    left = window.moduli(rest)
+    errors = []
+    for k, (frequency, amplitude) in enumerate(found):
+        refined = beside[k][0]
+        away = np.abs(window.grid - refined) / window.bin
+        relative = left / abs(amplitude)
+        leaked = float(np.max(relative * leak(away, POWER))) * window.bin
+        near = max(
+            [float(np.max(relative[away < _REST_NEAR]))]
+            + [
+                abs(other / amplitude)
+                for j, (place, other) in enumerate(beside)
+                if j != k and abs(place - refined) < _LINE_NEAR * window.bin
+            ]
+        )
+        again = _off(frequency, others, window.bin)
+        error = _SURE * max(again, abs(frequency - refined) + leaked)
+        if near > _UNRESOLVED:
+            error += _SURE * math.sqrt(min(near, 1.0)) * window.bin
+        rounding = _ROUNDING * abs(frequency) + (_WANDER + size / abs(amplitude)) * window.bin
+        errors.append(max(error, 2.0**-53 * rounding))
+    return errors
+
+
+def _off(frequency: float, others: list[_Wave], most: float) -> float:
+    """How far the nearest of some lines is, at most so far."""
+    return min([abs(frequency - other) for other, _ in others] + [most])
+
+
+def _refined(weighted: Any, time: Any, start: float, cell: float, most: int) -> float:
+    """The maximum of |F|^2 nearest to a point of the grid."""
+    frequency, centred = start, time - time[-1] / 2  # the phase turns least about the middle
+    for _ in range(most):
+        turned = weighted * np.exp(-1j * frequency * centred)
+        f, f1, f2 = turned.sum(), (-1j * centred) @ turned, -(centred**2) @ turned
+        slope = 2 * (f.conjugate() * f1).real
+        curve = 2 * (f.conjugate() * f2).real + 2 * abs(f1) ** 2
+        step = -slope / curve if curve < 0 else math.copysign(cell / 2, slope)
+        frequency += max(-cell, min(cell, step))
+        if abs(step) < 1e-16 * abs(frequency) + 1e-300:
+            break
+    return float(frequency)

@@ -1,0 +1,1 @@
+"""Levels of energy and area: permanent rotations, regions, effective potential."""

@@ -1,0 +1,245 @@
+"""The levels (h, f) of a body in closed form: permanent rotations, regions, where a scene lies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import NamedTuple
+
+from polhode.common.arguments import each
+from polhode.common.errors import BadInput
+from polhode.common.provenance import provenance
+from polhode.common.value_semantics import ByValue
+from polhode.dynamics.levels import effective_potential, permanent_rotations, rotation_arcs
+from polhode.dynamics.levels.arc_sampling import points
+from polhode.dynamics.levels.effective_potential import Doubles, Region, Undecided
+from polhode.dynamics.levels.fourth_integral import FourthIntegral, fourth_integral
+from polhode.dynamics.levels.permanent_rotations import Arc
+from polhode.dynamics.levels.rotation_arcs import RationalBody, Segment
+from polhode.numbers.conversion import exact_number
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact
+from polhode.numbers.mpmath_context import mpf
+from polhode.numbers.polynomials import fraction_near, nearest
+from polhode.numbers.scalars import AnyNumber
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+
+DIGIT_BITS = 128  # of what is isolated exactly: 38 digits
+COLUMNS = 48  # of the regions of a diagram
+
+
+class Mark(NamedTuple):
+    """A special point: ``kind`` cusp, Hamiltonian-Hopf or branch; numbers to 38 digits.
+
+    ``parameter``: s on the first family, om on a second one.  A branch is where a second family
+    leaves the first.
+    """
+
+    kind: str
+    family: str
+    parameter: mpf
+    f: mpf
+    h: mpf
+
+
+class Curve(NamedTuple):
+    """A piece of an arc of one type: f and h along it, by rising parameter; f > 0.
+
+    ``type``: centre-centre, centre-saddle, saddle-saddle, focus-focus or degenerate.  ``morse``:
+    how many directions on the sphere lower W_f (0: stable by Liapunov); None where degenerate.
+    ``axis``: of a second family, else None.  ``first``, ``last``: ends of the parameter, None for
+    an infinite one.  ``points``: doubles (n, 2).
+    """
+
+    family: str
+    axis: int | None
+    type: str
+    morse: int | None
+    first: mpf | None
+    last: mpf | None
+    points: Doubles
+
+
+class Column(NamedTuple):
+    """At one f: the energies of permanent rotations, ascending, and the region above each."""
+
+    f: float
+    energies: tuple[float, ...]
+    regions: tuple[Region, ...]
+
+
+class Here(NamedTuple):
+    """Where the scene lies.  ``region``: the edges of each part of U; None on a bifurcation.
+
+    ``least``: the least energy at this f.  ``remark``: why there is no region, or empty.
+    """
+
+    f: Exact
+    h: Exact
+    least: float
+    region: Region | None
+    remark: str
+    fourth: FourthIntegral | None
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Levels(ByValue):
+    """The diagram of a body, and where a scene lies in it; f and -f mirror each other.
+
+    ``exact``: whether the body's numbers and the scene's level are rational, so that types, cusps
+    and regions are decided for them and not for numbers rounded to 1024 bits.
+
+    >>> import polhode
+    >>> found = polhode.levels("general/asymmetric-chaotic")
+    >>> [round(float(mark.f), 9) for mark in found.cusps]
+    [1.624935039, 1.995702802]
+    >>> found.here.region
+    (1,)
+    """
+
+    scene: Scene
+    curves: tuple[Curve, ...]
+    marks: tuple[Mark, ...]
+    here: Here
+    exact: bool
+    provenance: Mapping[str, object] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"<Levels of {self.scene.name}: {len(self.curves)} curves, {len(self.cusps)} cusps>"
+
+    @property
+    def cusps(self) -> tuple[Mark, ...]:
+        """The cusps, where two permanent rotations meet."""
+        return tuple(mark for mark in self.marks if mark.kind == rotation_arcs.CUSP)
+
+    def regions(self, f: AnyNumber) -> list[tuple[float, Region]]:
+        """At one f: the energies of permanent rotations, ascending, and the region above each.
+
+        Raises BadInput for an f at which two of them meet.
+        """
+        (given,) = each(self.scene.name, "f", (f,), exact_number, "a number")
+        near = fraction_near(given, rotation_arcs.BODY_BITS)[0]
+        refuse_far(self.scene.name, "f", RationalBody.of(self.scene.body), near)
+        (found,) = self._regions([given])
+        if found is None:
+            expected = "an f where no two permanent rotations meet"
+            raise BadInput(self.scene.name, "f", shown(given), expected)
+        return found
+
+    def columns(self, first: float, last: float, count: int = COLUMNS) -> list[Column]:
+        """The regions at so many f, evenly spaced; those at which two rotations meet left out."""
+        body = RationalBody.of(self.scene.body)
+        for end in (first, last):
+            refuse_far(self.scene.name, "f", body, Fraction(end))
+        step = (Fraction(last) - Fraction(first)) / max(1, count - 1)
+        at = [Fraction(first) + k * step for k in range(count)]
+        pairs = zip(at, self._regions(at), strict=True)
+        return [Column(float(f), *zip(*found, strict=True)) for f, found in pairs if found]
+
+    def _regions(self, at: Sequence[Exact]) -> list[list[tuple[float, Region]] | None]:
+        body, known = RationalBody.of(self.scene.body), effective_potential.Known()
+        arcs = permanent_rotations.arcs(body)
+        found: list[list[tuple[float, Region]] | None] = []
+        for f in at:
+            near = fraction_near(f, rotation_arcs.BODY_BITS)[0]
+            try:
+                found.append(effective_potential.regions_between(body, arcs, near, known))
+            except Undecided:
+                found.append(None)
+        return found
+
+
+def refuse_far(name: str, key: str, body: RationalBody, f: Fraction) -> None:
+    """Raise BadInput for an f that exact arithmetic does not reach within seconds."""
+    reach = rotation_arcs.Reach.of(body)
+    if f in reach:
+        return
+    if reach.most < reach.least:
+        expected = (
+            "moments, gaps between them and components of Mg r0 within "
+            f"{2 ** (rotation_arcs.MOST_SPREAD / 2):.0e} of each other, for exact levels"
+        )
+        raise BadInput(name, "body", None, expected)
+    low = f"0, or from {reach.least:.3g}" if reach.least else "0"
+    expected = f"of a size within the reach of exact levels: {low} to {reach.most:.3g}"
+    raise BadInput(name, key, shown(f), expected)
+
+
+def topology(region: Region | None) -> str:
+    """The level's manifold in words, a part at a time."""
+    if region is None:
+        return "not decided"
+    names = {0: "RP3", 1: "S3", 2: "S2 x S1"}
+    parts = [names.get(k, f"sum of {k - 1} S2 x S1") for k in region]
+    return " and ".join(parts) if parts else "none"
+
+
+def levels(scene: Scene | str | Path) -> Levels:
+    """The diagram (f, h) of a scene's body in closed form, and where the scene lies in it.
+
+    Raises BadInput for a scene without gamma, which has no f.
+
+    >>> import polhode
+    >>> here = polhode.levels("kovalevskaya/delaunay").here
+    >>> here.region, here.fourth.name, here.fourth.critical[0]
+    ((1,), 'K^2', CriticalValue(value=0.0, what='I'))
+    """
+    scene = library.load(scene)
+    if scene.gamma is None:
+        raise BadInput(scene.name, "start.gamma", None, "given: a level is one of h and f")
+    body = RationalBody.of(scene.body)
+    area = scene.integrals.area
+    assert area is not None
+    refuse_far(scene.name, "start: f", body, fraction_near(area, rotation_arcs.BODY_BITS)[0])
+    found = permanent_rotations.arcs(body)
+    curves = tuple(_curve(arc, segment) for arc in found for segment in arc.segments)
+    marks = tuple(
+        Mark(special.kind, arc.family, *(nearest(x, DIGIT_BITS) for x in parts))
+        for arc in found
+        for special in arc.special
+        for parts in [(special.at.parameter, special.at.f, special.at.h)]
+    )
+    here, exact = _here(scene, body, found)
+    return Levels(scene, curves, marks, here, body.exact and exact, provenance(scene.text))
+
+
+def _here(scene: Scene, body: RationalBody, found: tuple[Arc, ...]) -> tuple[Here, bool]:
+    energy, area = scene.integrals.energy, scene.integrals.area
+    assert area is not None
+    (h, h_exact), (f, f_exact) = (fraction_near(x, rotation_arcs.BODY_BITS) for x in (energy, area))
+    region, remark = None, ""
+    try:
+        region = effective_potential.region(body, found, h, f)
+    except Undecided as fault:
+        remark = str(fault)
+    least = least_energy(body, found, f)
+    fourth = fourth_integral(scene, body, h, f)
+    return Here(area, energy, least, region, remark, fourth), h_exact and f_exact
+
+
+def least_energy(body: RationalBody, found: tuple[Arc, ...], f: Fraction) -> float:
+    """The least h at one f: that of the lowest permanent rotation."""
+    if f == 0 and not any(body.torque):
+        return 0.0
+    if body.axis is not None:
+        return effective_potential.least_of_symmetric(body, body.axis, found, f)
+    try:
+        return float(effective_potential.critical_points(body, found, f)[0].value)
+    except Undecided:  # where two others meet the lowest is one of them at a neighbouring f
+        return float(effective_potential.critical_points(body, found, f + abs(f) / 2**60)[0].value)
+
+
+def _curve(arc: Arc, segment: Segment) -> Curve:
+    ends = [None if x is None else nearest(x, DIGIT_BITS) for x in (segment.first, segment.last)]
+    return Curve(
+        arc.family,
+        arc.axis,
+        segment.type,
+        segment.morse,
+        ends[0],
+        ends[1],
+        points(arc, segment),
+    )

@@ -1,0 +1,1 @@
+"""Sweeps of which some numbers a member are kept."""

@@ -1,0 +1,254 @@
+"""The jobs of a sweep that keeps some numbers of each member: plain data, and how it is done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from polhode.common.errors import BadInput
+from polhode.dynamics.observables.reductions import FIRST, LYAPUNOV, Reduction, event_of, extremes
+from polhode.judging.conditioning import lyapunov
+from polhode.motion.outcomes import Outcome, code
+from polhode.numbers.conversion import number_value, to_double
+from polhode.runs.integrate import integrate
+from polhode.runs.sweep.plan import Plan
+from polhode.runs.sweep.results import Reader, reader
+from polhode.scenes.event import Event
+from polhode.scenes.scene import Scene
+from polhode.scenes.sweep_scenes import Members
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from polhode.taylor.batches.jobs import BatchJob
+    from polhode.taylor.events.batch_first_crossings import FirstJob
+    from polhode.taylor.variations.tangent_batches import TangentJob
+
+_DIRECTIONS = {"falling": -1, "any": 0, "rising": 1}
+_LOOKS = lyapunov.BLOCKS * lyapunov.LOOKS
+
+
+def check(scene: Scene, plan: Plan, which: tuple[Reduction, ...]) -> None:
+    """Refuse what cannot be told in the plan's number type; raises BadInput."""
+    name = plan.number.name
+    if not plan.number.flat:
+        raise BadInput(scene.name, "number", name, "double or extended, where numbers are kept")
+    for what in which:
+        if what.kind in (FIRST, LYAPUNOV):
+            if name != "double":
+                raise BadInput(scene.name, "number", name, f"double, for {what.text}")
+            if plan.tolerance is not None:
+                raise BadInput(scene.name, "tol", None, f"none, for {what.text}")
+            if plan.times[-1] == 0:
+                raise BadInput(scene.name, "at", 0, f"a time other than 0, for {what.text}")
+
+
+def job_of(
+    scene: Scene, plan: Plan, which: tuple[Reduction, ...], group: npt.NDArray[np.int64]
+) -> Job:
+    """The job of some members that have a unit of time in common."""
+    from polhode.taylor.batches.jobs import BatchJob
+
+    read, n = reader(plan, group), int(plan.time_units[group[0]])
+    lanes = plan.lanes.some(group)
+    states = None
+    if any(what.kind not in (FIRST, LYAPUNOV) for what in which):
+        job = BatchJob(
+            plan.names, plan.number, plan.tolerance, plan.max_steps, plan.times, n, lanes
+        )
+        states = job, read
+    end = float(plan.times[-1] / Fraction(2) ** n)
+    firsts = tuple(
+        (what, *_of_event(scene, plan, event_of(scene, what.of), group, end), read)
+        for what in which
+        if what.kind == FIRST
+    )
+    follow = any(what.kind == LYAPUNOV for what in which)
+    return Job(
+        which, scene.columns, states, firsts, _tangents(plan, lanes, end) if follow else None, n
+    )
+
+
+def _of_event(
+    scene: Scene, plan: Plan, event: Event, group: npt.NDArray[np.int64], end: float
+) -> tuple[FirstJob, Singles]:
+    """The job of an event, and what it needs where lanes are not sure."""
+    import math
+
+    from polhode.taylor.events.batch_first_crossings import FirstJob
+    from polhode.taylor.events.magnitudes import size_of
+
+    size, lanes = size_of(scene, event), plan.lanes.some(group)
+    largest = math.frexp(max(float(size.value), float(size.rate)) or 1.0)[1]
+    assert event.expression is not None
+    job = FirstJob(
+        plan.names,
+        scene.columns,
+        event.expression,
+        2.0**largest,
+        _DIRECTIONS[event.direction],
+        plan.max_steps,
+        end,
+        int(plan.time_units[group[0]]),
+        lanes.coefficients,
+        lanes.starts,
+        _turns(plan, group),
+    )
+    stopping = event._replace(stop=True)
+    return job, Singles(
+        plan.members, stopping, (Fraction(0), plan.times[-1]), group, plan.max_steps
+    )
+
+
+def _turns(plan: Plan, group: npt.NDArray[np.int64]) -> Any:
+    """From principal axes to the scene's, a row a member; None where there is no turn."""
+    import numpy as np
+
+    def row(scene: Scene) -> list[float]:
+        return [to_double(x) for axis in scene.body.axes.rows for x in axis]
+
+    if plan.axes_stay:
+        base = plan.members.scene
+        return None if base.body.axes.trivial else np.tile(row(base), (len(group), 1))
+    return np.array([row(plan.members[int(k)]) for k in group])
+
+
+def _tangents(plan: Plan, lanes: Any, end: float) -> TangentJob:
+    import numpy as np
+
+    from polhode.taylor.variations.tangent_batches import TangentJob
+
+    six = np.zeros((lanes.many, 6))
+    columns = lanes.starts.shape[1]
+    six[:, :columns] = lanes.starts
+    tangents = np.zeros_like(six)
+    tangents[:, :columns] = lyapunov.TANGENT[:columns]
+    tangents /= np.linalg.norm(tangents, axis=1)[:, None]
+    return TangentJob(plan.names, lanes.coefficients, six, tangents, end, _LOOKS, None, (), 0.0)
+
+
+class Reduced(NamedTuple):
+    """What a job's members were reduced to: arrays with an entry a member."""
+
+    endings: npt.NDArray[np.uint8]
+    counts: npt.NDArray[np.int64]
+    numbers: dict[str, Any]
+
+
+class Job(NamedTuple):
+    """Members and all that is asked of them: plain data.
+
+    ``states``: for what states tell, if anything; ``firsts``: a job an event, and the members'
+    scenes by which those are done that lanes are not sure of.  ``time_unit``: the exponent of two.
+    """
+
+    which: tuple[Reduction, ...]
+    columns: tuple[str, ...]
+    states: tuple[BatchJob, Reader] | None
+    firsts: tuple[tuple[Reduction, FirstJob, Singles, Reader], ...]
+    tangents: TangentJob | None
+    time_unit: int
+
+
+class Singles(NamedTuple):
+    """Members one by one: their scenes with one event that ends the run."""
+
+    members: Members
+    event: Event
+    times: tuple[Fraction, ...]
+    group: npt.NDArray[np.int64]
+    max_steps: int
+
+    def scene(self, k: int) -> Scene:
+        """The scene of the group's member k."""
+        member = self.members[int(self.group[k])]
+        return replace(member, times=self.times, events=(self.event,), outputs=())
+
+
+def solve(job: Job, stop: Callable[[], bool] | None = None) -> Reduced:
+    """A job's members reduced; with ``stop`` the result may be unfinished, and is to be left."""
+    import numpy as np
+
+    parts = list(_parts(job, stop))
+    endings, counts = parts[0].endings.copy(), parts[0].counts.copy()
+    reached = code(Outcome.REACHED_END)
+    numbers: dict[str, Any] = {}
+    for part in parts[1:]:
+        endings = np.where(endings == reached, part.endings, endings)
+        counts = counts + part.counts
+    for part in parts:
+        numbers |= {n: np.where(endings == reached, x, np.nan) for n, x in part.numbers.items()}
+    return Reduced(endings, counts, numbers)
+
+
+def _parts(job: Job, stop: Callable[[], bool] | None) -> Iterator[Reduced]:
+    """What is told by states, by events and by tangents."""
+    import numpy as np
+
+    if job.states is not None:
+        from polhode.taylor.batches import batch_integrator
+
+        steps, read = job.states
+        kind = np.float64 if steps.number.name == "double" else np.longdouble
+        times = np.array([number_value(t, steps.number) for t in steps.times], dtype=kind)
+        solved = batch_integrator.solve(steps, stop)
+        told = [what for what in job.which if what.kind not in (FIRST, LYAPUNOV)]
+        numbers = extremes(told, read.states(solved.states), times, job.columns, steps.number)
+        yield Reduced(solved.outcomes, solved.steps, numbers)
+    for what, first, singles, read in job.firsts:
+        yield _first(what, first, singles, read, stop)
+    if job.tangents is not None:
+        yield _exponents(job.tangents, job.time_unit, stop)
+
+
+def _first(
+    what: Reduction,
+    job: FirstJob,
+    singles: Singles,
+    read: Reader,
+    stop: Callable[[], bool] | None,
+) -> Reduced:
+    import numpy as np
+
+    from polhode.taylor.events import batch_first_crossings
+
+    found = batch_first_crossings.solve(job, stop)
+    times = np.ldexp(found.times, job.time_unit)
+    states = read.states(found.states[:, None])[:, 0]
+    outcomes, steps = found.outcomes.copy(), found.steps.copy()
+
+    def heard(*_: object) -> None:
+        if stop is not None and stop():
+            raise KeyboardInterrupt  # the run's own way to be stopped
+
+    for k in np.flatnonzero(found.unsure).tolist():
+        if stop is not None and stop():
+            break
+        most, scene = singles.max_steps, singles.scene(k)
+        run = integrate(scene, "double", max_steps=most, project=False, progress=heard)
+        steps[k] = run.steps
+        met = run.events[0]
+        times[k] = float(met.times[0]) if met.times else np.nan
+        states[k] = met.states[0] if met.times else np.nan
+        outcomes[k] = code(Outcome.REACHED_END if run.outcome.done else run.outcome)
+    names = what.names(job.columns)
+    return Reduced(outcomes, steps, dict(zip(names, (times, *states.T), strict=True)))
+
+
+def _exponents(job: TangentJob, time_unit: int, stop: Callable[[], bool] | None) -> Reduced:
+    import numpy as np
+
+    from polhode.taylor.variations import tangent_batches
+
+    found = tangent_batches.solve(job, stop)
+    told = np.full((3, len(job.starts)), np.nan)
+    whole = found.last == job.looks
+    for k in np.flatnonzero(whole).tolist():
+        told[:, k] = lyapunov.fitted(found.sizes[k].tolist(), abs(job.end))
+    told[:2] = np.ldexp(told[:2], -time_unit)
+    outcomes = np.where(whole, code(Outcome.REACHED_END), code(Outcome.NON_FINITE))
+    names = Reduction(LYAPUNOV).names(())
+    return Reduced(outcomes, np.zeros(len(whole), np.int64), dict(zip(names, told, strict=True)))

@@ -1,0 +1,182 @@
+"""Sweeps of which some numbers a member are kept, and no state of all members at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import nullcontext
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from polhode.common.arguments import steps, whole
+from polhode.common.jobs import Progress, carried_out
+from polhode.common.progress import bar
+from polhode.common.provenance import provenance
+from polhode.dynamics.kept import Kept
+from polhode.dynamics.observables.jobs import Reduced, check, job_of, solve
+from polhode.dynamics.observables.reductions import asked
+from polhode.motion.outcomes import Outcome, code
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import AnyNumber, Rows
+from polhode.runs.sweep.endings import Ended
+from polhode.runs.sweep.plan import planned
+from polhode.scenes import library, vary
+from polhode.scenes.scene import Scene
+from polhode.scenes.sweep_scenes import Members
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+MOST_AT_ONCE = 1 << 22  # numbers of states that one job may hold: 32 MB of doubles
+_JOBS = 256  # at most, but for that
+LANES = 8  # a job has a multiple of so many members
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Reductions(Ended):
+    """Some numbers of each member of a sweep, its states not kept.
+
+    >>> import polhode
+    >>> found = polhode.reduce_many(
+    ...     "lagrange/nutation", {"start.omega[3]": "2:4:3"}, keep=["largest theta", "final"]
+    ... )
+    >>> found
+    <Reductions of lagrange/nutation: 3 members in double, 8 numbers each, all reached the end>
+    >>> found["largest theta"].shape, found.names[:3]
+    ((3,), ('largest theta', 't of largest theta', 'final p'))
+
+    ``numbers``: arrays (members,) by name, float64 or longdouble; nan of members that did not
+    reach the end, and of a first event that does not come.  ``parts``: the folder of finished jobs,
+    to be removed.  ``endings``: indices into
+    ``polhode.motion.outcomes.OUTCOMES``; ``counts``: steps.
+    """
+
+    scene: Scene
+    varied: vary.Grid
+    members: Members
+    number: NumberType
+    keep: tuple[str, ...]
+    numbers: Mapping[str, Rows]
+    endings: npt.NDArray[np.uint8]
+    counts: npt.NDArray[np.int64]
+    provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
+    parts: Kept | None = field(default=None, compare=False)
+
+    def __len__(self) -> int:
+        return len(self.members)
+
+    def __getitem__(self, name: str) -> Rows:
+        return self.numbers[name]
+
+    def __repr__(self) -> str:
+        return (
+            f"<Reductions of {self.scene.name}: {len(self)} members in {self.number.name}, "
+            f"{len(self.numbers)} numbers each, {self._reached()}>"
+        )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the numbers are called."""
+        return tuple(self.numbers)
+
+
+def reduce_many(
+    scene: Scene | str | Path,
+    vary: vary.Vary,
+    keep: Sequence[str] | str,
+    *,
+    number: str | NumberType | None = None,
+    at: Iterable[AnyNumber] | None = None,
+    tol: AnyNumber | None = None,
+    max_steps: int | None = None,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    parts: Path | None = None,
+    progress: Progress | bool | None = None,
+) -> Reductions:
+    """Integrate many variants of a scene (3.29) and keep some numbers of each.
+
+    ``keep``: "final" (the last state), "largest X" and "smallest X" (an expression in p q r gamma1
+    gamma2 gamma3 t theta: its extreme over the output times, and where it is first reached), "first
+    NAME" (time after 0 and state of an event: the scene's, or nutation, equator; output times do
+    not matter),
+    "lyapunov" (the largest exponent to the last time, its uncertainty and growth, as
+    :func:`polhode.lyapunov` has them).  The first three are the same to the bit as from the states
+    of :func:`polhode.integrate_many`.  ``number``: double or extended; events and exponents
+    in double only.  The other options are those of ``integrate_many``; ``parts``: a folder for
+    finished jobs, from which a call that was killed goes on.  Memory does not grow with the number
+    of output times.  Ctrl-C keeps what is finished.  Raises BadInput.
+
+    >>> import polhode
+    >>> found = polhode.reduce_many("lagrange/nutation", {"body.weight": [1, 2]}, "smallest gamma3")
+    >>> found["smallest gamma3"].round(3).tolist()
+    [0.213, -0.212]
+    """
+    import numpy as np
+
+    if isinstance(progress, bool):
+        asked_for = {key: value for key, value in locals().items() if key not in ("progress", "np")}
+        if not progress:
+            return reduce_many(**asked_for)
+        with bar(library.load(scene).name) as tell:
+            return reduce_many(**asked_for, progress=tell)
+    scene = library.load(scene)
+    if at is not None:
+        scene = scene.at(at)
+    which = asked(scene, keep)
+    plan = planned(
+        replace(scene, events=()),
+        vary,
+        number,
+        None,
+        tol,
+        None if max_steps is None else steps(scene.name, max_steps),
+        kept=False,
+    )
+    if workers is not None:
+        workers = whole(scene.name, "workers", workers, 1)
+    check(scene, plan, which)
+    held = len(plan.members) * len(plan.times) * len(scene.columns)
+    groups = list(plan.groups(LANES, max(_JOBS, -(-held // MOST_AT_ONCE))))
+    jobs = [job_of(scene, plan, which, group) for group in groups]
+    key = repr((scene.text, scene.times, which, plan.varied, plan.number, tol, plan.max_steps))
+    kept = None if parts is None else Kept(parts, "sweep", key)
+    with kept or nullcontext():
+        results, interrupted = carried_out(
+            solve,
+            jobs,
+            [len(group) for group in groups],
+            workers,
+            executor,
+            kept,
+            lambda found: {"endings": found.endings, "counts": found.counts, **found.numbers},
+            lambda held: Reduced(held.pop("endings"), held.pop("counts"), held),
+            progress,
+        )
+    endings = np.full(len(plan.members), code(Outcome.NOT_RUN), dtype=np.uint8)
+    counts = np.zeros(len(plan.members), dtype=np.int64)
+    kind = np.float64 if plan.number.name == "double" else np.longdouble
+    names = [name for what in which for name in what.names(scene.columns)]
+    numbers = {name: np.full(len(plan.members), np.nan, dtype=kind) for name in names}
+    for group, found in zip(groups, results, strict=True):
+        if found is None:
+            continue
+        endings[group], counts[group] = found.endings, found.counts
+        for name in names:
+            numbers[name][group] = found.numbers[name]
+    if interrupted and not counts.any():
+        raise KeyboardInterrupt
+    return Reductions(
+        scene,
+        plan.varied,
+        plan.members,
+        plan.number,
+        tuple(what.text for what in which),
+        numbers,
+        endings,
+        counts,
+        provenance(scene.text),
+        kept,
+    )

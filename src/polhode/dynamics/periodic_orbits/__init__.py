@@ -1,0 +1,1 @@
+"""Periodic orbits: found, refined to any digits, continued in families."""

@@ -1,0 +1,242 @@
+"""Families of periodic orbits along h or f: what is asked, what is found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from polhode.common.arguments import each, whole
+from polhode.common.errors import BadInput, nearest
+from polhode.common.provenance import provenance
+from polhode.common.value_semantics import ByValue
+from polhode.dynamics.periodic_orbits.continuation import (
+    BY,
+    FIRST_STEP,
+    TARGET,
+    Arc,
+    Member,
+    stepped,
+)
+from polhode.dynamics.periodic_orbits.level_set import Surface
+from polhode.dynamics.periodic_orbits.newton_shooting import Closed, NotClosed, at_level, closed
+from polhode.dynamics.periodic_orbits.orbit import DIGITS, Orbit, Tell, completed, kind_of, orbit
+from polhode.numbers.conversion import exact_number, exactly, to_double
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact, sign
+from polhode.numbers.scalars import AnyNumber
+from polhode.scenes.scene import Scene
+
+POINTS = 200
+LOST = "not followed beyond"
+MOST_POINTS = 100_000
+_KNOWN = 1e-9  # about the error of a residue in double, times the matrix's size
+
+
+class FamilyPoint(NamedTuple):
+    """An orbit of a family, in double: its level, its period, its residue and a state of it.
+
+    ``state``: p q r gamma1 gamma2 gamma3 in the scene's axes and units.
+    """
+
+    h: float
+    f: float
+    period: float
+    residue: float
+    state: tuple[float, ...]
+
+    @property
+    def kind(self) -> str:
+        """elliptic, hyperbolic, inverse hyperbolic or parabolic."""
+        return kind_of(self.residue, _KNOWN)
+
+
+class Bifurcation(NamedTuple):
+    """Where a residue passes 0 or 1: ``what``: fold, branch point or period doubling.
+
+    Folds are found to ten digits and more; branch points, where two families meet, to about six.
+    ``after``: the number of points before it.
+    """
+
+    what: str
+    point: FamilyPoint
+    after: int
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class OrbitFamily(ByValue):
+    """Periodic orbits along a curve on which h (or f) changes and f (or h) is held.
+
+    ``by``: h or f.  ``points``: from the first orbit on.  ``bifurcations``: in the order in which
+    they were passed.  ``ended``: why it ends where it does.
+
+    >>> import polhode
+    >>> found = polhode.orbit_family("grioli/precession", "h", "0.76")
+    >>> found.ended
+    'reached h = 19/25'
+    >>> [one.what for one in found.bifurcations]
+    ['branch point']
+    """
+
+    scene: Scene
+    by: str
+    points: tuple[FamilyPoint, ...]
+    bifurcations: tuple[Bifurcation, ...]
+    ended: str
+    interrupted: bool
+    members: tuple[Member, ...]
+    surface: Surface
+    provenance: Mapping[str, object] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        n = len(self.points)
+        orbits = f"{n} orbit" + ("s" if n != 1 else "")
+        return f"<OrbitFamily of {self.scene.name}: {orbits} along {self.by}, {self.ended}>"
+
+    @property
+    def complete(self) -> bool:
+        """Whether it was followed as far as it was asked for, or came back."""
+        return not self.interrupted and not self.ended.startswith(LOST)
+
+    def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
+        """The k-th point's orbit to so many digits, on exactly the level that its doubles name."""
+        point = self.points[k]
+        levels = self.surface.h, self.surface.f
+        given: list[Exact] = [exactly(point.h), exactly(point.f)]
+        held = 1 - BY.index(self.by)
+        given[held] = levels[held]
+        on = Surface(self.scene, *given)
+        known = self.members[k].found
+        anchor = [exactly(x) for x in known.state.tolist()]
+        return completed(on, known, anchor, digits, self.scene.name, 0.0)
+
+
+def orbit_family(
+    start: Orbit | Scene | str | Path,
+    by: str,
+    to: AnyNumber,
+    *,
+    first: AnyNumber | None = None,
+    points: int = POINTS,
+    progress: Tell | None = None,
+) -> OrbitFamily:
+    """Follow a family of periodic orbits from one orbit to another value of h or f.
+
+    ``start``: an orbit, or a scene near one (see :func:`polhode.orbit`).  ``by``: "h" or "f", what
+    changes; the other one is held.  ``to``: the value at which to end.  ``first``: the value of a
+    scene's orbit, its own unless given.  ``points``: at most so many.  The family is followed
+    through folds; where it turns and comes back to the value that it began at, it ends there.
+    Ctrl-C ends it with what is done.
+
+    Raises BadInput where there is no orbit to begin with, or several families pass through it.
+
+    >>> import polhode
+    >>> spun = polhode.top(moments=[2, 1.5, 1], omega=[1, 0, 0], gamma=["4/5", "3/5", 0])
+    >>> found = polhode.orbit_family(spun, "h", 4)  # the axis's rotation, twice as fast
+    >>> abs(found.points[-1].period - 3.141592653589793) < 1e-13, found.ended
+    (True, 'reached h = 4')
+    """
+    if by not in BY:
+        raise BadInput("orbit_family", "by", by, nearest(by, [*BY]))
+    if isinstance(start, Orbit):
+        if first is not None:
+            raise BadInput(start.name, "first", first, "none: the orbit given is the first")
+        found = start
+    else:
+        h, f = (first, None) if by == "h" else (None, first)
+        found = orbit(start, h=h, f=f, progress=progress)
+    on = found.surface
+    name = on.scene.name
+    most = whole(name, "points", points, 2, MOST_POINTS)
+    (end,) = each(name, "to", (to,), exact_number, "a number")
+    begin = on.h if by == "h" else on.f
+    if sign(end - begin) == 0:
+        raise BadInput(name, "to", shown(end), f"another {by} than that of the first orbit")
+    try:
+        arc = Arc(on, found.closed, by)
+    except NotClosed as fault:
+        expected = f"an orbit of one family ({fault}: its residue is {float(found.residue):.1e})"
+        raise BadInput(name, "start", None, expected) from None
+    return _followed(on, arc, by, begin, end, most, progress)
+
+
+def _followed(
+    on: Surface, arc: Arc, by: str, begin: Exact, end: Exact, most: int, progress: Tell | None
+) -> OrbitFamily:
+    """The family from the first member towards one value, within both."""
+    member, factor = arc.first, _factor(on, by)
+    low, high = to_double(begin) / factor, to_double(end) / factor
+    if member.slope * (high - low) < 0:
+        member = member._replace(tangent=-member.tangent, slope=-member.slope)
+    members, special = [member], []
+    ended, interrupted, length = f"{most} points", False, FIRST_STEP
+    try:
+        while len(members) < most:
+            ends = (high,) if len(members) == 1 else (low, high)
+            step = stepped(arc, member, length, ends)
+            targets = [one for one in step.passed if one.what == TARGET]
+            for one in step.passed:
+                if one.what == TARGET:
+                    break
+                special.append(Bifurcation(one.what, point_of(on, one.member.found), len(members)))
+            if targets:
+                last, back = targets[0].member, targets[0].member.value
+                back = abs(back - low) < abs(back - high)
+                value = begin if back else end
+                members.append(_exactly_there(on, arc, last, by, value))
+                ended = f"{'came back to' if back else 'reached'} {by} = {shown(value)}"
+                break
+            member, length = step.member, step.length
+            members.append(member)
+            if progress is not None:
+                progress(f"{len(members)} orbits, {by} = {member.value * factor:.6g}")
+    except NotClosed as fault:
+        ended = f"{LOST} {by} = {member.value * factor:.6g} ({fault})"
+    except KeyboardInterrupt:
+        ended, interrupted = "interrupted", True
+    return OrbitFamily(
+        on.scene,
+        by,
+        tuple(point_of(on, one.found) for one in members),
+        tuple(special),
+        ended,
+        interrupted,
+        tuple(members),
+        on,
+        provenance(on.scene.text),
+    )
+
+
+def _exactly_there(on: Surface, arc: Arc, last: Member, by: str, value: Exact) -> Member:
+    """The member with just this value: along the arc it is met to a few digits less."""
+    level = Surface(on.scene, value, on.f) if by == "h" else Surface(on.scene, on.h, value)
+    state = last.found.state
+    try:
+        found = closed(level, state, last.found.period, at_level(level, state))
+        return arc.member(found, last.tangent)
+    except NotClosed:
+        return last
+
+
+def _factor(on: Surface, by: str) -> float:
+    """What h (or f) of the surface is multiplied by to be in the scene's units."""
+    largest, unit = to_double(max(on.scene.body.moments)), float(on.unit)
+    return largest / unit**2 if by == "h" else largest / unit
+
+
+def point_of(on: Surface, found: Closed) -> FamilyPoint:
+    """An orbit in the units and axes of its scene."""
+    h, f, _ = on.integrals(found.state)
+    rows = np.array([[to_double(x) for x in row] for row in on.scene.body.axes.rows])
+    unit, state = float(on.unit), found.state
+    turned = np.concatenate([state[:3] @ rows / unit, state[3:] @ rows])
+    return FamilyPoint(
+        float(h) * _factor(on, "h"),
+        float(f) * _factor(on, "f"),
+        float(found.period * unit),
+        float(found.residue),
+        tuple(turned.tolist()),
+    )

@@ -1,0 +1,328 @@
+"""Periodic orbits of omega and gamma to any number of digits, and what tells their stability."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from polhode.common.arguments import each, whole
+from polhode.common.errors import BadInput
+from polhode.common.provenance import provenance
+from polhode.common.value_semantics import ByValue
+from polhode.dynamics.periodic_orbits import high_precision
+from polhode.dynamics.periodic_orbits.azimuth_advance import advance
+from polhode.dynamics.periodic_orbits.high_precision import Monodromy, Refined
+from polhode.dynamics.periodic_orbits.level_set import Surface
+from polhode.dynamics.periodic_orbits.newton_shooting import (
+    Closed,
+    NotClosed,
+    at_level,
+    closed,
+    is_still,
+)
+from polhode.dynamics.periodic_orbits.recurrences import Return, near_returns
+from polhode.dynamics.sections.starts import MAXIMA, asked_of
+from polhode.equations.section_functions import MOMENTUM
+from polhode.numbers import exact
+from polhode.numbers.conversion import exact_number, exactly, to_double, to_mpf
+from polhode.numbers.decimals import decimal_string
+from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.mpmath_context import mpmath, ordinary
+from polhode.numbers.number_types import MAX_DIGITS, bits_for
+from polhode.numbers.scalars import AnyNumber, Real
+from polhode.scenes import library, scene_file
+from polhode.scenes.scene import Scene
+from polhode.scenes.scene_text import written
+from polhode.scenes.sweep_scenes import tables_of
+from polhode.scenes.validation import Literal
+from polhode.taylor.variations.equations import Doubles
+from polhode.taylor.variations.flow_map import NotFollowed
+
+DIGITS = 15
+RETURNS = 10
+MOST_RETURNS = 1000
+FARTHER = 3.0  # times a guess: the longest period that it may lead to
+ASTRAY = 5.0  # times the guess's own miss: an orbit farther away is another one
+SAME = 1e-7  # of the state's scale: the orbit has closed already
+PARTS = (2, 3, 5, 7, 11, 13)
+ELLIPTIC, HYPERBOLIC, INVERSE, PARABOLIC = (
+    "elliptic",
+    "hyperbolic",
+    "inverse hyperbolic",
+    "parabolic",
+)
+
+#: Called with a line that says how far the work is.
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Orbit(ByValue):
+    """A periodic orbit of (omega, gamma) on one level: its start, its period, its stability.
+
+    ``scene``: the found start as an exact scene that ends after one period.  ``period``: exactly
+    the decimal of that scene.  ``error``: the largest error of start and period, relative, from a
+    correction in a wider type.  ``h``, ``f``: the level.  ``residue``: Greene's (6 - tr M)/4, M the
+    monodromy matrix, ``residue_error`` about its error; below 0 the orbit is hyperbolic, between 0
+    and 1 elliptic, above 1 inverse hyperbolic.  ``determinant``: |det M - 1|.  ``psi``: how psi
+    advances in a period, None where that cannot be
+    said; ``psi_whole``: with its whole turns, which are unknown where the third axis passes through
+    the vertical.  ``moved``: how far the start lies from
+    the guess, scaled.  ``corrections``: in double and in the wider type.
+
+    >>> import polhode
+    >>> found = polhode.orbit("grioli/precession", digits=20)
+    >>> found
+    <Orbit of grioli/precession: period 6.28319, elliptic, residue 0.00244842, 20 digits>
+    >>> polhode.as_toml(found.scene).splitlines()[-2]
+    'end = 6.283185307179586476925'
+    >>> found.turns  # psi advances by one turn: the motion in space closes, too
+    Fraction(1, 1)
+    """
+
+    scene: Scene
+    name: str
+    h: Exact
+    f: Exact
+    digits: int
+    period: Exact
+    error: float
+    residue: Real
+    residue_error: float
+    determinant: float
+    psi: Real | None
+    psi_whole: bool
+    moved: float
+    corrections: tuple[int, int]
+    surface: Surface
+    closed: Closed
+    provenance: Mapping[str, object] = field(default_factory=dict)
+
+    @property
+    def kind(self) -> str:
+        """elliptic, hyperbolic, inverse hyperbolic; parabolic where the residue is 0 or 1."""
+        return kind_of(float(self.residue), self.residue_error)
+
+    @property
+    def multipliers(self) -> tuple[tuple[Real, Real], tuple[Real, Real]]:
+        """Real and imaginary part of the two that are not 1 always; their product is 1."""
+        with mpmath.workprec(bits_for(self.digits) + 20):
+            half = 1 - 2 * to_mpf(exactly(self.residue), bits_for(self.digits) + 20)
+            if abs(half) <= 1:
+                side = mpmath.sqrt(1 - half * half)
+                return ordinary((half, side)), ordinary((half, -side))
+            size = abs(half) + mpmath.sqrt(half * half - 1)
+            first = size if half > 0 else -size
+            return ordinary((first, 0 * first)), ordinary((1 / first, 0 * first))
+
+    @property
+    def turns(self) -> Fraction | None:
+        """psi's advance over 2 pi where that is a fraction, as far as the digits tell, else None.
+
+        With k below, the motion in space closes after k periods.
+        """
+        if self.psi is None:
+            return None
+        with mpmath.workprec(bits_for(self.digits) + 20):
+            ratio = to_mpf(exactly(self.psi), bits_for(self.digits) + 20)
+            exact = exactly(ratio / (2 * mpmath.pi))
+        near = exact.limit_denominator(MOST_PERIODS)
+        return near if abs(exact - near) < Fraction(100, 10**self.digits) else None
+
+    def __repr__(self) -> str:
+        period, residue = to_double(self.period), float(self.residue)
+        return (
+            f"<Orbit of {self.name}: period {period:.6g}, {self.kind}, residue {residue:.6g}, "
+            f"{self.digits} digits>"
+        )
+
+
+MOST_PERIODS = 24  # after which a motion in space is looked for to close
+
+
+def orbit(
+    scene: Scene | str | Path,
+    digits: int = DIGITS,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
+    period: AnyNumber | None = None,
+    returns: int | None = None,
+    progress: Tell | None = None,
+) -> Orbit:
+    """Find the periodic orbit near a scene's start, to so many digits.
+
+    ``h``, ``f``: the level of the orbit, the scene's own unless given.  ``period``: a guess;
+    without one the times are tried at which the motion comes near its start again, the first
+    ``returns`` of them (10).  Newton's method in double, then in a type wide enough; the period is
+    the shortest one.  ``progress``: called with a line now and then.
+
+    Raises BadInput for a permanent rotation, a motion that does not come near its start, a level
+    that does not exist, and where Newton's method finds no orbit near the start.
+
+    >>> import polhode
+    >>> body = {"moments": [2, 1.5, 1], "gamma": ["4/5", "3/5", 0]}
+    >>> near = polhode.top(**body, omega=["1.001", "0.002", 0])
+    >>> found = polhode.orbit(near, h=1, f="1.6")  # there omega = (1, 0, 0), period 2 pi
+    >>> abs(float(found.period) - 6.283185307179586) < 1e-14, found.kind
+    (True, 'elliptic')
+    """
+    scene = library.load(scene)
+    wanted = whole(scene.name, "digits", digits, 1, MAX_DIGITS)
+    most = RETURNS if returns is None else whole(scene.name, "returns", returns, 1, MOST_RETURNS)
+    if scene.gamma is not None:
+        _refuse_permanent(scene)
+    asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
+    on = Surface(scene, asked.h, asked.f)
+    start = np.array([to_double(x) for x in on.exact_start])
+    if period is None:
+        guesses = _guesses(on, start, most)
+    else:
+        (given,) = each(scene.name, "period", (period,), exact_number, "a time")
+        if sign(given) <= 0:
+            raise BadInput(scene.name, "period", period, "a time above 0")
+        if to_double(given / on.unit) < on.shortest / FARTHER:
+            least = on.shortest * to_double(on.unit)
+            expected = f"one near {least:.3g} or longer: no motion on this level closes in less"
+            raise BadInput(scene.name, "period", period, expected)
+        guesses = [Return(to_double(given / on.unit), math.inf)]
+    found = _first(on, start, guesses)
+    moved = moved_from(on, found, start)
+    return completed(on, found, on.exact_start, wanted, scene.name, moved, progress)
+
+
+def _refuse_permanent(scene: Scene) -> None:
+    on = Surface(scene, ZERO, ZERO)
+    if is_still(on, np.array([to_double(x) for x in on.exact_start]), 1e-9):
+        raise BadInput(scene.name, "start", None, "a motion: this is a permanent rotation")
+
+
+def _guesses(on: Surface, start: Doubles, most: int) -> list[Return]:
+    returns = near_returns(on, start, most)
+    if not returns.found:
+        end = returns.followed * float(on.unit)
+        expected = (
+            f"one that comes near itself: to t = {end:.3g} the motion stays "
+            f"{returns.nearest:.2g} of its size away from its start"
+        )
+        raise BadInput(on.scene.name, "start", None, expected)
+    return [*returns.found]
+
+
+def _first(on: Surface, start: Doubles, guesses: list[Return]) -> Closed:
+    """The orbit of the first guess that leads to one near the start; raises BadInput."""
+    off = float(np.linalg.norm(on.integrals(start) - on.level))
+    why = ""
+    for guess in guesses:
+        try:
+            found = closed(on, start, guess.time, at_level(on, start))
+            moved = moved_from(on, found, start)
+            if moved <= ASTRAY * (guess.distance + off) + SAME:
+                return primitive(on, found)
+            why = f"it led {moved:.2g} away from the start"
+        except NotClosed as fault:
+            why = str(fault)
+    expected = f"a start nearer to a periodic orbit: Newton's method found none ({why})"
+    raise BadInput(on.scene.name, "start", None, expected)
+
+
+def moved_from(on: Surface, found: Closed, start: Doubles) -> float:
+    """How far a found start lies from another one, scaled."""
+    return float(np.linalg.norm((found.state - start) / on.scale(start)))
+
+
+def primitive(on: Surface, found: Closed) -> Closed:
+    """The same orbit with its shortest period."""
+    scale = on.scale(found.state)
+    for part in PARTS:
+        while True:
+            time = found.period / part
+            try:
+                end = on.plain_flow.after(found.state, time).state
+                if np.max(np.abs(end - found.state) / scale) > SAME:
+                    break
+                found = closed(on, found.state, time, at_level(on, found.state))
+            except (NotClosed, NotFollowed):
+                break
+    return found
+
+
+def completed(
+    on: Surface,
+    found: Closed,
+    anchor: Sequence[Exact],
+    digits: int,
+    name: str,
+    moved: float,
+    progress: Tell | None = None,
+) -> Orbit:
+    """An orbit known in double, to all digits, with residue and advance of psi; raises BadInput.
+
+    ``anchor``: see :func:`polhode.dynamics.periodic_orbits.high_precision.refined`.
+    """
+    try:
+        fine = high_precision.refined(on, found, anchor, digits, progress)
+        if progress is not None:
+            progress("the monodromy matrix")
+        matrix = high_precision.monodromy(on, fine.state, fine.time, digits)
+    except (NotClosed, NotFollowed) as fault:
+        expected = f"an orbit that {digits} digits can be had of ({fault})"
+        raise BadInput(name, "digits", digits, expected) from None
+    scene = _scene(on.scene, name, fine)
+    turned = advance(scene, fine.number)
+    bits = bits_for(digits) + 20
+    return Orbit(
+        scene,
+        name,
+        on.h,
+        on.f,
+        digits,
+        scene.end,
+        fine.error,
+        ordinary(to_mpf(matrix.residue, bits)),
+        _residue_error(matrix, found, fine),
+        matrix.determinant,
+        turned.psi,
+        turned.whole,
+        moved,
+        (found.corrections, fine.corrections),
+        on,
+        found,
+        provenance(scene.text),
+    )
+
+
+def _residue_error(matrix: Monodromy, found: Closed, fine: Refined) -> float:
+    """About the error of a residue: what the matrix's exact properties miss, times its size."""
+    size = float(np.linalg.norm(found.monodromy, 2))
+    return max(matrix.missed, float(matrix.number.eps), fine.error) * max(1.0, size)
+
+
+def kind_of(residue: float, error: float) -> str:
+    """The word for a residue that is known within an error."""
+    if abs(residue) <= error or abs(residue - 1) <= error:
+        return PARABOLIC
+    return HYPERBOLIC if residue < 0 else ELLIPTIC if residue < 1 else INVERSE
+
+
+def _short(psi: Exact, digits: int) -> Literal:
+    return Literal(decimal_string(exact.binary(*exact.rounded(psi, 4 * digits)), digits))
+
+
+def _scene(near: Scene, name: str, fine: Refined) -> Scene:
+    """The found start as a scene: the body as it was given, decimals, one period."""
+    tables = tables_of(near)
+    tables["start"] = {
+        "omega": [Literal(x) for x in fine.omega],
+        "gamma": [Literal(x) for x in fine.gamma],
+        "normalise": True,
+        "psi": near.psi if isinstance(near.psi, Fraction) else _short(near.psi, len(fine.period)),
+    }
+    data: dict[str, Any] = {"title": f"A periodic orbit near {name}", "run": {}, **tables}
+    data["run"] = {"end": Literal(fine.period), "samples": 101}
+    return scene_file.parse(written(data, name), f"orbit near {name}")

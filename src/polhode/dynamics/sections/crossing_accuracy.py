@@ -1,0 +1,91 @@
+"""How many digits a crossing has: what the motion makes of a rounding on the way to it.
+
+One tangent u along each orbit, across the flow and the gradients of h, f and |gamma|^2, on whose
+values the orbit is kept:
+
+    G(t) = max over s <= t' <= t of |u(t')| / |u(s)|,    digits(t) = -log10(eps G(t))
+
+from 0 to those of a double: what one rounding on the way is multiplied by.  A run makes many, and
+the tangent has one direction of two: found were from two digits fewer to one more, of the state at
+the crossing.  On a chaotic orbit G grows exponentially, and from some crossing on no digit is left:
+later ones are those of a neighbour, right for pictures and statistics and not this orbit's.  w
+counts in radians of the inner unit of time, gamma as it is; G is taken at looks, each crossing's
+at the next one.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from polhode.dynamics.sections.initial_tangents import tangents_of
+from polhode.numbers.conversion import to_double
+from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.scalars import Doubles, Integers
+from polhode.scenes.scene import Scene
+
+EPS = 2.0**-52
+LOOK = 8.0  # units of the inner time between two looks at the tangent
+LANES = 64  # orbits of a job, in the order of their lengths
+LOST = math.log(1 / EPS)  # of ln G
+
+
+def digits(scene: Scene, starts: Any, times: Any, workers: int | None = None) -> Doubles:
+    """Correct digits to be expected of each crossing, nan where there is none: (n, m).
+
+    ``starts`` (n, 6): states in principal axes and the run's unit of time; ``times`` (n, m): of the
+    crossings in that unit, nan past an orbit's last one.  ``workers``: threads.
+    """
+    import numpy as np
+
+    from polhode.common.jobs import carried_out
+    from polhode.equations.forms import principal
+    from polhode.taylor.variations import tangent_batches
+
+    found: Doubles = np.full(times.shape, np.nan)
+    made = np.isfinite(times)
+    last = np.where(made, times, 0.0).max(axis=1, initial=0.0)
+    orbits = np.argsort(last, kind="stable")
+    orbits = orbits[last[orbits] > 0]
+    if len(orbits) == 0:
+        return found
+    k = {n: to_double(x) for n, x in principal.coefficients(scene.body, scene.time_unit).items()}
+    moments = np.array([to_double(a) for a in scene.body.moments])
+    unit = 4.0**scene.time_unit
+    torque = unit * np.array([to_double(x) for x in scene.body.axes.components(scene.body.torque)])
+    groups = [orbits[first : first + LANES] for first in range(0, len(orbits), LANES)]
+    jobs = []
+    for group in groups:
+        many, looks = (len(group), 1), math.ceil(last[group].max() / LOOK)
+        bodies = np.tile(moments, many), np.tile(torque, many)
+        first = tangents_of(starts[group], *bodies, alike=True)
+        coefficients = np.tile(np.array([*k.values()]), many)
+        end, early = looks * LOOK, tuple(range(2, looks, 2))
+        jobs.append(
+            tangent_batches.TangentJob(
+                tuple(k), coefficients, starts[group], first, end, looks, None, early, LOST
+            )
+        )
+    sizes = [len(group) for group in groups]
+    results, interrupted = carried_out(tangent_batches.solve, jobs, sizes, workers)
+    if interrupted:
+        raise KeyboardInterrupt
+    for group, result in zip(groups, results, strict=True):
+        assert result is not None
+        least = np.minimum.accumulate(np.where(np.isfinite(result.sizes), result.sizes, np.inf), 1)
+        grown = np.where(np.isfinite(result.sizes), result.sizes - least, LOST)
+        grown = np.maximum.accumulate(grown, axis=1)
+        looks = np.ceil(np.where(made[group], times[group], 0.0) / LOOK).astype(int)
+        at = np.take_along_axis(grown, looks, axis=1)
+        right = np.clip((LOST - at) / math.log(10), 0.0, DOUBLE.most_digits)
+        found[group] = np.where(made[group], right, np.nan)
+    return found
+
+
+def none_left_from(digits: Any) -> Integers:
+    """The number, from 1 on, of the first crossing with less than one digit; 0: all have one."""
+    import numpy as np
+
+    gone = digits < 1
+    found: Integers = np.where(gone.any(axis=1), gone.argmax(axis=1) + 1, 0)
+    return found

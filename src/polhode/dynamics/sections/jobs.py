@@ -1,0 +1,98 @@
+"""The jobs of a section: orbits and the level they keep to, plain data to be sent anywhere."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from polhode.dynamics.sections.starts import Asked
+from polhode.equations.integrals import first_integrals
+from polhode.equations.section_functions import HEIGHT, MOMENTUM
+from polhode.numbers.conversion import to_double, to_extended
+from polhode.numbers.exact import Exact
+from polhode.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    from polhode.taylor.corrections.level_projection import Level
+
+LANES = 64  # orbits of a job: where one is over the next takes its lane
+CHUNK = 160.0  # radians of the fastest rate between two projections
+WORTH_A_PROCESS = 200_000  # crossings, of two seconds
+PATIENCE = 1000.0  # units of time without a crossing until an orbit is given up
+
+
+def jobs_of(asked: Asked, on: Any, zero: Any, direction: int, count: int, states: Any) -> list[Any]:
+    """The jobs of orbits from ``states``, LANES of them each, in principal axes and inner units."""
+    import numpy as np
+
+    from polhode.equations.forms import principal
+    from polhode.taylor.events.batch_crossings import CrossingJob
+
+    scene = asked.scene
+    known = level_of(scene, asked.h, asked.f)
+    k = tuple(
+        (name, to_double(x))
+        for name, x in principal.coefficients(scene.body, scene.time_unit).items()
+    )
+    chunk = 2.0 ** round(np.log2(CHUNK / (on.fastest or 1.0)))
+    patience = int(-(-PATIENCE // chunk))
+    return [
+        CrossingJob(
+            k, zero, direction, count, np.inf, chunk, patience, known, states[first : first + LANES]
+        )
+        for first in range(0, len(states), LANES)
+    ]
+
+
+def level_of(scene: Scene, h: Exact, f: Exact) -> Level:
+    """The integrals of a level, as those of a scene on it."""
+    from polhode.equations import integrals
+    from polhode.taylor.corrections.level_projection import Level
+
+    known = first_integrals(scene)
+    if integrals.CHAPLYGIN in known.onto and f != 0:
+        known = integrals.FirstIntegrals(known.onto[:-1], known.order, known.coefficients)
+    unit, largest = Fraction(2) ** scene.time_unit, max(scene.body.moments)
+    targets = (2 * h * unit * unit / largest, f * unit / largest, Fraction(1))
+    coefficients = {name: to_extended(x) for name, x in known.coefficients.items()}
+    return Level(known, coefficients, tuple(to_extended(x) for x in targets))
+
+
+def zero_of(scene: Scene, on: Any, by: str) -> Any:
+    """A section's function, scaled to order one."""
+    from polhode.equations.section_functions import SectionZero
+
+    moments = tuple(float(a) for a in on.moments)
+    side = -1.0 if on.weight < 0 else 1.0
+    size = on.largest_momentum if by == MOMENTUM else on.fastest
+    arm = tuple(float(side * x / (size or 1.0)) for x in on.frame[2])
+    if by == HEIGHT:
+        arm = tuple(float(x / (size or 1.0)) for x in on.frame[2])
+    rows = tuple(tuple(to_double(x) for x in row) for row in scene.body.axes.rows)
+    return SectionZero(by, moments, arm, rows, 2.0**scene.time_unit)  # type: ignore[arg-type]
+
+
+def worth(jobs: int, crossings: int) -> int:
+    """Processes: as many as pay, for each costs half a second to begin.
+
+    Threads would not do: at every crossing they wait for each other.
+    """
+    from polhode.common.executors import cores
+
+    return max(1, min(cores(), jobs, jobs * LANES * crossings // WORTH_A_PROCESS))
+
+
+def packed(result: Any) -> dict[str, Any]:
+    """What a job found as arrays by name, to be kept in a file."""
+    import numpy as np
+
+    return {**result._asdict(), "outcomes": np.array(result.outcomes)}
+
+
+def unpacked(held: dict[str, Any]) -> Any:
+    """What a job found, from those arrays."""
+    from polhode.taylor.events.batch_crossings import Crossed
+
+    held["outcomes"] = tuple(held["outcomes"].tolist())
+    held["drift"] = float(held["drift"])
+    return Crossed(**held)

@@ -1,0 +1,317 @@
+"""Sections of a level: where many orbits of one body cross it, and in which coordinates."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from polhode.common.arguments import whole
+from polhode.common.cached_property import cached_property
+from polhode.common.errors import BadInput
+from polhode.common.jobs import Progress, carried_out
+from polhode.common.memory import refuse_too_much
+from polhode.common.provenance import provenance
+from polhode.common.value_semantics import ByValue
+from polhode.dynamics.kept import Kept
+from polhode.dynamics.sections import crossing_accuracy
+from polhode.dynamics.sections import jobs as section_jobs
+from polhode.dynamics.sections.starts import MAXIMA, Asked, asked_of, starts_of
+from polhode.equations.section_functions import HEIGHT, MOMENTUM
+from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Exact
+from polhode.numbers.scalars import AnyNumber, AnyVector, Doubles, Integers
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    from polhode.dynamics.sections.coordinates import Ground
+
+MOST_CROSSINGS = 1_000_000
+_BYTES = 400  # of a crossing, while it is found and put in order
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Section(ByValue):
+    """Crossings of a section by orbits on one level, an orbit a row; nan past an orbit's last one.
+
+    ``by``: momentum, height, or an expression.  ``starts`` (n, 2): coordinates of the starts;
+    ``start_states`` (n, 6): their states, like those of the crossings.
+    ``states`` (n, m, 6): p q r gamma1 gamma2 gamma3 in the scene's axes and units.  ``times``,
+    ``rests`` (n, m): a time is their sum.  ``l``, ``ratio`` (n, m): Andoyer's angle l and L/G about
+    r0.  ``counts`` (n,); ``outcomes``: how each orbit ended.  ``drift``: the largest residual of h,
+    f and |gamma|^2 before a projection, relative.
+
+    >>> import polhode
+    >>> found = polhode.section("lagrange/nutation", starts=[[1, 0.2]], crossings=20)
+    >>> found
+    <Section of lagrange/nutation by momentum: 1 orbit, 20 crossings>
+    >>> float(found.ratio[0].max() - found.ratio[0].min()) < 1e-14  # L is an integral, and so is G
+    True
+    """
+
+    scene: Scene
+    h: Exact
+    f: Exact
+    by: str
+    extremum: str
+    starts: Doubles
+    start_states: Doubles
+    states: Doubles
+    times: Doubles
+    rests: Doubles
+    l: Doubles
+    ratio: Doubles
+    counts: Integers
+    outcomes: tuple[str, ...]
+    drift: float
+    interrupted: bool = False
+    kept: Kept | None = None
+    provenance: Mapping[str, object] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        n = len(self.counts)
+        orbits = f"{n} orbit" + ("s" if n != 1 else "")
+        made = int(self.counts.sum())
+        return f"<Section of {self.scene.name} by {self.by}: {orbits}, {made} crossings>"
+
+    @cached_property
+    def digits(self) -> Doubles:
+        """Correct digits to be expected of each crossing's state, nan past the last one: (n, m).
+
+        What one rounding is multiplied by on the way from the start, by one tangent along each
+        orbit, which takes as long as the section itself, or longer; computed when first asked for.
+
+        >>> import polhode
+        >>> scene = polhode.load("general/asymmetric-chaotic")
+        >>> found = polhode.section(scene, starts="scene", crossings=80)
+        >>> [bool(found.digits[0, m] > 8) for m in (0, 19, 59)], 40 < found.none_left_from[0] < 80
+        ([True, True, False], np.True_)
+        """
+        unit = 2.0**self.scene.time_unit
+        starts = _turned(self.scene, self.start_states, unit, back=True)
+        return crossing_accuracy.digits(self.scene, starts, self.times / unit)
+
+    @property
+    def none_left_from(self) -> Integers:
+        """The number, from 1 on, of each orbit's first crossing without a digit; 0: of none."""
+        return crossing_accuracy.none_left_from(self.digits)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every orbit made all its crossings."""
+        return not self.interrupted and bool((self.counts == self.times.shape[1]).all())
+
+
+def section(
+    scene: Scene | str | Path,
+    by: str | None = None,
+    extremum: str | None = None,
+    starts: Iterable[AnyVector] | str | None = None,
+    grid: tuple[int, int] | None = None,
+    crossings: int | None = None,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    parts: Path | None = None,
+    progress: Progress | None = None,
+) -> Section:
+    """Follow orbits of a scene's body on a level to their crossings of a section.
+
+    ``by``: "momentum" (extrema of |G|, the default) or "height" (extrema of r0.gamma), both of
+    which every orbit crosses; or an expression in p q r gamma1 gamma2 gamma3, whose zeros in either
+    direction are taken.  ``extremum``: "max" (default) or "min".  ``starts``: [l, L/G] or
+    [l, L/G, k], the k-th of several by rising y, for momentum and expressions;
+    [gamma1, gamma2, gamma3, ±1] in the scene's axes for height; or "scene", its own start.
+    ``grid``: as many cells of both coordinates instead, starts in their centres (9 x 8).  ``h``,
+    ``f``: the level, the scene's own unless given.  What the scene's [section] says stands where
+    nothing is given.  ``workers``: processes.  ``executor``: of concurrent.futures.  ``parts``: a
+    folder for finished jobs.
+
+    Raises BadInput for a level that does not exist, a start outside the section, an expression that
+    does not change or is never zero.
+
+    >>> import polhode
+    >>> scene = polhode.load("general/asymmetric-chaotic")
+    >>> found = polhode.section(scene, grid=(2, 2), crossings=5, h=3, f="1/2")
+    >>> found.states.shape
+    (4, 5, 6)
+    """
+    import numpy as np
+
+    from polhode.dynamics.sections import coordinates as geometry
+    from polhode.taylor.events import batch_crossings as taylor
+
+    scene = library.load(scene)
+    plan = scene.section
+    asked = asked_of(
+        scene,
+        plan.by if by is None else by,
+        plan.extremum if extremum is None else extremum,
+        h,
+        f,
+    )
+    count = plan.crossings if crossings is None else crossings
+    count = whole(scene.name, "crossings", count, 1, MOST_CROSSINGS)
+    if starts is None and grid is None and plan.starts:
+        starts = plan.starts
+    on = geometry.ground(scene, asked.h, asked.f)
+    found = starts_of(asked, on, starts, grid)
+    what = f"{len(found.states)} orbits to {count} crossings"
+    words = "crossings in all; a coarser grid, or fewer of each orbit"
+    refuse_too_much(scene.name, "section", what, len(found.states) * count, _BYTES, words)
+    zero = section_jobs.zero_of(asked.scene, on, asked.by)
+    direction = 0
+    if asked.by in (MOMENTUM, HEIGHT):
+        direction = -1 if asked.extremum == MAXIMA else 1
+    _refuse_constant(asked, on, zero, found.states)
+    jobs = section_jobs.jobs_of(asked, on, zero, direction, count, found.states)
+    key = repr((scene.text, str(asked[1:]), count, direction, found.states.tobytes()))
+    kept = None if parts is None else Kept(parts, "section", key)
+    with kept or nullcontext(), _refused(asked, on, kept):
+        results, interrupted = carried_out(
+            taylor.solve,
+            jobs,
+            [len(job.starts) for job in jobs],
+            workers or section_jobs.worth(len(jobs), count),
+            executor,
+            kept,
+            section_jobs.packed,
+            section_jobs.unpacked,
+            progress,
+            processes=True,
+        )
+    rows = np.concatenate(
+        [np.full(len(job.starts), r is not None) for job, r in zip(jobs, results, strict=True)]
+    )
+    if not rows.any():
+        raise KeyboardInterrupt
+    crossed = taylor.joined([result for result in results if result is not None])
+    if asked.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
+        with _refused(asked, on, kept):
+            _refuse_never_zero(asked, on, zero)
+    return _result(asked, on, found.states[rows], crossed, interrupted, kept)
+
+
+def _refuse_constant(asked: Asked, on: Ground, zero: Any, states: Any) -> None:
+    """Raise BadInput for an expression that has no value at a start, or no rate at any of them."""
+    import numpy as np
+
+    from polhode.equations.forms import principal
+    from polhode.taylor.corrections.level_projection import ARRAYS
+    from polhode.taylor.events import batch_crossings as taylor
+
+    if asked.by in (MOMENTUM, HEIGHT):
+        return
+    k = {
+        name: to_double(x)
+        for name, x in principal.coefficients(asked.scene.body, asked.scene.time_unit).items()
+    }
+    moved = states.T + 1e-3 * np.random.default_rng(0).normal(size=states.T.shape)
+    try:
+        with np.errstate(all="ignore"):
+            speed = taylor.slope(zero, moved, taylor.rates(k, moved))
+            value = np.real(zero.value(list(moved), ARRAYS))
+            here = zero.value(list(states.T), ARRAYS) + 0 * states[:, 0]
+        if not np.isfinite(here).all():
+            raise _not_finite(asked, on, states[int(np.argmin(np.isfinite(here)))], 0.0)
+    except (ArithmeticError, AttributeError, TypeError):  # no name in it
+        speed = value = np.zeros(1)
+    if not np.any(np.abs(speed) > 1e-12 * np.maximum(1e-300, np.abs(value))):
+        expected = "an expression that changes along the motion; this one is constant"
+        raise BadInput(asked.scene.name, "by", asked.by, expected)
+
+
+@contextmanager
+def _refused(asked: Asked, on: Ground, kept: Kept | None) -> Iterator[None]:
+    """Leave nothing behind where the section's function is refused, on the way too."""
+    from polhode.taylor.events.batch_crossings import Singular
+
+    try:
+        try:
+            yield
+        except Singular as met:
+            raise _not_finite(asked, on, met.start, met.time) from None
+    except BadInput:
+        if kept is not None:
+            kept.remove()
+        raise
+
+
+def _not_finite(asked: Asked, on: Ground, start: Sequence[float], time: float) -> BadInput:
+    """The refusal of an expression that has no finite value on an orbit, at a time of the run."""
+    import numpy as np
+
+    from polhode.dynamics.sections import coordinates as geometry
+
+    l, ratio = (float(x) for x in geometry.coordinates(on, np.array(start)))
+    t = math.ldexp(time, asked.scene.time_unit)
+    expected = (
+        "an expression that is real and finite all along the orbits; on the one from "
+        f"l = {l:.6g}, L/G = {ratio:.6g} it has a pole or stops being real at t = {t:.6g}"
+    )
+    return BadInput(asked.scene.name, "by", asked.by, expected)
+
+
+def _refuse_never_zero(asked: Asked, on: Ground, zero: Any) -> None:
+    import numpy as np
+
+    from polhode.dynamics.sections import coordinates as geometry
+    from polhode.taylor.corrections.level_projection import ARRAYS
+
+    grid = geometry.cells(60, 60)
+    states = [geometry.momentum_states(on, *grid, kind).states for kind in (True, False)]
+    values = np.real(zero.value(list(np.concatenate(states).T), ARRAYS))
+    expected = (
+        "an expression that becomes zero; at the extrema of |G| on this level it is from "
+        f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g}, and no orbit crosses 0"
+    )
+    raise BadInput(asked.scene.name, "by", asked.by, expected)
+
+
+def _result(
+    asked: Asked, on: Any, states: Any, crossed: Any, interrupted: bool, kept: Kept | None
+) -> Section:
+    import numpy as np
+
+    from polhode.dynamics.sections import coordinates as geometry
+
+    scene = asked.scene
+    angles = geometry.height_coordinates if asked.by == HEIGHT else geometry.coordinates
+    l, ratio = geometry.coordinates(on, crossed.states)
+    unit = 2.0**scene.time_unit
+    return Section(
+        scene,
+        asked.h,
+        asked.f,
+        asked.by,
+        asked.extremum,
+        np.stack(angles(on, states), axis=-1),
+        _turned(scene, states, unit),
+        _turned(scene, crossed.states, unit),
+        crossed.times * unit,
+        crossed.rests * unit,
+        l,
+        ratio,
+        crossed.found,
+        crossed.outcomes,
+        crossed.drift,
+        interrupted,
+        kept,
+        provenance(scene.text),
+    )
+
+
+def _turned(scene: Scene, states: Any, unit: float, back: bool = False) -> Any:
+    """States (..., 6) from principal axes and the run's unit into the scene's; or back."""
+    import numpy as np
+
+    rows = np.array([[to_double(x) for x in row] for row in scene.body.axes.rows])
+    if back:
+        rows, unit = rows.T, 1 / unit
+    return np.concatenate([states[..., :3] @ rows / unit, states[..., 3:] @ rows], axis=-1)

@@ -1,0 +1,235 @@
+"""Exact data to integers: the constants, the start and the times of one proof.
+
+Trusted.  With time in a unit 2**n of the scene in which |w| and sqrt(Mg|r0|/smallest moment) are
+at most about 1, in principal axes and with i, a, b cyclic,
+
+    w_i' = bend_i w_a w_b + pull_i gamma_a + push_i gamma_b,
+    gamma_i' = gamma_a w_b - gamma_b w_a,
+    bend_i = (I_a - I_b)/I_i,    pull_i = k_b/I_i,    push_i = -k_a/I_i,    k = Mg r0
+
+The nine constants are kept where they are fractions of a small denominator, and else rounded to
+2**-Q, the start to 2**-S, each with a proven radius (zero for numbers that are exact there).  Every
+small quantity of the proof is a double in units of 2**-P, P the noise level.  A run to negative
+times is one of the start -w, since t -> -t, w -> -w leaves the equations as they are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from flint import arb, fmpz
+
+from polhode.enclosures.polynomial import Polynomial, ball, total, variable
+from polhode.numbers import exact
+from polhode.numbers.exact import Exact, sign
+from polhode.numbers.flint_context import ctx
+from polhode.scenes.body import dot
+from polhode.scenes.scene import Scene
+
+CLOCK = 14  # times of the grid are integers times 2**-CLOCK
+LEAST_NOISE, MOST_NOISE = 36, 1000  # P: small quantities in units of 2**-P stay within doubles
+LEAST_FINE = 60  # S: never coarser than the polynomials, or the first jump is lost
+TIME_BITS = 4096  # of a time asked for: on the right side of a step's boundary
+UP = 1.0 + 1e-9  # covers fewer than 1e5 roundings of nonnegative doubles
+_SMALL = 1 << 40  # a denominator that is shorter than a rounded constant
+_FINER = 24  # Q - P: the radii of the constants, times exp(alpha), stay below the noise
+_SHARPER = 20  # bits behind 2**-S to which every constant must be known
+_MOST_BITS = 1 << 15
+
+
+class Refused(ArithmeticError):
+    """No proof at this precision; the message says which test failed."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One motion as integers with radii; see the module for symbols.
+
+    ``constants``: bend, pull, push, three each, as integers over ``denominators``, one for each of
+    the three rows; ``slack``: their radii, in units of 2**-noise.  ``factors``: the same constants
+    as doubles; ``factor_slack``: their radii, absolute.  ``start``: six integers times 2**-fine;
+    ``spread``: their radii in units of 2**-noise.
+    """
+
+    noise: int
+    fine: int
+    constants: tuple[int, ...]
+    denominators: tuple[int, ...]
+    slack: tuple[float, ...]
+    factors: tuple[float, ...]
+    factor_slack: tuple[float, ...]
+    start: tuple[int, ...]
+    spread: tuple[float, ...]
+
+    @property
+    def beta(self) -> float:
+        """A bound of |B(e, e)|/|e|²: max(2, |bend_i|)."""
+        bends = zip(self.factors[:3], self.factor_slack[:3], strict=True)
+        return UP * max(2.0, *(abs(x) + r for x, r in bends))
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The exact motion of a scene in principal axes and its proof's unit of time, forward.
+
+    ``constants``: the nine, exact; ``start``: the six, exact, gamma zero where there is none.
+    ``unit``: time is measured in 2**unit of the scene's; ``backward``: t and w changed sign.
+    """
+
+    scene: Scene
+    unit: int
+    backward: bool
+    constants: tuple[Exact, ...]
+    start: tuple[Exact, ...]
+    moments: tuple[Exact, ...]
+    torque: tuple[Exact, ...]
+
+    @property
+    def field(self) -> list[Polynomial]:
+        """The right-hand sides as polynomials."""
+        x = [variable(i) for i in range(6)]
+        bend, pull, push = self.constants[:3], self.constants[3:6], self.constants[6:]
+        rows = []
+        for i, (a, b) in enumerate(CYCLE):
+            terms = [(x[a] * x[b]).scaled(bend[i])]
+            terms += [x[3 + a].scaled(pull[i]), x[3 + b].scaled(push[i])]
+            rows.append(total(terms))
+        for a, b in CYCLE:
+            rows.append(x[3 + a] * x[b] - x[3 + b] * x[a])
+        return rows
+
+
+CYCLE = ((1, 2), (2, 0), (0, 1))
+
+
+def motion(scene: Scene, backward: bool = False) -> Motion:
+    """The exact motion of a scene, to positive or to negative times."""
+    body, axes = scene.body, scene.body.axes
+    moments, torque = body.moments, axes.components(body.torque)
+    unit = _unit(scene, min(moments))
+    by = Fraction(2) ** unit
+    k = [by * by * x for x in torque]
+    bends = [(moments[a] - moments[b]) / moments[i] for i, (a, b) in enumerate(CYCLE)]
+    pulls = [k[b] / moments[i] for i, (a, b) in enumerate(CYCLE)]
+    pushes = [-k[a] / moments[i] for i, (a, b) in enumerate(CYCLE)]
+    omega = [(-by if backward else by) * w for w in axes.components(scene.omega)]
+    gamma = [exact.ZERO] * 3 if scene.gamma is None else [*axes.components(scene.gamma)]
+    return Motion(
+        scene,
+        unit,
+        backward,
+        (*bends, *pulls, *pushes),
+        (*omega, *gamma),
+        tuple(moments),
+        tuple(k),
+    )
+
+
+def _unit(scene: Scene, smallest: Exact) -> int:
+    """The power of two that brings the fastest rate to about 1."""
+    square = dot(scene.omega, scene.omega)
+    torque = scene.body.torque
+    fourth = max(square * square, dot(torque, torque) / (smallest * smallest))
+    if sign(fourth) == 0:
+        return 0
+    mantissa, exponent = exact.rounded(fourth, 8)
+    return -((exponent + mantissa.bit_length() + 3) // 4)
+
+
+def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Problem:
+    """A motion's data as integers with radii for the noise level 2**-noise.
+
+    ``constant_bits``: the constants are rounded to 2**-that; by default they stay as they are where
+    they are fractions of a small denominator, and are rounded to 2**-(noise + 24) elsewhere.
+    Raises Refused where a constant cannot be known sharply enough.
+    """
+    if not LEAST_NOISE <= noise <= MOST_NOISE:
+        raise Refused(f"a noise level of 2**-{noise} is outside {LEAST_NOISE} to {MOST_NOISE}")
+    fine = max(noise + 12, LEAST_FINE)
+    balls = [_sharp(x, fine + _SHARPER) for x in what.constants]
+    with ctx.workprec(4 * fine + 200):
+        constants, denominators, slack = _whole(what, balls, noise, constant_bits)
+        factors, factor_slack = [], []
+        for known in balls:
+            factor = float(known.mid())
+            factors.append(factor)
+            factor_slack.append(upper(known - arb(factor)))
+        start, spread = [], []
+        for x in what.start:
+            near, radius = _nearest(ball(x, 2 * fine + 100), fine)
+            start.append(near)
+            spread.append(upper(radius * arb((1, noise))))
+    return Problem(
+        noise,
+        fine,
+        constants,
+        denominators,
+        slack,
+        tuple(factors),
+        tuple(factor_slack),
+        tuple(start),
+        tuple(spread),
+    )
+
+
+def _whole(
+    what: Motion, balls: Sequence[Any], noise: int, bits: int | None
+) -> tuple[tuple[int, ...], tuple[int, ...], tuple[float, ...]]:
+    """The constants as integers over a denominator a row, these, and the radii."""
+    found, slack, below = [0] * 9, [0.0] * 9, []
+    for i in range(3):
+        row = what.constants[i::3]
+        exactly = [x for x in row if isinstance(x, Fraction)]
+        least = math.lcm(*(x.denominator for x in exactly)) if len(exactly) == 3 else 0
+        if bits is None and 0 < least < _SMALL:
+            below.append(least)
+            for k, x in zip(range(i, 9, 3), exactly, strict=True):
+                found[k] = int(x * least)
+            continue
+        coarse = noise + _FINER if bits is None else bits
+        below.append(1 << coarse)
+        for k in range(i, 9, 3):
+            found[k], radius = _nearest(balls[k], coarse)
+            slack[k] = upper(radius * arb((1, noise)))
+    return tuple(found), tuple(below), tuple(slack)
+
+
+def upper(x: Any) -> float:
+    """A double not below |x| for every x of a ball; infinite where it is."""
+    size = x.abs_upper()
+    if not size.is_finite():
+        return float("inf")
+    return UP * float(size) + (0.0 if size.is_zero() else 1e-300)
+
+
+def _sharp(x: Exact, bits: int) -> Any:
+    """A ball around a constant of radius below 2**-bits; raises Refused where none is found."""
+    return sharp(lambda working: ball(x, working), bits)
+
+
+def sharp(made: Callable[[int], Any], bits: int) -> Any:
+    """The first ball of radius below 2**-bits that ``made``, of a working precision, gives."""
+    working = bits + 64
+    while working <= _MOST_BITS:
+        found = made(working)
+        with ctx.workprec(64):
+            if found.rad() < arb((1, -bits)):
+                return found
+        working *= 2
+    raise Refused("a constant of the body is not known sharply enough")
+
+
+def _nearest(known: Any, bits: int) -> tuple[int, Any]:
+    """The integer n for which n·2**-bits is near a ball's midpoint, and |ball - n·2**-bits|."""
+    near = int((known.mid() * arb((1, bits)) + arb((1, -1))).floor().unique_fmpz() or fmpz(0))
+    return near, abs(known - arb((near, -bits)))
+
+
+def times(what: Motion, asked: Sequence[Exact], bits: int = TIME_BITS) -> list[Any]:
+    """Balls around times of the scene, in the proof's unit and forward."""
+    by = Fraction(2) ** -what.unit * (-1 if what.backward else 1)
+    return [ball(exact.multiply(by, t), bits) for t in asked]

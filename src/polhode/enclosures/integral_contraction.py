@@ -1,0 +1,188 @@
+"""The first integrals shrink the set: a set-valued Kalman step.
+
+Trusted.  H_i(x) = c_i along the exact motion.  With y the centre, e = x - y, |e| <= eps, and g_i
+doubles near grad H_i(y), Taylor's theorem gives g_i · e = c_i - H_i(y) +- w_i with
+
+    w_i = |g_i - grad H_i(y)|_1 eps + eps**2/2 sup sum_jl |H_i,jl| + the radius of c_i - H_i(y),
+
+the supremum over |x - y| <= eps.  So for any 6 x k matrix K, with g of columns g_i,
+
+    e = (I - K g^T) e + K (c - H(y)) +- |K| w.
+
+K = G G^T g (g^T G G^T g)**-1 is not trusted; the result is kept only if its radii have a
+smaller sum.  That grad H · f vanishes identically is decided on polynomials with rational
+coefficients; h, f and |gamma|**2 are conserved for any body and are used with irrational data too.
+Where |c_i - H_i(y)| exceeds what the set allows, the proof contradicts itself and an error is
+raised.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import arb
+
+from polhode.enclosures.fixed_point_problem import UP, Motion, Problem, upper
+from polhode.enclosures.polynomial import (
+    BallPolynomial,
+    Polynomial,
+    ball,
+    rate,
+    total,
+    variable,
+)
+from polhode.enclosures.step_bound import TINY, gamma
+from polhode.enclosures.zonotope import State
+from polhode.numbers import exact
+from polhode.numbers.flint_context import ctx
+
+
+class Contradiction(AssertionError):
+    """The enclosure and a first integral exclude each other: polhode is at fault, not the input."""
+
+
+class Integral(NamedTuple):
+    """One first integral, ready for evaluation: itself, its gradient, second derivatives, value."""
+
+    name: str
+    value: Any
+    at: BallPolynomial
+    gradient: tuple[BallPolynomial, ...]
+    second: tuple[BallPolynomial, ...]
+
+
+def first_integrals(what: Motion) -> dict[str, Polynomial]:
+    """The first integrals that the motion is proven to have, by name."""
+    x = [variable(i) for i in range(6)]
+    largest = max(what.moments)
+    inertia = [m / largest for m in what.moments]
+    momentum = [x[i].scaled(inertia[i]) for i in range(3)]
+    torque = [exact.divide(k, largest) for k in what.torque]
+    kinetic = total([momentum[i] * x[i] for i in range(3)])
+    weight = total([x[3 + i].scaled(torque[i]).scaled(2) for i in range(3)])
+    found = {"h": kinetic + weight}
+    if what.scene.gamma is not None:
+        found["f"] = total([momentum[i] * x[3 + i] for i in range(3)])
+        found["|gamma|^2"] = total([x[i] * x[i] for i in range(3, 6)])
+    field = what.field
+    if all(row.rational for row in field):
+        candidates = {"|G|^2": total([part * part for part in momentum])}
+        for i, name in enumerate("pqr"):
+            candidates[name] = x[i]
+        candidates["w.k"] = total([x[i].scaled(torque[i]) for i in range(3)])
+        for order in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            candidates[f"K^2, axis {order[2] + 1}"] = _kovalevskaya(x, what, order)
+        for name, candidate in candidates.items():
+            if candidate.terms and not rate(candidate, field).terms:
+                found[name] = candidate
+    return found
+
+
+def _kovalevskaya(x: Sequence[Polynomial], what: Motion, order: tuple[int, int, int]) -> Polynomial:
+    """|(u + i v)**2 - (c1 + i c2)(gamma_u + i gamma_v)|**2, c = k/C, C about the third axis."""
+    i, j, k = order
+    c1, c2 = (what.torque[n] / what.moments[k] for n in (i, j))
+    u, v, g, h = x[i], x[j], x[3 + i], x[3 + j]
+    real = [u * u, -(v * v), g.scaled(-c1), h.scaled(c2)]
+    imaginary = [(u * v).scaled(2), h.scaled(-c1), g.scaled(-c2)]
+    a, b = total(real), total(imaginary)
+    return a * a + b * b
+
+
+def prepared(what: Motion, bits: int) -> list[Integral]:
+    """The first integrals with balls for their coefficients and values, to so many bits."""
+    found = []
+    with ctx.workprec(bits):
+        start = [ball(x, bits) for x in what.start]
+        for name, h in first_integrals(what).items():
+            gradient = [h.derivative(i) for i in range(6)]
+            second = [row.derivative(i) for row in gradient for i in range(6)]
+            whole = h.balls(bits)
+            found.append(
+                Integral(
+                    name,
+                    whole.at(start),
+                    whole,
+                    tuple(p.balls(bits) for p in gradient),
+                    tuple(p.balls(bits) for p in second if p.terms),
+                )
+            )
+    return found
+
+
+def shrunk(problem: Problem, state: State, integrals: Sequence[Integral]) -> State:
+    """The state with a set made smaller by the first integrals, or as it is.
+
+    Raises Contradiction where no point of the set has their values.
+    """
+    if not integrals:
+        return state
+    radii = state.radii
+    eps = float(np.max(radii))
+    g, rest, width = _measured(problem, state, integrals, eps)
+    reach = np.abs(g).T @ radii
+    for integral, missing, allowed in zip(integrals, rest, UP * (reach + width), strict=True):
+        if abs(missing) > allowed + TINY:
+            raise Contradiction(f"the integral {integral.name} is not kept by its enclosure")
+    gain = _gain(state.columns, g)
+    if gain is None or not (np.all(np.isfinite(gain)) and np.all(np.isfinite(width))):
+        return state
+    size = np.abs(gain)
+    columns = (np.eye(6) - gain @ g.T) @ state.columns
+    rounding = size @ (np.abs(g).T @ radii) + radii + size @ np.abs(rest)
+    moved = gain @ rest
+    centre, left = [], np.zeros(6)
+    for i in range(6):
+        ticks = math.ldexp(float(moved[i]), problem.fine - problem.noise)
+        if not abs(ticks) < 2.0**900:
+            return state
+        by = round(ticks)
+        centre.append(state.centre[i] + by)
+        left[i] = math.ldexp(1.0, problem.noise - problem.fine)
+    lost = gamma(g.shape[1] + 8) * rounding  # products of k, then a difference and products of 6
+    box = UP * (size @ width + lost + left) + TINY
+    found = State(state.time, tuple(centre), np.hstack([columns, np.diag(box)]))
+    return found if np.sum(found.radii) < np.sum(radii) else state
+
+
+def _measured(
+    problem: Problem, state: State, integrals: Sequence[Integral], eps: float
+) -> tuple[Any, Any, Any]:
+    """g, (6, k), the midpoints of c - H(y) in units of 2**-P, and w."""
+    g = np.zeros((6, len(integrals)))
+    rest, width = np.zeros(len(integrals)), np.zeros(len(integrals))
+    scale = arb((1, problem.noise))
+    with ctx.workprec(2 * problem.fine + 100):
+        y = [arb((x, -problem.fine)) for x in state.centre]
+        around = [x + arb(0, eps) / scale for x in y]
+        for k, integral in enumerate(integrals):
+            off = 0.0
+            for i, row in enumerate(integral.gradient):
+                slope = row.at(y)
+                g[i, k] = float(slope.mid())
+                off += upper(slope - arb(float(g[i, k])))
+            missing = (integral.value - integral.at.at(y)) * scale
+            rest[k] = float(missing.mid())
+            curved = sum(upper(row.at(around)) for row in integral.second)
+            width[k] = UP * (
+                off * eps
+                + 0.5 * eps * curved * upper(arb(eps) / scale)
+                + upper(missing - arb(float(rest[k])))
+            )
+    return g, rest, width
+
+
+def _gain(columns: Any, g: Any) -> Any:
+    """K = G G^T g (g^T G G^T g)**-1, columns scaled for the inverse; None where there is none."""
+    size = float(np.max(np.abs(columns)))
+    if not 0.0 < size < math.inf:
+        return None
+    spread = (columns / size).T @ g
+    try:
+        inverse = np.linalg.pinv(spread.T @ spread, rcond=1e-12)
+    except np.linalg.LinAlgError:
+        return None
+    return (columns / size) @ spread @ inverse

@@ -1,0 +1,60 @@
+"""What a motion does to a small error, told roughly before the proof: the choice of precision.
+
+Not trusted, and nothing depends on it but cost: one run in double with one tangent vector.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+
+from polhode.enclosures import window_approximation
+from polhode.enclosures.fixed_point_problem import LEAST_NOISE, Motion
+from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Exact
+
+BITS_A_DIGIT = math.log2(10)
+_STEPS_A_UNIT = 3.0  # of the proof, in its unit of time
+_SECONDS_A_STEP = 8e-8  # over the square of the noise level, for P of 70 to 220
+_MARGIN = 1.0  # bits
+_OF_OUTPUTS = {"attitude": 6.0, "angles": 9.0}  # the same of a turn, and of angles near a pole
+
+
+def noise(what: Motion, last: Exact, digits: float) -> int:
+    """The noise level P at which the radii at the time ``last`` should leave so many digits."""
+    grown, fastest = growth(what, last)
+    slow = max(0.0, -math.log2(fastest)) if fastest > 0.0 else 0.0  # digits of w are relative
+    bits = digits * BITS_A_DIGIT + _MARGIN + max(0.0, grown) + slow
+    more = max((_OF_OUTPUTS.get(name, 0.0) for name in what.scene.modelled), default=0.0)
+    if more:  # they add up what the state is off on the way
+        bits += more + math.log2(1.0 + steps(what, last))
+    return max(LEAST_NOISE, math.ceil(bits))
+
+
+def steps(what: Motion, last: Exact) -> float:
+    """About how many steps lead to a time; infinite beyond the range of double."""
+    return _STEPS_A_UNIT * abs(to_double(last / Fraction(2) ** what.unit))
+
+
+def seconds(what: Motion, last: Exact, noise: int) -> float:
+    """About how long a proof takes: its steps cost as the square of the noise level."""
+    outputs = 2.0 if {"angles", "attitude"} & {*what.scene.modelled} else 1.0
+    return outputs * _SECONDS_A_STEP * noise * noise * steps(what, last)
+
+
+def growth(what: Motion, last: Exact) -> tuple[float, float]:
+    """log2 of the sum over the steps of what an error made there is at the end; the largest |w|.
+
+    The latter in the proof's unit of time.
+    """
+    count = max(1.0, steps(what, last))
+    logs, fastest = window_approximation.tangents(what, to_double(last))
+    if len(logs) < 2:
+        return 2.0 * math.log2(1.0 + count), fastest
+    ahead = max(logs)  # an error is no smaller later than where the tangent is short by chance
+    exponents = np.maximum(ahead - np.array(logs), 0.0)
+    largest = float(np.max(exponents))
+    mean = float(np.mean(np.exp2(exponents - largest)))
+    return largest + math.log2(mean) + math.log2(count), fastest

@@ -1,0 +1,158 @@
+"""One run of a proof: windows of steps are approximated, corrected, bounded, and carried on.
+
+Nothing here is believed: a state and balls come only out of ``zonotope.advance``.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from flint import arb
+
+from polhode.enclosures import (
+    defect,
+    integral_contraction,
+    newton_correction,
+    step_bound,
+    taylor_polynomials,
+    window_approximation,
+    zonotope,
+)
+from polhode.enclosures.fixed_point_problem import CLOCK, TIME_BITS, Problem, Refused
+from polhode.enclosures.zonotope import State
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.flint_context import ctx
+
+_LOST = -34  # a correction above 2**_LOST: the approximation has lost the motion
+_FEWEST, _FIRST, _WIDEST = 4, 32, 128
+_MOST_ROUNDS = 60
+
+#: Called now and then with the fraction of the time done and the steps taken.
+Progress = Callable[[float, int], None]
+
+
+@dataclass(frozen=True)
+class Untrusted:
+    """The parts that may be wrong in any way; tests put faulty ones in their place."""
+
+    window: Callable[..., Any] = window_approximation.window
+    matrices: Callable[..., Any] = newton_correction.matrices
+    correction: Callable[..., Any] = newton_correction.correction
+
+
+HONEST = Untrusted()
+
+
+class Watcher(Protocol):
+    """Something that looks at the windows of a proof as they are accepted."""
+
+    def window(self, known: step_bound.Bounds, steps: Sequence[zonotope.Step]) -> None:
+        """A window whose steps have been accepted."""
+
+    def finish(self) -> None:
+        """The proof is at its end."""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Balls at the times asked for, in the principal axes and the proof's unit, and its cost.
+
+    ``outcome``: REACHED_END; TIME_LIMIT or INTERRUPTED where the rows are those up to ``end``.
+    """
+
+    rows: list[list[Any]]
+    steps: int
+    end: State
+    outcome: Outcome = Outcome.REACHED_END
+
+
+def run(
+    problem: Problem,
+    times: Sequence[Any],
+    integrals: Sequence[integral_contraction.Integral] = (),
+    untrusted: Untrusted = HONEST,
+    progress: Progress | None = None,
+    watchers: Sequence[Watcher] = (),
+    deadline: float = math.inf,
+) -> Proof:
+    """Balls around the states at times >= 0, increasing, given as balls.  Raises Refused.
+
+    ``deadline``: the reading of time.monotonic() after which no window is begun.  What is proven
+    until then, or until Ctrl-C, is kept.  ``watchers``: what looks for zeros on the way, or follows
+    the attitude.
+    """
+    state = zonotope.beginning(problem)
+    rows: list[list[Any]] = []
+    end = _last_tick(times)
+    most = _WIDEST if problem.noise <= 150 else 48
+    wide, pace, steps = _FIRST, 0.1, 0
+    whole, outcome = state, Outcome.REACHED_END  # the watchers have seen all up to there
+    try:
+        while state.time < end:
+            if time.monotonic() > deadline:
+                outcome = Outcome.TIME_LIMIT
+                break
+            tried = _window(problem, state, end, wide, pace, untrusted)
+            if tried is None:
+                if wide <= _FEWEST:
+                    raise Refused("the approximation loses the motion")
+                wide = max(_FEWEST, wide // 2)
+                continue
+            asked = zonotope.inside(times[len(rows) :], tried.pieces.times[-1])
+            before = state.time
+            state, found, taken = zonotope.advance(state, tried, asked)
+            rows += found
+            for watcher in watchers:
+                watcher.window(tried, taken)
+            steps += len(taken)
+            pace = math.ldexp(state.time - before, -CLOCK) / len(taken)
+            state = integral_contraction.shrunk(problem, state, integrals)
+            whole, wide = state, min(most, 2 * wide)
+            if progress is not None:
+                progress(state.time / end, steps)
+    except KeyboardInterrupt:
+        outcome = Outcome.INTERRUPTED
+    for watcher in watchers:
+        watcher.finish()
+    return Proof(rows, steps, whole, outcome)
+
+
+def _window(
+    problem: Problem, state: State, end: int, wide: int, pace: float, untrusted: Untrusted
+) -> step_bound.Bounds | None:
+    """A window, corrected as far as the noise level asks; None where the motion is lost."""
+    found = untrusted.window(problem, state, end, wide, pace)
+    if found is None:
+        return None
+    shape = taylor_polynomials.of_doubles(found.times, found.series)
+    a = step_bound.jacobian(problem, shape.near, shape.lengths)
+    v = untrusted.matrices(a)
+    last = 10**6
+    for _ in range(_MOST_ROUNDS):
+        known = defect.defects(problem, shape)
+        gaps = defect.gaps(problem, shape, state.centre)
+        e = untrusted.correction(a, known.values, v, gaps)
+        size = newton_correction.size(e, problem.noise)
+        if size > _LOST or size >= last:
+            return None
+        # its square and its rounding are noise
+        if max(2 * size, size - 40) <= -problem.noise:
+            return step_bound.bounds(problem, known, e, v)
+        shape = taylor_polynomials.improved(shape, e, problem.noise, 53 - size)
+        last = size
+    raise Refused("the corrections do not converge")
+
+
+def _last_tick(times: Sequence[Any]) -> int:
+    """The first point of the grid that is not before the last time."""
+    if not times:
+        return 0
+    with ctx.workprec(TIME_BITS):
+        last = (times[-1] * arb((1, CLOCK))).upper().ceil().unique_fmpz()
+    if last is None or last >= 1 << 60:
+        raise Refused("the last time is too far away")
+    return max(1, int(last))

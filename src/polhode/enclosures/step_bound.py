@@ -1,0 +1,232 @@
+"""The theorem of one step, and its numbers from the polynomials as they are.
+
+Trusted.  On a step, tau = (t - t_n)/h in [0, 1], the motion x' = h f(x), f(x) = L x + B(x, x), is
+approximated by xhat = x~ + e, x~ an integer polynomial (``pieces``), e one with double
+coefficients.  With A = h f'(x~), d = x~' - h f(x~) and z = x - xhat, exactly
+
+    z' = A z + h B(e + z, e + z) - (d + e' - A e).                                          (1)
+
+Let alpha >= int |A|, delta >= int |d + e' - A e|, sigma >= sup |e|, eps >= |z(0)|, all on [0, 1] in
+the max-norm, and |B(v, v)| <= beta |v|**2.
+
+Theorem.  If r > 0 satisfies exp(alpha) (eps + delta + h beta (sigma + r)**2) < r, then the exact
+motion exists on the whole step, |z| <= r there, and for any polynomial matrix V and all tau
+
+    z(tau) in V(tau) z(0) + [-s, s]**6,
+    s = exp(alpha) (delta + h beta (sigma + r)**2) + rho eps,                               (2)
+    rho = exp(alpha) (|I - V(0)| + int |A V - V'|).
+
+Proof.  While |z| <= r, Gronwall's inequality and (1) give |z| < r, so the first time at which
+|z| = r cannot lie in the step, and a bounded solution of a polynomial field goes on.  The exact
+transition matrix Phi(tau, s) of A has |Phi| <= exp(alpha); variation of constants gives the first
+part of s.  U = Phi - V obeys U' = A U + (A V - V'), U(0) = I - V(0), so |U| <= rho.
+
+This module computes alpha, delta, sigma, rho of every step of a window.  Norms of polynomials are
+sums over the norms of their coefficients (over k + 1 under an integral): bounds for all tau.
+gamma(k) = 1.01 k u, u = 2**-53, bounds k roundings in any order.  Small quantities (e, d, delta,
+sigma) are in units of 2**-P.
+
+Coefficient k of A V - V' (of d + e' - A e likewise) is found in double.  A row of A has four
+entries that are not zero, so that of A V is a sum of at most 4 (k + 1) products; the one or two
+additions after it included, off by at most gamma(4 (k + 1) + 4) sum |A_j| |V_(k-j)|.  Under the
+integral that is divided by k + 1, and 4 + 4/(k + 1) <= 8: all k together are off by at most
+gamma(8) sum |A_j| sum |V_k|.  The other terms pass two roundings, (k + 1) V_(k+1) a product and an
+addition, which is gamma(2) sum |V_k| under the integral, and d two additions, beside its own.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from polhode.enclosures.defect import Defects
+from polhode.enclosures.fixed_point_problem import CYCLE, UP, Problem, Refused
+from polhode.enclosures.taylor_polynomials import Pieces
+
+U = 2.0**-53
+MOST_ALPHA = 1e4
+TINY = 1e-280  # above anything that underflow can have lost
+ROUNDINGS = 8  # of a coefficient of a product, over k + 1; see the module
+
+
+def gamma(k: int) -> float:
+    """A bound of the relative error of k roundings: 1.01 k u."""
+    return 1.01 * k * U
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What (2) needs of every step of a window, and what was bounded.
+
+    ``alpha``, ``growth`` >= exp(alpha), ``delta``, ``sigma``, ``rho``: (W,).  ``ends``: V(1) as
+    doubles, (W, 6, 6); its own rounding is part of rho.  ``sizes``: sum of |V_k|, (W,).
+    """
+
+    problem: Problem
+    pieces: Pieces
+    correction: Any
+    matrices: Any
+    alpha: Any
+    growth: Any
+    delta: Any
+    sigma: Any
+    rho: Any
+    ends: Any
+    sizes: Any
+
+
+def jacobian(problem: Problem, near: Any, lengths: Any) -> Any:
+    """Coefficients of h f'(x~) from doubles near those of x~: (W, p + 1, 6, 6)."""
+    bend, pull, push = (problem.factors[k : k + 3] for k in (0, 3, 6))
+    steps, count = near.shape[:2]
+    found = np.zeros((steps, count, 6, 6))
+    scaled = near * lengths[:, None, None]
+    for i, (a, b) in enumerate(CYCLE):
+        found[:, :, i, a] = bend[i] * scaled[:, :, b]
+        found[:, :, i, b] = bend[i] * scaled[:, :, a]
+        found[:, 0, i, 3 + a] = pull[i] * lengths
+        found[:, 0, i, 3 + b] = push[i] * lengths
+        found[:, :, 3 + i, 3 + a] = scaled[:, :, b]
+        found[:, :, 3 + i, 3 + b] = -scaled[:, :, a]
+        found[:, :, 3 + i, b] = scaled[:, :, 3 + a]
+        found[:, :, 3 + i, a] = -scaled[:, :, 3 + b]
+    return found
+
+
+def product(left: Any, right: Any, count: int) -> Any:
+    """The first ``count`` coefficients of a product of polynomials of matrices, in each step.
+
+    ``left``: (W, n, 6, 6), ``right``: (W, m, 6, c).  Each coefficient is one matrix product.
+    """
+    steps, n, m = left.shape[0], left.shape[1], right.shape[1]
+    flat = np.ascontiguousarray(left.transpose(0, 2, 1, 3)).reshape(steps, 6, 6 * n)
+    turned = np.ascontiguousarray(right[:, ::-1]).reshape(steps, 6 * m, right.shape[3])
+    found = np.zeros((steps, count, 6, right.shape[3]))
+    for k in range(min(count, n + m - 1)):
+        first, last = max(0, k - m + 1), min(k, n - 1) + 1
+        low = m - 1 - k
+        columns = turned[:, 6 * (low + first) : 6 * (low + last)]
+        np.matmul(flat[:, :, 6 * first : 6 * last], columns, out=found[:, k])
+    return found
+
+
+def bounds(problem: Problem, known: Defects, correction: Any, matrices: Any) -> Bounds:
+    """alpha, delta, sigma and rho of every step, from what the untrusted parts have left.
+
+    ``correction``: e, (W, p + 1, 6); ``matrices``: V, (W, m + 1, 6, 6), of any origin.  Raises
+    Refused where they do not fit the polynomials; numbers that are not finite make bounds that no
+    test accepts.
+    """
+    pieces = known.pieces
+    steps, count = pieces.near.shape[:2]
+    if correction.shape != pieces.near.shape or matrices.shape[::2] != (steps, 6):
+        raise Refused("an approximation does not fit")
+    lengths = pieces.lengths
+    a = jacobian(problem, pieces.near, lengths)
+    a_norms = _norms(a)
+    a_gaps = _jacobian_gaps(problem, pieces, lengths) + gamma(4) * a_norms
+    a_sum = UP * (np.sum(a_norms, axis=1) + np.sum(a_gaps, axis=1))
+    weights = 1.0 / np.arange(1, known.values.shape[1] + 1)
+    alpha = UP * np.sum((a_norms + a_gaps) * weights[:count], axis=1)
+    growth = exponential(alpha)
+    e_sizes = np.max(np.abs(correction), axis=2)
+    sigma = UP * np.sum(e_sizes, axis=1)
+    delta = _delta(problem, known, correction, a, a_sum, np.sum(a_gaps, axis=1), sigma, weights)
+    v_norms = _norms(matrices)
+    sizes = UP * np.sum(v_norms, axis=1)
+    miss = np.sum(np.abs(np.eye(6) - matrices[:, 0]), axis=2).max(axis=1)
+    rho = growth * (miss + _matrix_residual(a, a_norms, a_gaps, a_sum, matrices, v_norms, sizes))
+    terms = matrices.shape[1]
+    rho = UP * (rho + gamma(terms + 2) * sizes) + TINY
+    return Bounds(
+        problem,
+        pieces,
+        correction,
+        matrices,
+        alpha,
+        growth,
+        delta,
+        sigma,
+        rho,
+        np.sum(matrices, axis=1),
+        sizes,
+    )
+
+
+def _delta(
+    problem: Problem,
+    known: Defects,
+    correction: Any,
+    a: Any,
+    a_sum: Any,
+    a_gap: Any,
+    sigma: Any,
+    weights: Any,
+) -> Any:
+    """int |d + e' - A e|: in double, plus what the doubles and the constants miss."""
+    pieces = known.pieces
+    count, width = correction.shape[1], known.values.shape[1]
+    residual = known.values - product(a, correction[..., None], width)[..., 0]
+    residual[:, : count - 1] += correction[:, 1:] * np.arange(1, count)[:, None]
+    d_sum = np.sum(np.max(np.abs(known.values), axis=2) * weights, axis=1)
+    found = np.sum(np.max(np.abs(residual), axis=2) * weights, axis=1)
+    found = found + gamma(ROUNDINGS) * a_sum * sigma + gamma(2) * sigma
+    found = found + gamma(2 + known.roundings) * d_sum + a_gap * sigma
+    largest = np.sum(np.abs(pieces.near) + pieces.gap[:, :, None], axis=1)  # sup |x~_i|
+    missed = np.zeros((pieces.count, 3))
+    for i, (p, q) in enumerate(CYCLE):
+        missed[:, i] = (
+            problem.slack[i] * largest[:, p] * largest[:, q]
+            + problem.slack[3 + i] * largest[:, 3 + p]
+            + problem.slack[6 + i] * largest[:, 3 + q]
+        )
+    return UP * (found + pieces.lengths * np.max(missed, axis=1)) + TINY
+
+
+def _matrix_residual(
+    a: Any, a_norms: Any, a_gaps: Any, a_sum: Any, matrices: Any, v_norms: Any, sizes: Any
+) -> Any:
+    """int |A V - V'|: the coefficients below the degree in double, the others by their norms."""
+    terms = matrices.shape[1]
+    degree = terms - 1
+    residual = product(a, matrices, degree)
+    residual -= matrices[:, 1:] * np.arange(1, terms)[:, None, None]
+    found = np.sum(_norms(residual) / np.arange(1, terms), axis=1)
+    # coefficients from the degree on: the sum over j + l >= degree of |A_j| |V_l| / (degree + 1)
+    after = np.zeros((a.shape[0], terms))  # [:, l]: the sum of |A_j| over j >= degree - l
+    for j in range(terms):
+        after[:, j] = np.sum(a_norms[:, max(0, degree - j) :], axis=1)
+    found = found + np.sum(after * v_norms, axis=1) / terms
+    found = found + gamma(ROUNDINGS) * a_sum * sizes + gamma(2) * sizes
+    return UP * (found + np.sum(a_gaps, axis=1) * sizes)
+
+
+def _jacobian_gaps(problem: Problem, pieces: Pieces, lengths: Any) -> Any:
+    """|A_k - the doubles multiplied exactly|: from the gaps of x~ and of the constants."""
+    bend, slack = max(map(abs, problem.factors[:3])), max(problem.factor_slack)
+    largest = np.max(np.abs(pieces.near), axis=2) + pieces.gap
+    found = 4.0 * max(1.0, bend) * pieces.gap + 2.0 * slack * largest
+    found[:, 0] += 2.0 * slack
+    return UP * found * lengths[:, None]
+
+
+def _norms(matrices: Any) -> Any:
+    """The largest row sums of matrices."""
+    return UP * np.sum(np.abs(matrices), axis=-1).max(axis=-1)
+
+
+def exponential(alpha: Any) -> Any:
+    """A bound of exp(alpha) without a library's exp: (1 - alpha/N)**-N, N = 2**24.
+
+    1/(1 - x) >= exp(x); the start is off by 2u and 24 squarings make that (2 + 1) N u < 1e-7.
+    Infinite beyond MOST_ALPHA and for what is not a number.
+    """
+    usable = alpha < MOST_ALPHA
+    found = 1.0 / (1.0 - np.where(usable, alpha, 0.0) * 2.0**-24)
+    with np.errstate(over="ignore"):
+        for _ in range(24):
+            found = found * found
+    return np.where(usable, found * (1.0 + 1e-7), math.inf)

@@ -1,0 +1,66 @@
+"""The equations as a function of doubles, for somebody else's integrator (3.16–3.17)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from polhode.equations.forms.matrices import inverse
+from polhode.numbers.conversion import to_double
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+
+Doubles = npt.NDArray[np.float64]
+
+
+def field(scene: Scene | str | Path) -> Callable[[float, npt.ArrayLike], Doubles]:
+    """The rates of p q r [gamma1 gamma2 gamma3] as a function f(t, y) of doubles.
+
+        w' = I⁻¹ (Mg gamma × r0 - w × I w),    gamma' = gamma × w
+
+    in the scene's own axes and units, as ``scipy.integrate.solve_ivp`` and its like ask for it.
+    ``y``: shape (6,), or (6, n) for n states at once; three rows where a torque-free scene has no
+    gamma.  ``f.start`` is the state at t = 0.
+
+    >>> import polhode
+    >>> f = polhode.field("lagrange/nutation")
+    >>> f.start.tolist()
+    [0.16, 0.3, 4.1, 0.8, 0.0, 0.6]
+    >>> f(0, f.start).round(12).tolist()
+    [0.615, -1.128, 0.0, -0.18, -3.184, 0.24]
+    """
+    return _Field(library.load(scene))
+
+
+class _Field:
+    def __init__(self, scene: Scene) -> None:
+        self._name = scene.name
+        body = scene.body
+        self.inertia = np.array([[to_double(x) for x in row] for row in body.inertia])
+        self.inverse = np.array([[to_double(x) for x in row] for row in inverse(body.inertia)])
+        self.torque = np.array([to_double(x) for x in body.torque])
+        self.start: Any = np.array([to_double(x) for x in scene.start])
+
+    def __repr__(self) -> str:
+        return f"<field of {self._name}: f(t, y)>"
+
+    def __call__(self, t: float, y: npt.ArrayLike) -> Doubles:
+        state = np.asarray(y, dtype=np.float64)
+        omega, gamma = state[:3], state[3:]
+        turning = -_cross(omega, self.inertia @ omega)
+        if len(gamma):
+            turning = turning + _cross(gamma, self.torque)
+        rates = [self.inverse @ turning]
+        if len(gamma):
+            rates.append(_cross(gamma, omega))
+        return np.concatenate(rates)
+
+
+def _cross(a: Doubles, b: Doubles) -> Doubles:
+    return np.stack(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )

@@ -1,0 +1,115 @@
+"""What all figures share: matplotlib, the same text for the same figure, colours of the types."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from io import BytesIO, StringIO
+from typing import Any
+
+from polhode.common.errors import BadInput
+from polhode.common.text_tables import printable
+
+COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
+MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
+
+
+def require() -> None:
+    """Raise BadInput where matplotlib is missing: before a study runs, not after."""
+    pyplot()
+
+
+def pyplot(own: bool = True) -> Any:
+    """matplotlib.pyplot, writing SVG that depends on the figure alone; else as the user has it."""
+    try:
+        import matplotlib
+    except ImportError:
+        expected = "matplotlib, which figures need: pip install 'polhode[figures]'"
+        raise BadInput("polhode", "figures", None, expected) from None
+    if own:
+        matplotlib.use("svg")
+        matplotlib.rcParams["svg.hashsalt"] = "polhode"
+    from matplotlib import pyplot as plt
+
+    return plt
+
+
+def panels(plt: Any, axes: Any, rows: int, columns: int = 1, **how: Any) -> tuple[Any, Any]:
+    """A figure and its panels, shape (rows, columns): new ones, or the axes given to draw into."""
+    import numpy as np
+
+    if axes is None:
+        made: tuple[Any, Any] = plt.subplots(
+            rows, columns, squeeze=False, layout="constrained", **how
+        )
+        return made
+    given = np.ravel(np.asarray(axes, dtype=object))
+    if len(given) != rows * columns or not all(hasattr(x, "plot") for x in given):
+        expected = f"{rows * columns} matplotlib axes, one for each panel"
+        raise BadInput("plot", "axes", f"{len(given)} things", expected)
+    return given[0].figure, given.reshape(rows, columns)
+
+
+def as_svg(figure: Any, title: str | None = None) -> str:
+    """A figure as SVG text; the figure is closed."""
+    out = StringIO()
+    titled = (
+        {} if title is None else {"Title": printable(title)}
+    )  # matplotlib refuses a title of None
+    figure.savefig(out, format="svg", metadata={"Date": None, **titled})
+    pyplot().close(figure)
+    return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
+
+
+#: Of printed figures: text stays text (no mathtext: it sets letter by letter), thin axes.
+PAPER = {
+    "svg.fonttype": "none",
+    "pdf.fonttype": 42,
+    "font.sans-serif": ["DejaVu Sans", "Arial", "Helvetica"],
+    "font.size": 9,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.labelsize": 9,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "lines.linewidth": 0.8,
+    "lines.solid_joinstyle": "round",
+}
+#: Colours of Okabe and Ito's set, told apart by every eye; the same hue, lighter, for what is
+#: hidden behind a surface.
+BODY, SPACE, REST = "#0072b2", "#d55e00", "#009e73"
+PLAIN = "#333333"  # where a colour would say something
+HIDDEN = {BODY: "#a6cbe3", SPACE: "#f3c6a5", REST: "#a6dccb", PLAIN: "#b0b0b0"}
+TIME = "t (units of the scene)"
+
+
+def remark(axes: Any, text: str) -> None:
+    """Why a panel is empty, in its middle."""
+    middle = {"transform": axes.transAxes, "ha": "center", "va": "bottom"}
+    axes.text(0.5, 0.55, text, color="#555555", size=8, **middle)
+    axes.tick_params(axis="y", left=False, labelleft=False)
+
+
+#: What a figure can be written as, by the ending of its file's name.
+SUFFIXES = (".svg", ".png", ".pdf")
+
+
+def drawn(draw: Callable[[Any, Any], Any], what: Any, suffix: str, title: str) -> bytes:
+    """The bytes of a printed figure: ``draw(pyplot, what)`` makes it; it depends on nothing else.
+
+    ``suffix``: one of SUFFIXES.
+    """
+    plt = pyplot()
+    with plt.rc_context(PAPER):
+        figure = draw(plt, what)
+        if suffix == ".svg":
+            return as_svg(figure, title).encode()
+        out = BytesIO()
+        metadata = {"Title": printable(title)} | (
+            {"CreationDate": None} if suffix == ".pdf" else {}
+        )
+        figure.savefig(out, format=suffix[1:], dpi=300, metadata=metadata)
+        plt.close(figure)
+        return out.getvalue()

@@ -1,0 +1,216 @@
+"""Digits asked for are digits had: a run in a type wide enough, checked, made again if short."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from polhode.common.arguments import steps, whole
+from polhode.common.errors import BadInput
+from polhode.common.progress import bar
+from polhode.common.text_tables import few
+from polhode.motion.outcomes import Outcome
+from polhode.numbers import number_types
+from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NumberType, wider
+from polhode.numbers.scalars import AnyNumber
+from polhode.runs import integrate as runs
+from polhode.runs.methods.output_loop import Progress
+from polhode.runs.problem.options import choose_number
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+from polhode.taylor.backend import defaults
+
+MOST_SECONDS = 600.0  # that the digits which a motion loses may make a run longer, about
+MOST_RUNS = 4  # until the digits are had
+MOST_CHECKED = 20  # output times at which a run is checked
+#: What checked a run.  The last is for a motion that leaves nothing to check.
+CLOSED_FORM, SECOND_RUN, EXPECTED = "closed form", "second run", "expected error"
+
+
+def integrate(
+    scene: Scene | str | Path,
+    number: str | NumberType | None = None,
+    *,
+    digits: int | None = None,
+    at: Iterable[AnyNumber] | None = None,
+    tol: AnyNumber | None = None,
+    max_steps: int | None = None,
+    inputs: NumberType | None = None,
+    project: bool | int | None = None,
+    method: str = "auto",
+    progress: Progress | bool | None = None,
+) -> Trajectory:
+    """Integrate the Euler–Poisson equations (3.29) of a scene with heyoka's Taylor method.
+
+    ``number``: double (default), extended, quad or mp (50 digits), or a NumberType.  ``at``: output
+    times instead of the scene's.  ``tol``: the tolerance of a step, the type's eps unless given.
+    ``inputs``: round start and coefficients to this narrower type first, to see what that rounding
+    alone does.  ``project``: put the state back on the exact scene's first integrals every so many
+    steps, True as often as costs about a tenth of the run's time, False never; left out, as True in
+    double and extended at full tolerance, else never (a form other than the principal one never).
+    ``method``: "taylor", steps in the number type; "refined", a run in double corrected by exact
+    arithmetic (:mod:`polhode.refined`), for quad and more digits; "auto", refined where that can be
+    done and is faster; the trajectory's ``method`` tells which it was.  ``progress``: called now
+    and then with the fraction of the time done and the steps taken; or True for a bar.
+
+    ``digits``: the correct digits wanted.  They choose the number type, by how much this motion
+    multiplies errors on the way; the run is then checked, by the closed form or by a second run in
+    a wider type, and made again in a wider one where digits are missing.  ``correct_digits`` and
+    ``checked_by`` of the trajectory say what was found; its outcome is TOO_FEW_DIGITS where they
+    cannot be had: in a number type or at a tolerance that is given too, or on a motion that
+    multiplies errors beyond what can be computed.
+
+    The trajectory can be called at any time that it reached, see
+    :class:`polhode.runs.methods.dense_output.Dense`. Ctrl-C ends the run within a second; the
+    trajectory then holds what was reached.  Raises BadInput for what cannot be integrated.
+
+    >>> import polhode
+    >>> run = polhode.integrate("kovalevskaya/generic", digits=30, at=[1, "7/3"])
+    >>> run
+    <Trajectory of kovalevskaya/generic: quad, 2 times to t = 2.3333333333333333, reached end>
+    >>> run.checked_by, 30 <= run.correct_digits < 35
+    ('closed form', True)
+    """
+    if isinstance(progress, bool):
+        asked = {key: value for key, value in locals().items() if key != "progress"}
+        if not progress:
+            return integrate(**asked)
+        with bar(library.load(scene).name) as tell:
+            return integrate(**asked, progress=tell)
+    scene = library.load(scene)
+    if at is not None:
+        scene = scene.at(at)
+    if digits is not None:
+        digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
+    if max_steps is not None:
+        max_steps = steps(scene.name, max_steps)
+    if digits is None:
+        chosen, free, need = choose_number(scene, number, None), False, Need(0.0, math.inf)
+    else:
+        chosen, free, need = _chosen(scene, number, digits, tol is None and inputs is None)
+    for attempt in range(MOST_RUNS):
+        run = runs.integrate(
+            scene,
+            chosen,
+            digits=digits,
+            tol=tol,
+            max_steps=max_steps,
+            inputs=inputs,
+            project=project,
+            method=method,
+            progress=progress,
+        )
+        if digits is None or not (run.outcome.done and run.times):
+            return run
+        hopeless = need.lost > need.most
+        run = _as_expected(run) if hopeless else checked(run, progress)
+        right = run.correct_digits or 0.0
+        if right >= digits or run.outcome is Outcome.INTERRUPTED:
+            return run
+        lost = _missed(need.lost, chosen, right)
+        if not free or lost > need.most or attempt == MOST_RUNS - 1:
+            break
+        need = Need(lost, need.most)
+        found = choose_number(scene, number, digits, lost)
+        chosen = found if found.bits > chosen.bits else wider(chosen)
+    return replace(run, outcome=Outcome.TOO_FEW_DIGITS)
+
+
+def _chosen(
+    scene: Scene, number: str | NumberType | None, digits: int, open_to_choice: bool
+) -> tuple[NumberType, bool, Need]:
+    """The first number type to try, whether others may follow, and what the motion needs.
+
+    A motion that multiplies errors beyond what can be computed gets the type of the digits alone.
+    """
+    if not open_to_choice or number not in (None, "mp"):
+        return choose_number(scene, number, digits), False, Need(0.0, math.inf)
+    need = needed(scene, digits)
+    if need.lost > need.most:
+        return number_types.for_digits(digits, 0.0), False, need
+    return choose_number(scene, number, digits, need.lost), True, need
+
+
+class Need(NamedTuple):
+    """The digits that a motion is expected to lose, and the most that a run can make good."""
+
+    lost: float
+    most: float
+
+
+def needed(scene: Scene, digits: int) -> Need:
+    """What ``digits`` of them ask for beside: see :mod:`polhode.taylor.variations.error_growth`.
+
+    A motion that multiplies errors beyond what a double can follow is led by an integration of
+    wider type.
+    """
+    from polhode.taylor.variations.error_growth import LED_FROM, growth
+
+    if not scene.times:
+        return Need(0.0, math.inf)  # refused by whoever integrates
+    found = growth(scene, trusted=math.inf)
+    most = _affordable(found.steps) - digits
+    lost = max(found.lost)
+    if lost > LED_FROM and lost <= most:
+        lost = max(growth(scene, limit=most + 1, led=True).lost)
+    return Need(lost, max(most, DEFAULT_MP_DIGITS))
+
+
+def _affordable(steps: int) -> float:
+    """The digits in which so many steps take MOST_SECONDS."""
+    low, high = 1, 1 << 20  # bits
+    while high - low > 8:
+        middle = (low + high) // 2
+        fits = defaults.seconds(NumberType("mp", middle), steps) <= MOST_SECONDS
+        low, high = (middle, high) if fits else (low, middle)
+    return NumberType("mp", low).most_digits
+
+
+def _missed(lost: float, number: NumberType, right: float) -> float:
+    """The digits lost, now that a run in this type has so many right."""
+    if right >= 1:
+        return max(lost, number.most_digits - right) + 1
+    return 2 * max(lost, number.most_digits)
+
+
+def _as_expected(run: Trajectory) -> Trajectory:
+    """A run with the fewest digits that it is expected to have."""
+    return replace(run, correct_digits=min(run.expected.digits), checked_by=EXPECTED)
+
+
+def checked(run: Trajectory, progress: Progress | None = None) -> Trajectory:
+    """A run with ``correct_digits`` and ``checked_by``: by the closed form, or by a second run.
+
+    The second run is one of wider type; the digits are those to which the two agree.
+    """
+    from polhode.judging.correct_digits import worst_digits
+    from polhode.judging.references.reference import reference, rows
+
+    kept = few(len(run.times), MOST_CHECKED)
+    times, states = [run.times[k] for k in kept], [run.states[k] for k in kept]
+    scene = run.scene.at(tuple(times))
+    held = run.number.most_digits
+    against = reference(scene)
+    true = None
+    if against.is_closed_form:
+        try:
+            true, by = rows(against.at, times, math.ceil(held) + 6), CLOSED_FORM
+        except BadInput:  # digits that this closed form does not have
+            true = None
+    if true is None:
+        plain = replace(scene, events=(), outputs=(), form="principal", reference="auto")
+        longer = max(10 * run.steps, 1000)
+        second = runs.integrate(
+            plain, wider(run.number), max_steps=longer, method="taylor", progress=progress
+        )
+        if second.outcome is Outcome.INTERRUPTED:
+            return replace(run, outcome=Outcome.INTERRUPTED)
+        if not second.outcome.done:
+            return replace(run, correct_digits=0.0, checked_by=f"{SECOND_RUN}: {second.cause}")
+        true, by = second.states, SECOND_RUN
+    right = worst_digits(states, true, scene, cap=held)
+    return replace(run, correct_digits=right, checked_by=by)

@@ -1,0 +1,1 @@
+"""What a motion makes of errors: amplification, rounding, Lyapunov's exponent."""

@@ -1,0 +1,193 @@
+"""Regular or chaotic: the largest Lyapunov exponent, from one tangent that is rescaled as it grows.
+
+Between the middle and the end of a regular motion a tangent grows like a power of time, by 2 to 4;
+on a chaotic one it grows exponentially.  A periodic or asymptotic motion may be regular and yet
+multiply errors exponentially: no growth rate tells it from chaos, a closed form or a fixed point
+does.  The motion is integrated in double: beyond the time at which its digits are lost it is a
+neighbour's, which has the same exponent where the motion is chaotic.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from polhode.common.arguments import each, steps
+from polhode.common.errors import BadInput
+from polhode.equations.equilibrium import at_rest
+from polhode.equations.system import system
+from polhode.judging.references.reference import reference
+from polhode.numbers import exact
+from polhode.numbers.conversion import exact_number, to_double
+from polhode.numbers.exact import sign
+from polhode.numbers.scalars import AnyNumber
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+from polhode.taylor.variations.reference_trajectory import six
+
+if TYPE_CHECKING:
+    from polhode.taylor.variations.equations import Doubles
+
+MAX_STEPS = 1_000_000  # of 3 µs
+DEFAULT_LENGTH = 2000  # in the motion's slowest unit of time
+SHORTEST = 100  # below this no verdict rests on growth
+BLOCKS, LOOKS = 32, 8  # blocks over the whole time, looks at the tangent in each
+REGULAR, CHAOTIC = 2.0, 6.0  # growth of ln |tangent| in the second half: below, above
+NEIGHBOURS, APART = 7, 1e-6  # of a chaotic motion: their number, their relative distance
+TANGENT = 0.6, -0.5, 0.4, 0.3, 0.2, -0.3  # along no axis
+_DOUBLES_TRUE = 12 * math.log(10)  # ln of the growth up to which a double follows the motion
+
+
+@dataclass(frozen=True, repr=False)
+class Lyapunov:
+    """The largest exponent per unit of time, and the verdict on the motion up to ``end``.
+
+    ``exponent`` is the mean growth of ln |tangent| over the second half of the time;
+    ``uncertainty``: of a chaotic motion the standard deviation of the exponents of it and seven
+    neighbours, found alike; of another the standard error over blocks of time, and for what a power
+    law would show as well (blocks of a chaotic one hang together: their error is half the scatter).
+    ``growth``: of ln |tangent| over that half.  ``verdict``: "regular", "chaotic" or "undecided".
+
+    >>> import polhode
+    >>> polhode.lyapunov("euler/largest-axis", 1000).verdict
+    'regular'
+    """
+
+    scene: Scene
+    exponent: float
+    uncertainty: float
+    growth: float
+    end: float
+    verdict: str
+    reason: str
+
+    def __repr__(self) -> str:
+        return f"<Lyapunov of {self.scene.name}: {self}>"
+
+    def __str__(self) -> str:
+        return (
+            f"{self.verdict}: exponent {self.exponent:.3g} ± {self.uncertainty:.1g} "
+            f"up to t = {self.end:g}; {self.reason}"
+        )
+
+
+def lyapunov(
+    scene: Scene | str | Path, end: AnyNumber | None = None, max_steps: int = MAX_STEPS
+) -> Lyapunov:
+    """Estimate the largest Lyapunov exponent of a scene's motion, and call it regular or chaotic.
+
+    ``end``: the time to follow it to; unless given the scene's own end, or 2000 units of the slower
+    of its spin and its pendulum's swing if that is longer.  "undecided" where the time is too short
+    to tell; BadInput for an end at 0.
+
+    >>> import polhode
+    >>> found = polhode.lyapunov("general/asymmetric-chaotic", 2000)
+    >>> found.verdict, 0.06 < found.exponent < 0.14
+    ('chaotic', True)
+    """
+    import numpy as np
+
+    from polhode.taylor.variations.equations import Variations
+
+    scene = library.load(scene)
+    unit, slow = 2.0**scene.time_unit, _slowest(scene)
+    last = DEFAULT_LENGTH * slow
+    max_steps = steps(scene.name, max_steps)
+    if end is not None:
+        (until,) = each(scene.name, "end", (end,), exact_number, "a time")
+        last = to_double(until) / unit
+        if last == 0 or math.isinf(last):
+            raise BadInput(scene.name, "end", end, "a time other than 0, in a double's range")
+    elif abs(to_double(scene.end) / unit) > last:
+        last = to_double(scene.end) / unit
+    elif sign(scene.end) < 0:
+        last = -last
+    plain = system(replace(scene, form="principal"), ())
+    start = six(plain.start)
+    tangent = np.array(TANGENT)[:, None]
+    if len(plain.start) == 3:
+        tangent[3:] = 0
+    still, closed = at_rest(scene).state, reference(scene).is_closed_form
+
+    def followed(start: Doubles, last: float) -> Iterator[float]:
+        """The tangent's size at each look."""
+        flow = Variations(plain.coefficients, start, tangent)
+        yield _size(flow)
+        for k in range(1, BLOCKS * LOOKS + 1):
+            if not flow.to(last * k / (BLOCKS * LOOKS), max_steps - flow.steps):
+                return
+            if still:
+                flow.state = start
+            flow.rescale()
+            yield _size(flow)
+
+    sizes: list[float] = []
+    for size in followed(start, last):
+        sizes.append(size)
+        looks = len(sizes) - 1
+        if closed and not still and looks < BLOCKS * LOOKS and size - sizes[0] > _DOUBLES_TRUE:
+            # as far as it is this motion
+            return lyapunov(scene, last * looks / (BLOCKS * LOOKS) * unit, max_steps)
+    reached = abs(last) * (len(sizes) - 1) / (BLOCKS * LOOKS)
+    exponent, error, growth = fitted(sizes, reached)
+    verdict, reason = _judged(still, closed, growth, exponent, error, reached / slow)
+    if verdict == "chaotic":
+        moved = (start * (1 + APART * k) for k in range(1, NEIGHBOURS + 1))
+        ends = [fitted([*followed(x, math.copysign(reached, last))], reached)[0] for x in moved]
+        error = float(np.std([exponent, *ends], ddof=1))
+    found = math.copysign(reached * unit, last)
+    return Lyapunov(scene, exponent / unit, error / unit, growth, found, verdict, reason)
+
+
+def _judged(
+    still: bool, closed: bool, growth: float, exponent: float, error: float, length: float
+) -> tuple[str, str]:
+    grows = growth > CHAOTIC and exponent > 4 * error
+    if still or closed:
+        known = "a fixed point" if still else "a closed form is known"
+        how = "exponentially, for this motion is unstable" if grows else "at no clear rate"
+        if growth < REGULAR:
+            how = "no faster than a power of t"
+        return "regular", f"{known}; neighbours part {how}"
+    if grows:
+        return "chaotic", "neighbours part exponentially"
+    if growth < REGULAR and length >= SHORTEST:
+        return "regular", "neighbours part no faster than a power of t"
+    return "undecided", "follow it for longer"
+
+
+def fitted(sizes: list[float], length: float) -> tuple[float, float, float]:
+    """Mean slope of ln |tangent| over the second half, its uncertainty, and the growth there.
+
+    The largest size in each block stands for it, for the tangent swings with the motion.
+    """
+    import numpy as np
+
+    if len(sizes) < 2 * BLOCKS // LOOKS:
+        return 0.0, math.inf, 0.0
+    tops = [max(part) for part in np.array_split(sizes, min(BLOCKS, len(sizes) // 2))]
+    half = tops[len(tops) // 2 - 1 :]
+    width = length / len(tops)
+    slopes = np.diff(half) / width
+    spread = float(np.std(slopes, ddof=1)) / math.sqrt(len(slopes))
+    return float(np.mean(slopes)), spread + 2 / length, half[-1] - half[0]
+
+
+def _size(flow: Any) -> float:
+    """ln of the tangent's length."""
+    import numpy as np
+
+    length = float(np.linalg.norm(flow.tangents))
+    return math.log(length) + float(flow.exponent) * math.log(2)
+
+
+def _slowest(scene: Scene) -> float:
+    """The longer of a radian's time of the spin and of the pendulum, in the scene's own unit."""
+    square = scene.pendulum_rate_squared
+    if sign(square) == 0:
+        return 1.0
+    return max(1.0, 1 / to_double(exact.sqrt(square * Fraction(4) ** scene.time_unit)))

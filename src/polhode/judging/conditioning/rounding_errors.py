@@ -1,0 +1,292 @@
+"""What rounding does to a motion: the inputs', and that of the steps.
+
+**Inputs.**  The scene's numbers are rounded to the type once.  The differences are known, and so
+is what they cause, to first order: v(t) = Phi(t, 0) dx(0) + U(t) dk.  Where a run is projected onto
+the exact scene's first integrals, the part of v across their level is taken away as often, as far
+as a constant component of w can take a number between those of the type: on average alone.
+
+**Steps.**  A step method rounds the state and its increment in each step, independent from step to
+step and from component to component: by a deviate of covariance R, the sum of the squared spacings
+over 12 (:mod:`polhode.judging.conditioning.step_rounding`).  What the steps round sums up to the
+covariance
+
+    C(t) = sum over the steps s of Phi(t, s) R(s) Phi(t, s)^T,
+
+taken half at the start and half at the end of each stretch.  Of C, too, projection takes the part
+across the level away, and rounds the state once more.
+
+**Together.**  The error of such a run is v(t) plus a normal deviate of covariance C(t), and its
+size has a distribution: half of such runs have less than its median, nine in ten lie between its
+5 % and 95 % quantiles.
+
+Sizes are those of *correct digits*: the larger of the largest component of w over the largest |w|
+at the outputs, and of gamma, in scene axes.  They are kept in eps of the type, as a number times a
+power of two, for a motion may multiply them beyond any double.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from fractions import Fraction
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from polhode.common.cached_property import cached_property
+from polhode.equations.equilibrium import at_rest
+from polhode.equations.forms import principal
+from polhode.equations.integrals import FirstIntegrals, first_integrals
+from polhode.judging.conditioning.step_rounding import StepRounding, spacing
+from polhode.numbers import exact
+from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.number_types import LOG10_2, NumberType
+from polhode.taylor.corrections.integral_projection import constant_columns
+from polhode.taylor.variations.equations import Doubles
+from polhode.taylor.variations.reference_trajectory import six
+from polhode.taylor.variations.state_transition import Passage
+
+_SAMPLES = 2000  # of the normal deviates; fixed ones, so that the quantiles are always the same
+_QUANTILES = (0.05, 0.5, 0.95)
+_STEP = 2.0**-20  # of the differences for the integrals' gradients
+
+
+class Scaled(NamedTuple):
+    """An array times a power of two."""
+
+    values: Doubles
+    exponent: int
+
+    def normalised(self) -> Scaled:
+        """The same, its largest element about 1."""
+        largest = float(np.max(np.abs(self.values), initial=0.0))
+        if largest == 0 or not math.isfinite(largest):
+            return self
+        by = math.frexp(largest)[1]
+        return Scaled(np.ldexp(self.values, -by), self.exponent + by)
+
+
+class Band(NamedTuple):
+    """Correct digits that runs are expected to have: nine in ten between ``least`` and ``most``.
+
+    ``middle``: half of them have more.
+    """
+
+    least: float
+    middle: float
+    most: float
+
+
+def kappa(along: Passage) -> Iterator[tuple[float, float]]:
+    """(time, log10 of kappa) at the end of each stretch, see
+    :mod:`polhode.judging.conditioning.conditioning`.
+
+    The start and each number of the body, changed by one unit of itself.
+    """
+    start = six(along.plain.start)
+    by = principal.sensitivities(along.scene.body, along.scene.time_unit)
+    chain = np.array(
+        [
+            [to_double(d.get(name, 0)) / (unit or 1.0) for d in by]
+            for name, unit in zip(principal.NAMES, along.units, strict=True)
+        ]
+    )
+    tangents = Scaled(np.hstack([np.diag(start), np.zeros((6, 6))]), 0)
+    scale = along.rate_scale
+    for stretch in along.stretches:
+        values = stretch.carried @ tangents.values
+        values[:, 6:] += np.ldexp(stretch.driven @ chain, -tangents.exponent)
+        tangents = Scaled(values, tangents.exponent).normalised()
+        sums = [np.abs(along.turn @ tangents.values[i : i + 3]).sum(axis=1).max() for i in (0, 3)]
+        yield stretch.time, _log10(max(sums[0] / scale, sums[1])) + tangents.exponent * LOG10_2
+
+
+def inputs(along: Passage, number: NumberType, every: int = 0) -> Iterator[Scaled]:
+    """At the end of each stretch the error that rounding the inputs to the type causes, in eps.
+
+    ``every``: steps between two projections, which leave what lies in the level; 0 for none.
+    """
+    k = along.plain.coefficients
+    clear = _Clearing(along, every)
+    start = [_rounding(x, number) for x in along.plain.start]
+    v = Scaled(np.array([*start, *[0.0] * (6 - len(start))]), 0)
+    if at_rest(along.scene).state:  # a run keeps its rounded state
+        yield from (v for _ in along.stretches)
+        return
+    drive = np.array(
+        [
+            _rounding(k.get(name, ZERO), number) / (unit or 1.0)
+            for name, unit in zip(principal.NAMES, along.units, strict=True)
+        ]
+    )
+    rests = _Rests(along, v.values)
+    for stretch in along.stretches:
+        values = stretch.carried @ v.values
+        values = values + np.ldexp(stretch.driven @ drive, -v.exponent)
+        if (count := clear.made(stretch.steps)) > 0:
+            values = clear.removed(stretch.state) @ values
+            rests.keep(values, v.exponent, count)
+        v = Scaled(values, v.exponent).normalised()
+        yield v
+
+
+def scatter(along: Passage, every: int) -> Iterator[Scaled]:
+    """At the end of each stretch the covariance of the steps' rounding, in eps².
+
+    ``every``: steps between two projections; 0 where there are none.
+    """
+    clear, variances = _Clearing(along, every), StepRounding(along)
+    found = Scaled(np.zeros((6, 6)), 0)
+    before, time = six(along.plain.start), 0.0
+    for stretch in along.stretches:
+        x, step = stretch.state, (stretch.time - time) / (stretch.steps or 1.0)
+        one, other, once = (
+            np.diag(np.ldexp(variances(at, by), -found.exponent))
+            for at, by in ((before, step), (x, step), (x, 0.0))
+        )
+        half = stretch.steps / 2
+        values = stretch.carried @ (found.values + half * one) @ stretch.carried.T + half * other
+        if (count := clear.made(stretch.steps)) > 0:
+            keep = clear.removed(x)
+            values = keep @ (values + (count - 1) * once) @ keep.T + once
+        found = Scaled(values, found.exponent).normalised()
+        yield found
+        before, time = x, stretch.time
+
+
+def amplification(along: Passage, until: int) -> float:
+    """log10 of the most that a change on the way is multiplied by, up to a stretch's end.
+
+    The largest |Phi(t, s)| over s <= t, w and gamma in their scales, spectral norm.
+    """
+    sizes = np.array([along.rate_scale] * 3 + [1.0] * 3)
+    back, largest = Scaled(np.eye(6), 0), 0.0
+    for stretch in reversed(along.stretches[: until + 1]):
+        carried = stretch.carried / sizes[:, None] * sizes
+        back = Scaled(back.values @ carried, back.exponent).normalised()
+        here = _log10(float(np.linalg.norm(back.values, 2))) + back.exponent * LOG10_2
+        largest = max(largest, here)
+    return largest
+
+
+def size(along: Passage, error: Scaled) -> float:
+    """log10 of an error's size; -inf for none."""
+    return _log10(float(_sizes(along, error.values[None, :])[0])) + error.exponent * LOG10_2
+
+
+def quantiles(along: Passage, error: Scaled, spread: Scaled) -> tuple[float, ...]:
+    """log10 of the 5 %, 50 % and 95 % quantiles of the size of an error and a spread about it."""
+    squares, axes = np.linalg.eigh(spread.values)
+    exponent, odd = divmod(spread.exponent, 2)
+    root = axes * np.sqrt(np.maximum(squares, 0) * 2.0**odd)
+    common = max(exponent, error.exponent)
+    values = np.ldexp(error.values, error.exponent - common)
+    values = values + np.ldexp(_deviates() @ root.T, exponent - common)
+    found = np.quantile(_sizes(along, values), _QUANTILES)
+    return tuple(_log10(float(x)) + common * LOG10_2 for x in found)
+
+
+@cache
+def _deviates() -> Doubles:
+    """Normal deviates in six dimensions, the same ones for every motion."""
+    return np.random.default_rng(1850).standard_normal((_SAMPLES, 6))
+
+
+class _Clearing:
+    """Takes away what lies across the level of the first integrals, as often as a run does."""
+
+    def __init__(self, along: Passage, every: int) -> None:
+        self._along, self._every, self._left = along, every, float(every)
+        self._columns = len(along.plain.start)
+        w = along.rate_scale
+        self._sizes = np.array([w, w, w, 1.0, 1.0, 1.0])[: self._columns]
+
+    @cached_property
+    def _known(self) -> FirstIntegrals:
+        return first_integrals(self._along.scene)
+
+    @cached_property
+    def _k(self) -> dict[str, float]:
+        return {name: to_double(x) for name, x in self._known.coefficients.items()}
+
+    def made(self, steps: float) -> int:
+        """How many projections a run makes in so many steps more."""
+        self._left -= steps
+        if not self._every or self._left > 0:
+            return 0
+        count = 1 + math.floor(-self._left / self._every)
+        self._left += count * self._every
+        return count
+
+    def removed(self, state: Doubles) -> Doubles:
+        """The projection onto the level's tangent space at a state, (6, 6).
+
+        By the least change of the state in the unit of time of a run, as the run does it.
+        """
+        x = state[: self._columns]
+        gradients = []
+        for i in range(self._columns):
+            step = np.zeros(self._columns)
+            step[i] = _STEP * self._sizes[i]
+            ahead, behind = (
+                np.array(self._known.values([float(c) for c in y], self._k, 0.0))
+                for y in (x + step, x - step)
+            )
+            gradients.append((ahead - behind) / (2 * step[i]))
+        _, strengths, rows = np.linalg.svd(np.array(gradients).T, full_matrices=False)
+        rows = rows[strengths > 1e-7 * strengths[0]]
+        keep = np.eye(6)
+        keep[: self._columns, : self._columns] -= rows.T @ rows
+        return keep
+
+
+class _Rests:
+    """Components of w that the equations keep: a projection chooses among the type's numbers.
+
+    What it rounds off it adds to the next one, so that on average they are what they should be; the
+    first ones change nothing.  ``start``: what rounding the inputs did to the state, in eps.
+    """
+
+    def __init__(self, along: Passage, start: Doubles) -> None:
+        self._start = start
+        self._gaps = {
+            i: float(spacing(x))
+            for i in constant_columns(along.scene)
+            if (x := to_double(along.plain.start[i])) != 0
+        }
+        self._left = dict.fromkeys(self._gaps, 0.0)
+
+    def keep(self, values: Doubles, exponent: int, count: int) -> None:
+        """Put the components where so many projections leave them on average.
+
+        ``values``: where they should be, off the exact motion, in eps times 2**exponent.
+        """
+        for i, gap in self._gaps.items():
+            wanted, chosen = math.ldexp(float(values[i]), exponent), []
+            for _ in range(count):
+                off = wanted + self._left[i]
+                chosen.append(self._start[i] + gap * round((off - self._start[i]) / gap))
+                self._left[i] = off - chosen[-1]
+            values[i] = math.ldexp(sum(chosen) / count, -exponent)
+
+
+def _sizes(along: Passage, errors: Doubles) -> Doubles:
+    """The size of each row."""
+    w, gamma = (np.abs(errors[:, i : i + 3] @ along.turn.T).max(axis=1) for i in (0, 3))
+    found: Doubles = np.maximum(w / along.rate_scale, gamma)
+    return found
+
+
+def _rounding(x: Exact, number: NumberType) -> float:
+    """The rounded number minus the number, in eps."""
+    if sign(x) == 0:
+        return 0.0
+    mantissa, exponent = exact.rounded(x, number.bits)
+    difference = Fraction(mantissa) * Fraction(2) ** exponent - x
+    return to_double(difference * Fraction(2) ** (number.bits - 1))
+
+
+def _log10(x: float) -> float:
+    return math.log10(x) if x > 0 else -math.inf

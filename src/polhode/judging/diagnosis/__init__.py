@@ -1,0 +1,1 @@
+"""What may be wrong with a trajectory: conventions, rounded times, missing columns."""

@@ -1,0 +1,204 @@
+"""What a table that is wrong everywhere may mean: the usual other conventions, tried one by one.
+
+Doubles are enough: a convention is right or it is wrong in the first digit.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Collection, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polhode.common.text_tables import few
+from polhode.judging.references.certified import Certified
+from polhode.judging.references.reference import Reference, Remembered, rows
+from polhode.judging.references.two_precisions import TwoPrecisions
+from polhode.judging.tables.candidate import Subject
+from polhode.numbers.conversion import exactly, to_double
+
+MOST_ROWS = 40  # looked at
+WRONG, GAIN = 3.0, 3.0  # digits: below the first a part is wrong, the second is what a reading adds
+_TELLABLE = 15.0  # digits
+_DEGREE = math.pi / 180
+_SEQUENCES = [s for s in itertools.product("xyz", repeat=3) if s[0] != s[1] != s[2]]
+
+
+class Reading(NamedTuple):
+    """A part of a table read another way: its digits as it stands, and as it is read here."""
+
+    part: str
+    as_it_stands: float
+    convention: str
+    digits: float
+
+    def __str__(self) -> str:
+        return (
+            f"{self.part} as it stands {self.as_it_stands:.2f} digits; read as {self.convention}: "
+            f"{self.digits:.1f} digits"
+        )
+
+
+def readings(
+    subject: Subject,
+    reference: Reference | Certified | TwoPrecisions | Remembered,
+    wrong: Collection[str],
+) -> list[Reading]:
+    """For each part that is wrong, the convention that makes most of it right, if one does.
+
+    ``wrong``: which of omega, gamma, attitude and angles are, or may be.
+    """
+    kept = few(len(subject.times), MOST_ROWS)
+    times = [subject.times[k] for k in kept]
+
+    def doubles(part: Any) -> Any:
+        if part is None:
+            return None
+        values = [[math.nan if x is None else to_double(exactly(x)) for x in part[k]] for k in kept]
+        found = np.array(values, dtype=float)
+        return None if np.isnan(found).any() else found
+
+    def asked(question: Callable[..., Any], times: Any = times) -> Any:
+        try:
+            return np.array([[float(x) for x in row] for row in rows(question, times, 18)])
+        except (TypeError, ValueError):  # no closed form for it, a pole
+            return None
+
+    whole = {k: part for k, part in _whole(subject, doubles).items() if k in wrong}
+    if not whole:
+        return []
+    states = asked(reference.at)
+    turns = asked(reference.attitude)
+    right = _Right(states, None if turns is None else _matrices(turns))
+    found = [_best(part, _ways(part, values, right)) for part, values in whole.items()]
+    good = [reading for reading in found if reading is not None]
+    if not good and "omega" in whole and len(times) > 2:
+        step = subject.times[1] - subject.times[0]
+        for sign, word in ((1, "late"), (-1, "early")):
+            moved = asked(reference.at, [t - sign * step for t in times])
+            if moved is not None:
+                ways = [("", _against(whole["omega"], states[:, :3], True))]
+                ways.append((f"one step of t {word}", _against(whole["omega"], moved[:, :3], True)))
+                best = _best("omega", iter(ways))
+                good += [] if best is None else [best]
+    return good
+
+
+class _Right(NamedTuple):
+    states: Any
+    matrices: Any  # body -> space, None where not known
+
+
+def _whole(subject: Subject, doubles: Callable[[Any], Any]) -> dict[str, Any]:
+    """The parts of which every number is there."""
+    found: dict[str, Any] = {}
+    if subject.columns:
+        for name, columns in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
+            values = doubles([row[columns] for row in subject.states])
+            if values is not None and values.shape[1] == 3:
+                found[name] = values
+    for name in ("attitude", "angles"):
+        values = doubles(getattr(subject, name))
+        if values is not None:
+            found[name] = values
+    return found
+
+
+def _ways(part: str, values: Any, right: _Right) -> Iterator[tuple[str, float]]:
+    """Conventions of a part and the digits that each gives; as it stands first."""
+    if part == "omega":
+        yield from _of_omega(values, right)
+    elif part == "gamma":
+        yield "", _against(values, right.states[:, 3:])
+        yield "the downward vertical", _against(-values, right.states[:, 3:])
+    elif right.matrices is not None:
+        yield from (_of_attitude if part == "attitude" else _of_angles)(values, right)
+
+
+def _of_omega(values: Any, right: _Right) -> Iterator[tuple[str, float]]:
+    true = right.states[:, :3]
+    yield "", _against(values, true, True)
+    for factor, unit in ((1.0, ""), (_DEGREE, "degrees")):
+        for sign, sense in ((1, ""), (-1, "of the other sense")):
+            words = " ".join(filter(None, (unit, sense)))
+            if words:
+                yield words, _against(sign * factor * values, true, True)
+            if right.matrices is not None:
+                inside = np.einsum("nij,ni->nj", right.matrices, sign * factor * values)
+                yield f"along the axes of space {words}".strip(), _against(inside, true, True)
+
+
+def _of_attitude(values: Any, right: _Right) -> Iterator[tuple[str, float]]:
+    yield "", _as_it_stands(values, right)
+    orders = ((slice(None), ""), ([3, 0, 1, 2], "scalar-last"), ([1, 2, 3, 0], "q1 the scalar"))
+    for order, place in orders:
+        matrices = _matrices(values[:, order])
+        for turned, sense in ((matrices, ""), (matrices.transpose(0, 2, 1), "body from space")):
+            words = ", ".join(filter(None, (place, sense))) or "of either sign at each time"
+            yield words, _against(turned, right.matrices)
+
+
+def _as_it_stands(values: Any, right: _Right) -> float:
+    """Digits of a quaternion whose sign does not change between samples."""
+    steady = (
+        np.all(np.einsum("ni,ni->n", values[1:], values[:-1]) >= 0) if len(values) > 1 else True
+    )
+    return _against(_matrices(values), right.matrices) if steady else 0.0
+
+
+def _of_angles(values: Any, right: _Right) -> Iterator[tuple[str, float]]:
+    own = _turns("zxz", values)
+    yield "", _against(own, right.matrices)
+    for sequence in _SEQUENCES:
+        for factor, unit in ((1.0, ""), (_DEGREE, "in degrees")):
+            matrices = _turns("".join(sequence), factor * values)
+            name = f"turns about {'-'.join(sequence)}"
+            for turned, sense in ((matrices, ""), (matrices.transpose(0, 2, 1), "body from space")):
+                yield " ".join(filter(None, (name, unit, sense))), _against(turned, right.matrices)
+
+
+def _best(part: str, ways: Iterator[tuple[str, float]]) -> Reading | None:
+    found = list(ways)
+    if not found:
+        return None
+    plain, others = found[0][1], found[1:]
+    words, digits = max(others, key=lambda way: way[1], default=("", plain))
+    if plain >= WRONG or digits < plain + GAIN:
+        return None
+    return Reading(part, plain, words, digits)
+
+
+def _against(values: Any, true: Any, relative: bool = False) -> float:
+    """Digits to which arrays agree, the fewest; ``relative``: to the largest vector."""
+    scale = float(np.max(np.linalg.norm(true, axis=1))) if relative else 1.0
+    error = float(np.max(np.abs(values - true))) / (scale or 1.0)
+    return _TELLABLE if error == 0 else min(_TELLABLE, max(0.0, -math.log10(error)))
+
+
+def _matrices(quaternions: Any) -> Any:
+    """R (body -> space) of quaternions, scalar first, of any length but 0; shape (n, 3, 3)."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        length = np.linalg.norm(quaternions, axis=1, keepdims=True)
+        a, b, c, d = (quaternions / np.where(length == 0, 1, length)).T
+    found = [
+        [1 - 2 * (c * c + d * d), 2 * (b * c - a * d), 2 * (b * d + a * c)],
+        [2 * (b * c + a * d), 1 - 2 * (b * b + d * d), 2 * (c * d - a * b)],
+        [2 * (b * d - a * c), 2 * (c * d + a * b), 1 - 2 * (b * b + c * c)],
+    ]
+    return np.array(found).transpose(2, 0, 1)
+
+
+def _turns(sequence: str, angles: Any) -> Any:
+    """The product of turns about body axes, one after the other: R = R1(a1) R2(a2) R3(a3)."""
+    found = np.broadcast_to(np.eye(3), (len(angles), 3, 3))
+    for axis, angle in zip(sequence, angles.T, strict=True):
+        i = "xyz".index(axis)
+        j, k = (i + 1) % 3, (i + 2) % 3
+        one = np.zeros((len(angle), 3, 3))
+        one[:, i, i] = 1
+        one[:, j, j] = one[:, k, k] = np.cos(angle)
+        one[:, k, j], one[:, j, k] = np.sin(angle), -np.sin(angle)
+        found = found @ one
+    return found

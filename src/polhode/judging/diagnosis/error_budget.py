@@ -1,0 +1,112 @@
+"""What limits the digits of a trajectory: rounding, inputs, conditioning, method or reference."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from statistics import NormalDist
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from polhode.judging.conditioning.rounding_errors import Band
+
+LAST = 1.0  # digits: the type's own last ones
+MOTION_TAKES = 2.0  # digits: what the motion takes before it is named
+UNKNOWN = "unknown (the digits to expect were not computed)"
+ALONE = 0.03  # digits: what steps add to an error three times theirs
+
+
+def limit(
+    digits: float,
+    held: float,
+    expected: Band | None,
+    inputs: float | None,
+    reference: float,
+    steps: str,
+    times: int = 1,
+) -> str:
+    """The name of what limits so many correct digits.
+
+    ``held``: the most that the number type holds.  ``expected``: those of a run that rounds once a
+    step.  ``inputs``: those that rounding the scene's numbers leaves.  ``reference``: those that
+    the reference is good for, inf for a closed form.  ``times``: of so many these digits are the
+    fewest.
+
+    *reference*: it is not good for more.  *rounding*: these are the type's own last digits, or the
+    motion takes few.  *inputs*: no fewer than expected, and it is rounding the scene's numbers that
+    costs them: the steps add next to nothing.  *conditioning*: no fewer than expected; any method
+    that rounds its state at each step in this type loses as much.  *method*: fewer than nineteen in
+    twenty such runs have at their worst time; ``steps`` says what the method does.  *unknown*:
+    what to expect was not computed, for the motion is too long.
+    """
+    if reference < digits + LAST:
+        return "reference"
+    if digits >= held - LAST:
+        return "rounding"
+    if expected is None:
+        return UNKNOWN
+    if digits < expected.least - selected(times):
+        return f"method ({steps})"
+    if expected.middle >= held - MOTION_TAKES:
+        return "rounding"
+    lost = expected.most == 0
+    alone = inputs is not None and inputs < expected.middle + ALONE and not lost
+    return "inputs" if alone else "conditioning"
+
+
+def selected(times: int) -> float:
+    """How many digits below the band of its time the worst one of several may lie.
+
+    At one time a run in twenty has fewer digits than the band's least.  A run whose worst time is
+    looked for has many chances; with n times it is no more likely than that to fall short anywhere
+    if each is allowed what happens once in 20 n (Bonferroni; however the times depend on each
+    other).  For a normal deviate that is an error z(20 n)/z(20) times as large.
+    """
+    once, each = (NormalDist().inv_cdf(1 - 1 / (40 * n)) for n in (1, max(1, times)))
+    return math.log10(each / once)
+
+
+def is_lost(digits: float, expected: Band | None) -> bool:
+    """Whether no digit is expected there, and none was found either."""
+    return expected is not None and expected.middle == 0 and digits < 1
+
+
+def shown_digits(digits: float, expected: Band | None) -> str:
+    """Correct digits for people; never a number where none is left."""
+    return "none left" if is_lost(digits, expected) else f"{digits:.2f}"
+
+
+def shown_expected(expected: Band | None) -> str:
+    """The digits expected, for people: nine in ten runs have so many."""
+    if expected is None:
+        return "unknown"
+    return "none" if expected.most == 0 else f"{expected.least:.1f}-{expected.most:.1f}"
+
+
+def between(known: Mapping[Any, Any], times: Sequence[Fraction]) -> tuple[Any, ...]:
+    """Digits (numbers or bands) at times, linear between those where they are known.
+
+    None where they are not known at a neighbour.
+    """
+    nodes = sorted(known)
+    places = [float(t) for t in nodes]
+    found = []
+    for t in times:
+        if t in known:
+            found.append(known[t])
+            continue
+        place = float(t)
+        k = min(max(bisect(places, place), 1), len(nodes) - 1)
+        one, other = known[nodes[k - 1]], known[nodes[k]]
+        if one is None or other is None:
+            found.append(None)
+            continue
+        length = places[k] - places[k - 1]  # 0 where the two are one double
+        part = (place - places[k - 1]) / length if length else 0.0
+        if isinstance(one, float):
+            found.append(one + part * (other - one))
+        else:
+            found.append(type(one)(*(a + part * (b - a) for a, b in zip(one, other, strict=True))))
+    return tuple(found)

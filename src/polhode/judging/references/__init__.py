@@ -1,0 +1,1 @@
+"""What a trajectory is judged against: closed form, enclosure, two integrations."""

@@ -1,0 +1,117 @@
+"""A proven enclosure as the reference of a scene, where no closed form is known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from polhode.common.arguments import each, whole
+from polhode.common.errors import BadInput
+from polhode.numbers.conversion import exact_number
+from polhode.numbers.exact import Exact
+from polhode.numbers.scalars import AnyNumber, Real
+from polhode.scenes.classification import kind_of_body
+from polhode.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    from polhode.enclosures.result import Enclosure
+
+
+class Certified:
+    """The reference of any scene: balls that contain the exact motion, and their midpoints.
+
+    ``agreement`` holds the digits proven for the last request, at its worst time.
+
+    >>> import polhode
+    >>> proven = polhode.Certified(polhode.load("general/asymmetric-regular"))
+    >>> rows = proven.at([1], digits=20)
+    >>> 20 <= proven.agreement < 30
+    True
+    """
+
+    is_closed_form = False
+    is_proven = True
+    kind = "certified"
+    period = None
+    __hash__ = None  # type: ignore[assignment]
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.regime = kind_of_body(scene.body)
+        self.agreement = math.nan
+        self.frequencies: dict[str, Real] = {}
+        self._known: dict[tuple[tuple[Exact, ...], int, tuple[str, ...]], Enclosure] = {}
+
+    def __eq__(self, other: object) -> bool:
+        return self.scene == other.scene if isinstance(other, Certified) else NotImplemented
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Certified, (self.scene,)
+
+    def __repr__(self) -> str:
+        return f"<Certified of {self.scene.name}: {self.regime}>"
+
+    def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
+        """Rows p q r [gamma1 gamma2 gamma3] as mpf, proven to so many digits.
+
+        Raises BadInput where so many cannot be proven.
+        """
+        found = self.enclosure(times, digits)
+        return [list(row) for row in found.midpoints]
+
+    def enclosure(
+        self, times: Iterable[AnyNumber], digits: int = 50, outputs: tuple[str, ...] = ()
+    ) -> Enclosure:
+        """The balls themselves; the last request is also told in ``agreement``."""
+        from polhode.enclosures.certify import MOST_DIGITS, certify  # a closed form needs no heyoka
+
+        digits = whole(self.scene.name, "digits", digits, 1, MOST_DIGITS)
+        asked = each(self.scene.name, "t", times, exact_number, "a list of times")
+        key = (asked, digits, outputs)
+        if key not in self._known:
+            found = certify(replace(self.scene, outputs=outputs), key[0], digits)
+            if not found.outcome.done:
+                raise KeyboardInterrupt
+            self._known[key] = found
+        self.agreement = self._known[key].proven
+        return self._known[key]
+
+    def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
+        """Rows q0 q1 q2 q3 as mpf, the quaternion body to space, proven to so many digits."""
+        found = self._with("attitude", times, digits)
+        assert found.attitude is not None
+        rows = found.attitude.midpoints(found.noise + 128)
+        return [[x for x in row if x is not None] for row in rows]  # an attitude has no gaps
+
+    def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
+        """Rows psi theta phi in radians, continuous, proven to so many digits.
+
+        psi and phi are None at a start at a pole, and at all times where the third axis stays
+        vertical.  Raises BadInput where a motion passes so close to a pole that it is not proven on
+        which side.
+        """
+        found = self._with("angles", times, digits)
+        assert found.angles is not None
+        unknown = [
+            t for row, t in zip(found.angles.centres, found.times, strict=True) if row[0] is None
+        ]
+        if any(t != 0 for t in unknown) and not self._stays_at_a_pole:
+            expected = "a motion that keeps away from the poles: psi and phi are lost"
+            raise BadInput(self.scene.name, "angles", None, expected)
+        return found.angles.midpoints(found.noise + 128)
+
+    @property
+    def _stays_at_a_pole(self) -> bool:
+        from polhode.equations.pole_passage import departure
+
+        return self.scene.starts_at_pole and departure(self.scene) is None
+
+    def _with(self, output: str, times: Iterable[AnyNumber], digits: int) -> Enclosure:
+        if self.scene.gamma is None:
+            raise BadInput(self.scene.name, "start.gamma", None, "given, for an attitude")
+        agreement = self.agreement
+        found = self.enclosure(times, digits, (output,))
+        self.agreement = agreement  # that of the state
+        return found

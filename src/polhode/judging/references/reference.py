@@ -1,0 +1,256 @@
+"""The reference of a scene: its closed form, a proven enclosure, or two integrations.
+
+All answer the same questions; ``kind`` says which it is, and nothing else is ever called exact.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from polhode.closed_forms.families import ClosedForm, closed_form, misfit
+from polhode.common.arguments import each, whole
+from polhode.common.errors import BadInput
+from polhode.equations.hodographs import Hodographs, hodographs
+from polhode.judging.correct_digits import errors, rate_scale
+from polhode.judging.references.certified import Certified
+from polhode.judging.references.two_precisions import TwoPrecisions
+from polhode.numbers import exact, number_types
+from polhode.numbers.conversion import exact_number
+from polhode.numbers.double_double import Pairs
+from polhode.numbers.exact import Exact
+from polhode.numbers.mpmath_context import mpmath, ordinary
+from polhode.numbers.scalars import AnyNumber, Real
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+
+MAX_LOG10_ANGLE = 100
+ROUGH = 53  # bits in which a closed form plans; it computes with more
+
+
+class Reference:
+    """The closed form of a scene.
+
+    ``kind``: which closed form; ``regime``: the kind of motion; answers in the scene's body axes.
+
+    >>> import polhode
+    >>> exact = polhode.reference("euler/largest-axis")
+    >>> print(exact.at([1], digits=20)[0][0])  # p at t = 1, an mpf
+    0.447808688218415
+    """
+
+    is_closed_form = is_proven = True
+    agreement = math.inf  # no rounding enters that the digits asked for would show
+    __hash__ = None  # type: ignore[assignment]
+
+    def __init__(self, scene: Scene, kind: str, motion: ClosedForm) -> None:
+        self.scene, self.kind, self._motion = scene, kind, motion
+        self.regime = motion.regime
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Reference):
+            return NotImplemented
+        return self.kind == other.kind and self.scene == other.scene
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return reference, (self.scene,)  # what was computed so far is computed again
+
+    def __repr__(self) -> str:
+        return f"<Reference of {self.scene.name}: {self.kind}, {self.regime}>"
+
+    def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
+        """Rows p q r [gamma1 gamma2 gamma3] as mpf, right to so many digits.
+
+        ``times``: ints, Fractions, floats, mpf or decimal strings, taken exactly.
+        """
+        rows: list[list[Real]] = self._asked(self._motion.at, times, digits)
+        return rows
+
+    def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
+        """Rows q0 q1 q2 q3: the quaternion body to space, scalar first, continuous from q0 >= 0."""
+        rows: list[list[Real]] = self._asked(self._motion.attitude, times, digits)
+        return rows
+
+    def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
+        """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
+        rows: list[list[Real | None]] = self._asked(self._motion.angles, times, digits)
+        return rows
+
+    def columns(self, times: Pairs) -> tuple[list[Pairs], list[Pairs] | None] | None:
+        """States and quaternions at many times at once, where the closed form gives them so.
+
+        ``times`` and answers: :class:`polhode.numbers.double_double.Pairs`, of about 30 digits less
+        those that the phases take.  None where it does not.
+        """
+        import numpy as np
+
+        ask = getattr(self._motion, "columns", None)
+        if ask is None:
+            return None
+
+        def answer() -> tuple[list[Pairs], list[Pairs] | None]:
+            with np.errstate(all="ignore"):
+                found: tuple[list[Pairs], list[Pairs] | None] = ask(times)
+                return found
+
+        with mpmath.workprec(ROUGH):
+            return answer()
+
+    def hodographs(self, times: Iterable[AnyNumber], digits: int = 50) -> Hodographs:
+        """Rows of omega in the body and in space, right to so many digits of the largest |w|."""
+        times = _times(self.scene, times)
+        rows, attitude = self.at(times, digits), self.attitude(times, digits + 1)
+        return hodographs(rows, attitude, number_types.mp(digits + 1))
+
+    def error(self, times: Iterable[AnyNumber], digits: int = 50) -> Real:
+        """An estimate of the error of :meth:`at`, of w over its largest modulus, or of gamma.
+
+        A closed form that certifies itself is asked; of any other the answers are held against
+        those with 15 more digits.
+        """
+        certify = getattr(self._motion, "error", None)
+        if certify is not None:
+            own: Real = self._asked(lambda found, wanted: certify(wanted, found), times, digits)
+            return own
+        times = _times(self.scene, times)
+        rows, finer = self.at(times, digits), self.at(times, digits + 15)
+        bits = number_types.bits_for(digits + 40)
+        scale = rate_scale(finer, self.scene, bits)
+        largest: Real = ordinary(max(errors(rows, finer, scale, bits)))
+        return largest
+
+    @property
+    def conditions(self) -> tuple[str, ...]:
+        """The conditions on body and start that hold exactly, of a family that names them."""
+        found: tuple[str, ...] = getattr(self._motion, "held", ())
+        return found
+
+    @property
+    def curve(self) -> dict[str, object] | None:
+        """The algebraic curve of a Kovalevskaya top: H, K2, its roots e and period matrix tau."""
+        curve = getattr(self._motion, "curve", None)
+        return None if curve is None else dict(self._told(lambda: curve(50)))
+
+    @property
+    def approach(self) -> Real | None:
+        """The rate at which a motion of Hess's tends to a periodic one; None where it does not."""
+        approach = getattr(self._motion, "approach", None)
+        found: Real | None = None if approach is None else self._told(lambda: approach(50))
+        return found
+
+    def _asked(self, question: Any, times: Iterable[AnyNumber], digits: int) -> Any:
+        digits = whole(self.scene.name, "digits", digits, 1, number_types.MOST_ASKED)
+        return self._told(lambda: question(_times(self.scene, times), digits))
+
+    def _told(self, answer: Callable[[], Any]) -> Any:
+        """An answer of the closed form; raises BadInput where it has none."""
+        try:
+            with mpmath.workprec(ROUGH):  # one question at a time; each sets what it needs
+                return ordinary(answer())
+        except BadInput:
+            raise
+        except (ValueError, ArithmeticError) as fault:
+            expected = f"a question that this closed form answers ({fault})"
+            raise BadInput(self.scene.name, "reference", self.kind, expected) from None
+
+    @property
+    def period(self) -> Real | None:
+        """The period of omega in the body, to 50 digits; None where there is none."""
+        found: Real | None = self._told(lambda: self._motion.period(50))
+        return found
+
+    @property
+    def frequencies(self) -> dict[str, Real]:
+        """The motion's frequencies by name, radians per unit of time, to 50 digits."""
+        found: dict[str, Real] = self._told(lambda: self._motion.frequencies(50))
+        return found
+
+
+class Remembered:
+    """A reference whose rows are kept: a request for fewer digits at the same times costs nothing.
+
+    For judging several runs of one scene, the one with the most digits first.
+    """
+
+    def __init__(self, reference: Reference | Certified | TwoPrecisions) -> None:
+        self._asked = reference
+        self._kept: dict[tuple[Any, ...], tuple[int, list[list[Any]], float]] = {}
+        self.scene, self.kind, self.regime = reference.scene, reference.kind, reference.regime
+        self.is_closed_form, self.is_proven = reference.is_closed_form, reference.is_proven
+        self.agreement = reference.agreement
+
+    def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
+        """Rows right to at least so many digits."""
+        key = times = tuple(times)
+        if key not in self._kept or self._kept[key][0] < digits:
+            rows = self._asked.at(times, digits)
+            self._kept[key] = digits, rows, self._asked.agreement
+        _, rows, self.agreement = self._kept[key]
+        return rows
+
+    def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
+        """Rows q0 q1 q2 q3, not kept."""
+        return self._asked.attitude(times, digits)
+
+    def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
+        """Rows psi theta phi, not kept."""
+        return self._asked.angles(times, digits)
+
+
+def reference(scene: Scene | str | Path) -> Reference | Certified | TwoPrecisions:
+    """The reference of a scene: the closed form that fits, a proven enclosure where none does.
+
+    Raises BadInput where the scene asks for a closed form that does not fit.
+
+    >>> import polhode
+    >>> polhode.reference("euler/separatrix")
+    <Reference of euler/separatrix: euler, separatrix>
+    >>> body = polhode.Body.of_moments((3, 2, 1.5), (1, 1, 0), 1)
+    >>> polhode.reference(polhode.Scene(body, (1, 0, 0), (0, 0, 1)))
+    <Certified of scene: heavy asymmetric body>
+    """
+    scene = library.load(scene)
+    if scene.reference == "two-precisions":
+        return TwoPrecisions(scene)
+    if scene.reference == "certified":
+        return Certified(scene)
+    with mpmath.workprec(ROUGH):
+        found = closed_form(scene, scene.reference)
+    if found is not None:
+        return Reference(scene, *found)
+    if scene.reference != "auto":
+        other = closed_form(scene)
+        fits = f"{other[0] if other else 'certified'}, which fits body and start"
+        if (why := misfit(scene, scene.reference)) is not None:
+            fits += f"; {scene.reference} needs {why}"
+        raise BadInput(scene.name, "reference.kind", scene.reference, fits)
+    return Certified(scene)
+
+
+def rows(ask: Callable[..., list[Any]], times: Sequence[Fraction], digits: int) -> list[Any]:
+    """Rows of a reference in the order of ``times``; those of each sign are asked for together."""
+    found: dict[Fraction, Any] = {}
+    for part in by_sign(times):
+        found |= dict(zip(part, ask(part, digits), strict=True))
+    return [found[t] for t in times]
+
+
+def by_sign(times: Sequence[Fraction]) -> list[list[Fraction]]:
+    """The different times from 0 ahead, and those from 0 back, each in order; none empty."""
+    ahead, behind = ({t for t in times if s * t > 0} for s in (1, -1))
+    if 0 in times:
+        (ahead if ahead or not behind else behind).add(Fraction(0))
+    return [part for part in (sorted(ahead), sorted(behind, reverse=True)) if part]
+
+
+def _times(scene: Scene, times: Iterable[AnyNumber]) -> list[Exact]:
+    """Times taken exactly; raises BadInput beyond 10**100 radians, where digits cost more each."""
+    found = [*each(scene.name, "t", times, exact_number, "a list of times")]
+    for t in found:
+        if scene.log10_rate + exact.log10(t) > MAX_LOG10_ANGLE:
+            expected = f"at most 10**{MAX_LOG10_ANGLE} radians turned"
+            raise BadInput(scene.name, "t", f"10**{exact.log10(t):.0f}", expected)
+    return found

@@ -1,0 +1,1 @@
+"""A trajectory held against its reference: the score, and how it reads."""

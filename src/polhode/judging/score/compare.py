@@ -1,0 +1,137 @@
+"""Anything judged: a run, somebody's file, columns, an array of states."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+from polhode.common.arguments import of_kind, whole
+from polhode.common.errors import BadInput
+from polhode.common.progress import Tell
+from polhode.common.text_tables import few
+from polhode.judging.conditioning.conditioning import Conditioning
+from polhode.judging.references.certified import Certified
+from polhode.judging.references.reference import Reference, Remembered, reference
+from polhode.judging.references.two_precisions import TwoPrecisions
+from polhode.judging.score.judgement import Judgement
+from polhode.judging.score.report_text import SHOWN
+from polhode.judging.score.score import AnyReference
+from polhode.judging.tables.candidate import of_run, of_table
+from polhode.judging.tables.csv_file import open_table
+from polhode.judging.tables.table import Table, table_of_columns, table_of_rows
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.runs.problem.options import choose_number
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+#: Columns by name.
+Columns: TypeAlias = "Mapping[str, AnyVector] | pd.DataFrame | xr.Dataset"
+
+MANY = 1000  # rows of a table that has a first answer
+
+
+def compare(
+    what: Trajectory
+    | Table
+    | str
+    | Path
+    | Iterable[AnyVector]
+    | Mapping[str, AnyVector]
+    | pd.DataFrame
+    | xr.Dataset,
+    against: AnyReference | Scene | str | Path | None = None,
+    *,
+    number: str | NumberType | None = None,
+    digits: int | None = None,
+    at: Iterable[AnyNumber] | None = None,
+    columns: Sequence[str] | None = None,
+    known: Conditioning | None = None,
+    first: Callable[[Judgement, int], None] | None = None,
+    workers: int = 1,
+    progress: Tell | None = None,
+) -> Judgement:
+    """Judge a run, a trajectory file, columns or an array of states against a reference.
+
+    ``what``: a Trajectory; the path of a CSV file with a column t and any of p q r gamma1 gamma2
+    gamma3 psi theta phi q0 q1 q2 q3; the same columns as a mapping of names to arrays, a pandas
+    DataFrame or an xarray Dataset; or rows of numbers, which hold at the times ``at`` and have
+    the columns ``columns`` (those of the scene unless given).  ``against``: a reference, or the
+    scene whose reference it is; of a run its own scene unless given.  ``number`` (and ``digits`` of
+    mp): the type whose rounded values a file's decimals, or the rows, are; floats, of Python or of
+    arrays (single, double or long double), are known as such.
+    ``known``: the scene's conditioning, to spare its computation.
+    ``first``: called with a judgement of a few rows of a table of more than a thousand, and how
+    many those are, before the others are judged; of a file, before they are read.
+    ``workers``: processes that a closed form whose rows cost seconds may be asked by.
+    ``progress``: called with the part of the closed form's rows that are there, and how many,
+    where they take long.
+
+    Raises BadInput for what cannot be read or judged.
+
+    >>> import polhode
+    >>> scene = polhode.load("lagrange/nutation").at((1,))
+    >>> rows = [[float(x) for x in polhode.reference(scene).at([1], 20)[0]]]
+    >>> found = polhode.compare(rows, scene, at=[1], number="double")
+    >>> 15.4 < found.worst <= 16, found.limit
+    (True, 'rounding')
+    >>> rows[0][0] += 1e-6  # in p, where the largest |omega| is that at t = 1
+    >>> 6 < polhode.compare(rows, scene, at=[1]).worst < 7
+    True
+    """
+    if against is None:
+        if not isinstance(what, Trajectory):
+            raise BadInput("compare", "against", None, "a reference, or a scene")
+        against = what.scene
+    workers = whole("compare", "workers", workers, 1)
+    kinds = (Reference, Certified, TwoPrecisions, Remembered, Scene, str, Path)
+    of_kind("compare", "against", against, kinds, "a reference, or a scene")
+    if isinstance(against, (Scene, str, Path)):
+        against = reference(against)
+    if isinstance(what, Trajectory):
+        if not what.times:
+            ended = f"a time that the run reached ({what.outcome.cause}; {what.outcome.advice})"
+            raise BadInput(what.scene.name, "rows", None, ended)
+        found = Judgement(of_run(what), against, known, workers, progress)
+    else:
+        scene = against.scene
+        if digits is not None and number is None:
+            raise BadInput(scene.name, "digits", digits, "number given with it: mp")
+        kind = None if number is None else choose_number(scene, number, digits)
+        if isinstance(what, (str, Path)):
+            file = open_table(Path(what), kind)
+            some = None if first is None else file.some(SHOWN)
+            with suppress(BadInput):  # first what is wrong with the file, if anything is
+                if some is not None and _is_told(first, *some, against):
+                    first = None
+            what = file.table
+        elif hasattr(what, "keys"):
+            what = table_of_columns(what, kind)
+        elif not isinstance(what, Table):
+            named = scene.columns if columns is None else columns
+            what = table_of_rows(what, at, named, kind)
+        count = len(what.times)
+        _is_told(first, what.some(few(count, SHOWN)), count, against)
+        found = Judgement(of_table(what, scene), against, known, workers, progress)
+    about = found.subject
+    if not (about.columns or about.angles or about.attitude):
+        expected = f"columns of {', '.join(found.reference.scene.columns)}, angles or attitude"
+        raise BadInput(about.name, "header", None, expected)
+    _ = found.digits  # what cannot be judged is refused here
+    return found
+
+
+def _is_told(
+    first: Callable[[Judgement, int], None] | None, some: Table, count: int, against: AnyReference
+) -> bool:
+    """Whether ``first`` was called with some of so many rows."""
+    if first is None or count <= MANY:
+        return False
+    first(Judgement(of_table(some, against.scene), against), count)
+    return True

@@ -1,0 +1,273 @@
+"""A judgement: how many digits of a subject are right, what limits them, and how it reads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from polhode.common import upstairs
+from polhode.common.cached_property import cached_property
+from polhode.common.progress import Tell
+from polhode.common.text_tables import few
+from polhode.common.value_semantics import ByValue
+from polhode.equations.integrals import Drift
+from polhode.judging.conditioning.conditioning import Conditioning, conditioning
+from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
+from polhode.judging.conditioning.rounding_errors import Band
+from polhode.judging.diagnosis.error_budget import between, is_lost, limit
+from polhode.judging.diagnosis.omega_only import OmegaAlone, omega_alone
+from polhode.judging.references.reference import by_sign
+from polhode.judging.score.report_text import SHOWN, table, together
+from polhode.judging.score.score import AnyReference, HeldAgainst
+from polhode.judging.tables.candidate import Subject, of_table
+from polhode.judging.tables.table import Table
+from polhode.numbers.conversion import to_mpf
+from polhode.numbers.decimals import brief
+from polhode.numbers.exact import Exact
+from polhode.scenes.vocabulary import STATE
+
+if TYPE_CHECKING:
+    from polhode.judging.diagnosis.conventions import Reading
+
+FOLLOWED = 400  # times at which what rounding does to the motion is followed
+MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Judgement(ByValue):
+    """Correct digits of a run or a table at each of its times, and what limits them.
+
+    ``subject``: what was judged.  ``reference``: what against.  ``known``: kappa at the scene's
+    times, where it is known already.  ``workers``: processes that may ask the reference;
+    ``progress``: told of its rows where they take long.
+    ``digits[k]`` belongs to ``times[k]``: -log10 of the larger
+    of the error of omega over the largest |omega| of the reference, and the error of gamma.
+    Printed, it is what ``polhode compare`` says.
+
+    >>> import polhode
+    >>> found = polhode.compare(polhode.integrate("euler/separatrix", at=[1, 20]))
+    >>> 12.5 < found.worst < 14.5, found.worst_time, found.limit
+    (True, Fraction(20, 1), 'conditioning')
+    """
+
+    subject: Subject
+    reference: AnyReference
+    known: Conditioning | None = field(default=None, compare=False)
+    workers: int = field(default=1, compare=False)
+    progress: Tell | None = field(default=None, compare=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what is told of progress: nobody waits for it elsewhere."""
+        return super().__getstate__() | {"progress": None}
+
+    @property
+    def times(self) -> tuple[Fraction, ...]:
+        """The times judged."""
+        return self.subject.times
+
+    @cached_property
+    def _held(self) -> HeldAgainst:
+        return HeldAgainst(self.subject, self.reference, self.workers, self.progress)
+
+    @property
+    def digits(self) -> tuple[float, ...]:
+        """Correct digits of the state at each time; empty where no column of it is there."""
+        return self._held.digits
+
+    @property
+    def worst(self) -> float:
+        """The fewest correct digits of the state; ValueError where no column of it is there."""
+        if not self.digits:
+            raise ValueError(f"{self.subject.name}: no column of the state was judged")
+        return min(self.digits)
+
+    @property
+    def worst_time(self) -> Fraction:
+        """The first time at which the digits are fewest; ValueError likewise."""
+        return self.times[self.digits.index(self.worst)]
+
+    @property
+    def asked(self) -> int | None:
+        """The digits that the run was asked for, None where none were."""
+        return None if self.subject.run is None else self.subject.run.digits
+
+    @property
+    def reached(self) -> bool | None:
+        """Whether the digits asked for were reached; None where none were asked for."""
+        return None if self.asked is None else self.worst >= self.asked
+
+    @cached_property
+    def conditionings(self) -> tuple[Conditioning, ...]:
+        """Kappa at the times judged: from t = 0 ahead, and from t = 0 back."""
+        if self.known is not None:
+            return (self.known,)
+        scene, number = self.reference.scene, self.subject.number
+        count = len(self.times)
+        kept = {*range(count)}
+        if count > FOLLOWED:
+            kept = {*few(count, FOLLOWED), *few(count, SHOWN)}
+            kept |= {self.digits.index(self.worst)} if self.digits else set()
+        times = [self.times[k] for k in sorted(kept)]
+        return tuple(conditioning(scene, part, number) for part in by_sign(times))
+
+    @cached_property
+    def expected(self) -> tuple[Band | None, ...]:
+        """The digits of runs that round once a step of the subject's type; None where unknown.
+
+        Followed at ``FOLLOWED`` times or so; of more times, linear between those.
+
+        Of a projected run those that projection leaves; see :func:`polhode.conditioning`.
+        """
+        return self._told(lambda known: known.expected(self.subject.number, self._every))
+
+    @cached_property
+    def inputs(self) -> tuple[float | None, ...]:
+        """The digits that rounding the scene's numbers to the subject's type leaves.
+
+        Of a projected run those that are left where projection has taken its part away.
+        """
+        return self._told(lambda known: known.inputs(self.subject.number, self._every))
+
+    @property
+    def _every(self) -> int:
+        """Steps between two projections of the run; 0 where there are none."""
+        run = self.subject.run
+        return 0 if run is None or run.projection is None else run.projection.every
+
+    def _told(self, what: Callable[[Conditioning], tuple[Any, ...]]) -> tuple[Any, ...]:
+        """What is known of the times judged."""
+        if not self.digits:
+            return ()
+        if self.known is not None:
+            return what(self.known)[: len(self.times)]
+        found: dict[Exact, Any] = {}
+        for part in self.conditionings:
+            found |= dict(zip(part.times, what(part), strict=True))
+        return between(found, self.times)
+
+    @property
+    def lost_after(self) -> float | None:
+        """The time after which kappa leaves no digits; None where it leaves some throughout."""
+        after = [part.lost_after for part in self.conditionings if part.lost_after is not None]
+        return min(after, key=abs, default=None)
+
+    @property
+    def lost(self) -> str:
+        """That no digits are left, and after which time; empty where some are left throughout."""
+        gone = any(map(is_lost, self.digits, self.expected))
+        return next((part.lost for part in self.conditionings if gone and part.lost), "")
+
+    @cached_property
+    def motion(self) -> Lyapunov:
+        """Whether the scene's motion is regular or chaotic, as far as a moment's work tells."""
+        return lyapunov(self.reference.scene, max_steps=MOTION_STEPS)
+
+    @cached_property
+    def limit(self) -> str:
+        """What limits the digits, see :func:`polhode.judging.diagnosis.error_budget.limit`; empty
+        unjudged."""
+        if not self.digits:
+            return ""
+        about, agreement, worst = self.subject, self.reference.agreement, self.worst
+        if about.printed is not None and worst >= about.printed - 1:
+            return "rounding (of the printed digits)"
+        held, steps = min(about.held, about.number.most_digits), about.steps
+        cheap = limit(worst, held, None, None, agreement, steps)
+        if cheap in ("rounding", "reference"):  # needs nothing of the motion
+            return cheap
+        at = self.digits.index(worst)
+        expected, inputs, times = self.expected[at], self.inputs[at], len(self.times)
+        return limit(worst, held, expected, inputs, agreement, steps, times)
+
+    @property
+    def parts(self) -> dict[str, float]:
+        """Correct digits of angles and attitude over all times, by absolute error."""
+        return {name: found for name, found in self._held.parts.items() if isinstance(found, float)}
+
+    @property
+    def drift(self) -> Drift | None:
+        """Drift of the integrals; None where it says nothing, see ``notes``."""
+        return self._drift if isinstance(self._drift, Drift) else None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was not judged, and why."""
+        unjudged = [
+            f"{name} {'were' if name == 'angles' else 'was'} not judged: {found}"
+            for name, found in self._held.parts.items()
+            if isinstance(found, str)
+        ]
+        if isinstance(self._drift, str):
+            unjudged.append(f"drift of the integrals was not judged: {self._drift}")
+        return (*self.subject.notes, *unjudged)
+
+    @cached_property
+    def omega_alone(self) -> OmegaAlone | None:
+        """What omega says of gamma, where gamma is not there."""
+        scene, omega = self.reference.scene, self.subject.states
+        if self.subject.columns != STATE[:3] or len(scene.columns) == 3:
+            return None
+        if any(None in row[:3] for row in omega):
+            return None
+        held = self._held
+        given = [[to_mpf(x, held.bits) for x in row[:3]] for row in omega]
+        return omega_alone(scene, self.times, given, held.rows, held.bits)
+
+    @cached_property
+    def readings(self) -> tuple[Reading, ...]:
+        """Conventions in which parts of a table that is wrong as it stands would be right."""
+        from polhode.judging.diagnosis.conventions import WRONG, readings
+        from polhode.judging.diagnosis.time_rounding import reading
+
+        source = self.subject.source
+        if not isinstance(source, Table):
+            return ()
+        wrong = {name for name, digits in self.parts.items() if digits < WRONG}
+        if self.digits and self.worst < WRONG:
+            wrong |= {"omega", "gamma"}
+        if wrong or not self.digits:
+            return tuple(readings(self.subject, self.reference, wrong)) if wrong else ()
+        at, scene = self.digits.index(self.worst), self.reference.scene
+
+        def judged(table: Table) -> float:
+            return Judgement(of_table(table, scene), self.reference).worst
+
+        found = reading(source, scene, at, self.worst, 10.0**-self.worst, judged)
+        return () if found is None else (found,)
+
+    def __str__(self) -> str:
+        against = self.reference
+        known = f"to {against.agreement:.1f} digits"
+        estimated = f", which agree {known}: error estimated"
+        how = f", proven {known}" if against.is_proven else estimated
+        how = "" if against.is_closed_form else how
+        scene = f"{against.scene.name} ({against.regime})"
+        lines = [f"{self.subject.name} against {against.kind} of {scene}{how}"]
+        if self.digits:
+            lines += table(self.times, self.digits, self.expected, self.subject.number)
+            worst = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
+            lines.append(f"{self.lost or worst}; limited by {self.limit}")
+        lines.append(f"motion {self.motion}")
+        lines += [f"{name}: {digits:.2f} correct digits" for name, digits in self.parts.items()]
+        lines += [str(reading) for reading in self.readings]
+        if self.omega_alone is not None:
+            lines.append(str(self.omega_alone))
+        if self.drift is not None:
+            lines.append(f"drift {self.drift}")
+        if self.subject.projected and self.subject.run is not None:
+            lines.append(f"projected {self.subject.run.projection}")
+        lines += [f"not judged: {note}" for note in together(self.notes)]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        return str(upstairs.call("output.notebook:of_judgement", self))
+
+    def __repr__(self) -> str:
+        told = f"{self.worst:.2f} correct digits" if self.digits else "no state judged"
+        return f"<Judgement of {self.subject.name} against {self.reference.kind}: {told}>"
+
+    @cached_property
+    def _drift(self) -> Drift | str:
+        return self.subject.drift(self.reference.scene, self._held.bits)

@@ -1,0 +1,55 @@
+"""A judgement in words: its table of digits, its notes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+from polhode.common.text_tables import aligned, few
+from polhode.judging.conditioning.rounding_errors import Band
+from polhode.judging.diagnosis.error_budget import shown_digits, shown_expected
+from polhode.numbers.decimals import decimal_string, in_full, shortest
+from polhode.numbers.number_types import NumberType
+
+SHOWN = 11  # times that are printed
+_SHORT = 24  # characters of a time that is printed with all its digits
+
+
+def table(
+    times: Sequence[Fraction],
+    digits: Sequence[float],
+    expected: Sequence[Band | None],
+    number: NumberType,
+) -> list[str]:
+    """The lines of the digits at a few of the times, beside those that are expected."""
+    shown = few(len(digits), SHOWN)
+    header = ["t", "correct digits", f"expected in {number.name}"]
+    rows = [
+        [
+            _time(times[k], number),
+            shown_digits(digits[k], expected[k]),
+            shown_expected(expected[k]),
+        ]
+        for k in shown
+    ]
+    lines = aligned(header, rows)
+    if len(rows) < len(digits):
+        lines.append(f"({len(rows)} of {len(digits)} times; all of them with --json)")
+    return lines
+
+
+def together(notes: Sequence[str]) -> list[str]:
+    """Notes, those about columns that are not in the file as one, in the first one's place."""
+    missing = [k for k, note in enumerate(notes) if note.endswith(" is not in the file")]
+    if len(missing) < 2:
+        return list(notes)
+    names = " ".join(notes[k].split()[1] for k in missing)
+    told = [note for k, note in enumerate(notes) if k not in missing[1:]]
+    told[missing[0]] = f"columns {names} are not in the file"
+    return told
+
+
+def _time(t: Fraction, number: NumberType) -> str:
+    """Every digit of a time, where they are few; of a number of the type as few as tell it."""
+    text = shortest(t, number) if number.rounded(t) == t else in_full(t)
+    return text if len(text) <= _SHORT else decimal_string(t, 17)

@@ -1,0 +1,170 @@
+"""A subject held against a reference: how many of its digits are right, of each part."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, TypeAlias
+
+from polhode.common.cached_property import cached_property
+from polhode.common.progress import Tell
+from polhode.common.text_tables import few
+from polhode.judging.correct_digits import digits_of, errors, rate_scale
+from polhode.judging.dense_reference.parallel_evaluation import asked_by
+from polhode.judging.references.certified import Certified
+from polhode.judging.references.reference import Reference, Remembered, rows
+from polhode.judging.references.two_precisions import TwoPrecisions
+from polhode.judging.score.vectorized_score import ManyRows, digits, many_rows
+from polhode.judging.tables.candidate import Subject
+from polhode.numbers.conversion import exactly, to_mpf
+
+SPARE_DIGITS = 6  # of the reference beyond what can be told
+_FIRST_ROWS, _MORE = 32, 16  # of rows asked for piece by piece: the first piece, and its growth
+FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
+
+AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
+
+
+@dataclass(frozen=True, eq=False)
+class HeldAgainst:
+    """The right digits of a subject, the reference asked for no more digits than tell them.
+
+    ``workers``: processes that may ask the reference; ``progress``: told of its rows where
+    they take long.
+    """
+
+    subject: Subject
+    reference: AnyReference
+    workers: int = 1
+    progress: Tell | None = None
+
+    @cached_property
+    def digits(self) -> tuple[float, ...]:
+        """Correct digits of the state at each time; empty where no column of it is there."""
+        if not self.subject.columns:
+            return ()
+        if self.many is not None:
+            return tuple(digits(self.many.errors, self.subject.held))
+        return self._digits(self.subject.states)
+
+    @cached_property
+    def many(self) -> ManyRows | None:
+        """The rows judged all at once, where that can be."""
+        return many_rows(self.subject, self.reference, self.workers, self.progress)
+
+    @property
+    def _wanted(self) -> int:
+        return math.ceil(self.subject.held) + SPARE_DIGITS
+
+    @property
+    def bits(self) -> int:
+        """The working precision of what is compared."""
+        return math.ceil(self._wanted * math.log2(10)) + 32
+
+    @cached_property
+    def rows(self) -> list[Any]:
+        """The reference's states at the times, to as many digits as tell those that are right."""
+        ask, states = self._ask("at"), self.subject.states
+        if not self.subject.columns:
+            return rows(ask, self.subject.times, self._wanted)
+        start = [to_mpf(x, self.bits) for x in self.reference.scene.start]
+        there = [
+            k
+            for k, t in enumerate(self.subject.times)
+            if t != 0 and any(x is not None for x in states[k])
+        ]
+
+        def most_right(found: list[Any]) -> float:
+            digits = self._digits(states, found)
+            return max((digits[k] for k in there), default=0.0)
+
+        found = self._true(ask, most_right)
+        return [row if t else start for t, row in zip(self.subject.times, found, strict=True)]
+
+    def _ask(self, question: str) -> Callable[..., Any]:
+        """What the reference answers, by as many processes as there are to be."""
+        if isinstance(self.reference, Reference):
+            return asked_by(self.reference, question, self.workers, self.progress)
+        found: Callable[..., Any] = getattr(self.reference, question)
+        return found
+
+    def _true(self, ask: Callable[..., Any], right: Callable[[list[Any]], float]) -> list[Any]:
+        """A reference's rows, asked for more digits until none that are right hide behind them.
+
+        So a table of a thousand digits, few of them right, costs no reference of a thousand.
+        ``right``: how many are right, held against given rows.
+        """
+        wanted = min(self._wanted, FIRST_ASKED)
+        while True:
+            found = rows(ask, self.subject.times, wanted)
+            if wanted == self._wanted or right(found) < wanted - SPARE_DIGITS:
+                return found
+            wanted = min(self._wanted, 4 * wanted)
+
+    def _digits(self, states: Any, true: list[Any] | None = None) -> tuple[float, ...]:
+        true = self.rows if true is None else true
+        scale = rate_scale(true, self.reference.scene, self.bits)
+        found = errors(states, true, scale, self.bits)
+        return tuple(digits_of(error, self.subject.held) for error in found)
+
+    @cached_property
+    def parts(self) -> dict[str, float | str]:
+        """Digits of angles and attitude, or why there are none."""
+        found: dict[str, float | str] = {}
+        for name in ("angles", "attitude"):
+            own = getattr(self.subject, name)
+            if own is None:
+                continue
+            if all(x is None for row in own for x in row):
+                found[name] = f"none of {'them' if name == 'angles' else 'it'} has a value"
+                continue
+            try:
+                found[name] = self._told(name, own)
+            except ValueError as fault:  # BadInput is one
+                found[name] = str(fault)
+        return found
+
+    def _told(self, name: str, own: Any) -> float:
+        """Digits of angles or attitude over all rows; raises ValueError."""
+        many = None if self.many is None else getattr(self.many, name)
+        if many is None:
+            return self._part(
+                name, own, self._true(self._ask(name), partial(self._part, name, own))
+            )
+        worst = min(digits(many, self.subject.held), default=self.subject.held)
+        if name == "angles" and self.many is not None:
+            for some in _spread(self.many.untold):
+                if worst > 0:  # else they cannot be fewer
+                    times = [self.subject.times[k] for k in some]
+                    true = rows(self._ask(name), times, self._wanted)
+                    worst = min(worst, self._part(name, [own[k] for k in some], true))
+        return worst
+
+    def _part(self, name: str, own: Any, true: list[Any]) -> float:
+        signs = (1, -1) if name == "attitude" else (1,)  # a quaternion may have either
+        return max(self._part_digits(own, true, s) for s in signs)
+
+    def _part_digits(self, own: Any, true: list[Any], side: int) -> float:
+        from polhode.numbers.mpmath_context import mpmath
+
+        worst = self.subject.held
+        with mpmath.workprec(self.bits):
+            for mine, right in zip(own, true, strict=True):
+                for x, y in zip(mine, right, strict=True):
+                    if x is not None and y is not None:
+                        error = abs(side * to_mpf(exactly(x), self.bits) - y)
+                        worst = min(worst, digits_of(error, self.subject.held))
+        return worst
+
+
+def _spread(rows: Sequence[int]) -> Iterator[list[int]]:
+    """Rows in pieces, each spread over all of them."""
+    given: set[int] = set()
+    size = _FIRST_ROWS
+    while len(given) < len(rows):
+        piece = [k for k in few(len(rows), size) if k not in given]
+        given |= {*piece}
+        size *= _MORE
+        yield [rows[k] for k in piece]

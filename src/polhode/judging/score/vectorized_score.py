@@ -1,0 +1,179 @@
+"""Many rows judged at once, in pairs of doubles.
+
+What is judged has 53 or 64 bits, or some 17 printed digits, and is off by a unit of its last one or
+more: a reference that is right to three digits beyond that tells the correct digits to a hundredth.
+Pairs hold about 30 digits, of which the phases take log10 of the largest; at some rows they are
+held against the closed form itself, and where they do not have the digits, nothing is judged by
+them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from polhode.common.errors import BadInput
+from polhode.common.progress import Tell
+from polhode.common.text_tables import few
+from polhode.judging.dense_reference.columns import Columns, in_panels
+from polhode.judging.references.reference import Reference, rows
+from polhode.judging.tables.candidate import Subject
+from polhode.judging.tables.double_double_columns import columns_in_pairs
+from polhode.numbers import exact
+from polhode.numbers.conversion import to_double
+from polhode.numbers.double_double import Pairs, of_fractions, pairs
+from polhode.numbers.exact import sign
+
+FEWEST = 100  # rows: fewer are judged one by one in no time
+MOST_DIGITS = 20.0  # that can be told in pairs
+_SPARE = 3  # digits of the reference beyond those that can be told
+_CHECKED = 7  # rows at which the pairs are held against the closed form
+
+Doubles = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ManyRows:
+    """Errors of a subject's rows: of the state (0 without one), scaled as digits are, of the
+    attitude and of the angles; None where these are to be judged one by one.
+
+    A quaternion may have either sign: that of the smaller largest error.  ``untold``: rows of which
+    theta is judged and psi and phi, which the subject has, are not yet.
+    """
+
+    errors: Doubles
+    attitude: Doubles | None
+    angles: Doubles | None
+    untold: tuple[int, ...] = ()
+
+
+def many_rows(
+    subject: Subject, reference: Any, workers: int = 1, tell: Tell | None = None
+) -> ManyRows | None:
+    """A subject held against a reference; None where pairs cannot judge it."""
+    count = len(subject.times)
+    if not isinstance(reference, Reference) or count < FEWEST or subject.held > MOST_DIGITS:
+        return None
+    try:
+        found = _columns(subject, reference, workers, tell)
+        if found is None:
+            return None
+        own = [] if subject.states is None else subject.pairs
+        turned = [] if subject.attitude is None else columns_in_pairs(subject.attitude)
+        angular = [] if found.angles is None else columns_in_pairs(subject.angles)
+    except OverflowError:  # numbers beyond doubles
+        return None
+    states, quaternion, told = ([_spread(x, count) for x in part or ()] for part in found[:3])
+    with np.errstate(all="ignore"):
+        scale = _scale(states, reference)
+        scales = [scale if i < 3 else 1.0 for i in range(len(states))]
+        errors = _errors(own, states, scales) if own else np.zeros(count)
+        sides = [
+            _errors(turned, [y * side for y in quaternion], [1.0] * 4)
+            for side in (1.0, -1.0)
+            if turned and quaternion
+        ]
+        # psi and phi are not judged where the closed form has none, or does not tell them here
+        known = [
+            x if k == 1 else Pairs(np.where(np.isnan(told[k].hi), np.nan, x.hi), x.lo)
+            for k, x in enumerate(angular)
+        ]
+        angle_errors = _errors(known, told, [1.0] * 3) if angular else None
+    attitude = min(sides, key=lambda side: float(side.max()), default=None)
+    for ask, true, by, found_errors in (
+        (reference.at, own and states, scales, errors),
+        (reference.attitude, quaternion, [1.0] * 4, attitude),
+        (reference.angles, told, [1.0] * 3, angle_errors),
+    ):
+        if true and found_errors is not None:
+            # the largest error, or what is no number: that is what argmax finds first
+            checked = {*few(count, _CHECKED), int(found_errors.argmax())}
+            if true is told:
+                checked -= {*found.untold}
+            if not _right(subject, ask, true, by, sorted(checked)):
+                return None
+    untold = [k for k in found.untold if not all(np.isnan(angular[i].hi[k]) for i in (0, 2))]
+    return ManyRows(errors, attitude, angle_errors, tuple(untold))
+
+
+def _columns(
+    subject: Subject, reference: Reference, workers: int, tell: Tell | None
+) -> Columns | None:
+    """The reference at a subject's times, all that its columns ask for; None where it does not pay.
+
+    Closed forms that tell states and quaternions at many times at once do; panels tell the rest.
+    """
+    given = (("at", subject.states), ("attitude", subject.attitude), ("angles", subject.angles))
+    asked = [name for name, own in given if own is not None]
+    at_once = reference.columns(of_fractions(subject.times))
+    if at_once is not None:
+        asked = [name for name in asked if name == "angles"]
+    panels = None
+    if asked:
+        with suppress(BadInput):  # an answer that this closed form does not have
+            panels = in_panels(reference, subject.times, _needed(subject), asked, workers, tell)
+    if at_once is None:
+        return panels
+    if panels is None:
+        return Columns(*at_once)
+    return Columns(*at_once, panels.angles, panels.untold)
+
+
+def _needed(subject: Subject) -> int:
+    """The digits of a reference that tells those of a subject."""
+    return math.ceil(subject.held) + _SPARE
+
+
+def _errors(own: Sequence[Pairs], true: Sequence[Pairs], scales: Sequence[float]) -> Doubles:
+    """The largest error of each row; a cell that is not there is not judged."""
+    columns = [
+        np.where(np.isnan(x.hi), 0.0, np.abs((x - y).hi) / scale)
+        for x, y, scale in zip(own, true, scales, strict=True)
+    ]
+    found: Doubles = np.maximum.reduce(columns)  # not a number where one is none
+    return found
+
+
+def digits(errors: Doubles, cap: float) -> list[float]:
+    """-log10 of errors, between 0 and ``cap``."""
+    with np.errstate(divide="ignore"):
+        found: list[float] = np.clip(-np.log10(errors), 0.0, cap).tolist()
+    return found
+
+
+def _spread(x: Any, count: int) -> Pairs:
+    one = pairs(x)
+    return Pairs(*(np.broadcast_to(part, count) for part in (one.hi, one.lo)))
+
+
+def _scale(states: Sequence[Pairs], reference: Reference) -> float:
+    """What errors of w are relative to, see :func:`polhode.judging.correct_digits.rate_scale`."""
+    largest = float(np.sqrt(sum(x.hi**2 for x in states[:3])).max())
+    if largest > 0:
+        return largest
+    fallback = reference.scene.pendulum_rate_squared
+    return to_double(exact.sqrt(fallback)) if sign(fallback) else 1.0
+
+
+def _right(
+    subject: Subject,
+    ask: Callable[..., Any],
+    found: Sequence[Pairs],
+    scales: Sequence[float],
+    at: Sequence[int],
+) -> bool:
+    """Whether the pairs are right, at some rows, to the digits needed."""
+    needed = _needed(subject)
+    for k, true in zip(at, rows(ask, [subject.times[k] for k in at], needed + 3), strict=True):
+        for x, y, scale in zip(found, true, scales, strict=True):
+            if y is None and np.isnan(x.hi[k]):
+                continue
+            if y is None or not abs((x[k] - y).hi) / scale < 10.0**-needed:
+                return False
+    return True

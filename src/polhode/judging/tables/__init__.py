@@ -1,0 +1,1 @@
+"""Trajectories of any origin as tables of exact numbers."""

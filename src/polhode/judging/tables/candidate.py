@@ -1,0 +1,140 @@
+"""What is judged, in the terms of a judgement: a run, or a table of whatever origin."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import chain
+from typing import TYPE_CHECKING, Any
+
+from polhode.common.cached_property import cached_property
+from polhode.common.value_semantics import ByValue
+from polhode.equations.integrals import Drift, drift, drift_of_columns
+from polhode.judging.tables.table import Table
+from polhode.numbers.conversion import to_mpf
+from polhode.numbers.number_types import DOUBLE, NumberType, mp
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE, STATE
+
+if TYPE_CHECKING:
+    from polhode.numbers.double_double import Pairs
+
+MOST_DIGITS = 1000.0  # that are told of a table
+MOST_AT_ONCE = 20.0  # of a table whose drift pairs of doubles tell
+
+
+@dataclass(frozen=True, eq=False)
+class Subject(ByValue):
+    """A run or a table as a judgement reads it.
+
+    ``number``: the type whose rounding the digits possible are about; of a table without one
+    double, or one of as many digits as are printed where those are more than a double's 17.
+    ``held``: the most correct digits that can be told.  ``columns``: those of the state that are
+    there.  ``states``: rows of all the scene's columns, None where one is not there; ``angles`` and
+    ``attitude`` likewise, None where nothing of them is there.  ``steps``: what is to blame where
+    the method is.  ``printed``: significant digits in a table, None of a run.
+    """
+
+    source: Trajectory | Table
+    name: str
+    number: NumberType
+    held: float
+    times: tuple[Fraction, ...]
+    columns: tuple[str, ...]
+    states: Any
+    angles: Any | None
+    attitude: Any | None
+    steps: str
+    printed: int | None
+    projected: bool
+    notes: tuple[str, ...]
+
+    @property
+    def run(self) -> Trajectory | None:
+        """The run, where it is one."""
+        return self.source if isinstance(self.source, Trajectory) else None
+
+    @cached_property
+    def pairs(self) -> list[Pairs]:
+        """The columns of the state in pairs of doubles, not a number where a cell is not there.
+
+        Raises OverflowError for a number beyond doubles.
+        """
+        from polhode.judging.tables.double_double_columns import columns_in_pairs
+
+        return columns_in_pairs(self.states)
+
+    def drift(self, scene: Scene, bits: int) -> Drift | str:
+        """Drift of the integrals, or why it says nothing."""
+        if self.projected:
+            return "they were projected"
+        if isinstance(self.source, Trajectory):
+            return self.source.drift
+        if len(self.columns) < len(scene.columns) or _gaps(chain(*self.states)):
+            return "a column of the state is missing"
+        at_once = None
+        if self.held <= MOST_AT_ONCE:
+            with suppress(OverflowError):  # a number beyond doubles
+                at_once = drift_of_columns(scene, self.pairs[: len(scene.columns)])
+        if at_once is not None:
+            return at_once
+        return drift(scene, [[to_mpf(x, bits) for x in row] for row in self.states], bits)
+
+
+def of_run(run: Trajectory) -> Subject:
+    """A run as what is judged."""
+    return Subject(
+        source=run,
+        name=f"{run.scene.name}: {run.number.name} ({run.number.bits} bits)",
+        number=run.number,
+        held=run.number.most_digits,
+        times=run.times,
+        columns=run.columns,
+        states=run.states,
+        angles=run.angles,
+        attitude=run.attitude,
+        steps="rounding in the steps"
+        if run.at_full_tolerance
+        else f"tolerance {run.tolerance:.1e}",
+        printed=None,
+        projected=run.projected,
+        notes=(),
+    )
+
+
+def of_table(table: Table, scene: Scene) -> Subject:
+    """A table as what is judged: its columns as far as the scene has them."""
+    number, there = table.number, table.columns
+    notes = [f"column {name} is not known and was not judged" for name in table.ignored]
+    notes += [f"column {name} was not judged: p q r are" for name in SPACE if name in there]
+    if not scene.columns[3:]:
+        for name in (*STATE[3:], *ANGLES, *ATTITUDE):
+            if name in there:
+                notes.append(f"column {name} was not judged: the scene has no gamma")
+    columns = tuple(name for name in scene.columns if name in there)
+    notes += [f"column {name} is not in the file" for name in scene.columns if name not in there]
+    if any(_gaps(there[name]) for name in columns):
+        notes.append("empty cells were not judged")
+    return Subject(
+        source=table,
+        name=table.name,
+        number=number or (DOUBLE if table.printed <= DOUBLE.printed_digits else mp(table.printed)),
+        held=number.most_digits if number else min(table.printed + 2.0, MOST_DIGITS),
+        times=table.times,
+        columns=columns,
+        states=table.rows(scene.columns),
+        angles=table.rows(ANGLES) if scene.columns[3:] else None,
+        attitude=table.rows(ATTITUDE) if scene.columns[3:] else None,
+        steps="steps of the program",
+        printed=table.printed,
+        projected=table.projected,
+        notes=tuple(notes),
+    )
+
+
+def _gaps(cells: Iterable[Any]) -> bool:
+    """Whether any cell is not there (asked so, for a Fraction's == is slow)."""
+    return any(x is None for x in cells)

@@ -1,0 +1,194 @@
+"""Tables in files: a CSV, and what the JSON that polhode wrote beside it says of its numbers."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import string
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, TextIO
+
+from polhode.common.errors import UNREADABLE, BadInput
+from polhode.common.files import called, read_whole
+from polhode.common.text_tables import few
+from polhode.judging.tables.column_aliases import KNOWN, Column, column
+from polhode.judging.tables.csv_columns import most_printed, values
+from polhode.judging.tables.table import Table, radians
+from polhode.numbers import expression
+from polhode.numbers.expression import ExpressionError
+from polhode.numbers.number_types import NAMES, NumberType
+
+MAX_BYTES = 1 << 30
+MAX_LINE = 1_000_000  # characters
+_BLANK = "," + string.whitespace
+
+
+@dataclass(frozen=True, repr=False)
+class TableFile:
+    """The lines of a CSV file, comments blank, whose cells are still to be read.
+
+    ``number``: its decimals stand for numbers of it; that which the JSON that polhode wrote beside
+    it names, unless given.  ``beside``: what that JSON says, empty where there is none.
+    """
+
+    path: Path
+    lines: tuple[str, ...]
+    number: NumberType | None
+    beside: dict[str, Any]
+
+    @property
+    def table(self) -> Table:
+        """All the rows; raises BadInput."""
+        return self._of(self.lines)
+
+    def some(self, most: int) -> tuple[Table, int] | None:
+        """At most so many of the rows, evenly spread, and how many the file has.
+
+        None where lines are not rows, or where these cannot be read: :attr:`table` tells why.
+        """
+        header, *held = [k for k, line in enumerate(self.lines) if line.strip(_BLANK)] or [0]
+        if not held or any('"' in line for line in self.lines):  # a cell may have many lines
+            return None
+        chosen = [header, *(held[k] for k in few(len(held), most))]
+        try:
+            return self._of([self.lines[k] for k in chosen]), len(held)
+        except BadInput:
+            return None
+
+    def _of(self, lines: Sequence[str]) -> Table:
+        path = self.path
+        try:
+            rows = [
+                (k, [cell.strip() for cell in row])
+                for k, row in enumerate(csv.reader(lines), 1)
+                if any(cell.strip() for cell in row)
+            ]
+        except csv.Error:
+            raise _no_text(path) from None
+        if not rows:
+            raise BadInput(str(path), "file", None, "a header line that names the columns")
+        header = rows[0][1]
+        named = [column(name) for name in header]
+        for name in KNOWN:
+            if sum(name == found.name for found in named) > 1:
+                raise BadInput(str(path), "header", name, "each column once")
+        if all(found.name != "t" for found in named):
+            raise BadInput(str(path), "header", ",".join(header), "a column t among its names")
+        if all(found.name in (None, "t") for found in named):
+            expected = f"columns beside t that can be judged, of {', '.join(KNOWN[1:])}"
+            raise BadInput(str(path), "header", ",".join(header), expected)
+        if len(rows) == 1:
+            raise BadInput(str(path), "file", None, "at least one line of numbers")
+        return _table(path, header, named, rows[1:], self.number, self.beside)
+
+
+def open_table(path: Path, number: NumberType | None) -> TableFile:
+    """A CSV file's lines; raises BadInput.  ``number``: see :class:`TableFile`."""
+    found = read_whole(path, MAX_BYTES, "a readable CSV file")
+    try:
+        lines = tuple(_uncommented(io.StringIO(found.decode("utf-8-sig"), newline="")))
+    except (UnicodeDecodeError, csv.Error):
+        raise _no_text(path) from None
+    return TableFile(path, lines, number, _beside(path))
+
+
+def read_table(path: Path, number: NumberType | None) -> Table:
+    """A CSV file as a table; raises BadInput.  ``number``: see :class:`TableFile`."""
+    return open_table(path, number).table
+
+
+def _no_text(path: Path) -> BadInput:
+    return BadInput(str(path), "file", None, "a readable CSV file (not a CSV text)")
+
+
+def _uncommented(text: TextIO) -> Iterator[str]:
+    """The lines with comments blank: a quotation mark in a comment opens nothing."""
+    for line in iter(lambda: text.readline(MAX_LINE + 1), ""):
+        if len(line) > MAX_LINE:
+            raise csv.Error("a line without end")
+        yield "\n" if line.lstrip().startswith("#") else line
+
+
+def _table(
+    path: Path,
+    header: list[str],
+    named: list[Column],
+    rows: list[tuple[int, list[str]]],
+    number: NumberType | None,
+    beside: dict[str, Any],
+) -> Table:
+    for line, cells in rows:
+        if len(cells) != len(header):
+            raise BadInput(f"{path}:{line}", "line", ",".join(cells), f"{len(header)} values")
+    columns = dict(zip(named, zip(*(cells for _, cells in rows), strict=True), strict=True))
+    printed = 1
+    for (name, _), texts in columns.items():
+        if name not in (None, "t"):
+            printed = most_printed(texts, printed)
+    bits = beside.get("t_bits")
+    held = NumberType("mp", bits) if isinstance(bits, int) and bits > 1 else None
+    own = _type(beside) if held and number is None else None
+    own = own if own and printed <= own.printed_digits else None
+    found: dict[str, tuple[Fraction | None, ...]] = {}
+    for (name, degrees), texts in columns.items():
+        if name is None:
+            continue
+        try:
+            if name == "t":
+                exact = values(texts, held or number)
+                exact = [x and number.rounded(x) for x in exact] if held and number else exact
+            elif degrees:
+                exact = [x and radians(x) for x in values(texts, number)]
+                exact = [x and own.rounded(x) for x in exact] if own else exact
+            else:
+                exact = values(texts, number or own)
+        except ExpressionError:
+            raise _first_bad(path, named, rows) from None
+        found[name] = tuple(exact)
+    times = tuple(t for t in found.pop("t") if t is not None)
+    if len(times) < len(rows):
+        raise _first_bad(path, named, rows)
+    ignored = tuple(text for text, known in zip(header, named, strict=True) if known.name is None)
+    return Table(called(path), times, found, ignored, printed, number or own, _projected(beside))
+
+
+def _first_bad(path: Path, named: list[Column], rows: list[tuple[int, list[str]]]) -> BadInput:
+    """The complaint about the first cell that is no number."""
+    for line, cells in rows:
+        for (name, _), cell in zip(named, cells, strict=True):
+            if name is None or (cell == "" and name != "t"):
+                continue
+            try:
+                expression.decimal(cell)
+            except ExpressionError:
+                return BadInput(f"{path}:{line}", name, cell, "a finite decimal number")
+    raise AssertionError("each cell is a number")
+
+
+def _beside(path: Path) -> dict[str, Any]:
+    """What the JSON that polhode wrote beside a file says; empty where there is none."""
+    try:
+        found = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+    except (OSError, *UNREADABLE):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _type(beside: dict[str, Any]) -> NumberType | None:
+    """The type of the run's numbers."""
+    name, bits = beside.get("number"), beside.get("bits")
+    if name not in NAMES or not isinstance(bits, int) or bits < 2:
+        return None
+    return NumberType(name, bits)
+
+
+def _projected(beside: dict[str, Any]) -> bool:
+    """Whether the integrals were projected."""
+    projection = beside.get("projection")
+    if not isinstance(projection, dict):
+        return False
+    return bool(projection.get("count")) and "h" in projection.get("onto", ())

@@ -1,0 +1,144 @@
+"""Tables: trajectories of any origin, with any subset of the columns beside t."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+from polhode.common.arguments import each
+from polhode.common.errors import BadInput, nearest
+from polhode.judging.tables.column_aliases import KNOWN, column
+from polhode.judging.tables.type_inference import type_of
+from polhode.numbers import exact
+from polhode.numbers.conversion import exact_number, exactly
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
+
+MOST_PRINTED = 60  # digits that rows of exact numbers are counted as
+
+
+@dataclass(frozen=True, repr=False)
+class Table:
+    """A trajectory from outside: exact times, and columns by name (None where a cell is empty)."""
+
+    name: str
+    times: tuple[Fraction, ...]
+    columns: dict[str, tuple[Fraction | None, ...]]
+    ignored: tuple[str, ...]
+    printed: int  # the most significant digits that any number beside t has
+    number: NumberType | None = None  # whose values the numbers are; None: exact decimals
+    projected: bool = False  # whether the integrals were, as the file beside it says
+
+    def __repr__(self) -> str:
+        return f"<Table {self.name}: {', '.join(self.columns)} at {len(self.times)} times>"
+
+    def some(self, which: Sequence[int]) -> Table:
+        """Some of the rows."""
+        columns = {name: tuple(x[k] for k in which) for name, x in self.columns.items()}
+        return replace(self, times=tuple(self.times[k] for k in which), columns=columns)
+
+    def rows(self, names: Sequence[str]) -> list[list[Fraction | None]] | None:
+        """Rows of these columns, None where a cell or a column is not there; None without any."""
+        there = [self.columns.get(name) for name in names]
+        if all(column is None for column in there):
+            return None
+        none = (None,) * len(self.times)
+        return [list(row) for row in zip(*(column or none for column in there), strict=True)]
+
+
+def table_of_rows(
+    states: Iterable[AnyVector],
+    at: Iterable[AnyNumber] | None,
+    columns: Sequence[str],
+    number: NumberType | None = None,
+) -> Table:
+    """Rows of numbers as a table; raises BadInput.  ``number``: their type, where it is not plain.
+
+    Floats, of Python or of an array, say so themselves; other numbers without ``number`` are exact.
+    """
+    times = each("compare", "at", () if at is None else at, _exactly, "a list of times")
+    try:
+        given = [row if hasattr(row, "dtype") else list(row) for row in states]
+        rows = [[_exactly(x) for x in row] for row in given]
+    except (TypeError, ValueError) as fault:
+        raise BadInput("compare", "states", None, f"rows of finite numbers ({fault})") from None
+    if at is None or len(times) != len(rows) or not rows:
+        raise BadInput("compare", "at", len(times), f"a time for each of {len(rows)} rows")
+    known = (*STATE, *ANGLES, *ATTITUDE)
+    for name in each("compare", "columns", columns, str, "a list of names"):
+        if name not in known:
+            raise BadInput("compare", "columns", name, nearest(name, list(known)))
+    if any(len(row) != len(columns) for row in rows):
+        expected = f"{len(columns)} numbers in each row: {', '.join(columns)}"
+        raise BadInput("compare", "states", None, expected)
+    number = number or type_of(given)
+    named = dict(zip(columns, zip(*rows, strict=True), strict=True))
+    printed = number.printed_digits if number else MOST_PRINTED
+    return Table("states", times, named, (), printed, number)
+
+
+def table_of_columns(given: Any, number: NumberType | None = None) -> Table:
+    """Columns by name as a table: a mapping, a pandas DataFrame, an xarray Dataset.
+
+    Names are those of a file's header; the time may be a DataFrame's index.  Columns of floats
+    are known as such; nan, NaT and None are empty cells.  Raises BadInput.
+    """
+    if hasattr(given, "iloc"):  # a DataFrame
+        if column(str(given.index.name)).name == "t":
+            given = given.reset_index()
+        held = {str(name): given[name].to_numpy() for name in given.columns}
+    else:
+        names = [*getattr(given, "coords", ()), *given.keys()]
+        held = {str(name): getattr(given[name], "values", given[name]) for name in names}
+    named = {name: column(name) for name in held}
+    header = ",".join(held)
+    for name in KNOWN:
+        if sum(name == found.name for found in named.values()) > 1:
+            raise BadInput("compare", "columns", name, "each column once")
+    if all(found.name != "t" for found in named.values()):
+        raise BadInput("compare", "columns", header, "a column t among them")
+    if all(found.name in (None, "t") for found in named.values()):
+        expected = f"columns beside t that can be judged, of {', '.join(KNOWN[1:])}"
+        raise BadInput("compare", "columns", header, expected)
+    if number is None:
+        number = type_of(held[name] for name, k in named.items() if k.name not in (None, "t"))
+    found: dict[str, tuple[Fraction | None, ...]] = {}
+    for name, (known_name, degrees) in named.items():
+        if known_name is not None:
+            cells = each("compare", name, held[name], _cell, "a column of numbers")
+            found[known_name] = tuple(radians(x) if x and degrees else x for x in cells)
+    times = found.pop("t")
+    if not times or None in times or any(len(cells) != len(times) for cells in found.values()):
+        raise BadInput(
+            "compare", "columns", header, "columns as long as t, with a time in each row"
+        )
+    printed = number.printed_digits if number else MOST_PRINTED
+    ignored = tuple(name for name, known in named.items() if known.name is None)
+    exact_times = tuple(t for t in times if t is not None)
+    return Table("columns", exact_times, found, ignored, printed, number)
+
+
+def _cell(value: Any) -> Fraction | None:
+    """A cell's exact number, None where it is empty."""
+    if value is None or value != value:
+        return None
+    return _exactly(value)
+
+
+def _exactly(value: Any) -> Fraction:
+    return exactly(exact_number(value))
+
+
+def radians(degrees: Fraction) -> Fraction:
+    """An angle in radians, to far more digits than any table prints."""
+    return degrees * _degree()
+
+
+@cache
+def _degree() -> Fraction:
+    """pi/180 to 1100 digits."""
+    return exact.binary(*exact.rounded(exact.pi() / 180, 3700))

@@ -1,0 +1,1 @@
+"""What a motion under way leaves behind: how it ended, its events, its corrections."""

@@ -1,0 +1,152 @@
+"""How a run ended, and what events and corrections left behind.  Immutable."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+
+from polhode.common.value_semantics import ByValue, may_wait
+from polhode.numbers.decimals import decimal_in_full, shown
+from polhode.numbers.scalars import Rows
+
+
+class Outcome(Enum):
+    """How a run ended; ``cause`` says what happened and ``advice`` what to do.
+
+    >>> import polhode
+    >>> run = polhode.integrate("euler/long", max_steps=100)
+    >>> run.outcome, run.outcome.done
+    (<Outcome.STEP_LIMIT: 'step limit'>, False)
+    >>> run.outcome.cause
+    'the end needs more steps than the limit allows'
+    """
+
+    REACHED_END = "reached end"
+    STOPPED_AT_EVENT = "stopped at event"
+    NON_FINITE = "non-finite"
+    STEP_UNDERFLOW = "step underflow"
+    STEP_LIMIT = "step limit"
+    TIME_LIMIT = "time limit"
+    SINGULAR = "singular set"
+    TOO_FEW_DIGITS = "too few digits"
+    INTERRUPTED = "interrupted"
+    NOT_RUN = "not run"
+
+    @property
+    def cause(self) -> str:
+        """What happened."""
+        return _CAUSES[self.value][0]
+
+    @property
+    def advice(self) -> str:
+        """What to do about it."""
+        return _CAUSES[self.value][1]
+
+    @property
+    def done(self) -> bool:
+        """Whether the run did what was asked of it."""
+        return self in (Outcome.REACHED_END, Outcome.STOPPED_AT_EVENT)
+
+
+#: The outcomes by number, as arrays hold them.
+OUTCOMES = tuple(Outcome)
+_CODES = {outcome: number for number, outcome in enumerate(OUTCOMES)}
+
+
+def code(outcome: Outcome) -> int:
+    """The number of an outcome among OUTCOMES."""
+    return _CODES[outcome]
+
+
+_CAUSES = {
+    "reached end": ("all output times were reached", ""),
+    "stopped at event": ("an event that stops the run was met", ""),
+    "non-finite": (
+        "a state or a step became infinite or undefined",
+        "ask for fewer outputs (angles are singular at theta = 0 and pi), for events that stay "
+        "finite, or for a shorter run",
+    ),
+    "step underflow": (
+        "the step became too short to change the time",
+        "use a number type with more digits (--digits), or a shorter run",
+    ),
+    "step limit": (
+        "the end needs more steps than the limit allows",
+        "raise the limit (--max-steps), loosen --tol, or ask for a shorter run",
+    ),
+    "time limit": (
+        "the end needs more seconds than the limit allows",
+        "raise the limit (--max-seconds), or ask for fewer digits or a shorter run",
+    ),
+    "singular set": (
+        "the form of the equations met its singular set",
+        "use a form without one there, such as principal (--form)",
+    ),
+    "too few digits": (
+        "the end was reached with fewer correct digits than were asked for",
+        "ask for fewer digits or a shorter run, and let --digits choose number type and tolerance",
+    ),
+    "interrupted": ("the run was interrupted", "run again, or ask for a shorter run"),
+    "not run": ("the sweep was interrupted before this member was done", "run it again"),
+}
+
+
+@may_wait("times")
+@dataclass(frozen=True, eq=False, repr=False)
+class EventTimes(ByValue):
+    """When one event of a scene happened, in order of integration, and the states then.
+
+    ``times``: rounded to the run's type.  ``states``: rows as in a trajectory, taken at the event
+    itself: on the section to the type's precision, even where the time has no digits left for it.
+    ``grazing``: whether rounding decides if there is a zero at all, or two.  ``complete``: whether
+    rising and falling zeros alternate, as they do unless one was lost or a pole was passed.
+
+    >>> from dataclasses import replace
+    >>> import polhode
+    >>> scene = replace(polhode.load("lagrange/nutation"), events=(polhode.Event("nutation"),))
+    >>> (found,) = polhode.integrate(scene, at=[10]).events
+    >>> len(found.times), round(float(found.times[0]), 12), found.grazing[0]
+    (6, 0.46599315847, False)
+    """
+
+    name: str
+    times: tuple[Fraction, ...]
+    states: Rows
+    grazing: tuple[bool, ...]
+    complete: bool = True
+
+    def __repr__(self) -> str:
+        first = f", the first at t = {shown(self.times[0])}" if self.times else ""
+        return f"<EventTimes of {self.name}: {len(self.times)}{first}>"
+
+    def time_strings(self) -> list[str]:
+        """The times, every digit."""
+        return [decimal_in_full(t) for t in self.times]
+
+
+@dataclass(frozen=True)
+class Projection:
+    """What putting a run back on its first integrals took.
+
+    ``onto``: the integrals' names.  ``every``: steps between two corrections.  ``largest`` and
+    ``sum``: of the corrections' lengths, w measured in the run's own unit, in which the fastest
+    rate at the start is of order 1.
+
+    >>> import polhode
+    >>> found = polhode.integrate("kovalevskaya/generic", at=[1000]).projection
+    >>> found.onto, found.every, 1e-16 < found.largest < 1e-12
+    (('h', 'f', '|gamma|^2', 'K^2'), 320, True)
+    """
+
+    onto: tuple[str, ...]
+    every: int
+    count: int
+    largest: float
+    sum: float
+
+    def __str__(self) -> str:
+        return (
+            f"onto {', '.join(self.onto)} {self.count} times: largest correction "
+            f"{self.largest:.1e}, sum {self.sum:.1e}"
+        )

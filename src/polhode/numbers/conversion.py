@@ -1,0 +1,107 @@
+"""Lossless ways between numbers: nothing here narrows silently."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from operator import index
+from typing import Any
+
+from polhode.common.errors import plain
+from polhode.numbers import exact
+from polhode.numbers.exact import Exact, Number
+from polhode.numbers.expression import number
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Rows, Value
+
+
+def mpf_row(row: Sequence[Value], bits: int) -> list[Value]:
+    """The binary numbers of so many bits nearest to each of a row."""
+    return [to_mpf(exactly(x), bits) for x in row]
+
+
+def number_value(x: Number, number: NumberType) -> Value:
+    """The number nearest to x of the kind that a trajectory holds: float, longdouble or mpf."""
+    if number.name == "double":
+        return to_double(x)
+    if number.name == "extended":
+        return to_extended(x)
+    from polhode.numbers.mpmath_context import ordinary
+
+    return ordinary(to_mpf(x, number.bits))
+
+
+def joined(parts: Sequence[Rows], number: NumberType) -> Rows:
+    """Several parts' rows, or numbers, in one: an array, or a list above extended."""
+    if not number.flat:
+        return [row for part in parts for row in part]
+    import numpy as np
+
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def to_double(x: Number) -> float:
+    """The nearest double; infinite beyond its range."""
+    try:
+        if isinstance(x, (int, Fraction)):
+            return float(x)
+        return math.ldexp(*exact.rounded(x, 53))
+    except OverflowError:
+        return math.inf
+
+
+def to_extended(x: Number) -> Value:
+    """The nearest 80-bit number, as numpy.longdouble."""
+    import numpy as np
+
+    mantissa, exponent = exact.rounded(x, 64)
+    high, low = divmod(abs(mantissa), 1 << 32)
+    value = np.ldexp(np.longdouble(high), exponent + 32) + np.ldexp(np.longdouble(low), exponent)
+    return -value if mantissa < 0 else value
+
+
+def to_mpf(x: Number, bits: int) -> Value:
+    """The nearest binary number of so many bits, to be computed with: polhode's own mpf."""
+    from mpmath import libmp
+
+    from polhode.numbers.mpmath_context import mpmath
+
+    mantissa, exponent = exact.rounded(x, bits)
+    return mpmath.make_mpf(libmp.from_man_exp(mantissa, exponent))
+
+
+def exactly(value: Any) -> Fraction:
+    """The exact value of a float, longdouble, mpf, int, Fraction; ValueError if not finite."""
+    if isinstance(value, (int, Fraction)):
+        return Fraction(value)
+    try:
+        if isinstance(value, float):  # numpy.float64 is one
+            return Fraction(value)
+        raw = getattr(value, "_mpf_", None)
+        if hasattr(value, "__index__") and getattr(value, "ndim", 0) == 0:  # numpy's integers
+            return Fraction(index(value))
+        if raw is not None:
+            negative, mantissa, exponent, _ = raw
+            if mantissa == 0 and exponent != 0:
+                raise ValueError("not a finite number")
+            size = int(mantissa) * Fraction(2) ** int(exponent)
+            return -size if negative else size
+        return Fraction(*value.as_integer_ratio())  # numpy.longdouble
+    except (AttributeError, OverflowError, TypeError, ValueError):
+        raise ValueError("not a finite number") from None
+
+
+def exact_number(value: Any) -> Exact:
+    """A number given in Python, taken exactly, a float as the binary number that it is.
+
+    ``value``: int, Fraction, Irrational, float, numpy or mpmath number, or a string holding an
+    expression such as ``"0.1"`` or ``"sqrt(2)/3"``.  Raises ValueError for anything else.
+    """
+    if isinstance(value, (Fraction, exact.Irrational)):
+        return value
+    if isinstance(value, str):
+        return number(value)
+    if isinstance(value, bool) or not hasattr(value, "__float__"):
+        raise ValueError(f"not a number: {plain(value)}")
+    return exactly(value)

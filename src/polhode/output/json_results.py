@@ -1,0 +1,293 @@
+"""Results as JSON objects; names and shapes are a contract."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from polhode.common.provenance import provenance
+from polhode.judging.diagnosis.error_budget import is_lost
+from polhode.motion.outcomes import EventTimes
+from polhode.numbers import number_types
+from polhode.numbers.conversion import exactly
+from polhode.numbers.decimals import decimal_in_full, in_full, is_decimal, strings
+from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import NumberType
+from polhode.output.guaranteed_digits import right_rows
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes.classification import kind_of_body
+from polhode.scenes.scene import Scene
+
+if TYPE_CHECKING:  # a run needs none of these
+    from polhode.enclosures.events import CertifiedEvents
+    from polhode.enclosures.result import Enclosure
+    from polhode.equations.hodographs import Hodographs
+    from polhode.equations.integrals import Drift
+    from polhode.judging.conditioning.lyapunov import Lyapunov
+    from polhode.judging.diagnosis.omega_only import OmegaAlone
+    from polhode.judging.references.reference import Reference
+    from polhode.judging.score.judgement import Judgement
+
+
+def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
+    """The object that ``run --json`` prints."""
+    answer: dict[str, Any] = {
+        "scene": run.scene.name,
+        "number": run.number.name,
+        "bits": run.number.bits,
+    }
+    if run.digits is not None:
+        answer["digits"] = run.digits
+    if run.correct_digits is not None:
+        answer["correct_digits"] = round_down(run.correct_digits)
+        answer["checked_by"] = run.checked_by
+    answer |= {
+        "form": run.scene.form,
+        "method": run.method,
+        "regime": regime,
+        "columns": list(run.columns),
+        "times": run.time_strings(),
+        "states": run.state_strings(),
+    }
+    if run.errors is not None:
+        answer["error"] = [None if x is None else f"{x:.1e}" for x in run.errors]
+        answer["proven"] = False
+    if run.angles is not None:
+        answer["angles"] = strings(run.angles, run.number)
+    if "attitude" in run.scene.outputs:
+        answer["attitude"] = strings(run.attitude, run.number)
+    if run.hodographs is not None:
+        answer["hodographs"] = of_hodographs(run.hodographs, run.number)
+    if run.scene.events:
+        answer["events"] = [of_event(event, run.number) for event in run.events]
+    if run.projection is not None:
+        answer["projection"] = {
+            "onto": list(run.projection.onto),
+            "every": run.projection.every,
+            "count": run.projection.count,
+            "largest": f"{run.projection.largest:.3e}",
+            "sum": f"{run.projection.sum:.3e}",
+        }
+    if run.correct_digits is None:
+        answer["digits_left"] = [round_down(x) for x in run.expected.digits]
+        after = run.expected.lost_after
+        answer["no_digits_left_after"] = None if after is None else float(f"{after:.3g}")
+    answer |= {
+        "drift": of_drift(run.drift),
+        "outcome": run.outcome.value,
+        "reached": decimal_in_full(run.reached),
+        "steps": run.steps,
+        "provenance": dict(run.provenance),
+    }
+    return answer
+
+
+def round_down(digits: float) -> float:
+    """Digits to two places, never more than there are."""
+    return math.floor(100 * digits) / 100
+
+
+def of_hodographs(curves: Hodographs, number: NumberType) -> dict[str, Any]:
+    """omega in the body and in space as decimal strings."""
+    return {name: strings(rows, number) for name, rows in curves._asdict().items()}
+
+
+def of_event(event: EventTimes, number: NumberType) -> dict[str, Any]:
+    """When an event happened, and the states then."""
+    return {
+        "name": event.name,
+        "times": event.time_strings(),
+        "states": strings(event.states, number),
+        "grazing": list(event.grazing),
+        "complete": event.complete,
+    }
+
+
+def of_drift(drift: Drift) -> dict[str, str | None]:
+    """Drift as decimal strings."""
+    return {
+        name: None if value is None else f"{value:.3e}" for name, value in drift._asdict().items()
+    }
+
+
+def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> dict[str, Any]:
+    """The object that ``reference --json`` prints: the closed form to so many digits."""
+    scene = reference.scene
+    number = NumberType("mp", number_types.bits_for(digits + 1))
+    printed = number.printed_digits
+    held = held_times(scene, times, digits)
+    answer: dict[str, Any] = {
+        "scene": scene.name,
+        "number": "mp",
+        "bits": number.bits,
+        "digits": digits,
+        "form": reference.kind,
+        "regime": reference.regime,
+        "reference": reference.kind,
+        "columns": list(scene.columns),
+        "times": [in_full(exactly(t)) for t in held],
+        "states": strings(right_rows(reference.at, held, printed), number),
+    }
+    if "angles" in scene.outputs:
+        answer["angles"] = strings(right_rows(reference.angles, held, printed), number)
+    if "attitude" in scene.outputs:
+        answer["attitude"] = strings(right_rows(reference.attitude, held, printed), number)
+    if "hodographs" in scene.outputs:
+        answer["hodographs"] = of_hodographs(reference.hodographs(held, printed + 4), number)
+    answer |= {"outcome": "reached end", "steps": 0, "provenance": provenance(scene.text)}
+    return answer
+
+
+def of_enclosure(found: Enclosure) -> dict[str, Any]:
+    """The object that ``reference --certified --json`` prints: proven digits alone.
+
+    ``states``: decimals to which every number of the ball rounds; ``midpoints`` and ``radii``: the
+    balls; ``error``: at each time the proven error of w over the largest |w|, or of gamma.
+    """
+    from polhode.enclosures.result import rounded_up
+
+    scene = found.scene
+    number = NumberType("mp", found.noise + 64)
+    balls = found.decimals()
+    answer: dict[str, Any] = {
+        "scene": scene.name,
+        "number": "mp",
+        "bits": number.bits,
+        "digits": found.asked,
+        "form": "principal",
+        "regime": kind_of_body(scene.body),
+        "reference": "certified",
+        "proven": True,
+        "columns": list(scene.columns),
+        "times": [in_full(exactly(t)) for t in found.times],
+        "states": found.strings(),
+        "midpoints": [[middle for middle, _ in row] for row in balls],
+        "radii": [[radius for _, radius in row] for row in balls],
+        "error": rounded_up([10.0**-digits for digits in found.digits]),
+        "digits_proven": [round(digits, 2) for digits in found.digits],
+    }
+    for name, part in (("angles", found.angles), ("attitude", found.attitude)):
+        if part is not None:
+            answer[name] = part.strings()
+            answer[f"{name}_radii"] = [rounded_up(row) for row in part.radii]
+            answer[f"{name}_digits_proven"] = [round(digits, 2) for digits in part.digits]
+    return answer | {
+        "outcome": found.outcome.value,
+        "steps": found.steps,
+        "tries": found.tries,
+        "seconds": round(found.seconds_in_all, 3),
+        "provenance": provenance(scene.text),
+    }
+
+
+def of_certified_events(found: CertifiedEvents) -> dict[str, Any]:
+    """Proven events: decimals to which every number of a time's ball rounds, radii, slopes."""
+    from polhode.enclosures.result import guaranteed, rounded_up
+
+    return {
+        "name": found.name,
+        "times": [guaranteed(t.time, t.radius) for t in found.times],
+        "radii": rounded_up([t.radius for t in found.times]),
+        "slopes": [t.slope for t in found.times],
+        "undecided": [list(interval) for interval in found.undecided],
+        "proven": found.proven,
+    }
+
+
+def held_times(scene: Scene, times: Sequence[Exact], digits: int) -> list[Exact]:
+    """Times to be printed in full: decimals as they are, others rounded where no digit notices."""
+    bits = number_types.bits_for(digits + 1)
+    fine = NumberType("mp", 3 * bits + 64 + int(4 * scene.at(tuple(times)).log10_angle))
+    return [t if is_decimal(t) else fine.rounded(t) for t in times]
+
+
+def as_json(value: Any) -> str:
+    """JSON text, ASCII: a line for each key of an object and for each row of a table."""
+    from json import dumps
+
+    return _json(value, 0, partial(dumps, ensure_ascii=True, allow_nan=False)) + "\n"
+
+
+def _json(value: Any, depth: int, dumps: Callable[[Any], str]) -> str:
+    inner, outer = "\n" + " " * (depth + 1), "\n" + " " * depth
+    if isinstance(value, dict) and value:
+        lines = [f"{dumps(str(k))}: {_json(v, depth + 1, dumps)}" for k, v in value.items()]
+        return "{" + inner + ("," + inner).join(lines) + outer + "}"
+    if isinstance(value, list) and value and isinstance(value[0], (list, dict)):
+        lines = [_json(v, depth + 1, dumps) for v in value]
+        return "[" + inner + ("," + inner).join(lines) + outer + "]"
+    return dumps(value)
+
+
+def frequencies(reference: Any, digits: int = 17) -> dict[str, str | None]:
+    """Period and frequencies of a reference as decimal strings."""
+    number = NumberType("mp", number_types.bits_for(digits))
+    found: dict[str, Any] = {"period": reference.period, **reference.frequencies}
+    return {
+        name: None if value is None else strings([[value]], number)[0][0]
+        for name, value in found.items()
+    }
+
+
+def of_judgement(judged: Judgement) -> dict[str, Any]:
+    """The object that ``compare --json`` prints."""
+    reference, subject, told = judged.reference, judged.subject, bool(judged.digits)
+    answer: dict[str, Any] = {
+        "file": subject.name,
+        "scene": reference.scene.name,
+        "reference": reference.kind,
+        "regime": reference.regime,
+        "judged": [*subject.columns, *judged.parts],
+        "times": [in_full(t) for t in judged.times],
+        "correct_digits": [
+            None if is_lost(d, p) else round(d, 2)
+            for d, p in zip(judged.digits, judged.expected, strict=True)
+        ],
+        "digits_expected": [
+            None if b is None else [round(d, 2) for d in b] for b in judged.expected
+        ],
+        "digits_inputs": [None if d is None else round(d, 2) for d in judged.inputs],
+        "worst": round(judged.worst, 2) if told and not judged.lost else None,
+        "worst_time": in_full(judged.worst_time) if told else None,
+        "limit": judged.limit or None,
+        "motion": of_motion(judged.motion),
+        "yardstick": subject.number.name,
+        "no_digits_left_after": judged.lost_after if judged.lost else None,
+        "parts": {name: round(d, 2) for name, d in judged.parts.items()},
+        "drift": None if judged.drift is None else of_drift(judged.drift),
+        "omega_alone": of_omega_alone(judged.omega_alone),
+        "not_judged": list(judged.notes),
+    }
+    if judged.readings:
+        answer["read_as"] = [
+            {"part": r.part, "convention": r.convention, "digits": round(r.digits, 1)}
+            for r in judged.readings
+        ]
+    answer["proven"] = reference.is_proven
+    if not reference.is_closed_form:
+        answer["reference_digits"] = round(reference.agreement, 1)
+    return answer
+
+
+def of_omega_alone(found: OmegaAlone | None) -> dict[str, Any] | None:
+    """What omega alone says of gamma as a JSON object."""
+    if found is None:
+        return None
+    return {
+        "gamma_digits": round(found.digits, 2),
+        "derivative_digits": round(found.derivative, 2),
+        "drift": of_drift(found.drift),
+    }
+
+
+def of_motion(found: Lyapunov) -> dict[str, Any]:
+    """The verdict regular or chaotic as a JSON object."""
+    return {
+        "verdict": found.verdict,
+        "exponent": float(f"{found.exponent:.4g}"),
+        "uncertainty": None if found.uncertainty == math.inf else float(f"{found.uncertainty:.2g}"),
+        "until": found.end,
+        "reason": found.reason,
+    }

@@ -1,0 +1,185 @@
+"""The run in double that is to be refined, and the intervals into which its steps are grouped."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+
+from polhode.equations.forms import principal
+from polhode.refined.collocation_tables import LARGEST_FIELD
+from polhode.refined.errors import CannotRefine
+from polhode.refined.event_candidates import Candidates, Place
+from polhode.refined.expansions import rounded
+from polhode.refined.scaled_problem import Problem, in_unit
+from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
+from polhode.taylor.backend.integrator_pool import Idle
+
+STEPS = 8000  # of a base; its polynomials take a kilobyte a step
+_LOOKS, _PER_LOOK = 24, 20  # at the first steps, to guess the unit of time
+_LONGEST = 2.0**16  # of a base, in its own unit
+_GRID = 36  # edges are multiples of 2**-36 below 2**17: they and their differences are doubles
+_LONGEST_INTERVAL = 16.0
+_STRETCH = 1.15  # an interval may be that much longer than its shortest step would have it
+_NEIGHBOUR = 1.5  # and a step that much longer than the shortest of a neighbouring group
+
+_IDLE = Idle(most=4)
+_KEY = "base"
+
+
+@dataclass(frozen=True, eq=False)
+class Base:
+    """A run in double from an exact state at an exact time.
+
+    Its clock starts at 0 and ticks in units of 2**-unit of the scene's own; ``origin`` is its
+    start in the scene's unit.  ``edges``: of the intervals, doubles, the first one 0.
+    ``polynomials``: the states at any time passed, as heyoka gives them.  ``final``: it reaches
+    the end of the whole run; the last edge is then left out, what follows it is for outputs alone.
+    ``places``: where events may be.
+    """
+
+    unit: int
+    origin: Fraction
+    edges: Any
+    final: bool
+    polynomials: Any
+    steps: int
+    places: tuple[Place, ...] = ()
+
+    def states(self, times: Any) -> Any:
+        """States (6, ...) at an array of times."""
+        flat = self.polynomials(times.reshape(-1))
+        return np.ascontiguousarray(flat.T).reshape(6, *times.shape)
+
+    def clock(self, t: Fraction) -> Fraction:
+        """A time in the scene's unit by this clock."""
+        return (t - self.origin) * Fraction(2) ** self.unit
+
+    def time(self, clock: float) -> Fraction:
+        """The time in the scene's unit that the clock shows."""
+        return self.origin + Fraction(clock) / Fraction(2) ** self.unit
+
+
+def base(
+    problem: Problem,
+    state: tuple[Fraction, ...],
+    origin: Fraction,
+    end: Fraction,
+    m: int,
+    most: int = STEPS,
+    candidates: Candidates | None = None,
+) -> Base:
+    """Run in double from ``state`` at ``origin`` towards ``end`` (scene's unit), m steps a group.
+
+    ``most``: steps to take.  ``candidates``: looks for events.
+
+    Raises CannotRefine where the run does not succeed.
+    """
+    ta = _IDLE.take(_KEY) or _integrator()
+    unit = _first_guess(ta, problem, state, end - origin)
+    for _ in range(4):
+        runs = ta if candidates is None else candidates.begin(unit, origin)
+        found, fastest = _run(runs, problem, state, origin, end, unit, m, most)
+        fit = problem.unit(fastest * 2.0**unit)
+        if unit - 1 <= fit <= unit:
+            _IDLE.put(_KEY, ta)
+            if candidates is None:
+                return found
+            return replace(found, places=candidates.places(found.polynomials))
+        unit = fit
+    raise CannotRefine("no unit of time suits the motion")
+
+
+def _integrator() -> Any:
+    names = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
+    x = hy.make_vars(*names)
+    k = {name: hy.par[i] for i, name in enumerate(principal.NAMES)}
+    rates = principal.field(x, k, EXPRESSIONS)
+    return hy.taylor_adaptive(list(zip(x, rates, strict=True)), [0.0] * 6)
+
+
+def _begin(ta: Any, problem: Problem, state: tuple[Fraction, ...], unit: int) -> None:
+    ta.pars[: len(principal.NAMES)] = [float(x) for x in problem.coefficients_in(unit)]
+    ta.state[:] = [float(x) for x in in_unit(state, unit)]
+    ta.time = 0.0
+
+
+def _length(span: Fraction, unit: int) -> float:
+    return float(min(span * Fraction(2) ** unit, Fraction(_LONGEST)))
+
+
+def _first_guess(ta: Any, problem: Problem, state: tuple[Fraction, ...], span: Fraction) -> int:
+    """The unit of time that the fastest |w| of the first steps asks for."""
+    fastest = math.hypot(*map(float, state[:3]))
+    unit = problem.unit(fastest)
+    _begin(ta, problem, state, unit)
+    end = _length(span, unit)
+    for _ in range(_LOOKS):
+        ta.propagate_until(end, max_steps=_PER_LOOK)
+        fastest = max(fastest, 2.0**unit * math.hypot(*ta.state[:3]))
+    return problem.unit(fastest) if math.isfinite(fastest) else unit
+
+
+def _run(
+    ta: Any,
+    problem: Problem,
+    state: tuple[Fraction, ...],
+    origin: Fraction,
+    end: Fraction,
+    unit: int,
+    m: int,
+    most: int,
+) -> tuple[Base, float]:
+    """One run in one unit of time, and the largest |w| in it."""
+    _begin(ta, problem, state, unit)
+    last = _length(end - origin, unit)
+    outcome, *_, polynomials, _ = ta.propagate_until(last, max_steps=most, c_output=True)
+    whole = outcome == hy.taylor_outcome.time_limit
+    if not whole and outcome != hy.taylor_outcome.step_limit:
+        raise CannotRefine("the run in double failed")
+    times = polynomials.times
+    speeds = np.linalg.norm(polynomials.tcs[:, :3, 0], axis=1)
+    speeds = np.append(speeds, math.hypot(*ta.state[:3]))
+    if not np.isfinite(speeds).all():
+        raise CannotRefine("the run in double failed")
+    weight = max(abs(float(x)) for x in problem.coefficients_in(unit)[3:]) ** 0.5
+    edges = intervals(times, speeds, weight, m, whole)
+    final = whole and last < _LONGEST
+    if final:
+        edges = edges[: max(1, len(edges) - 1)]
+    return Base(unit, origin, edges, final, polynomials, len(times) - 1), float(speeds.max())
+
+
+def intervals(times: Any, speeds: Any, weight: float, m: int, cut: bool) -> Any:
+    """Edges of intervals of about m steps each, from the steps' times and |w| there.
+
+    An interval holds no more than its shortest step allows, nor than keeps |H f| below 4.
+    ``weight``: the root of the weight's largest coefficient, a rate that stays where w is small.
+    ``cut``: the last step was cut short and says nothing.
+    """
+    steps = np.diff(times)
+    if cut:
+        steps[-1] = math.inf
+    first = np.arange(0, len(steps), m)
+    shortest = np.minimum.reduceat(steps, first)
+    padded = np.concatenate([[math.inf], shortest, [math.inf]])
+    shortest = np.minimum(shortest, _NEIGHBOUR * np.minimum(padded[:-2], padded[2:]))
+    last = np.minimum(first + m, len(steps))
+    fastest = np.maximum(np.maximum.reduceat(speeds[:-1], first), speeds[last])
+    lengths = times[last] - times[first]
+    parts = np.maximum(lengths / (_STRETCH * m * shortest), lengths / _LONGEST_INTERVAL)
+    parts = np.maximum(parts, lengths * np.maximum(fastest, weight) / LARGEST_FIELD)
+    count = np.maximum(np.ceil(parts), 1).astype(int)
+    group = np.repeat(np.arange(len(first)), count)
+    within = np.arange(len(group)) - np.repeat(np.cumsum(count) - count, count)
+    edges = times[first][group] + lengths[group] * (within / count[group])
+    return np.unique(on_grid(np.append(edges, times[-1])))
+
+
+def on_grid(times: Any) -> Any:
+    """Times as multiples of 2**-36, exact in double and in two limbs."""
+    return rounded(times, _GRID)

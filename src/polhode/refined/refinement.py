@@ -1,0 +1,367 @@
+"""The front: a scene's states at exact times, to any number of digits, with their errors.
+
+A run in double goes ahead, block by block its intervals are refined, and each block starts from
+the exact state in which the one before ended.  The cost is linear in time, and what is held at a
+time is one run in double of some thousand steps, one block, and 300 bytes an interval for the
+error estimate.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from polhode.refined.attitude import Attitude, Following
+from polhode.refined.attitude_correction import turns
+from polhode.refined.deferred_correction import Constants, Intervals, Solved, solve
+from polhode.refined.double_run import STEPS, Base, base
+from polhode.refined.error_estimate import Estimate, Side, Stretch, estimate, made
+from polhode.refined.errors import CannotRefine, TooFarOff, TooLong
+from polhode.refined.events import Search
+from polhode.refined.expansions import Limbs
+from polhode.refined.interval_blocks import WIDTH, Block, cut
+from polhode.refined.scaled_problem import Problem, in_unit, out_of_unit, problem
+from polhode.refined.self_test import trusted_kernels, trusted_tables
+from polhode.refined.taylor_series import Series
+from polhode.scenes.scene import Scene
+from polhode.taylor.backend.process_settings import one_thread
+
+STEPS_AN_INTERVAL = 6
+_DRIFT = 2e-11  # of the double run at a block's end, beyond which it restarts there
+_REDOS = 40  # of one block
+_RARE = 0.02  # of a block's intervals: so few are halved, of more the nodes are increased
+_MORE_NODES = 2
+
+#: Called now and then with the fraction of the time done and the steps of the run in double.
+Progress = Callable[[float, int], None]
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """What is asked of each interval: the error ``target`` of its end, in numbers of ``limbs``."""
+
+    target: float
+    limbs: Limbs
+    sweeps: int
+
+    def nodes(self, m: int) -> int:
+        """Gauss nodes on an interval of m steps.
+
+        Legendre coefficients of the field fall by exp(2 asinh(15/m)) from one to the next in their
+        square: measured over bodies of all kinds.
+        """
+        return math.ceil(-math.log(self.target / 100) / (2 * math.asinh(15 / m))) + 3
+
+    @property
+    def tail(self) -> float:
+        """The last Legendre coefficient that may stand."""
+        return 2 * math.sqrt(1e4 * self.target)
+
+
+#: Limbs for the digits wanted; few kinds, because each has a field of its own to compile.
+_KINDS = (
+    *(Limbs(4, 24), Limbs(5, 23), Limbs(6, 23), Limbs(7, 23), Limbs(8, 23)),
+    *(Limbs(10, 22), Limbs(12, 22), Limbs(15, 22), Limbs(19, 22)),
+)
+_GUARD_BITS = 3
+MOST_DIGITS = int((_KINDS[-1].bits - _GUARD_BITS) / math.log2(10))
+
+
+def accuracy(digits: int) -> Accuracy:
+    """Enough for so many digits on each interval, 34 for quad; raises CannotRefine above 130."""
+    bits = digits * math.log2(10) + _GUARD_BITS
+    for limbs in _KINDS:
+        if limbs.bits >= bits:
+            return Accuracy(10.0**-digits, limbs, 3 + math.ceil(digits / 10))
+    raise CannotRefine(f"{digits} digits are more than {MOST_DIGITS}")
+
+
+QUAD = accuracy(34)
+
+INTERRUPTED, STEP_LIMIT, AT_EVENT = "interrupted", "step limit", "stopped at event"
+_SEAM = Fraction(1, 1024)  # so far past a base's end the events that it saw count
+
+
+@dataclass(frozen=True)
+class Motion:
+    """States at the times asked for, in the form's axes and the scene's own unit of time.
+
+    ``states``: a row (w1 w2 w3 g1 g2 g3) a time, integers times 2**-``bits``; fewer than the times
+    asked for where the run was ``stopped`` at the time ``reached``.  ``estimate``: their errors
+    and the condition kappa.  ``steps``: of the run in double.  ``sweeps``: on average.
+    ``attitudes``: at the times, where they were asked for.
+    """
+
+    times: tuple[Fraction, ...]
+    states: list[list[int]]
+    bits: int
+    estimate: Estimate
+    steps: int
+    intervals: int
+    sweeps: float
+    reached: Fraction
+    stopped: str | None
+    attitudes: list[Attitude] | None
+    _marks: tuple[tuple[Fraction, Problem], ...]
+    _wanted: Accuracy
+
+    def exactly(self, i: int) -> list[Fraction]:
+        """The i-th state as rationals."""
+        return [Fraction(x, 1 << self.bits) for x in self.states[i]]
+
+    def at(self, times: Sequence[Fraction]) -> list[list[int]]:
+        """States at times up to ``reached``, in any order: from the last block before each.
+
+        At the output times they are the run's own.  Raises CannotRefine.
+        """
+        known = dict(zip(self.times, self.states, strict=True))
+        begun = [mark for mark, _ in self._marks]
+        found: dict[Fraction, list[int]] = {}
+        ahead = sorted({abs(t) for t in times if t not in known})
+        while ahead:
+            index = bisect_right(begun, ahead[0]) - 1
+            after = begun[index + 1] if index + 1 < len(begun) else None
+            near = ahead if after is None else ahead[: bisect_left(ahead, after)]
+            origin, exact = self._marks[index]
+            run = _Run(exact, [t - origin for t in near], self._wanted, STEPS_AN_INTERVAL)
+            with one_thread():
+                run.to_the_end(None, None)
+            found |= zip(near, run.found, strict=True)
+            ahead = ahead[len(near) :]
+        backward = self.times[-1] < 0 if self.times else self.reached < 0
+        return [known[t] if t in known else _turned(found[abs(t)], backward) for t in times]
+
+
+def refine(
+    scene: Scene,
+    times: Sequence[Fraction],
+    wanted: Accuracy = QUAD,
+    m: int = STEPS_AN_INTERVAL,
+    progress: Progress | None = None,
+    max_steps: int | None = None,
+    search: Search | None = None,
+    following: Following | None = None,
+) -> Motion:
+    """The motion of a scene at times (its own unit), of one sign, away from 0, exact rationals.
+
+    ``m``: steps of the run in double to an interval; another one gives a run to compare with.
+    ``max_steps``: of the run in double.  ``search``: gathers the scene's events.  ``following``:
+    the attitude at the start.  Ctrl-C stops the run at the block it is at.  Raises CannotRefine
+    where the motion cannot be refined, BadInput for another form than the principal one.
+    """
+    backward = times[-1] < 0
+    exact = problem(scene, wanted.limbs.finest + 64, backward)
+    run = _Run(exact, [abs(t) for t in times], wanted, m, search, following)
+    with one_thread():
+        stopped = run.to_the_end(progress, max_steps)
+    reached = run.origin if stopped else abs(times[-1])
+    if search is not None and search.stop is not None:
+        reached = abs(search.stop)
+    whole = min(len(run.found), len(run.sides))  # an interrupt may have come between the two
+    asked = {abs(t) for t in times if abs(t) <= reached or not stopped}
+    kept = [i for i in range(whole) if run.times[i] in asked]
+    return Motion(
+        times=tuple(times[: len(kept)]),
+        states=[_turned(run.found[i], backward) for i in kept],
+        bits=wanted.limbs.finest,
+        estimate=estimate(run.stretches, [run.sides[i] for i in kept], 2.0**-wanted.limbs.bits),
+        steps=run.steps,
+        intervals=sum(len(stretch.made) for stretch in run.stretches) + whole,
+        sweeps=run.sweeps / max(1, run.blocks),
+        reached=-reached if backward else reached,
+        stopped=stopped,
+        attitudes=None if following is None else [run.attitudes[i] for i in kept],
+        _marks=tuple(run.marks),
+        _wanted=wanted,
+    )
+
+
+def _turned(row: list[int], backward: bool) -> list[int]:
+    """A state of the motion that runs forward as one of the scene's."""
+    return [-x for x in row[:3]] + row[3:] if backward else row
+
+
+class _Run:
+    """A refinement under way: an exact state at an edge of the present run in double."""
+
+    def __init__(
+        self,
+        exact: Problem,
+        times: Sequence[Fraction],
+        wanted: Accuracy,
+        m: int,
+        search: Search | None = None,
+        following: Following | None = None,
+    ) -> None:
+        self.following, self.attitudes = following, list[Attitude]()
+        self.problem, self.wanted, self.m, self.search = exact, wanted, m, search
+        self.times, self._asked = list(times), frozenset(times)
+        self._sought: dict[Fraction, list[tuple[int, bool]]] = {}  # events that may be there
+        self._looked = 0
+        self.found: list[list[int]] = []
+        self.stretches: list[Stretch] = []
+        self.sides: list[Side] = []
+        self.steps = self.sweeps = self.blocks = 0
+        self.marks = [(Fraction(0), exact)]  # where the blocks began
+        self.origin = Fraction(0)
+        self._state = exact.state
+        self._width = WIDTH
+        self._edges_passed = 0
+        self._nodes = wanted.nodes(m)
+
+    def to_the_end(self, progress: Progress | None, max_steps: int | None) -> str | None:
+        """Base after base, until every output is there; else why not."""
+        try:
+            while len(self.found) < len(self.times):
+                if max_steps is not None and self.steps >= max_steps:
+                    return STEP_LIMIT
+                most = min(STEPS, STEPS if max_steps is None else max_steps - self.steps)
+                end = self.times[-1]
+                seen = None if self.search is None else self.search.candidates
+                now = base(self.problem, self._state, self.origin, end, self.m, most, seen)
+                self.steps += now.steps
+                self._constants = self._in_unit(now.unit)
+                self._enlist(now)
+                self._through(now, progress)
+                if self._stopped_at_event():
+                    return AT_EVENT
+        except KeyboardInterrupt:
+            return INTERRUPTED
+        return None
+
+    def _enlist(self, now: Base) -> None:
+        """Where a new base sees events, states are refined too; what the last one saw is dropped,
+        but for a little past its end."""
+        if self.search is None:
+            return
+        if not self.marks[1:]:
+            self.search.refuse_what_never_moves(now)
+        done, seam = len(self.found), self.origin + _SEAM
+        ahead = {t for t in self.times[done:] if t in self._asked or t <= seam}
+        for place in now.places:
+            t = now.time(place.clock)
+            if t <= self.times[-1]:
+                self._sought.setdefault(t, []).append((place.event, place.extremum))
+                ahead.add(t)
+        self.times[done:] = sorted(ahead)
+
+    def _stopped_at_event(self) -> bool:
+        """Look at the places passed since the last time; whether one of them ends the run."""
+        if self.search is None:
+            return False
+        bits, backward = self.wanted.limbs.finest, self.search.backward
+        for t, row in zip(self.times[self._looked :], self.found[self._looked :], strict=False):
+            if t in self._sought:
+                series = Series(_turned(row, backward), bits, self.problem.coefficients)
+                for event, extremum in self._sought[t]:
+                    self.search.look(-t if backward else t, series, event, extremum)
+        self._looked = len(self.found)
+        return self.search.stop is not None
+
+    def _in_unit(self, unit: int) -> Constants:
+        limbs = self.wanted.limbs
+        split = np.array([limbs.split(k) for k in self.problem.coefficients_in(unit)])
+        return Constants(
+            limbs,
+            trusted_kernels(limbs),
+            trusted_tables(limbs, self._nodes),
+            split,
+            self.wanted.target,
+            self.wanted.sweeps,
+        )
+
+    def _through(self, now: Base, progress: Progress | None) -> None:
+        """The blocks of one base, until its end or until it has drifted too far."""
+        limbs = self.wanted.limbs
+        state = np.array([limbs.split(x) for x in in_unit(self._state, now.unit)])
+        clocks = [now.clock(t) for t in self.times[len(self.found) :]]
+        edges, at, redos = now.edges, 0, 0
+        while clocks:
+            block = cut(now, edges, at, self._width, clocks, state, limbs)
+            try:
+                work = block.intervals(self._constants.tables.nodes)
+                solved = solve(self._constants, work, self.following is not None)
+                self._check_tails(solved)
+                self._turn(work, solved)
+            except TooFarOff as far:
+                if far.good < 1:
+                    raise CannotRefine("the run in double drifts within one interval") from None
+                self._width = far.good
+            except TooLong as long:
+                edges = np.insert(edges, *block.halves(long.which, at))
+            except _TooFewNodes:
+                self._nodes += _MORE_NODES
+                self._constants = self._in_unit(now.unit)
+            else:
+                redos = -1
+                self._keep(block, solved, now.unit)
+                clocks = clocks[len(block.clocks) :]
+                at += block.chain
+                state = limbs.renormalised(solved.states[:, :, block.chain])
+                self._advance(now, float(edges[at]), state)
+                self._width = min(2 * self._width, WIDTH)
+                if progress is not None:
+                    progress(float(self.origin / self.times[-1]), self.steps)
+                drifted = block.chain and solved.drift[block.chain - 1] > _DRIFT
+                if drifted or (at == len(edges) - 1 and not now.final):
+                    return
+            redos += 1
+            if redos > _REDOS:
+                raise CannotRefine("a block cannot be refined")
+
+    def _advance(self, now: Base, clock: float, state: Any) -> None:
+        """Go on from an exact state at a time of the base's clock."""
+        limbs = self.wanted.limbs
+        self._state = out_of_unit([limbs.value(x) for x in state], now.unit)
+        self.origin = now.time(clock)
+        if self.origin > self.marks[-1][0]:
+            self.marks.append((self.origin, replace(self.problem, state=self._state)))
+
+    def _turn(self, work: Intervals, solved: Solved) -> None:
+        """The attitude over a block, where it is asked for."""
+        if self.following is None:
+            return
+        found = turns(self._constants, solved.stages, work.lengths, self.wanted.tail)
+        nodes, lengths = self._constants.tables.nodes, work.lengths.sum(axis=0)
+        self.attitudes += self.following.advance(found, work.chain, work.starts, nodes, lengths)
+
+    def _check_tails(self, solved: Solved) -> None:
+        """Raise TooLong or _TooFewNodes where the nodes do not resolve the motion."""
+        large = solved.tails > self.wanted.tail
+        if large.mean() > _RARE:
+            raise _TooFewNodes
+        if large.any():
+            raise TooLong(large)
+
+    def _keep(self, block: Block, solved: Solved, unit: int) -> None:
+        """Outputs and error estimate of a block."""
+        limbs, chain, scale = self.wanted.limbs, block.chain, 2.0**unit
+        ends = solved.states[:, :, block.chain + 1 :]
+        for row in ends.transpose(2, 0, 1).tolist():
+            whole = [limbs.integer(x) for x in row]
+            self.found.append([_shifted(x, unit) for x in whole[:3]] + whole[3:])
+        ratio = np.array([scale] * 3 + [1.0] * 3)
+        transitions = solved.transitions * (ratio[:, None] / ratio)
+        errors = made(solved.unfinished, solved.tails)
+        if chain:
+            self.stretches.append(Stretch(transitions[:chain], errors[:chain], scale))
+        for i, parent in enumerate(block.parents, start=chain):
+            edge = self._edges_passed + int(parent)
+            self.sides.append(Side(edge, transitions[i], float(errors[i]), scale))
+        self._edges_passed += chain
+        self.sweeps += solved.sweeps
+        self.blocks += 1
+
+
+class _TooFewNodes(Exception):
+    """Many intervals of a block need more nodes."""
+
+
+def _shifted(x: int, by: int) -> int:
+    return x << by if by >= 0 else x >> -by

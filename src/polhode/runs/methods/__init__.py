@@ -1,0 +1,1 @@
+"""The methods that integrate a problem: Taylor steps, and refined ones."""

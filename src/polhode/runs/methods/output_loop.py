@@ -1,0 +1,55 @@
+"""An integrator led through the output times, chunk by chunk."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.conversion import joined
+from polhode.numbers.scalars import Rows
+from polhode.taylor.backend.time_grid import Times
+from polhode.taylor.integrator.protocols import Integrating
+
+#: Called now and then with the fraction of the time done and the steps taken.
+Progress: TypeAlias = Callable[[float, int], None]
+
+
+def march(
+    integrator: Integrating,
+    times: Times,
+    rows: Rows,
+    limit: int,
+    chunk: int,
+    progress: Progress | None,
+) -> tuple[Rows, Outcome]:
+    """Advance chunk by chunk; ``rows`` and one more for each time reached, and the outcome."""
+    end, parts, done = times[-1], [rows], len(rows)
+    try:
+        while done < len(times):
+            steps = min(chunk, limit - integrator.steps)
+            if steps <= 0:
+                outcome = Outcome.STEP_LIMIT
+                break
+            found, outcome = integrator.chunk(times[done:], steps)
+            if outcome is Outcome.NON_FINITE:
+                finite = [k for k, row in enumerate(found) if all(x - x == 0 for x in row)]
+                found = found[finite] if integrator.number.flat else [found[k] for k in finite]
+            parts.append(found)
+            done += len(found)
+            if outcome is not Outcome.STEP_LIMIT:
+                break
+            passed = abs(integrator.time - integrator.marks[-1].offset)
+            if passed <= steps * abs(integrator.time) * integrator.number.eps:
+                outcome = Outcome.STEP_UNDERFLOW
+                break
+            ahead = abs(end - integrator.time) / passed * steps
+            if integrator.steps + ahead > 10 * limit:  # hopeless: no need to try the limit out
+                break
+            if progress is not None:
+                progress(float(integrator.time / end), integrator.steps)
+        else:
+            outcome = Outcome.REACHED_END
+    except KeyboardInterrupt:
+        outcome = Outcome.INTERRUPTED
+    return joined([part for part in parts if len(part)] or [rows], integrator.number), outcome

@@ -1,0 +1,269 @@
+"""One integration under way: the equations that the scene needs, marched from time to time."""
+
+from __future__ import annotations
+
+import time
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, NamedTuple
+
+from polhode.common.errors import BadInput
+from polhode.equations import equilibrium, kinematics
+from polhode.equations.form import Form
+from polhode.equations.pole_passage import phi_leaving_the_pole
+from polhode.equations.system import System, system
+from polhode.motion.outcomes import EventTimes, Outcome, Projection
+from polhode.numbers import number_types
+from polhode.numbers.conversion import exactly, number_value
+from polhode.numbers.exact import ZERO
+from polhode.numbers.scalars import Row, Rows
+from polhode.runs.methods.output_loop import Progress, march
+from polhode.runs.problem.problem import Asked, Setup
+from polhode.taylor.backend import defaults
+from polhode.taylor.integrator.protocols import Corrector, Integrating, Mark, Watcher
+
+if TYPE_CHECKING:
+    from polhode.taylor.events.stepwise import Watch
+
+#: Where a start at a pole is left, in the scene's own unit of time: a fraction of a radian on.
+_OFF_THE_POLE = Fraction(1, 2)
+
+
+class Leg(NamedTuple):
+    """One integrator's part of a run: its system, when that began, and its chunks' beginnings."""
+
+    system: System
+    origin: Fraction
+    marks: list[Mark]
+    projected: bool
+
+
+class Run:
+    """One run of a scene in one number type; rows of its form's variables come out.
+
+    ``project``: steps between two corrections of the state, None for none.
+    """
+
+    def __init__(
+        self, setup: Setup, max_steps: int | None = None, project: int | None = None
+    ) -> None:
+        self.setup, self.scene, self.number = setup, setup.scene, setup.number
+        self.max_steps = max_steps
+        self.steps = 0
+        self.reached = ZERO
+        self.build_seconds = self.seconds = 0.0
+        self.events: tuple[EventTimes, ...] = ()
+        self.legs: list[Leg] = []
+        self.projection: Projection | None = None
+        self._every = project
+        self._watch: Watcher | None = None
+        self._working: Integrating | None = None
+
+    def afresh(self) -> Run:
+        """The same run before its start."""
+        return Run(self.setup, self.max_steps, self._every)
+
+    def start(self) -> Row:
+        """The start of the variables, in the run's own unit, rounded to its type."""
+        return self.setup.first[0][: len(self.setup.form.variables)]
+
+    def again(self, leg: Leg) -> Integrating:
+        """An integrator that takes a leg's steps again, without looking for events."""
+        watch = self._new_watch()
+        if watch is not None:
+            watch.muted = True
+        corrector = self._corrector(leg.system.form, watch) if leg.projected else None
+        return self._built(leg.system, leg.origin, watch, corrector)
+
+    def to(self, asked: Asked, progress: Progress | None = None) -> tuple[Outcome, Rows]:
+        """The outcome, and rows at the times, as far as they were reached."""
+        from polhode.taylor.backend import heyoka_numbers
+
+        began = time.perf_counter()
+        try:
+            watch = self._watch = self._new_watch()
+            outcome, rows = self._to(asked, progress)
+        except heyoka_numbers.OutOfRange as fault:
+            expected = f"a type of wider range ({fault})"
+            raise BadInput(self.scene.name, "number", self.number.name, expected) from None
+        if watch is not None:
+            self.events = watch.found()
+            if self._working is not None and outcome.done:
+                self._working.release()
+        self.seconds = time.perf_counter() - began
+        return outcome, rows
+
+    def _to(self, asked: Asked, progress: Progress | None) -> tuple[Outcome, Rows]:
+        made, inside = self.setup, asked.inside
+        if made.still:
+            return self._stand_still(asked, progress)
+        began = time.perf_counter()
+        whole = made.whole
+        rows = made.first[: inside[0] == 0]
+        self.build_seconds += time.perf_counter() - began
+        if len(rows) == len(inside):
+            return Outcome.REACHED_END, rows
+        if made.singular:
+            return Outcome.SINGULAR, rows
+        origin = ZERO
+        if "angles" in self.scene.outputs and self.scene.starts_at_pole:
+            whole, origin = self._off_the_pole(whole, inside[len(rows)])
+            if made.number.flat:  # a motion that stays at the pole has no angles
+                rows = rows[:, : len(whole.start)]
+        rows, outcome = self._advanced(whole, origin, asked, rows, progress)
+        return outcome, rows[: self._before_stop(asked.exact, len(rows))]
+
+    def _before_stop(self, times: Sequence[Fraction], count: int) -> int:
+        """How many of the first times are not beyond an event that ended the run."""
+        if not self._stopped:
+            return count
+        return bisect_right(times, abs(self.reached), hi=count, key=abs)
+
+    def _advanced(
+        self,
+        whole: System,
+        origin: Fraction,
+        asked: Asked,
+        rows: Rows,
+        progress: Progress | None,
+    ) -> tuple[Rows, Outcome]:
+        """Integrate a system that stands at time ``origin``; ``rows`` and those to come."""
+        made = self.setup
+        outcome = Outcome.STOPPED_AT_EVENT
+        if not self._stopped:
+            corrector = self._corrector(whole.form, self._watch)
+            integrator = self._built(whole, origin, self._watch, corrector)
+            self._refuse_what_never_moves()
+            choices = defaults.of(self.number)
+            limit = self.max_steps if self.max_steps is not None else choices.max_steps
+            rows, outcome = march(integrator, asked.inside, rows, limit, choices.chunk, progress)
+            if corrector is not None:
+                self.projection = corrector.found()
+                self.build_seconds += corrector.seconds
+            self.steps += integrator.steps
+            # the end itself, not its rounding relative to where the last chunk began
+            done = outcome is Outcome.REACHED_END
+            last = asked.inside[-1] if done else integrator.time
+            self.reached = last if made.unit == 1 else last * made.unit
+            if self._watch is not None:
+                self._working = integrator  # its events are told first
+            elif outcome.done:
+                integrator.release()
+        if self._watch is not None and self._watch.stop is not None:
+            self.reached = self.number.rounded(self._watch.stop) * made.unit
+        return rows, outcome
+
+    def _stand_still(self, asked: Asked, progress: Progress | None) -> tuple[Outcome, Rows]:
+        """Rows of a state that never changes; only its events, those of t, need an integrator."""
+        times, inside = asked.exact, asked.inside
+        rows = self.setup.rows(
+            [
+                [number_value(x, self.number) for x in equilibrium.variables(self.scene, t)]
+                for t in times
+            ]
+        )
+        outcome, self.reached = Outcome.REACHED_END, times[-1]
+        if self._watch is None or self.reached == 0:
+            return outcome, rows
+        whole = replace(system(self.scene, ()), still=True)
+        columns = len(whole.start)
+        passed = [row[:columns] for row in rows[: inside[0] == 0]]
+        watched, outcome = self._advanced(
+            whole, Fraction(0), asked, self.setup.rows(passed), progress
+        )
+        return outcome, rows[: self._before_stop(times, len(watched))]
+
+    def _corrector(self, form: Form, watch: Watcher | None) -> Corrector | None:
+        """What corrects the state now and then; None where nothing does."""
+        if form.unit is not None:
+            from polhode.taylor.corrections.quaternion_norm import UnitNorm
+
+            return UnitNorm(form.unit, self.number)
+        if self._every is None or self.setup.still:
+            return None
+        from polhode.taylor.corrections.integral_projection import Projector
+
+        return Projector(self.scene, self.number, self._every, watch)
+
+    def _new_watch(self) -> Watch | None:
+        """What looks for the scene's events; None for a scene without any."""
+        if not self.scene.events:
+            return None
+        from polhode.taylor.events.stepwise import Watch
+
+        return Watch(self.scene, self.number, self.setup.tolerance, self.setup.still)
+
+    @property
+    def _stopped(self) -> bool:
+        return self._watch is not None and self._watch.stop is not None
+
+    def _refuse_what_never_moves(self) -> None:
+        """Refuse an event that is zero all along the motion: in this type, and to 200 digits."""
+        suspects = self._watch.still() if self._watch is not None else []
+        if not suspects:
+            return
+        from polhode.taylor.events.stepwise import Watch
+        from polhode.taylor.integrator.build import build
+
+        fine = number_types.mp(200)
+        watch = Watch(self.scene, fine, None)
+        build(system(self.scene, ()), fine, watcher=watch)
+        for k in watch.still():
+            if k in suspects:
+                event = self.scene.events[k]
+                key, text = f"events[{k + 1}].zero", event.expression or event.name
+                expected = "an expression that is not zero all along the motion"
+                raise BadInput(self.scene.name, key, text, expected)
+
+    def _built(
+        self,
+        what: System,
+        origin: Fraction,
+        watch: Watcher | None,
+        corrector: Corrector | None,
+    ) -> Integrating:
+        """The integrator of a leg of the run."""
+        from polhode.taylor.integrator.build import blueprint
+        from polhode.taylor.integrator.stepping import Integrator
+
+        began, made = time.perf_counter(), self.setup
+        plan = made.blueprint if what is made.whole else None
+        if plan is None:
+            plan = blueprint(what, self.number, made.tolerance)
+        built = Integrator(plan, origin, watch, corrector)
+        self.build_seconds += time.perf_counter() - began
+        self.legs.append(Leg(what, origin, built.marks, corrector is not None))
+        return built
+
+    def _off_the_pole(self, whole: System, first: Fraction) -> tuple[System, Fraction]:
+        """The system a moment after a start at a pole, where psi' is 0/0, and that moment.
+
+        The attitude leads over the pole; psi and phi then begin at their one-sided limits, the one
+        of psi ± phi that has a meaning at the pole staying continuous.  A motion that stays at
+        the pole has no psi and phi at all.
+        """
+        moment = max(-_OFF_THE_POLE, min(_OFF_THE_POLE, first / 2))
+        bridge = self.setup.rounded(system(self.scene, ("attitude",)))
+        leading = self._built(bridge, Fraction(0), self._watch, None)
+        self._refuse_what_never_moves()
+        found, outcome = leading.chunk([moment], 10**6)
+        self.steps += leading.steps
+        if self._watch is None and outcome.done:
+            leading.release()
+        if self._stopped:
+            return whole, moment
+        row = found[0]
+        gamma = self.setup.read.states([row])[0][3:]
+        if all(x == 0 for x in gamma[:2]):
+            outputs = tuple(name for name in whole.outputs if name != "angles")
+            names, start = whole.names[:-2], whole.start[:-2]
+            return replace(whole, names=names, outputs=outputs, start=start), Fraction(0)
+        variables = len(whole.form.variables)
+        kept = row if "attitude" in whole.outputs else row[:variables]
+        leaving = phi_leaving_the_pole(self.scene, 1 if moment > 0 else -1)
+        psi, phi = kinematics.angles_off_the_pole(
+            row[variables:], gamma, self.scene.psi, leaving, self.number.bits
+        )
+        return replace(whole, start=(*(exactly(x) for x in kept), psi, phi)), moment

@@ -1,0 +1,1 @@
+"""What is wanted beside the state: attitude, angles, events."""

@@ -1,0 +1,171 @@
+"""Events beside a plain run: in double, of a run that none of them ends.
+
+The state is integrated as in a run without events, to the bit, and read at evenly spaced knots
+between the outputs, too; from these all events are found together when the run is over
+(:mod:`polhode.taylor.events.dense_search`).
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.scalars import Doubles, Rows
+from polhode.runs.methods.output_loop import Progress
+from polhode.runs.methods.taylor import Run
+from polhode.runs.problem.problem import Asked, Setup
+from polhode.scenes.scene import Scene
+from polhode.taylor.backend.integrator_pool import Idle
+from polhode.taylor.backend.time_grid import Times
+
+if TYPE_CHECKING:
+    from polhode.taylor.batches.short_arcs import Hops
+    from polhode.taylor.events.dense_search import Outlook
+
+#: In the run's own unit, a radian or two of the fastest rate: a shorter run costs less than what
+#: is compiled here.
+SHORTEST_RUN = 256
+
+#: All knots' states are kept until the run is over: 50 megabytes.
+MOST_KNOTS = 2**20
+_FEWEST_KNOTS = 16
+
+_LOOKED_AT = 64  # times at first
+#: Of an expression: how far off it may be over two intervals; over one 1024th of it.
+_CLOSE = 2.0**-8
+
+_IDLE = Idle()
+
+
+class Plan(NamedTuple):
+    """The times of a plain run, ``outputs`` and ``knots`` among them; ``width``: between knots."""
+
+    asked: Asked
+    outputs: npt.NDArray[np.intp]
+    knots: npt.NDArray[np.intp]
+    width: float
+
+
+def fits(made: Setup, times: Asked) -> bool:
+    """Whether a run's events are had like this."""
+    scene = made.scene
+    return (
+        bool(scene.events)
+        and abs(times.inside[-1]) >= SHORTEST_RUN
+        and made.number.name == "double"
+        and made.tolerance is None
+        and scene.form == "principal"
+        and not scene.modelled
+        and not made.still
+        and all(quiet(made))
+    )
+
+
+def quiet(made: Setup) -> list[bool]:
+    """Which events never end a run and have a value everywhere that the state alone tells."""
+    found = made.scene.kept.get(quiet)
+    if found is None:
+        from polhode.taylor.events.callbacks import is_entire, tells_time
+
+        scene = made.scene
+        found = made.scene.kept[quiet] = [
+            not event.stop and is_entire(scene, event) and not tells_time(scene, event)
+            for event in scene.events
+        ]
+    return list(found)
+
+
+def rows(
+    run: Run, scene: Scene, made: Setup, times: Asked, progress: Progress | None
+) -> tuple[Outcome, Rows] | None:
+    """The outcome of a plain run and its rows at the outputs; the run's events are told.
+
+    ``scene``: whose times these are; the set-up is shared by scenes of other times.  None where
+    they are not found like this: then heyoka has to look for them on its way.
+    """
+    from polhode.taylor.batches.short_arcs import Hops
+    from polhode.taylor.events.dense_search import Knots, Outlook, Sightings
+    from polhode.taylor.events.stepwise import Watch
+
+    began = time.perf_counter()
+    key, kept_plans = (Plan, made.number), scene.kept_of_times
+    if key in kept_plans and kept_plans[key] is None:
+        return None
+    bare = run.setup
+    blueprint = bare.blueprint
+    hops = Hops(blueprint)
+    outlook = _IDLE.take(made) or Outlook(made.scene, blueprint)
+    if key not in kept_plans:
+        kept_plans[key] = _plan(bare, times, hops, outlook)
+    wanted: Plan | None = kept_plans[key]
+    built = time.perf_counter() - began
+    if wanted is None:
+        return None
+    watch = Watch(scene, made.number, None)
+    outcome, states = run.to(wanted.asked, progress)
+    if outcome not in (Outcome.REACHED_END, Outcome.STEP_LIMIT, Outcome.INTERRUPTED):
+        return None
+    began = time.perf_counter()
+    run.build_seconds += built
+    kept = wanted.knots[: int(np.searchsorted(wanted.knots, len(states)))]
+    at = wanted.asked.inside.grid[kept]
+    reached = float(run.reached / made.unit)
+    if outcome is Outcome.REACHED_END:
+        reached = float(at[-1])
+    found = Sightings(watch, outlook, hops, blueprint)
+    if not found.find(
+        Knots(at, states[kept], wanted.width, reached), outcome is Outcome.INTERRUPTED
+    ):
+        return None
+    run.events = watch.found()
+    found.release()
+    hops.release()
+    _IDLE.put(made, outlook)
+    run.seconds += built + time.perf_counter() - began
+    given = wanted.outputs[: int(np.searchsorted(wanted.outputs, len(states)))]
+    return outcome, states[given]
+
+
+def _plan(bare: Setup, times: Asked, hops: Hops, outlook: Outlook) -> Plan | None:
+    end = float(times.inside[-1])
+    width = _width(bare.first[0], end, hops, outlook)
+    count = max(_FEWEST_KNOTS, math.ceil(abs(end) / width)) if width else MOST_KNOTS
+    if count >= MOST_KNOTS:
+        return None
+    knots = np.abs(end) * (np.arange(count + 1) / count)
+    asked = np.abs(times.inside.grid)
+    every = np.unique(np.concatenate([knots, asked]))
+    signed: Doubles = every if end > 0 else 0.0 - every
+    return Plan(
+        Asked((), Times.of_grid(signed, bare.number)),
+        np.searchsorted(every, np.asarray(asked)),
+        np.searchsorted(every, knots),
+        end / count,
+    )
+
+
+def _width(start: Doubles, end: float, hops: Hops, outlook: Outlook) -> float:
+    """How far apart knots may be: 8 to 1/2 steps, as interpolation allows at first; 0 for no way.
+
+    A power of two, that last bits do not change it.
+    """
+    from polhode.taylor.events import hermite_roots
+
+    pace = hops.pace(start)
+    if not 0 < pace < math.inf:
+        return 0.0
+    least = 2.0 ** math.floor(math.log2(pace))
+    states = hops.beginning(start, math.copysign(least, end) * np.arange(_LOOKED_AT + 1.0))
+    with np.errstate(all="ignore"):
+        jets = [jet(states.T.copy()) for jet in outlook.jets]
+    for apart in (8, 4, 2, 1):
+        width = apart * least
+        signed = math.copysign(width, end)
+        if all(hermite_roots.error(x[:, ::apart], signed) <= _CLOSE for x in jets):
+            return width
+    return 0.0

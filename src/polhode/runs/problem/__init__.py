@@ -1,0 +1,1 @@
+"""A scene made ready for one number type, and what was asked of its run."""

@@ -1,0 +1,66 @@
+"""Angles and attitude of a run at other times: the run made once more, asked at those."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+from polhode.common.errors import BadInput, plain
+from polhode.numbers.conversion import exact_number
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact, binary, rounded, sign
+from polhode.numbers.scalars import Rows
+from polhode.runs.integrate import integrate, undisturbed
+from polhode.runs.trajectory import Trajectory
+
+NEAR = 400  # bits to which times are told apart
+
+
+def at_times(run: Trajectory, what: str, t: Any) -> Rows:
+    """Angles or attitude at time t, or rows of them; raises BadInput beyond what was reached.
+
+    psi and phi count whole turns from the start on, so they are integrated from there.
+    """
+    scene = run.scene
+    if scene.gamma is None:
+        raise BadInput(scene.name, "start.gamma", None, f"given, for {what}")
+    several = isinstance(t, Iterable) and not isinstance(t, (str, bytes))
+    several = several and getattr(t, "ndim", 1) > 0
+    asked = [_time(run, x) for x in (t if several else [t])]
+    if not asked:
+        return []
+    near = [abs(binary(*rounded(x, NEAR))) for x in asked]
+    distinct = dict(sorted(zip(near, asked, strict=True), key=lambda pair: pair[0]))
+    events = tuple(event for event in scene.events if event.stop)
+    times = tuple(distinct.values())
+    changed = replace(scene, outputs=(what,), events=events, times=times)
+    every = None if run.projection is None else run.projection.every
+    again = undisturbed(
+        integrate(
+            changed,
+            run.number,
+            digits=run.digits,
+            tol=None if run.at_full_tolerance else run.tolerance,
+            project=every or False,
+            method=run.method,
+        )
+    )
+    if len(again.times) < len(times):  # angles are singular where the state is not
+        expected = f"a time at which there are {what}; {again.outcome.cause}"
+        at = f"t = {shown(again.reached)}"
+        raise BadInput(scene.name, "t", shown(times[len(again.times)]), f"{expected} at {at}")
+    rows = dict(zip(distinct, getattr(again, what), strict=True))
+    found = [rows[x] for x in near]
+    return found if several else found[0]
+
+
+def _time(run: Trajectory, t: Any) -> Exact:
+    reach = f"a time from 0 to {shown(run.reached)}, what the run reached"
+    try:
+        exact = exact_number(t)
+    except ValueError:
+        raise BadInput(run.scene.name, "t", plain(t), reach) from None
+    if sign(exact) * sign(run.reached) < 0 or abs(exact) > abs(run.reached):
+        raise BadInput(run.scene.name, "t", shown(exact), reach)
+    return exact

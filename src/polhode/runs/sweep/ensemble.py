@@ -1,0 +1,161 @@
+"""The members of a sweep, integrated: their states, and how each ended."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from polhode.common import upstairs
+from polhode.common.cached_property import cached_property
+from polhode.motion.outcomes import OUTCOMES, Outcome
+from polhode.numbers.decimals import shown
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Rows
+from polhode.runs.sweep.endings import Ended
+from polhode.runs.sweep.sweep_checkpoint import Parts
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes import vary
+from polhode.scenes.scene import Scene
+from polhode.scenes.sweep_scenes import Members
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+    import pandas as pd
+    import xarray as xr
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Ensemble(Ended):
+    """Members of a sweep at the same output times, states in the scene's body axes.
+
+    >>> import polhode
+    >>> many = polhode.integrate_many("lagrange/nutation", {"start.omega[3]": "2:4:3"}, at=[0, 1])
+    >>> many
+    <Ensemble of lagrange/nutation: 3 members in double, 2 times to t = 1, all reached the end>
+    >>> many.states.shape, many.t.tolist(), many[2].outcome.value
+    ((3, 2, 6), [0.0, 1.0], 'reached end')
+
+    ``varied``: keys and exact values, a row a member.  ``states``: shape (members, times, columns),
+    columns p q r [gamma1 gamma2 gamma3]; float64, longdouble, or objects (mpf) above extended; not
+    a number where a member did not come.  ``outcomes``, ``steps``, ``reached``, ``errors``: one a
+    member, made of the arrays ``endings``, ``counts``, ``arrived`` and of ``told`` when asked for.
+    ``ensemble[k]`` is member k as a Trajectory.  ``projected``: False, steps are bare
+    Taylor steps, not put back onto the first integrals.  ``parts``: the folder that finished
+    members were kept in.
+    """
+
+    scene: Scene
+    varied: vary.Grid
+    members: Members
+    number: NumberType
+    times: tuple[Fraction, ...]
+    states: Rows
+    endings: npt.NDArray[np.uint8]  # indices into polhode.motion.outcomes.OUTCOMES
+    counts: npt.NDArray[np.int64]  # of steps
+    arrived: Rows  # times reached, Fractions
+    tolerance: float
+    digits: int | None = None
+    projected: bool = False
+    told: Mapping[int, tuple[float | None, ...]] = field(default_factory=dict)
+    provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
+    parts: Parts | None = field(default=None, compare=False)
+
+    def __len__(self) -> int:
+        return len(self.members)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Ensemble of {self.scene.name}: {len(self)} members in {self.number.name}, "
+            f"{len(self.times)} times to t = {shown(self.times[-1])}, {self._reached()}>"
+        )
+
+    def __getitem__(self, index: int) -> Trajectory:
+        """One member by itself, as far as it came."""
+        member = self.members[index]
+        states = self.rows(index)
+        count = len(states)
+        return Trajectory(
+            scene=member.at(self.scene.times),
+            number=self.number,
+            times=self.times[:count],
+            states=states if self.number.flat else [list(row) for row in states],
+            outcome=self.outcome(index),
+            steps=int(self.counts[index]),
+            reached=self.arrived[index],
+            tolerance=self.tolerance,
+            digits=self.digits,
+            provenance=self.provenance,
+            method="taylor" if self._errors(index) is None else "refined",
+            errors=self._errors(index),
+        )
+
+    def _repr_html_(self) -> str:
+        return str(upstairs.call("output.notebook:of_ensemble", self))
+
+    @property
+    def t(self) -> npt.NDArray[np.float64]:
+        """The times as doubles, the nearest ones."""
+        import numpy as np
+
+        return np.array([float(t) for t in self.times])
+
+    def to_xarray(self) -> xr.Dataset:
+        """An xarray Dataset along member and t (extra ``polhode[frames]``)."""
+        dataset: xr.Dataset = upstairs.call("output.frames:of_ensemble_xarray", self)
+        return dataset
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A pandas DataFrame: a row a member and time (extra ``polhode[frames]``)."""
+        frame: pd.DataFrame = upstairs.call("output.frames:of_ensemble_pandas", self)
+        return frame
+
+    def _errors(self, index: int) -> tuple[float | None, ...] | None:
+        return self.told.get(index % len(self))
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the states' columns."""
+        return self.scene.columns
+
+    @cached_property
+    def outcomes(self) -> tuple[Outcome, ...]:
+        """How each member ended."""
+        return tuple(OUTCOMES[code] for code in self.endings.tolist())
+
+    def outcome(self, index: int) -> Outcome:
+        """How one member ended."""
+        return OUTCOMES[int(self.endings[index])]
+
+    @cached_property
+    def steps(self) -> tuple[int, ...]:
+        """How many steps each member took."""
+        return tuple(self.counts.tolist())
+
+    @cached_property
+    def reached(self) -> tuple[Fraction, ...]:
+        """The time that each member reached."""
+        return tuple(self.arrived.tolist())
+
+    @cached_property
+    def errors(self) -> tuple[tuple[float | None, ...] | None, ...]:
+        """One entry a member: of a refined one what a refined trajectory's are, else None."""
+        return tuple(self.told.get(k) for k in range(len(self)))
+
+    @cached_property
+    def drift(self) -> npt.NDArray[np.float64]:
+        """Largest drift of h, f, |gamma|² and the fourth integral of each, shape (members, 4).
+
+        From the member's exact scene, see :class:`polhode.equations.integrals.Drift`; nan where
+        unknown.
+        """
+        from polhode.runs.sweep.drift import drifts
+
+        return drifts(self.members, self.states, lambda k: self[k].drift)
+
+    def rows(self, index: int) -> Rows:
+        """The states of one member as far as it came."""
+        states = self.states[index]
+        return states[: int((states[:, 0] == states[:, 0]).sum())]

@@ -1,0 +1,215 @@
+"""Many tops at once: initial conditions or body parameters of one scene varied."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from polhode.common import executors as crew
+from polhode.common.arguments import steps, whole
+from polhode.common.progress import bar
+from polhode.common.provenance import provenance
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import AnyNumber
+from polhode.runs.methods.refined import check_method
+from polhode.runs.sweep import refined_members
+from polhode.runs.sweep.ensemble import Ensemble
+from polhode.runs.sweep.plan import Plan, planned
+from polhode.runs.sweep.results import Results
+from polhode.runs.sweep.sweep_checkpoint import Parts
+from polhode.scenes import library, vary
+from polhode.scenes.scene import Scene
+from polhode.taylor.backend import defaults
+
+if TYPE_CHECKING:
+    from polhode.taylor.batches.jobs import Solved
+
+#: Called with the fraction of the members that are done, and how many.
+Progress = Callable[[float, int], None]
+
+_JOBS = 16, 256  # so many at least and at most: each costs a fraction of a millisecond
+_JOB = 0.05  # seconds that one should take
+_STEPS_PER_RADIAN = 2.0  # about, at the fastest rate, in double
+_SHARE = 0.25  # of a scalar step that a lane's costs
+
+
+def integrate_many(
+    scene: Scene | str | Path,
+    vary: vary.Vary,
+    *,
+    number: str | NumberType | None = None,
+    digits: int | None = None,
+    at: Iterable[AnyNumber] | None = None,
+    tol: AnyNumber | None = None,
+    max_steps: int | None = None,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    parts: Path | None = None,
+    method: str = "auto",
+    progress: Progress | bool | None = None,
+) -> Ensemble:
+    """Integrate many variants of a scene (3.29), by one compiled code for all.
+
+    ``vary``: numbers of the scene file by key, such as ``{"start.omega[1]": ["0.1", 0.2],
+    "body.weight": "0:1:11"}``: exact values, or FROM:TO:N, every combination being a member; or a
+    list of such mappings with one value for each key, the members one by one.  Doubles go through
+    the machine's SIMD lanes, sorted by cost, in as many threads as there are cores (``workers``).
+    ``executor``: any executor of concurrent.futures instead (a process pool, dask's
+    ``Client.get_executor()``, mpi4py's): jobs are plain data both ways, and jobs lost with a worker
+    are run again here.  ``number``, ``digits``, ``at``, ``tol``, ``max_steps`` as in
+    :func:`polhode.integrate`, and ``method``: "auto" refines, in quad and above, each member that
+    can be and is long enough; ``progress``: called with the fraction of members
+    done and how many, or True for a bar.
+
+    Steps are bare: the states are not projected onto the first integrals, as single runs can be.
+    ``parts``: a folder that finished members are written to about once a second, so that the same
+    call after a kill goes on from there, with the same results to the bit; it is made where it
+    takes longer, and stays until ``ensemble.parts.remove()``.  Raises BadInput where it holds
+    anything but parts of this very sweep.
+
+    ``digits`` chooses the number type by how far the fastest member turns, and promises no more:
+    unlike a single run, a sweep is not checked, and members whose motion multiplies errors may
+    have fewer digits right.  States alone are kept: outputs that the scene asks for are left out.
+    Ctrl-C keeps the members that are finished; the others have the outcome NOT_RUN.  Raises
+    BadInput, before anything is integrated, for a member that cannot be, a scene with events, or
+    too much of it all.
+
+    >>> import polhode
+    >>> many = polhode.integrate_many(
+    ...     "lagrange/nutation", {"start.omega[3]": [2, 3], "body.weight": "1:2:3"}, at=[0, 1]
+    ... )
+    >>> len(many), many.varied.keys, many.done
+    (6, ('start.omega[3]', 'body.weight'), True)
+    """
+    if isinstance(progress, bool):
+        asked = {key: value for key, value in locals().items() if key != "progress"}
+        if not progress:
+            return integrate_many(**asked)
+        with bar(library.load(scene).name) as tell:
+            return integrate_many(**asked, progress=tell)
+    began = time.perf_counter()
+    scene = library.load(scene)
+    if at is not None:
+        scene = scene.at(at)
+    if max_steps is not None:
+        max_steps = steps(scene.name, max_steps)
+    if workers is not None:
+        workers = whole(scene.name, "workers", workers, 1)
+    check_method(scene, method)
+    plan = planned(scene, vary, number, digits, tol, max_steps)
+    prepared = time.perf_counter()
+    kept = _opened(plan, scene, parts, method)
+    results = Results(plan, kept)
+    build = _solve(plan, results, executor, workers, progress, method)
+    results.end()
+    seconds = {
+        "scenes": prepared - began,
+        "build": build,
+        "run": time.perf_counter() - prepared - build,
+    }
+    tolerance = plan.tolerance or plan.number.eps
+    return Ensemble(
+        scene=scene,
+        varied=plan.varied,
+        members=plan.members,
+        number=plan.number,
+        times=plan.times,
+        states=results.states,
+        endings=results.outcomes,
+        counts=results.steps,
+        arrived=results.reached,
+        tolerance=float(tolerance),
+        digits=digits,
+        told=results.errors,
+        provenance={**provenance(scene.text), "seconds": seconds},
+        parts=kept,
+    )
+
+
+def _jobs(plan: Plan) -> int:
+    """In about how many jobs a sweep is cut."""
+    least, most = _JOBS
+    if plan.number.name != "double":
+        return most
+    radians = float(plan.rates.sum()) * abs(float(plan.times[-1]))
+    seconds = _SHARE * defaults.seconds(plan.number, _STEPS_PER_RADIAN * radians)
+    return int(min(most, max(least, seconds / _JOB)))
+
+
+def _opened(plan: Plan, scene: Scene, folder: Path | None, method: str) -> Parts | None:
+    """The folder of a sweep's parts, if there is to be one."""
+    if folder is None:
+        return None
+    asked = (plan.varied, plan.number, plan.tolerance, plan.max_steps, plan.times, plan.names)
+    body = repr((scene.body.inertia, scene.body.centre, scene.body.weight))
+    what = "\n".join([scene.name, method, repr(asked), body])
+    return Parts(folder, what.encode() + plan.lanes.bytes(), plan.number)
+
+
+def _solve(
+    plan: Plan,
+    results: Results,
+    executor: Executor | None,
+    workers: int | None,
+    progress: Progress | None,
+    method: str,
+) -> float:
+    """Integrate the members that are not done; the seconds of compiling."""
+    from polhode.taylor.batches import batch_integrator
+    from polhode.taylor.batches import jobs as batch_jobs
+
+    size = batch_integrator.width(plan.number)
+    wanted = results.left  # whole batches of lanes: the others' results do not depend on them
+    groups = [group[wanted[group]] for group in plan.groups(size, _jobs(plan))]
+    groups = [group for group in groups if len(group)]
+    steps = [
+        batch_jobs.BatchJob(
+            plan.names,
+            plan.number,
+            plan.tolerance,
+            plan.max_steps,
+            plan.times,
+            int(plan.time_units[group[0]]),
+            plan.lanes.some(group),
+        )
+        for group in groups
+    ]
+    jobs: Sequence[Any] = steps
+    solve: Any = batch_integrator.solve
+    prepare: Any = batch_integrator.compiled
+    if plan.tolerance is None and not plan.number.flat:
+        members = tuple(
+            replace(m, times=plan.asked, outputs=(), form="principal") for m in plan.members
+        )
+        if refined_members.wanted(plan.number, method, members):
+            solve, prepare = refined_members.solve, refined_members.prepare
+            jobs = [
+                refined_members.Job(tuple(members[k] for k in group), job, method)
+                for group, job in zip(groups, steps, strict=True)
+            ]
+    total = len(plan.members)
+    count = total - int(wanted.sum())
+
+    def ready(k: int, solved: Solved) -> None:
+        nonlocal count
+        results.take(groups[k], solved)
+        count += len(groups[k])
+        if progress is not None:
+            progress(count / total, count)
+
+    left = list(range(len(jobs)))
+    if executor is not None:
+        undisturbed, left = crew.elsewhere(solve, jobs, ready, executor)
+        if not undisturbed:
+            return 0.0
+    if not left:
+        return 0.0
+    began = time.perf_counter()
+    prepare(jobs[0])
+    build = time.perf_counter() - began
+    crew.here(solve, [jobs[k] for k in left], lambda i, solved: ready(left[i], solved), workers)
+    return build

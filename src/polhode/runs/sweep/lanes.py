@@ -1,0 +1,247 @@
+"""The members of a sweep as the integrator takes them: starts, coefficients, units of time.
+
+In columns (:mod:`polhode.scenes.sweep_columns`) where they can be, else member by member.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from polhode.common.errors import BadInput
+from polhode.equations.forms import principal
+from polhode.numbers.conversion import number_value, to_double
+from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.rationals import Rationals, listed
+from polhode.scenes.scene import Scene
+from polhode.scenes.sweep_scenes import Members
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from polhode.scenes.sweep_columns import Block, Column, Vector
+    from polhode.taylor.batches.jobs import Lanes
+
+BLOCK = 1 << 16  # members that are read at once: a bound on what planning holds
+_NEXT_POWER = 1 - 2.0**-9  # from this part of a power of two on, eight bits round to it
+_UNSURE = 1e-9  # of that, in doubles
+_SMALLEST = 2.0**-1022
+
+
+def blocks(members: Members) -> Iterator[Block]:
+    """The members in columns, some at a time; raises BadInput for one that cannot be."""
+    from polhode.scenes.sweep_columns import Columns
+
+    columns = Columns(members)
+    for first in range(0, len(members), BLOCK):
+        yield columns.block(first, min(first + BLOCK, len(members)))
+
+
+def lanes_of(
+    members: Members, end: Fraction, number: NumberType
+) -> tuple[tuple[str, ...], Lanes, npt.NDArray[np.int64], npt.NDArray[np.float64]]:
+    """Coefficients' names, lanes, units of time (exponents of two) and rates of all members.
+
+    Raises BadInput for a member that the number type cannot hold.
+    """
+    import numpy as np
+
+    from polhode.taylor.batches.jobs import Lanes
+
+    count, columns = len(members), len(members.scene.columns)
+    kind: Any = {"double": np.float64, "extended": np.longdouble}.get(number.name, object)
+    made = _Made(
+        members,
+        number,
+        end,
+        np.full((count, len(principal.NAMES)), _zero(number), dtype=kind),
+        np.full((count, columns), _zero(number), dtype=kind),
+        np.zeros(count, dtype=np.int64),
+    )
+    for block in blocks(members):
+        left = made.fill(block)
+        for k in np.flatnonzero(left):
+            made.one(block.first + int(k))
+    for unit in np.unique(made.units):
+        made.check(end / Fraction(2) ** int(unit), int(np.argmax(made.units == unit)))
+    there = [i for i in range(len(principal.NAMES)) if np.any(made.coefficients[:, i] != 0)]
+    there.sort(key=lambda i: principal.NAMES[i])
+    names = tuple(principal.NAMES[i] for i in there)
+    lanes = Lanes(np.ascontiguousarray(made.coefficients[:, there]), made.starts)
+    return names, lanes, made.units, made.rates()
+
+
+class Fastest:
+    """The member of a sweep that turns fastest at the start."""
+
+    def __init__(self, members: Members) -> None:
+        import numpy as np
+
+        best, self.scene = -1.0, members[0]
+        for block in blocks(members):
+            fourth = np.where(block.left, -1.0, _fourth(block))
+            k = int(np.argmax(fourth))
+            others = [block.first + int(i) for i in np.flatnonzero(block.left)]
+            for index in [block.first + k] * bool(fourth[k] >= 0) + others:
+                member = members[index]
+                if member.log10_rate > best or index == 0:
+                    best, self.scene = member.log10_rate, member
+
+
+class _Made:
+    """Lanes of all members, filled block by block."""
+
+    def __init__(
+        self,
+        members: Members,
+        number: NumberType,
+        end: Fraction,
+        coefficients: Any,
+        starts: Any,
+        units: npt.NDArray[np.int64],
+    ) -> None:
+        self.members, self.number, self.end = members, number, end
+        self.coefficients, self.starts, self.units = coefficients, starts, units
+        self._bodies: dict[tuple[int, int], tuple[Any, dict[str, Exact]]] = {}
+
+    def fill(self, block: Block) -> npt.NDArray[np.bool_]:
+        """Put a block of members in; which of them are left."""
+        import numpy as np
+
+        here = slice(block.first, block.last)
+        with np.errstate(all="ignore"):
+            try:
+                units, unsure = _time_units(block)
+                starts = self._columns(block, [*block.omega, *(block.gamma or ())])
+                every = principal.every_coefficient(block.moments, block.torque)
+                coefficients = self._columns(block, list(every.values()))
+            except (OverflowError, ZeroDivisionError):  # beyond doubles, here or on the way
+                return np.ones(len(block), dtype=bool)
+            if self.number.flat:
+                starts[:, :3] = np.ldexp(starts[:, :3], units[:, None])
+                coefficients[:, 3:] = np.ldexp(coefficients[:, 3:], 2 * units[:, None])
+            else:
+                unit = np.array([Fraction(2) ** int(n) for n in units], dtype=object)[:, None]
+                starts[:, :3] *= unit
+                coefficients[:, 3:] *= unit * unit
+            outside = self._out_of_range(starts, coefficients)
+            left: npt.NDArray[np.bool_] = block.left | unsure | outside
+        self.starts[here], self.coefficients[here], self.units[here] = starts, coefficients, units
+        return left
+
+    def _columns(self, block: Block, columns: Sequence[Column]) -> Any:
+        """Columns of exact numbers, each rounded once."""
+        import numpy as np
+
+        found = np.empty((len(block), len(columns)), dtype=self.starts.dtype)
+        for i, column in enumerate(columns):
+            if isinstance(column, Rationals):
+                found[:, i] = self._rounded(column, len(block))
+            else:
+                found[:, i] = self._value(column)
+        return found
+
+    def _rounded(self, column: Rationals, count: int) -> Any:
+        if self.number.name == "double":
+            return column.doubles()
+        tops, bottoms = listed(column.top, count), listed(column.bottom, count)
+        return [self._value(Fraction(a, b)) for a, b in zip(tops, bottoms, strict=True)]
+
+    def _value(self, x: Exact) -> Any:
+        """The nearest number as a lane holds it: above extended a Fraction."""
+        return number_value(x, self.number) if self.number.flat else self.number.rounded(x)
+
+    def _out_of_range(self, *tables: Any) -> Any:
+        """Members with a number that is not 0 and not between the type's limits, or nearly so."""
+        import numpy as np
+
+        if not self.number.flat:
+            return False
+        low, high = (_SMALLEST, np.finfo(np.float64).max)
+        sizes = np.abs(np.hstack(tables))
+        return (((sizes < low) & (sizes != 0)) | ~(sizes <= high)).any(axis=1)
+
+    def one(self, index: int) -> None:
+        """Put a member in by its scene."""
+        from polhode.taylor.backend import heyoka_numbers
+
+        member = self.members[index]
+        n, axes = member.time_unit, member.body.axes
+        unit = Fraction(2) ** n
+        key = id(member.body), n  # members share their bodies
+        if key not in self._bodies:
+            if len(self._bodies) > 1000:
+                self._bodies.clear()
+            self._bodies[key] = member.body, principal.coefficients(member.body, n)
+        k = self._bodies[key][1]
+        start = [unit * w for w in axes.components(member.omega)]
+        if member.gamma is not None:
+            start += axes.components(member.gamma)
+        try:
+            for x in (*start, *k.values()):
+                heyoka_numbers.scalar(x, self.number)
+        except heyoka_numbers.OutOfRange as fault:
+            raise self._refusal(member, fault) from None
+        self.units[index] = n
+        self.starts[index] = [self._value(x if sign(x) else ZERO) for x in start]
+        self.coefficients[index] = [self._value(k.get(name, ZERO)) for name in principal.NAMES]
+
+    def check(self, end: Fraction, index: int) -> None:
+        """Refuse an end, in the run's unit, that the type cannot hold."""
+        from polhode.taylor.backend import heyoka_numbers
+
+        try:
+            heyoka_numbers.scalar(end, self.number)
+        except heyoka_numbers.OutOfRange as fault:
+            raise self._refusal(self.members[index], fault) from None
+
+    def _refusal(self, member: Scene, fault: ValueError) -> BadInput:
+        expected = f"a type of wider range ({fault})"
+        return BadInput(member.name, "number", self.number.name, expected)
+
+    def rates(self) -> npt.NDArray[np.float64]:
+        """About the fastest rates, in radians for each unit of the scene's time."""
+        import numpy as np
+
+        with np.errstate(all="ignore"):
+            square = sum(self.starts[:, i].astype(float) ** 2 for i in range(3))
+            size = np.abs(self.coefficients.astype(float)).max(axis=1)
+            found: npt.NDArray[np.float64] = np.ldexp(np.sqrt(square + size), -self.units)
+        return found
+
+
+def _zero(number: NumberType) -> Any:
+    return 0.0 if number.flat else ZERO
+
+
+def _doubles(block: Block, x: Column) -> Any:
+    import numpy as np
+
+    return np.broadcast_to(x.doubles() if isinstance(x, Rationals) else to_double(x), len(block))
+
+
+def _square(block: Block, vector: Vector) -> Any:
+    return sum(_doubles(block, x) ** 2 for x in vector)
+
+
+def _fourth(block: Block) -> Any:
+    """The fastest rate at the start to the fourth power, as :attr:`Scene.time_unit` means it."""
+    import numpy as np
+
+    square = _square(block, block.omega)
+    largest = np.maximum.reduce([_doubles(block, x) for x in block.moments])
+    return np.maximum(square * square, _square(block, block.torque) / (largest * largest))
+
+
+def _time_units(block: Block) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.bool_]]:
+    """The exponents of :attr:`Scene.time_unit`, and where doubles do not tell them."""
+    import numpy as np
+
+    fourth = _fourth(block)
+    part, exponent = np.frexp(fourth)
+    unsure = ~((fourth > 1e-290) & (fourth < 1e290)) | (np.abs(part - _NEXT_POWER) < _UNSURE)
+    above = exponent.astype(np.int64) - 1 + (part >= _NEXT_POWER)
+    return -(above // 4), unsure

@@ -1,0 +1,108 @@
+"""A sweep, checked before anything is integrated: its members in numbers of one type."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from polhode.common.errors import BadInput
+from polhode.common.memory import refuse_too_much
+from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import NumberType
+from polhode.runs.problem.options import choose_number, rounded_times, rounded_tolerance
+from polhode.runs.sweep.lanes import Fastest, lanes_of
+from polhode.scenes import vary
+from polhode.scenes.scene import Scene
+from polhode.scenes.sweep_scenes import Members
+from polhode.taylor.backend import defaults
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from polhode.taylor.batches.jobs import Lanes
+
+_BYTES = 40  # of a number of the states, while they are gathered and written
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A sweep, checked: what there is to integrate.
+
+    ``time_units``: the exponent n of each member's unit of time 2**n; ``rates``: about its fastest
+    rate, radians for each unit of the scene's time.
+    """
+
+    varied: vary.Grid
+    members: Members
+    number: NumberType
+    tolerance: Fraction | None
+    max_steps: int
+    times: tuple[Fraction, ...]
+    asked: tuple[Exact, ...]
+    names: tuple[str, ...]
+    lanes: Lanes
+    time_units: npt.NDArray[np.int64]
+    rates: npt.NDArray[np.float64]
+
+    @property
+    def axes_stay(self) -> bool:
+        """Whether all members have the same principal axes."""
+        return not any(key.startswith("body.inertia") for key in self.varied.keys)
+
+    def bodies(self, members: npt.NDArray[np.int64]) -> list[npt.NDArray[np.int64]]:
+        """Of some members which value of each of the body's keys they have: arrays, one a key."""
+        rows = self.varied.rows
+        each = zip(self.varied.keys, rows.columns, rows.repeats, strict=True)
+        return [members // n % len(x) for key, x, n in each if key.startswith("body.")]
+
+    def groups(self, size: int, most: int) -> Iterator[npt.NDArray[np.int64]]:
+        """The members in groups of one unit of time and about the same rate.
+
+        Each is a multiple of ``size`` members but the last of a unit; about ``most`` groups.
+        """
+        import numpy as np
+
+        size *= -(-len(self.rates) // (size * most))
+        order = np.lexsort((-self.rates, self.time_units))
+        ends = np.flatnonzero(np.diff(self.time_units[order])) + 1
+        for alike in np.split(order, ends):
+            yield from (alike[i : i + size] for i in range(0, len(alike), size))
+
+
+def planned(
+    scene: Scene,
+    given: vary.Vary,
+    number: str | NumberType | None,
+    digits: int | None,
+    tol: Any,
+    max_steps: int | None,
+    kept: bool = True,
+) -> Plan:
+    """The plan of a sweep, see :func:`polhode.integrate_many`; raises BadInput.
+
+    ``kept``: whether the states of all members are held at once.
+    """
+    if scene.events:
+        expected = "none in a sweep: a step size of its own for each event; run members singly"
+        raise BadInput(scene.name, "events", scene.events[0].name, expected)
+    varied = vary.grid(given, scene.name)
+    numbers = (len(varied.rows) if kept else 1) * len(scene.times) * len(scene.columns)
+    what = f"{len(varied.rows)} members at {len(scene.times)} times"
+    words = "numbers of states; fewer samples, or split the sweep"
+    refuse_too_much(scene.name, "vary", what, numbers, _BYTES, words)
+    members = Members(scene, varied)
+    _ = members.tables  # a key that is none is refused before anything else
+    chosen = choose_number(scene, number, None)
+    if digits is not None:
+        chosen = choose_number(Fastest(members).scene.at(scene.times), number, digits)
+    times = tuple(rounded_times(scene, chosen))
+    tolerance = rounded_tolerance(scene, chosen, tol)
+
+    names, lanes, units, rates = lanes_of(members, times[-1], chosen)
+    limit = max_steps if max_steps is not None else defaults.of(chosen).max_steps
+    return Plan(
+        varied, members, chosen, tolerance, limit, times, scene.times, names, lanes, units, rates
+    )

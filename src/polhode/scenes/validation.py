@@ -1,0 +1,137 @@
+"""Typed access to the tables of a scene: every value checked, every fault named by its key."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+from polhode.common.errors import BadInput, nearest, plain
+from polhode.numbers import exact, expression
+from polhode.numbers.exact import Exact
+from polhode.numbers.expression import ExpressionError
+from polhode.scenes import keys
+from polhode.scenes.body import Vector
+
+
+class Literal(str):
+    """A decimal of the file, digit for digit."""
+
+
+class Reading:
+    """One scene being read: typed access to its keys, faults named by key."""
+
+    def __init__(self, name: str, data: dict[str, Any]) -> None:
+        self.name, self.data = name, data
+
+    def bad(self, key: str, value: object, expected: str) -> BadInput:
+        """The fault of a key's value, to be raised."""
+        return BadInput(self.name, key, as_written(value), expected)
+
+    def known(self, section: str, table: Mapping[str, Any], where: str = "") -> None:
+        """Refuse a key that the section has not."""
+        allowed = keys.names(section)
+        for key, value in table.items():
+            if key not in allowed:
+                full = ".".join(filter(None, (where or section, key)))
+                raise self.bad(full, value, f"one of the keys {nearest(key, allowed)}")
+
+    def table(self, section: str, required: bool = True) -> Mapping[str, Any]:
+        """A section that is one table."""
+        table = self.data.get(section)
+        if table is None and not required:
+            return {}
+        if not isinstance(table, dict):
+            raise self.bad(section, table, f"a table [{section}]")
+        self.known(section, table)
+        return table
+
+    def tables(self, section: str) -> list[dict[str, Any]]:
+        """A section of several tables."""
+        tables = self.data.get(section, [])
+        if not isinstance(tables, list) or not all(isinstance(t, dict) for t in tables):
+            raise self.bad(section, tables, f"tables [[{section}]]")
+        for index, table in enumerate(tables):
+            self.known(section, table, f"{section}[{index + 1}]")
+        return tables
+
+    def given(self, section: str, table: Mapping[str, Any], name: str) -> Any:
+        """What a section holds under a key, or the key's default."""
+        return keys.given(section, table, name)
+
+    def truth(self, key: str, value: Any) -> bool:
+        """True or false."""
+        if not isinstance(value, bool):
+            raise self.bad(key, value, "true or false")
+        return value
+
+    def word(self, key: str, value: Any) -> str:
+        """A text."""
+        if not isinstance(value, str) or isinstance(value, Literal):
+            raise self.bad(key, value, "a string")
+        return value
+
+    def words(self, key: str, value: Any) -> tuple[str, ...]:
+        """A list of texts."""
+        return tuple(self.word(key, item) for item in self.array(key, value))
+
+    def array(self, key: str, value: Any, length: int | None = None) -> list[Any]:
+        """An array, of so many numbers."""
+        expected = "an array" if length is None else f"an array of {length} numbers"
+        if not isinstance(value, list) or (length is not None and len(value) != length):
+            raise self.bad(key, value, expected)
+        return value
+
+    def vector(self, key: str, value: Any) -> Vector:
+        """Three numbers."""
+        a, b, c = (self.number(key, item) for item in self.array(key, value, 3))
+        return a, b, c
+
+    def number(self, key: str, value: Any) -> Exact:
+        """The exact number that a value stands for."""
+        try:
+            if isinstance(value, Literal):
+                return expression.decimal(value)
+            if is_int(value):
+                if abs(value).bit_length() > expression.MAX_BITS:
+                    raise ExpressionError("too large")
+                return Fraction(value)
+            if isinstance(value, str):
+                return expression.number(value)
+            if isinstance(value, (Fraction, exact.Irrational)):  # a varied number
+                return value
+        except ExpressionError as fault:
+            raise self.bad(key, value, f"a number ({fault})") from None
+        raise self.bad(key, value, "a number")
+
+    def readable(self, key: str, text: str, names: tuple[str, ...]) -> None:
+        """Check an expression in named columns by computing it once with arbitrary values."""
+        from polhode.scenes.column_expressions import check
+
+        try:
+            check(text, names)
+        except ExpressionError as fault:
+            raise self.bad(key, text, f"an expression in {' '.join(names)} ({fault})") from None
+
+
+def is_int(value: Any) -> bool:
+    """Whether a value is a whole number of the file."""
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def as_written(value: Any, depth: int = 4) -> Any:
+    """A TOML value for an error message: as TOML, without quotes around decimals."""
+    if isinstance(value, (list, dict)) and depth == 0:
+        return "..."
+    if isinstance(value, list):
+        return "[" + ", ".join(_shown(item, depth) for item in value[:20]) + "]"
+    if isinstance(value, dict):
+        items = list(value.items())[:20]
+        return "{" + ", ".join(f"{key} = {_shown(item, depth)}" for key, item in items) + "}"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return value
+
+
+def _shown(item: Any, depth: int) -> str:
+    return plain(as_written(item, depth - 1))

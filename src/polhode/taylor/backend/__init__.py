@@ -1,0 +1,1 @@
+"""heyoka's numbers, options and pools: all that is not an integrator."""

@@ -1,0 +1,139 @@
+"""heyoka's numbers, arrays and options in the four number types, and its cache of compiled code.
+
+heyoka folds constants of its own making in double, so every constant that enters there is computed
+exactly, rounded once to the run's type, and handed over typed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from fractions import Fraction
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+
+from polhode.numbers import exact
+from polhode.numbers.conversion import exactly, to_double, to_extended
+from polhode.numbers.exact import Number, sign
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Functions, Row
+from polhode.taylor.backend import defaults
+from polhode.taylor.backend.process_settings import uncached
+from polhode.taylor.backend.types import Expression, HeyokaNumber
+
+#: The scalar functions of heyoka's expressions.
+EXPRESSIONS = Functions(hy.expression(0.0), hy.sin, hy.cos, hy.sqrt)
+
+# heyoka logs on stdout, the place for results.  What it has to say is known from elsewhere: a cache
+# that cannot be used costs compiling again and shows in :func:`cache`; a multiple zero that it
+# gives up on is found through the derivative, or shows in ``EventTimes.complete``.
+hy.set_logger_level_critical()
+
+_SMALLEST_DOUBLE = 2.0**-1022
+
+
+class OutOfRange(ValueError):
+    """A number that the run's type cannot hold to its full precision."""
+
+
+def scalar(x: Number, number: NumberType) -> HeyokaNumber:
+    """The number of heyoka's type for ``number`` nearest to x; raises OutOfRange."""
+    if number.name == "double":
+        value = to_double(x)
+        if not (_SMALLEST_DOUBLE <= abs(value) < math.inf or (value == 0 and sign(x) == 0)):
+            raise OutOfRange(f"10**{exact.log10(x):.0f} is outside the range of double")
+        return value
+    if number.name == "extended":
+        if x != 0 and abs(exact.log10(x)) > 4900:
+            raise OutOfRange(f"10**{exact.log10(x):.0f} is outside the range of extended")
+        return to_extended(x)
+    bits = number.bits
+    mantissa, exponent = exact.rounded(x, bits)
+    real = hy.real(mantissa, bits) * hy.real(2, bits) ** exponent
+    return hy.real128(real) if number.name == "quad" else real
+
+
+def scalars(values: Sequence[Number], number: NumberType) -> list[HeyokaNumber]:
+    """The numbers of heyoka's type nearest to each; raises OutOfRange."""
+    if number.name == "double":
+        try:
+            found = [
+                x.numerator / x.denominator if isinstance(x, Fraction) else 0.0 for x in values
+            ]
+        except OverflowError:
+            found = [0.0]
+        if all(abs(x) >= _SMALLEST_DOUBLE for x in found):  # else a zero, or out of range
+            return found
+    return [scalar(x, number) for x in values]
+
+
+def numbers(row: Row, number: NumberType) -> Row:
+    """A row of heyoka's numbers as a trajectory holds them: an array, or mpf above extended."""
+    if number.flat:
+        return row
+    from polhode.numbers.mpmath_context import mpmath, ordinary
+
+    with mpmath.workprec(number.bits):
+        return [ordinary(mpmath.mpf(str(x))) for x in row]
+
+
+_TYPES: dict[str, Callable[[NumberType], dict[str, Any]]] = {
+    "double": lambda _: {},
+    "extended": lambda _: {"fp_type": np.longdouble},
+    "quad": lambda _: {"fp_type": hy.real128},
+    "mp": lambda number: {"fp_type": hy.real, "prec": number.bits},
+}
+
+
+def type_options(number: NumberType) -> dict[str, Any]:
+    """heyoka's options that choose a number type, for integrators and compiled functions."""
+    compact = {"compact_mode": True} if defaults.of(number).compact else {}
+    return _TYPES[number.name](number) | compact
+
+
+def compact_beyond(most: int, expressions: Iterable[Expression]) -> dict[str, bool]:
+    """heyoka's option for expressions of more operations than these, in all.
+
+    Unrolled code is faster, but compiling that of a hundred operations takes minutes, in which no
+    signal is heard.
+    """
+    return {"compact_mode": True} if sum(map(len, expressions)) > most else {}
+
+
+def array(values: list[HeyokaNumber], number: NumberType) -> Row:
+    """Numbers of heyoka's type as the array that it takes."""
+    if number.flat:
+        return np.array(values, dtype=np.float64 if number.name == "double" else np.longdouble)
+    return np.array(values)
+
+
+def as_fraction(value: HeyokaNumber, number: NumberType) -> Fraction:
+    """The exact value of a number of heyoka's."""
+    if number.flat:
+        return exactly(value)
+    from polhode.numbers.mpmath_context import mpmath
+
+    with mpmath.workprec(number.bits):
+        return exactly(mpmath.mpf(str(value)))
+
+
+def cache() -> dict[str, Any]:
+    """heyoka's disk cache of compiled code: whether it is on, where, its size, or what is wrong."""
+    state = hy.llvm_state
+    enabled = bool(state.get_diskcache_enabled())
+    try:
+        return {
+            "enabled": enabled,
+            "path": str(state.get_diskcache_path()),
+            "bytes": int(state.get_diskcache_size()),
+        }
+    except (RuntimeError, ValueError) as fault:  # damaged, full, read-only, no folder, no home
+        return {"enabled": enabled, "path": None, "bytes": None, "fault": str(fault)}
+
+
+def disk_cache(number: NumberType) -> AbstractContextManager[None]:
+    """heyoka's disk cache, switched off where it never hits and only grows."""
+    return uncached() if number.name == "mp" else nullcontext()

@@ -1,0 +1,22 @@
+"""How heyoka's steps ended, in polhode's words."""
+
+from __future__ import annotations
+
+import heyoka as hy
+
+from polhode.motion.outcomes import Outcome
+from polhode.taylor.backend.types import HeyokaOutcome
+
+_WORDS = {
+    int(hy.taylor_outcome.err_nf_state): Outcome.NON_FINITE,
+    int(hy.taylor_outcome.time_limit): Outcome.REACHED_END,
+    int(
+        hy.taylor_outcome.cb_stop
+    ): Outcome.STOPPED_AT_EVENT,  # callbacks are asked for nothing else
+    -1: Outcome.SINGULAR,  # the first and only terminal event
+}
+
+
+def ending(found: HeyokaOutcome) -> Outcome:
+    """The outcome of heyoka's call; STEP_LIMIT where the steps allowed were taken."""
+    return _WORDS.get(int(found), Outcome.STEP_LIMIT)

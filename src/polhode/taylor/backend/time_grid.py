@@ -1,0 +1,112 @@
+"""Output times of a run: exact, and all at once as the numbers that heyoka takes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, overload
+
+from polhode.common.cached_property import cached_property
+from polhode.numbers.conversion import exactly, to_double, to_extended
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Row
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+class Times(Sequence[Fraction]):
+    """Monotone times in a run's own unit, immutable; a slice of them is of the same kind.
+
+    Raises OutOfRange, when they are asked for as numbers, for what the type cannot hold.
+    """
+
+    def __init__(self, exact: Sequence[Fraction], number: NumberType) -> None:
+        self.__dict__["_exact"] = tuple(exact)
+        self.number = number
+
+    @classmethod
+    def of(cls, times: Sequence[Fraction], number: NumberType) -> Times:
+        """Such times of any sequence."""
+        return times if isinstance(times, cls) else cls(times, number)
+
+    @classmethod
+    def of_grid(cls, grid: Row, number: NumberType) -> Times:
+        """The times of an array of heyoka's numbers; exact ones are made where they are asked."""
+        found = cls.__new__(cls)
+        found.number = number
+        found.__dict__["grid"] = grid
+        return found
+
+    def __len__(self) -> int:
+        return len(self._exact if "_exact" in self.__dict__ else self.grid)
+
+    @cached_property
+    def _exact(self) -> tuple[Fraction, ...]:
+        return tuple(exactly(t) for t in self.grid)
+
+    @overload
+    def __getitem__(self, k: int) -> Fraction: ...
+    @overload
+    def __getitem__(self, k: slice) -> Times: ...
+    def __getitem__(self, k: int | slice) -> Fraction | Times:
+        if not isinstance(k, slice):
+            return self._exact[k] if "_exact" in self.__dict__ else exactly(self.grid[k])
+        if k == slice(0, None):
+            return self
+        if "_exact" not in self.__dict__:
+            return Times.of_grid(self.grid[k], self.number)
+        part = Times(self._exact[k], self.number)
+        part.__dict__["grid"] = self.grid[k]
+        return part
+
+    @cached_property
+    def grid(self) -> Row:
+        """The times as heyoka's numbers: an array, or a list above extended."""
+        from polhode.taylor.backend.heyoka_numbers import array, scalars
+
+        found = scalars(self._exact, self.number)
+        return array(found, self.number) if self.number.flat else found
+
+    def since(self, offset: Fraction) -> Row:
+        """What has passed at each time since ``offset``, as heyoka's numbers, each rounded once."""
+        if not offset:
+            return self.grid
+        if not self.number.flat:
+            return Times([t - offset for t in self._exact], self.number).grid
+        found, doubtful = differences(self.grid, offset)
+        for k in doubtful:
+            found[k] = Times([self[k] - offset], self.number).grid[0]
+        return found
+
+
+def differences(
+    times: np.ndarray[Any, np.dtype[Any]], offset: Fraction
+) -> tuple[np.ndarray[Any, np.dtype[Any]], list[int]]:
+    """times - offset, rounded once; and which of them are too near to a tie to be sure of.
+
+    The offset is taken as the sum of two doubles (longdoubles, where the times are such), and sums
+    of doubles without an error: that of two is a double and a rest (Knuth, The Art of Computer
+    Programming, vol. 2, 4.2.2).
+    """
+    import numpy as np
+
+    nearest = to_extended if times.dtype == np.longdouble else to_double
+    high = nearest(offset)
+    low = nearest(offset - exactly(high))
+    near, rest = exact_sum(times, -high)
+    small = rest - low
+    found, lost = exact_sum(near, small)
+    # not np.spacing, which for longdoubles of all ones, next below a power of two, is nan
+    gap = np.ldexp(times.dtype.type(1), np.frexp(found)[1] - np.finfo(times.dtype).nmant - 1)
+    unsure = np.abs(np.abs(lost) - gap / 2) <= gap * 2.0**-20 + abs(high) * 2.0**-100
+    unsure |= np.frexp(found)[0] == 0.5  # the gap below is half as wide
+    unsure |= np.abs(found) < 2.0**-900
+    return found, np.flatnonzero(unsure | (np.frexp(found)[0] == -0.5)).tolist()
+
+
+def exact_sum(a: Any, b: Any) -> tuple[Any, Any]:
+    """a + b as a double and what its rounding leaves over."""
+    found = a + b
+    of_b = found - a
+    return found, (a - (found - of_b)) + (b - of_b)

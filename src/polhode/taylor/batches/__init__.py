@@ -1,0 +1,1 @@
+"""Many motions of doubles at once, one in each SIMD lane."""

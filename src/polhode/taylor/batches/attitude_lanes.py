@@ -1,0 +1,110 @@
+"""Attitude and angles along several stretches of one motion at once, one in each SIMD lane.
+
+Beside a state that is known at the stretches' beginnings, the attitude's quaternion and psi and phi
+are quadratures: each stretch is integrated for itself, from the quaternion 1 and the angles 0.
+Doubles only, as heyoka's batches are.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import heyoka as hy
+import numpy as np
+
+from polhode.equations.system import System
+from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.scalars import Doubles
+from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
+from polhode.taylor.backend import defaults
+from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, disk_cache
+from polhode.taylor.backend.integrator_pool import Idle
+from polhode.taylor.backend.types import HeyokaIntegrator
+from polhode.taylor.batches.batch_integrator import width
+from polhode.taylor.integrator.specification import Blueprint
+
+_IDLE = Idle(4)
+
+#: Steps of one stretch; more than this is a passage so close to a pole that it does not end.
+_MOST_STEPS = 100_000
+
+_PADDING = 2.0**-12  # of a stretch: between the times at which a lane that is done goes on
+
+
+class Stretch(NamedTuple):
+    """A part of a motion: the variables where it begins, and times from there on, monotone."""
+
+    start: Doubles
+    times: Doubles
+
+
+class Turning:
+    """The compiled equations of a system with outputs, with its coefficients.
+
+    ``plan``: what an integrator of the system would be built from.  ``places``: how many stretches
+    are integrated at once.  ``seconds``: the time that compiling took.
+    """
+
+    def __init__(self, system: System, plan: Blueprint) -> None:
+        began = time.perf_counter()
+        self.places = width(DOUBLE)
+        self._first = len(system.form.variables)
+        attitude = [1.0] + [0.0] * (len(ATTITUDE) - 1) if "attitude" in system.outputs else []
+        self._cyclic = len(ANGLE_VARIABLES) if "angles" in system.outputs else 0
+        self._begin = np.array(attitude + [0.0] * self._cyclic)[:, None]
+        self._key = (system.names, system.outputs, tuple(system.coefficients), plan.tolerance)
+        self._heyoka = _IDLE.take(self._key) or self._built(system, plan)
+        self._heyoka.pars[:] = np.array(plan.constants)[:, None]
+        self.seconds = time.perf_counter() - began
+
+    def release(self) -> None:
+        """Leave the compiled code to the next run of such equations; the last call of all."""
+        _IDLE.put(self._key, self._heyoka)
+        del self._heyoka
+
+    def _built(self, system: System, plan: Blueprint) -> HeyokaIntegrator:
+        variables = hy.make_vars(*system.names)
+        k = {name: hy.par[i] for i, name in enumerate(system.coefficients)}
+        rates = system.field(variables, k, EXPRESSIONS)
+        if self._cyclic:  # that their size takes no part in choosing the steps
+            slow = hy.expression(1.0 / self._divisor)
+            rates = [*rates[: -self._cyclic], *(rate * slow for rate in rates[-self._cyclic :])]
+        state = np.zeros((len(variables), self.places))
+        pars = np.zeros((len(k), self.places))
+        with disk_cache(DOUBLE):
+            equations = list(zip(variables, rates, strict=True))
+            return hy.taylor_adaptive_batch(equations, state, pars=pars, **plan.options)
+
+    @property
+    def _divisor(self) -> int:
+        return defaults.of(DOUBLE).divisor
+
+    def along(self, stretches: Sequence[Stretch]) -> list[Doubles] | None:
+        """Of at most ``places`` stretches, rows at their times: quaternion, psi and phi.
+
+        Counted from the stretch's beginning.  None where one of them was not brought to its end.
+        """
+        ta, lanes = self._heyoka, len(stretches)
+        every = [*stretches, *[stretches[-1]] * (self.places - lanes)]
+        ta.set_time(0.0)
+        ta.state[: self._first] = np.array([stretch.start for stretch in every]).T
+        ta.state[self._first :] = self._begin
+        count = max(len(stretch.times) for stretch in every)
+        if count == 1:  # a state at the end alone needs no dense output
+            ta.propagate_until([float(s.times[0]) for s in every], max_steps=_MOST_STEPS)
+            rows = ta.state[None]
+        else:
+            grid = np.zeros((count + 1, self.places))
+            for lane, stretch in enumerate(every):
+                done, end = len(stretch.times), stretch.times[-1]
+                grid[1 : done + 1, lane] = stretch.times
+                grid[done + 1 :, lane] = end + end * _PADDING * np.arange(1, count - done + 1)
+            rows = ta.propagate_grid(grid, max_steps=_MOST_STEPS)[1][1:]
+        if any(result[0] != hy.taylor_outcome.time_limit for result in ta.propagate_res):
+            return None
+        found = rows[:, self._first :].copy()
+        if self._cyclic:
+            found[:, -self._cyclic :] *= self._divisor
+        return [found[: len(s.times), :, lane] for lane, s in enumerate(stretches)]

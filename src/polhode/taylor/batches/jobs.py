@@ -1,0 +1,104 @@
+"""Jobs of many systems, and what became of them: plain data that can be sent anywhere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from polhode.motion.outcomes import Outcome, code
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Rows
+
+
+class Lanes(NamedTuple):
+    """Systems: coefficients and starts, a row each, as numbers of the run's type.
+
+    Doubles, longdoubles, or above extended Fractions.  In the run's own unit of time.
+    """
+
+    coefficients: Rows
+    starts: Rows
+
+    @property
+    def many(self) -> int:
+        """How many."""
+        return len(self.starts)
+
+    def bytes(self) -> bytes:
+        """All of it, to tell it from any other."""
+        if self.starts.dtype == object:
+            return repr((self.coefficients.tolist(), self.starts.tolist())).encode()
+        tables = (self.coefficients, self.starts)
+        high = [table.astype(np.float64) for table in tables]  # a longdouble has idle bytes
+        rest = [(a - b).astype(np.float64) for a, b in zip(tables, high, strict=True)]
+        return b"".join(table.tobytes() for table in (*high, *rest))
+
+    def some(self, which: Any) -> Lanes:
+        """Those of some indices."""
+        return Lanes(self.coefficients[which], self.starts[which])
+
+
+class BatchJob(NamedTuple):
+    """Systems of the same equations, to be integrated to the same times (of the scenes).
+
+    ``time_unit``: the exponent n of the unit 2**n of time that all of them have.
+    """
+
+    names: tuple[str, ...]  # of the coefficients
+    number: NumberType
+    tolerance: Fraction | None
+    max_steps: int
+    times: tuple[Fraction, ...]
+    time_unit: int
+    lanes: Lanes
+
+    @property
+    def columns(self) -> int:
+        """Of a state."""
+        return int(self.lanes.starts.shape[1])
+
+
+@dataclass
+class Solved:
+    """What became of systems, one after the other.
+
+    ``states``: (systems, times, columns) in principal axes and internal units, not a number where
+    a time was not reached; above extended Fractions and None.
+    ``outcomes``: by number, NOT_RUN of those that were stopped.  ``errors``: of the
+    states of refined members, see :class:`polhode.runs.trajectory.Trajectory`; None without any.
+    """
+
+    states: Rows
+    outcomes: npt.NDArray[np.uint8]
+    steps: npt.NDArray[np.int64]
+    reached: Rows
+    errors: list[tuple[float | None, ...] | None] | None = None
+
+    @classmethod
+    def none_of(cls, job: BatchJob) -> Solved:
+        """Nothing done yet."""
+        count = job.lanes.many
+        kind: Any = {"double": np.float64, "extended": np.longdouble}.get(job.number.name, object)
+        empty = np.nan if job.number.flat else None
+        return cls(
+            np.full((count, len(job.times), job.columns), empty, dtype=kind),
+            np.full(count, code(Outcome.NOT_RUN), dtype=np.uint8),
+            np.zeros(count, dtype=np.int64),
+            np.full(count, Fraction(0), dtype=object),
+        )
+
+    def in_order(self, order: npt.NDArray[np.int64]) -> Solved:
+        """The same, system k of it being the one of index ``order[k]``."""
+        back = np.argsort(order)
+        told = None if self.errors is None else [self.errors[k] for k in back.tolist()]
+        states, outcomes = self.states[back], self.outcomes[back]
+        return Solved(states, outcomes, self.steps[back], self.reached[back], told)
+
+    @property
+    def done(self) -> npt.NDArray[np.bool_]:
+        """Which systems came to an end of whatever kind."""
+        return np.asarray(self.outcomes != code(Outcome.NOT_RUN))

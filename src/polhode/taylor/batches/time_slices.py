@@ -1,0 +1,61 @@
+"""The way of a sweep's members, cut where a look at the keyboard is due."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from polhode.taylor.backend import defaults, heyoka_numbers
+from polhode.taylor.batches.jobs import BatchJob
+
+#: Internal time units (a radian or two of the fastest rate) between two looks at the keyboard, for
+#: each step between them: at two or three steps a unit, a fifth of a second.
+_UNITS_PER_STEP = Fraction(1, 4)
+
+
+class Stretch(NamedTuple):
+    """A part of the way: its end, the outputs in it, and where it stops, as heyoka takes them.
+
+    ``targets``: from the stretch's beginning, in the run's unit, the last one being its end.
+    """
+
+    to: Fraction
+    first: int
+    last: int  # of the outputs, not included
+    targets: list[Any]
+
+
+class Stretches:
+    """The stretches of a job, each made once, and none beyond those that are come to."""
+
+    def __init__(self, job: BatchJob) -> None:
+        self._made: list[Stretch] = []
+        self._more = _stretches(job)
+
+    def __iter__(self) -> Iterator[Stretch]:
+        yield from self._made
+        for stretch in self._more:
+            self._made.append(stretch)
+            yield stretch
+
+
+def _stretches(job: BatchJob) -> Iterator[Stretch]:
+    """Stretches of a fifth of a second's work; they depend on the unit of time alone."""
+    done = 1 if job.times[0] == 0 else 0
+    if done == len(job.times):
+        return
+    end, unit = job.times[-1], Fraction(2) ** job.time_unit
+    count = -(-abs(end) / unit // (defaults.of(job.number).chunk * _UNITS_PER_STEP))
+    j, since = 0, Fraction(0)
+    while done < len(job.times):
+        j += 1
+        to = end if j == count else job.number.rounded(end * Fraction(j, count))
+        first = done
+        while done < len(job.times) and abs(job.times[done]) <= abs(to):
+            done += 1
+        at = list(job.times[first:done])
+        targets = at if at and at[-1] == to else [*at, to]
+        scaled = [heyoka_numbers.scalar((t - since) / unit, job.number) for t in targets]
+        yield Stretch(to, first, done, scaled)
+        since = to

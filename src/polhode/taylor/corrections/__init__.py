@@ -1,0 +1,1 @@
+"""The running state put back on its first integrals."""

@@ -1,0 +1,299 @@
+"""Crossings of a section by many orbits of one body: batches of doubles with an event.
+
+heyoka's batch integrator gives each crossing's time and state; two steps of Newton's method in
+numpy then put all of them on the section, and one more puts them on the first integrals without
+leaving it.  Between chunks of time the clock starts again from 0, so that a time is a chunk's start
+and a small rest, and the states are put back on the integrals there, too.  What a lane gives does
+not depend on its neighbours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import heyoka as hy
+import numpy as np
+
+from polhode.equations.forms import principal
+from polhode.equations.section_functions import SectionZero
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.scalars import Scalar
+from polhode.scenes.vocabulary import STATE
+from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, compact_beyond
+from polhode.taylor.backend.integrator_pool import Idle
+from polhode.taylor.backend.types import HeyokaIntegrator
+from polhode.taylor.batches import step_blocks
+from polhode.taylor.batches.batch_integrator import width
+from polhode.taylor.corrections.level_projection import ARRAYS, TINY, Level, Put
+from polhode.taylor.variations.equations import Doubles
+
+DONE, NONE_LEFT, NON_FINITE, STOPPED = "all crossings", "no more crossings", "not finite", "stopped"
+
+_BESIDE = 1e-6  # of a unit of time: a lane so near to a crossing runs on before it is touched
+_BEGIN = 1e-9  # of a chunk: a crossing before it is the start itself
+_LONG = 80  # operations of an expression whose code is compiled as loops
+_BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
+_DIRECTIONS = {
+    -1: hy.event_direction.negative,
+    0: hy.event_direction.any,
+    1: hy.event_direction.positive,
+}
+
+
+class Singular(ArithmeticError):
+    """A section's function is not finite, or not real, on an orbit: ``start`` (6), at ``time``."""
+
+    def __init__(self, start: tuple[float, ...], time: float) -> None:
+        self.start, self.time = start, time
+        super().__init__(start, time)
+
+
+class CrossingJob(NamedTuple):
+    """Orbits of one body, to be followed to so many crossings, or to ``end``.
+
+    ``coefficients``: of the principal form, by name.  ``direction``: -1 falling, 1 rising, 0 any.
+    ``chunk``: time between two projections; ``patience``: chunks without a crossing until an orbit
+    is given up.  ``starts``: (n, 6) in principal axes and the run's unit of time.
+    """
+
+    coefficients: tuple[tuple[str, float], ...]
+    zero: SectionZero
+    direction: int
+    most: int
+    end: float
+    chunk: float
+    patience: int
+    level: Level
+    starts: Doubles
+
+
+class Crossed(NamedTuple):
+    """Of each orbit the crossings found: nan where there are none.
+
+    ``states`` (n, count, 6), ``times`` and ``rests`` (n, count): a time is their sum.  ``slopes``
+    (n, count): derivative of the section's function there.  ``found``: how many an orbit has.
+    ``outcomes``: how each ended.  ``drift``: the largest residual of an integral met, relative.
+    """
+
+    states: Doubles
+    times: Doubles
+    rests: Doubles
+    slopes: Doubles
+    found: Any
+    outcomes: tuple[str, ...]
+    drift: float
+
+
+def solve(job: CrossingJob, stop: Callable[[], bool] | None = None) -> Crossed:
+    """Follow a job's orbits, as many at a time as a step advances; raises Singular."""
+    return _Lanes(job, width(DOUBLE)).run(stop)
+
+
+def joined(parts: Sequence[Crossed]) -> Crossed:
+    """The results of several jobs as one."""
+    return Crossed(
+        np.concatenate([part.states for part in parts]),
+        np.concatenate([part.times for part in parts]),
+        np.concatenate([part.rests for part in parts]),
+        np.concatenate([part.slopes for part in parts]),
+        np.concatenate([part.found for part in parts]),
+        tuple(outcome for part in parts for outcome in part.outcomes),
+        max((part.drift for part in parts), default=0.0),
+    )
+
+
+def rates(coefficients: Mapping[str, float], state: Any) -> Any:
+    """The field at columns of states: six rows."""
+    found = principal.field(list(state), coefficients, ARRAYS)
+    return np.array([rate + 0 * state[0] for rate in found])  # a rate of 0 is a float
+
+
+def slope(zero: SectionZero, state: Any, velocity: Any) -> Any:
+    """The derivative of a section's function along the motion, by a complex step."""
+    return np.imag(zero.value(list(state + TINY * 1j * velocity), ARRAYS)) / TINY
+
+
+def polished(
+    coefficients: Mapping[str, float], zero: SectionZero, state: Any, time: Any
+) -> tuple[Any, Any, Any]:
+    """States (6, n) and times brought onto the section by two steps; and the slope there."""
+    with np.errstate(all="ignore"):
+        for _ in range(2):
+            velocity = rates(coefficients, state)
+            curve = np.imag(rates(coefficients, state + TINY * 1j * velocity)) / TINY
+            value = np.real(zero.value(list(state), ARRAYS))
+            step = -value / slope(zero, state, velocity)
+            step = np.where(np.abs(step) < 1e-3, step, 0.0)  # a grazing contact stays
+            state = state + step * (velocity + step / 2 * curve)
+            time = time + step
+        return state, time, slope(zero, state, rates(coefficients, state))
+
+
+class _Kept:
+    """heyoka's callback: the crossings that come by."""
+
+    def __init__(self) -> None:
+        self.rows: list[tuple[int, float, Doubles]] = []
+
+    def __call__(self, integrator: HeyokaIntegrator, time: float, _: int, lane: int) -> None:
+        integrator.update_d_output(time)
+        self.rows.append((lane, time, integrator.d_output[:, lane].copy()))
+
+    def __deepcopy__(self, _: object) -> _Kept:
+        return self
+
+
+_idle = Idle()  # pairs of an integrator and what keeps its crossings
+
+
+class _Lanes:
+    """A job's orbits in the lanes of one batch; where one is over the next begins."""
+
+    def __init__(self, job: CrossingJob, size: int) -> None:
+        self.job, self.size = job, size
+        self.key = (job.coefficients, job.zero, job.direction, size)
+        self.k = dict(job.coefficients)
+        self.orbit = np.minimum(np.arange(size), len(job.starts) - 1)  # of each lane
+        self.busy = np.arange(size) < len(job.starts)
+        self.next = min(size, len(job.starts))
+        self.state = job.starts[self.orbit].T.copy()
+        self.put = Put(job.level, self.state)
+        self.origin = np.zeros(size)
+        self.found = np.zeros(size, dtype=int)
+        self.quiet = np.zeros(size, dtype=int)
+        self.rows: list[tuple[int, float, float, Doubles]] = []  # orbit, origin, time, state
+        self.outcomes = [STOPPED] * len(job.starts)
+
+    def run(self, stop: Callable[[], bool] | None) -> Crossed:
+        """All of them."""
+        job = self.job
+        held: Any = _idle.take(self.key) or _built(job, self.size)
+        self.integrator: HeyokaIntegrator = held[0]
+        self.kept: _Kept = held[1]
+        while self.busy.any() and not (stop is not None and stop()):
+            if not self._chunk(stop):
+                break
+            self._turn_over()
+        if np.isfinite(self.integrator.state).all():
+            _idle.put(self.key, held)
+        return self._crossed()
+
+    def _turn_over(self) -> None:
+        """Note how the orbits ended that did, and begin others in their lanes."""
+        job = self.job
+        lost: Any = ~np.isfinite(self.state).all(axis=0)
+        done = (self.found >= job.most) | (self.origin >= job.end)
+        over: Any = self.busy & (lost | done | (self.quiet >= job.patience))
+        for lane in np.flatnonzero(over):
+            ended = NON_FINITE if lost[lane] else DONE if done[lane] else NONE_LEFT
+            self.outcomes[self.orbit[lane]] = ended
+            if self.next == len(job.starts):
+                self.busy[lane] = False
+                self.state[:, lane] = job.starts[self.orbit[lane]]  # idles along
+                continue
+            self.orbit[lane], self.next = self.next, self.next + 1
+            self.state[:, lane] = job.starts[self.orbit[lane]]
+            self.origin[lane] = self.found[lane] = self.quiet[lane] = 0
+            self.put.begin([lane], self.state[:, [lane]])
+
+    def _chunk(self, stop: Callable[[], bool] | None) -> bool:
+        """One stretch of time: crossings kept, clock and state set anew.  False where stopped."""
+        ta, job = self.integrator, self.job
+        ta.state[:] = self.state
+        ta.set_time(0.0)
+        self.kept.rows.clear()
+        target = np.where(self.busy, job.chunk, 0.0)
+        if not self._onwards(target, stop):
+            return False
+        for _ in range(4):
+            # a step that ends on a crossing may lose it or find it twice: again, and further
+            near = self.busy & self._beside(ta.state)
+            if not near.any():
+                break
+            ta.state[:, near] = self.state[:, near]
+            ta.set_time(np.where(near, 0.0, target).tolist())
+            self.kept.rows[:] = [row for row in self.kept.rows if not near[row[0]]]
+            target = target + near * (job.chunk / 16)
+            if not self._onwards(target, stop):
+                return False
+        self._keep()
+        self.state = self.put.back(ta.state.copy())
+        self.origin += target
+        return True
+
+    def _onwards(self, target: Doubles, stop: Callable[[], bool] | None) -> bool:
+        """Lanes brought to a time; False where stopped.  Raises Singular."""
+        ended = step_blocks.until(self.integrator, target.tolist(), stop=stop)
+        if Outcome.STEP_UNDERFLOW in ended.outcomes:
+            lane = ended.outcomes.index(Outcome.STEP_UNDERFLOW)
+            start = tuple(self.job.starts[self.orbit[lane]].tolist())
+            raise Singular(start, float(self.origin[lane] + self.integrator.time[lane]))
+        return not ended.stopped
+
+    def _beside(self, state: Any) -> Any:
+        """Which lanes are next to a crossing."""
+        with np.errstate(all="ignore"):
+            value = np.abs(np.real(self.job.zero.value(list(state), ARRAYS)))
+            if not (value < 1e-3).any():
+                return np.zeros(self.size, dtype=bool)
+            return value < _BESIDE * np.abs(slope(self.job.zero, state, rates(self.k, state)))
+
+    def _keep(self) -> None:
+        counts = np.zeros(self.size, dtype=int)
+        begin = _BEGIN * self.job.chunk
+        for lane, time, state in self.kept.rows:
+            if self.origin[lane] > 0 or time > begin:
+                self.rows.append((self.orbit[lane], self.origin[lane], time, state))
+                counts[lane] += 1
+        self.found += counts
+        self.quiet = np.where(counts > 0, 0, self.quiet + 1)
+
+    def _crossed(self) -> Crossed:
+        """All crossings polished at once, and put in order."""
+        job = self.job
+        n, most = len(job.starts), job.most
+        states = np.full((n, most, 6), np.nan)
+        times, rests, slopes = (np.full((n, most), np.nan) for _ in range(3))
+        found = np.zeros(n, dtype=int)
+        if self.rows:
+            orbits, origins, taus = (np.array([row[i] for row in self.rows]) for i in range(3))
+            raw = np.array([row[3] for row in self.rows]).T
+            raw, taus, by = polished(self.k, job.zero, raw, taus)
+            whole = Put(job.level, job.starts.T)
+            for first in range(0, len(taus), _BLOCK):
+                at = slice(first, first + _BLOCK)
+                raw[:, at] = whole.of(orbits[at]).within(job.zero, raw[:, at])
+            order = np.lexsort((taus, origins, orbits))  # a seam of steps may swap two
+            orbits, origins, taus = orbits[order], origins[order], taus[order]
+            nth = np.arange(len(orbits)) - np.searchsorted(orbits, orbits)
+            time = origins + taus
+            kept = (nth < most) & (time <= job.end)
+            places = orbits[kept], nth[kept]
+            times[places], rests[places] = time[kept], (taus - (time - origins))[kept]
+            slopes[places], states[places] = by[order][kept], raw[:, order][:, kept].T
+            found = np.bincount(orbits[kept], minlength=n)
+        return Crossed(states, times, rests, slopes, found, tuple(self.outcomes), self.put.drift)
+
+
+def _built(job: CrossingJob, size: int) -> tuple[HeyokaIntegrator, _Kept]:
+    kept = _Kept()
+    return _integrator(job.coefficients, job.zero, job.direction, size, kept), kept
+
+
+def _integrator(
+    coefficients: tuple[tuple[str, float], ...],
+    zero: SectionZero,
+    direction: int,
+    size: int,
+    kept: _Kept,
+) -> HeyokaIntegrator:
+    variables = hy.make_vars(*STATE)
+    constants: dict[str, Scalar] = {name: hy.expression(x) for name, x in coefficients}
+    field = principal.field(variables, constants, EXPRESSIONS)
+    crossing = zero.value(variables, EXPRESSIONS, hy.expression)
+    event = hy.nt_event_batch(crossing, kept, direction=_DIRECTIONS[direction])
+    system = list(zip(variables, field, strict=True))
+    options = compact_beyond(_LONG, [crossing])
+    return hy.taylor_adaptive_batch(system, np.zeros((6, size)), nt_events=[event], **options)

@@ -1,0 +1,1 @@
+"""One integrator of a system: specified, built, stepped."""

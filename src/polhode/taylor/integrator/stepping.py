@@ -1,0 +1,284 @@
+"""heyoka's Taylor integrator in four number types: exact coefficients in, exact states out."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Hashable, Iterable, Sequence
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import heyoka as hy
+import numpy as np
+
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.conversion import joined
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Row, Rows
+from polhode.taylor.backend.heyoka_numbers import array, as_fraction, numbers, scalar
+from polhode.taylor.backend.integrator_pool import Idle
+from polhode.taylor.backend.step_outcomes import ending
+from polhode.taylor.backend.time_grid import Times
+from polhode.taylor.backend.types import HeyokaNumber
+from polhode.taylor.integrator.angle_variables import Cyclic
+from polhode.taylor.integrator.protocols import Corrector, Mark, Memory, Piece, Watcher
+from polhode.taylor.integrator.specification import FIRST_KEPT, Blueprint, Built, built
+
+_IDLE = Idle()
+
+#: Output times ahead are looked at to so many times the longest advance.
+_REACH = 1.25
+
+#: With more output times than these, so many steps are tried to tell the reach of the first.
+_MANY, _TRIED = 200, 8
+
+
+class Polynomials(NamedTuple):
+    """heyoka's continuous output from a time on, counted from where the chunk began."""
+
+    begun: HeyokaNumber
+    output: Any  # heyoka.continuous_output
+
+    def at(self, time: HeyokaNumber, number: NumberType) -> Row:
+        """The state at one time."""
+        row = self.output(time)
+        return row.copy() if number.flat else numbers(row.tolist(), number)
+
+    @property
+    def bytes(self) -> int:
+        """About the memory that it takes."""
+        x = self.output.tcs.flat[0]
+        return int(self.output.tcs.size) * (48 + x.prec // 8 if isinstance(x, hy.real) else 16)
+
+
+class Integrator:
+    """An integrator of one autonomous system from its start at time ``origin``.
+
+    Time is kept as an exact offset plus heyoka's own time, which is put back to 0 at
+    each chunk's end: output times are rounded relative to the chunk's start, never to zero.
+    ``watcher`` gives heyoka events and may end the run.  ``corrector`` corrects the state every so
+    many steps.  ``marks``: where each chunk began, for :meth:`again`.
+    """
+
+    def __init__(
+        self,
+        plan: Blueprint,
+        origin: Fraction = Fraction(0),
+        watcher: Watcher | None = None,
+        corrector: Corrector | None = None,
+    ) -> None:
+        self.number = plan.number
+        self.watcher, self.corrector = watcher, corrector
+        self.offset = origin
+        self.steps = 0
+        self._due = 0 if corrector is None else corrector.every
+        self._reach = math.inf
+        first = len(plan.start) - plan.cyclic
+        self._cyclic = Cyclic(plan.start[first:], plan.number) if plan.cyclic else None
+        self.marks: list[Mark] = []
+        self._pieces: list[Piece] | None = None
+        self._key: Hashable = plan.key
+        if watcher is not None and self._key is not None:
+            self._key = (self._key, watcher.rules)
+        idle = None if self._key is None else _IDLE.take(self._key)
+        self._built: Built = idle or built(plan, watcher, self._cyclic)
+        self.heyoka = self._built.heyoka
+        if idle is not None:
+            self.heyoka.state[:] = plan.state
+            self.heyoka.time = scalar(0, plan.number)
+        self.state, self._parameters = self.heyoka.state, self.heyoka.pars  # views of its memory
+        self._tell_kept()
+        if watcher is not None and self._built.desk is not None:
+            watcher.sit_down(self._built.desk)
+            watcher.counts_from(origin, self.heyoka)
+
+    def release(self) -> None:
+        """Leave the compiled code to the next run of the same equations; the last call of all."""
+        if self._key is not None and self._built.again:
+            _IDLE.put(self._key, self._built)
+        del self._built, self.heyoka, self.state, self._parameters
+
+    @property
+    def decomposition(self) -> Any:
+        """heyoka's Taylor decomposition, for tests of the constants in it."""
+        return self.heyoka.decomposition
+
+    @property
+    def time(self) -> Fraction:
+        """The exact time reached."""
+        high, low = self.heyoka.dtime
+        if not high:
+            return self.offset
+        inside = self._exactly(high) + self._exactly(low) if low else self._exactly(high)
+        return self.offset + inside if self.offset else inside
+
+    def chunk(self, times: Sequence[Fraction], steps: int) -> tuple[Rows, Outcome]:
+        """Take up to ``steps`` steps towards the last time; states at the times that were passed.
+
+        ``times``: ahead of the current time, monotone.  Returns rows of the run's numbers, and how
+        the steps ended: STEP_LIMIT where they were taken and the last time lies ahead.
+        """
+        if self.heyoka.time:
+            self.offset = self.time
+            self.heyoka.time = scalar(0, self.number)
+        self._tell_offset()
+        memory = Memory() if self.corrector is None else self.corrector.memory()
+        kept = tuple(self.state.tolist())
+        self.marks.append(Mark(self.offset, kept, times[-1], steps, self.steps, self._due, memory))
+        grid = Times.of(times, self.number).since(self.offset)
+        rows, ended = self._through(grid, steps)
+        if self._stopped and ended not in (Outcome.NON_FINITE, Outcome.SINGULAR):
+            ended = Outcome.STOPPED_AT_EVENT
+        elif ended is Outcome.STOPPED_AT_EVENT and not self._stopped:
+            ended = Outcome.NON_FINITE  # the steps stand still: an event's expression has a pole
+        return rows, ended
+
+    def again(self, mark: Mark) -> list[Piece]:
+        """The polynomials of a chunk, taken again with the same steps to the bit."""
+        self.offset, self.steps, self._due = mark.offset, mark.taken, mark.due
+        self.heyoka.time = scalar(0, self.number)
+        self.stand_at(mark.state)
+        if self.corrector is not None:
+            self.corrector.recall(mark.memory)
+        self._tell_offset()
+        pieces: list[Piece] = []
+        self._pieces = pieces
+        self._through(Times([mark.end], self.number).since(mark.offset), mark.steps)
+        return pieces
+
+    def _through(self, grid: Row, steps: int) -> tuple[Rows, Outcome]:
+        """A chunk's steps, with its corrections; rows of the run's numbers, and how it ended."""
+        ahead = joined([grid[:1], grid], self.number)
+        if self.corrector is None and self._cyclic is None:
+            rows, ended = self._onwards(ahead, steps)
+            return self._rows([rows]), ended
+        found, done, last = [], 0, self.steps + steps
+        while True:
+            pause = last if self.corrector is None else min(self._due, last)
+            if self._cyclic is not None:
+                every = self._cyclic.every
+                pause = min(pause, (self.steps // every + 1) * every)
+            rows, ended = self._advance(ahead, done, pause - self.steps)
+            if len(rows):
+                found.append(rows if self._cyclic is None else self._cyclic.completed(rows))
+                done += len(rows)
+            # the last step may be the last one allowed, too: heyoka then reports the latter
+            if ended is not Outcome.STEP_LIMIT or done == len(grid):
+                break
+            if self._cyclic is not None and self.steps % self._cyclic.every == 0:
+                self._cyclic.set_back(self.state)
+            if self.corrector is not None and self.steps == self._due:
+                self._due += self.corrector.every if self._correct(self.corrector) else 1
+            if self.steps == last:
+                break
+        return self._rows(found), ended
+
+    def _correct(self, corrector: Corrector) -> bool:
+        done = corrector.correct(self.state)
+        self._tell_kept()
+        return done
+
+    def stand_at(self, state: Iterable[HeyokaNumber]) -> None:
+        """Stand at another state, the time unchanged."""
+        for i, x in enumerate(state):
+            self.state[i] = x
+        self._tell_kept()
+
+    def _tell_kept(self) -> None:
+        """Give the rates the variables that the equations keep, from where they stand."""
+        for parameter, column in enumerate(self._built.kept, FIRST_KEPT):
+            self._parameters[parameter] = self.state[column]
+
+    def _advance(self, ahead: Row, done: int, steps: int) -> tuple[Rows, Outcome]:
+        """Up to ``steps`` steps; output times that are out of reach are not looked at.
+
+        ``ahead``: the chunk's times, after one place to spare; ``done`` of them are passed.  Reach
+        is some times the longest advance so far, and at first what a few steps tell: heyoka takes
+        longer for a grid, the more times it has.  Should an output time be passed all the same, the
+        advance is taken back and made again with an eye on all of them.
+        """
+        ta, count = self.heyoka, len(ahead) - 1
+        if done == count - 1:
+            return self._onwards(ahead[-2:], steps)
+        begun, kept, before = ta.dtime, self.state.copy(), self.steps
+        marks = None if self.watcher is None else self.watcher.marks()
+        simple = self.watcher is None and self._built.again
+        if self._reach == math.inf and simple and count - done > _MANY:
+            tried = max(1, ta.propagate_until(ahead[-1], max_steps=_TRIED)[3])
+            self._reach = _REACH * steps / tried * float(abs(ta.time - begun[0]))
+            self.state[:], ta.dtime = kept, begun
+        reach = abs(float(begun[0])) + self._reach
+        beyond = bisect_right(ahead, reach, lo=done + 1, key=abs)  # its place
+        short = beyond < count
+        if not short:
+            rows, ended = self._onwards(ahead[done:], steps)
+        elif beyond == done + 1:
+            rows, ended = self._onwards(ahead[-2:], steps)
+        else:
+            lent, ahead[beyond] = ahead[beyond], ahead[-1]
+            rows, ended = self._onwards(ahead[done : beyond + 1], steps)
+            ahead[beyond] = lent
+        passed = abs(ta.time)
+        if short and passed > abs(ahead[beyond]):
+            self.state[:], ta.dtime, self.steps = kept, begun, before
+            if self.watcher is not None and marks is not None:
+                self.watcher.take_back(marks)
+            rows, ended = self._onwards(ahead[done:], steps)
+        advance = _REACH * float(passed - abs(begun[0]))
+        if advance > self._reach or self._reach == math.inf:
+            self._reach = advance
+        return rows, ended
+
+    def _onwards(self, ahead: Row, steps: int) -> tuple[Rows, Outcome]:
+        """Up to ``steps`` steps towards the last time; rows at the times passed and outcome.
+
+        ``ahead``: a place for the time at which it begins, then the times.
+        """
+        ta = self.heyoka
+        now = ta.time
+        if ahead[1] == now:  # a step ended there: heyoka has not given that row
+            here = self.state.copy()[None]
+            if len(ahead) == 2:
+                return here, Outcome.REACHED_END
+            rows, ended = self._onwards(ahead[1:], steps)
+            return np.concatenate([here, rows]), ended
+        options: dict[str, Any] = {"max_steps": steps}
+        if self.watcher is not None and self.watcher.after_step is not None:
+            options["callback"] = self.watcher.after_step
+        if len(ahead) == 2:
+            # As a grid begins: the step that leaves no low part of the time.  So output times
+            # change no bit of the motion.
+            ta.propagate_until(now)
+            if self._pieces is None:
+                result = ta.propagate_until(ahead[1], **options)
+            else:
+                result = ta.propagate_until(ahead[1], c_output=True, **options)
+                if result[4] is not None:
+                    self._pieces.append(Polynomials(now, result[4]))
+            ended = ending(result[0])
+            rows = self.state[None]
+            rows = rows.copy() if ended is Outcome.REACHED_END else rows[:0]
+        else:
+            ahead[0] = now
+            grid = ahead if self.number.flat else array(ahead, self.number)
+            result = ta.propagate_grid(grid, **options)
+            rows, ended = result[-1][1:], ending(result[0])
+        self.steps += int(result[3])
+        return rows, ended
+
+    @property
+    def _stopped(self) -> bool:
+        """Whether an event has ended the run."""
+        return self.watcher is not None and self.watcher.stop is not None
+
+    def _tell_offset(self) -> None:
+        if self.watcher is not None:
+            self.watcher.counts_from(self.offset, self.heyoka)
+
+    def _rows(self, parts: list[Rows]) -> Rows:
+        if self.number.flat:
+            return joined(parts, self.number) if parts else self.state[None][:0]
+        return [numbers(row, self.number) for part in parts for row in part.tolist()]
+
+    def _exactly(self, value: HeyokaNumber) -> Fraction:
+        return as_fraction(value, self.number)

@@ -1,0 +1,194 @@
+"""How much a motion multiplies errors on the way: one tangent, by the variational equations.
+
+    G(t) = max over s <= t of |v(t)| / |v(s)|,    v' = J(x) v,    lost(t) = log10(G(t) sqrt(n(t)))
+
+v along no special direction, w measured by the largest |w|, gamma as it is; n the Taylor steps so
+far, each of which rounds the state once.  A run whose numbers hold so many digits is expected to
+have lost so many of them at t.  Components that the equations keep at exactly zero take no
+rounding, and none is given to them here.
+
+Where a run is put back, once in m steps, on as many integrals as fix its torus, its frequencies
+walk at random for m steps at most.  What each walk shifts is another number at random, so that
+
+    lost(t) = log10 max(G, sqrt(n), G m/sqrt(n)),    n > m,
+
+the first for the rounded inputs, which no projection puts right.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from fractions import Fraction
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from polhode.equations.equilibrium import at_rest
+from polhode.equations.system import system
+from polhode.numbers.conversion import to_double
+from polhode.scenes.scene import Scene
+from polhode.taylor.corrections.integral_projection import kept_at_zero
+from polhode.taylor.variations.equations import Doubles, Variations
+from polhode.taylor.variations.reference_trajectory import Leader, pendulum, six
+
+#: States in principal axes as six doubles, by time, in the scene's own unit, |t| increasing.
+Led: TypeAlias = Mapping[float, Doubles]
+
+MOST_STEPS = 50_000  # of 4 µs
+STRIDE = 8.0  # of the scene's own unit of time between two looks where the motion is led
+MOST_LOOKS, LONGEST = 64, 256.0  # otherwise: about so many looks, none so far from the last
+LED_FROM = 10.0  # log10 of G up to which a motion in double is the scene's to six digits
+TRUSTED = 14.0  # log10 of G beyond which a motion in double says nothing of the scene's
+_EXPONENTIAL = 6.0  # ln of G in the second half of the time: no power of time grows so much
+_DIRECTION = (0.6, -0.5, 0.4, 0.3, 0.2, -0.3)  # along no axis
+
+
+class Growth(NamedTuple):
+    """Decimal digits lost, at moments from 0 on; between two of them log10 is linear in time.
+
+    ``times``: scene's units, |t| increasing.  ``lost``: see the module; at least 0.  ``followed``:
+    the last time to which the tangent was followed; later values continue its law.  ``steps``:
+    Taylor steps in double to the end, about.
+    """
+
+    times: tuple[float, ...]
+    lost: tuple[float, ...]
+    followed: float
+    steps: int
+
+    def at(self, t: float) -> float:
+        """The digits lost at a time."""
+        return float(np.interp(abs(t), np.abs(self.times), self.lost))
+
+    def reaches(self, lost: float) -> float | None:
+        """The first time at which so many digits are lost; None where they never are."""
+        before, height = 0.0, 0.0
+        for t, here in zip(self.times, self.lost, strict=True):
+            if here >= lost:
+                part = (lost - height) / (here - height) if here > height else 1.0
+                return before + min(1.0, max(0.0, part)) * (t - before)
+            before, height = t, here
+        return None
+
+
+def growth(
+    scene: Scene,
+    limit: float = math.inf,
+    max_steps: int = MOST_STEPS,
+    led: Led | bool = False,
+    trusted: float = TRUSTED,
+    every: int = 0,
+) -> Growth:
+    """The digits lost from 0 to the scene's end, followed until ``limit`` of them are.
+
+    ``max_steps``: of the tangent; beyond them its law is continued: exponential where it was so in
+    the second half of the time, else in proportion to time.  ``led``: what keeps the motion the
+    scene's own once G has passed 1e10: its states, where somebody has them, by time in the scene's
+    own unit; or True for an integration of wider type made here, which may cost as much as the run
+    itself.  Unled, the law is continued from where G passes 10**trusted; up to there, or
+    everywhere with inf, the tangent may be that of a neighbour's motion.  ``every``: the steps
+    between two projections of an integrable top onto all its integrals, 0 without.
+    """
+    unit = 2.0**scene.time_unit
+    end = to_double(scene.end / Fraction(2) ** scene.time_unit)
+    principal = scene.form == "principal"
+    if end == 0 or (principal and at_rest(scene).state):  # nothing is rounded on the way
+        return Growth((0.0,), (0.0,), end * unit, 0)
+    plain = system(replace(scene, form="principal"), ())
+    start = six(plain.start)
+    tangent = np.array(_DIRECTION)
+    tangent[:3] *= float(np.linalg.norm(start[:3])) or 1.0
+    if principal:
+        tangent[list(kept_at_zero(scene))] = 0
+    tangent[len(plain.start) :] = 0
+    flow = Variations(plain.coefficients, start, tangent[:, None])
+    leader = Leader(plain) if led is True else led or None
+    looks = [_look(flow)]
+    for t in leader if isinstance(leader, Mapping) else _moments(end, leader is not None):
+        arrived = flow.to(t, max_steps - flow.steps)
+        if not flow.finite:
+            break
+        flow.rescale()
+        looks.append(_look(flow))
+        passed = _grown(looks, scene)[-1]
+        if not arrived or passed > limit * math.log(10):
+            break
+        if isinstance(leader, Leader):
+            if passed > LED_FROM * math.log(10):
+                flow.state = leader.at(t, passed / math.log(10))
+        elif leader is not None:
+            flow.state = leader[t]
+        elif passed > trusted * math.log(10):
+            break
+    return _continued(looks, _grown(looks, scene), end, unit, every)
+
+
+class _Look(NamedTuple):
+    """One moment, in the scene's own unit of time."""
+
+    time: float
+    steps: int
+    speed: float  # |w|
+    sizes: tuple[float, float]  # ln |v|: its part of w, its part of gamma
+
+
+def _look(flow: Variations) -> _Look:
+    v, more = flow.tangents[:, 0], flow.exponent * math.log(2)
+    sizes = [_ln(float(np.linalg.norm(part))) + more for part in (v[:3], v[3:])]
+    return _Look(flow.time, flow.steps, float(np.linalg.norm(flow.state[:3])), (sizes[0], sizes[1]))
+
+
+def _grown(looks: list[_Look], scene: Scene) -> list[float]:
+    """ln of G at each look."""
+    scale = _ln(max(look.speed for look in looks) or pendulum(scene))
+    least, found = math.inf, []
+    for look in looks:
+        size = max(look.sizes[0] - scale, look.sizes[1])
+        least = min(least, size)
+        found.append(size - least)
+    return found
+
+
+def _continued(
+    looks: list[_Look], grown: list[float], end: float, unit: float, every: int
+) -> Growth:
+    """Growth from what was seen, its law continued to the end."""
+    times, last = [look.time for look in looks], looks[-1].time
+    added = [0.5 * math.log(max(1, look.steps)) for look in looks]  # ln of sqrt(n)
+    whole = [*grown]
+    if abs(last) < abs(end):
+        half = float(np.interp(abs(last) / 2, np.abs(times), grown))
+        ahead = np.geomspace(abs(last) or 1e-3 * abs(end), abs(end), 16)[1:]
+        per_time = (grown[-1] - half) / (abs(last) / 2 or 1.0)
+        exponential = grown[-1] - half > _EXPONENTIAL
+        for t in ahead:
+            ratio = float(t) / (abs(last) or float(t))
+            more = per_time * (float(t) - abs(last)) if exponential else math.log(ratio)
+            times.append(math.copysign(float(t), end))
+            whole.append(grown[-1] + more)
+            added.append(added[len(looks) - 1] + 0.5 * math.log(ratio))
+    lost = [_lost(g, n, every) / math.log(10) for g, n in zip(whole, added, strict=True)]
+    steps = math.ceil(looks[-1].steps * abs(end / last)) if last else looks[-1].steps
+    return Growth(tuple(t * unit for t in times), tuple(lost), last * unit, steps)
+
+
+def _lost(grown: float, root: float, every: int) -> float:
+    """ln of what a rounding has become: by ln of G and of sqrt(n), see the module."""
+    if every == 0 or 2 * root <= math.log(every):
+        return grown + root
+    return max(grown, root, grown + math.log(every) - root)
+
+
+def _moments(end: float, led: bool) -> Iterator[float]:
+    """Moments from 0 to the end, without 0."""
+    stride = STRIDE if led else min(LONGEST, max(STRIDE, abs(end) / MOST_LOOKS))
+    count = math.ceil(abs(end) / stride)
+    for k in range(1, count):
+        yield math.copysign(k * stride, end)
+    yield end
+
+
+def _ln(x: float) -> float:
+    return math.log(x) if x > 0 else -math.inf

@@ -1,0 +1,168 @@
+"""The digits of a crossing beside true ones: closed forms, and quad runs of other bodies."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.cli import main
+from polhode.dynamics.sections import coordinates as geometry
+from polhode.dynamics.sections import crossing_accuracy
+from polhode.numbers.conversion import exactly
+from polhode.scenes import scene_file
+
+EPS = 2.0**-52
+GENERIC = polhode.load("general/asymmetric-chaotic")
+
+
+def true_digits(scene, found, which):
+    """-log10 of the largest error of a crossing's state, beside the crossing of the exact motion.
+
+    The exact motion at the crossing's time is a little before or after its own crossing: an Euler
+    step along the flow leads there.  For scenes in principal axes and inner units.
+    """
+    on = geometry.ground(scene, found.h, found.f)
+    times = [Fraction(found.times[0, m]) + Fraction(found.rests[0, m]) for m in which]
+    if polhode.reference(scene).is_closed_form:
+        exact = polhode.reference(scene).at(times, digits=30)
+    else:
+        exact = polhode.integrate(scene, at=times, number="quad").states
+
+    def zero(state):
+        G = [exactly(float(a)) * x for a, x in zip(on.moments, state[:3], strict=True)]
+        a, g = [exactly(float(x)) for x in on.frame[2]], state[3:]
+        (i, j, k) = (0, 1, 2)
+        cross = [a[j] * G[k] - a[k] * G[j], a[k] * G[i] - a[i] * G[k], a[i] * G[j] - a[j] * G[i]]
+        return float(sum(x * y for x, y in zip(g, cross, strict=True)))
+
+    digits = []
+    for m, state in zip(which, exact, strict=True):
+        state = [exactly(x) for x in state]
+        x = np.array([float(v) for v in state])
+        error = np.array(
+            [float(exactly(v) - y) for v, y in zip(found.states[0, m], state, strict=True)]
+        )
+        w, g = x[:3], x[3:]
+        turning = (np.cross(g, on.torque) - np.cross(w, w * on.moments)) / on.moments
+        flow = np.concatenate([turning, np.cross(g, w)])
+        slope = geometry.momentum_slope(on, x[None, :])[0] / on.weight
+        digits.append(-np.log10(np.abs(error + zero(state) / slope * flow).max() + EPS / 8))
+    return np.array(digits)
+
+
+def generic(*omega):
+    return replace(GENERIC, omega=tuple(Fraction(x) for x in omega))
+
+
+@pytest.mark.parametrize(
+    ("scene", "crossings"),
+    [
+        ("lagrange/nutation", 300),
+        pytest.param("lagrange/looping", 300, marks=pytest.mark.slow),
+        pytest.param("goryachev-chaplygin/two-frequencies", 300, marks=pytest.mark.slow),
+        pytest.param("kovalevskaya/generic", 300, marks=pytest.mark.slow),
+        (generic("0.3", "0.2", "3"), 100),  # regular
+        (generic("0.3", "0.2", "0.9"), 80),  # chaotic: from 16 digits to none
+        pytest.param(generic("0.3", "0.2", "1.1"), 55, marks=pytest.mark.slow),
+        pytest.param(generic("0.1", "0.5", "2"), 100, marks=pytest.mark.slow),
+    ],
+    ids=str,
+)
+def test_true_digits_lie_in_a_band_about_those_told(scene, crossings):
+    scene = polhode.load(scene) if isinstance(scene, str) else scene
+    found = polhode.section(scene, starts="scene", crossings=crossings)
+    told = found.digits[0]
+    assert (np.diff(told) <= 0).all()
+    which = sorted({*np.linspace(4, int((told > 0.5).sum()) - 1, 9).astype(int).tolist()})
+    more = true_digits(scene, found, which) - told[which]
+    assert more.min() > -2.5
+    assert more.max() < 1.5
+    assert -2.0 < more.mean() < 1.0
+
+
+def test_no_digit_is_left_where_the_true_ones_end():
+    """The first crossing without a digit, beside that of a quad run."""
+    scene = generic("0.3", "0.2", "0.9")
+    found = polhode.section(scene, starts="scene", crossings=110)
+    (first,) = found.none_left_from.tolist()
+    near = list(range(first - 25, first + 15, 3))
+    true = true_digits(scene, found, near)
+    gone = near[int((true < 1).argmax())] + 1
+    assert true[0] > 1.5
+    assert abs(gone - first) < 15
+    assert (found.digits[0, first + 20 :] == 0).all()
+
+
+def test_regular_orbits_keep_their_digits():
+    found = polhode.section("lagrange/nutation", grid=(3, 3), crossings=200)
+    assert (found.none_left_from == 0).all()
+    assert found.digits.min() > 12
+    assert found.digits[:, 0].min() > 14.5
+
+
+def test_digits_are_those_of_the_amplification():
+    """Beside the largest stretching of any vector: one tangent finds nearly as much."""
+    scene = generic("0.3", "0.2", "1.1")
+    found = polhode.section(scene, starts="scene", crossings=30)
+    times = [Fraction(found.times[0, m]) for m in (9, 19, 29)]
+    all_of_it = np.array(polhode.conditioning(scene, times).log10_amplification)
+    told = 52 * np.log10(2) - found.digits[0, [9, 19, 29]]
+    assert (all_of_it - told > 0).all()
+    assert (all_of_it - told < 2.2).all()
+
+
+def test_an_orbit_has_the_same_digits_in_any_company_and_unit_of_time():
+    starts = [[k / 2, 0.1 * k - 0.55] for k in range(11)]
+    level = {"h": 3, "f": Fraction(1, 2)}
+    whole = polhode.section(GENERIC, starts=starts, crossings=20, **level)
+    for k in (0, 10):
+        alone = polhode.section(GENERIC, starts=[starts[k]], crossings=20, **level)
+        assert (alone.digits[0] == whole.digits[k]).all()
+        assert (alone.start_states[0] == whole.start_states[k]).all()
+    quick = scene_file.parse(
+        "schema = 1\n[body]\nmoments = [2, 1.5, 1]\ncentre = [0.3, 0.2, 0.5]\nweight = 1048576\n"
+        "[start]\nomega = [307.2, 204.8, 1126.4]\ngamma = [0.6, 0, 0.8]\n"
+    )
+    plain = polhode.section(GENERIC, starts="scene", crossings=12)
+    other = polhode.section(quick, starts="scene", crossings=12)
+    assert other.start_states[0].tolist() == [307.2, 204.8, 1126.4, 0.6, 0.0, 0.8]
+    assert (other.times * 1024 == plain.times).all()
+    assert (other.digits == plain.digits).all()
+
+
+def test_digits_end_with_the_crossings():
+    scene = polhode.load("general/asymmetric-chaotic")
+    found = polhode.section(scene, starts=[[1, 0.2], [0.5, 0.1]], crossings=5, by="gamma3 - 1/2")
+    assert (np.isnan(found.digits) == np.isnan(found.times)).all()
+
+
+def test_none_left_from_counts_from_one():
+    digits = np.array([[15.0, 3, 0.9, 0], [0.2, 0, 0, np.nan], [9, 8, 7, 6]])
+    assert crossing_accuracy.none_left_from(digits).tolist() == [3, 1, 0]
+
+
+def test_the_verb_tells_them(tmp_path, capsys):
+    held = tmp_path / "s.npz"
+    command = ["section", "general/asymmetric-chaotic", "--starts", "scene", "--crossings", "80"]
+    assert main([*command, "--json"]) == 0
+    printed = capsys.readouterr()
+    found = json.loads(printed.out)
+    assert len(found["digits"][0]) == 80
+    (first,) = found["none_left_from"]
+    assert found["digits"][0][first - 1] < 1 <= found["digits"][0][first - 2]
+    assert f"no digit is left from crossing {first} on in 1 of 1 orbits" in printed.err
+    assert main([*command, "-o", str(held)]) == 0
+    with np.load(held) as arrays:
+        assert arrays["digits"].round(2).tolist() == found["digits"]
+        assert arrays["none_left_from"].tolist() == [first]
+        assert arrays["start_state"].shape == (1, 6)
+    capsys.readouterr()
+    assert main(["section", "lagrange/nutation", "--grid", "2x1", "--crossings", "3"]) == 0
+    printed = capsys.readouterr()
+    assert printed.out.splitlines()[0].split() == ["orbit", "crossing", "t", "l", "L/G", "digits"]
+    assert "digits or more are to be expected of every crossing" in printed.err

@@ -1,0 +1,199 @@
+"""Families of periodic orbits and the search of a level."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.cli import main
+from polhode.dynamics.periodic_orbits import families
+
+#: Where Grioli's family turns in h at his f, by this program: the tests say how it is one.
+FOLD = 0.74971327932623
+
+
+@pytest.fixture(scope="module")
+def family():
+    """Grioli's orbit towards smaller h, through a branch point and a fold, and back."""
+    return polhode.orbit_family("grioli/precession", "h", "0.7", points=60)
+
+
+def test_a_family_passes_its_fold(family):
+    assert family.ended == "came back to h = 63/74"
+    assert [one.what for one in family.bifurcations] == ["branch point", "fold"]
+    fold = family.bifurcations[-1].point
+    assert fold.h == min(fold.h, *(point.h for point in family.points))
+    assert abs(fold.residue) < 1e-11
+    assert fold.h == pytest.approx(FOLD, abs=1e-12)
+    for point in family.points:
+        assert point.f == pytest.approx(836 / 1369, rel=1e-13)
+        assert point.h >= fold.h
+    first, last = family.points[0], family.points[-1]
+    assert first.h == pytest.approx(last.h, rel=1e-14)
+    assert abs(first.period - last.period) > 0.1  # another orbit of the same level
+
+
+def test_residues_grow_like_a_square_root_beyond_a_fold(family):
+    """Four times as far in h, twice the residue, in the mean of the branches: R = 0 at the turn."""
+    after = family.bifurcations[-1].after
+    apart = []
+    for d in (4e-6, 1e-6):
+        both = [family.orbit(after + side).scene for side in (-1, 0)]
+        found = [polhode.orbit(near, h=FOLD + d, period=near.end) for near in both]
+        assert found[0].residue * found[1].residue < 0
+        apart.append(abs(float(found[0].residue - found[1].residue)))
+    assert 1.999 < apart[0] / apart[1] < 2.001
+
+
+def test_two_orbits_on_this_side_of_a_fold_and_none_on_the_other(family):
+    fold = family.bifurcations[-1]
+    above = family.points[fold.after - 1], family.points[fold.after]
+    assert above[0].residue * above[1].residue < 0
+    assert {one.kind for one in above} == {"elliptic", "hyperbolic"}
+    near = family.orbit(fold.after, digits=20)
+    assert near.kind == above[1].kind
+    assert float(near.residue) == pytest.approx(above[1].residue, rel=1e-9)
+    with pytest.raises(polhode.BadInput, match="start nearer to a periodic orbit"):
+        polhode.orbit(near.scene, h=FOLD - 0.001, period=near.period)
+
+
+def test_rotations_of_a_free_body_are_a_family_with_one_residue():
+    """T = 2 pi/w with h = A w^2/2 at every point; R = sin^2(pi sqrt((A-B)(A-C)/(BC)))."""
+    spun = polhode.top(moments=[2, 1.5, 1], omega=[1, 0, 0], gamma=["4/5", "3/5", 0])
+    found = polhode.orbit_family(spun, "h", 3)
+    exact = math.sin(math.pi * math.sqrt(1 / 3)) ** 2
+    assert len(found.points) > 5
+    for point in found.points:
+        assert point.period == pytest.approx(2 * math.pi / math.sqrt(point.h), rel=1e-12)
+        assert point.residue == pytest.approx(exact, abs=1e-12)
+    assert found.points[-1].h == pytest.approx(3, rel=1e-15)
+    assert not found.bifurcations
+
+
+def test_a_period_doubles_where_the_residue_passes_one():
+    """Beside it there is an orbit of twice the period, of a residue near zero."""
+    found = polhode.orbit_family("grioli/precession", "h", "1.19")
+    assert [one.what for one in found.bifurcations] == ["period doubling"]
+    one = found.bifurcations[0].point
+    assert one.residue == pytest.approx(1, abs=1e-11)
+    assert found.points[-1].kind == "inverse hyperbolic"
+    # at R = 1 + d, the same orbit taken twice has R2 = 4 R (1 - R) = -4 d + ...
+    last = found.points[-1]
+    twice = 4 * last.residue * (1 - last.residue)
+    matrix = found.members[-1].found.monodromy
+    assert (6 - np.trace(matrix @ matrix)) / 4 == pytest.approx(twice, rel=1e-9)
+
+
+def test_along_f_too():
+    found = polhode.orbit_family("grioli/precession", "f", "0.66", points=20)
+    assert found.by == "f"
+    assert "fold" in [one.what for one in found.bifurcations]
+    assert {round(point.h, 12) for point in found.points} == {round(63 / 74, 12)}
+
+
+def test_ctrl_c_keeps_what_is_done():
+    def stop(text):
+        if text.startswith("4 orbits"):
+            raise KeyboardInterrupt
+
+    found = polhode.orbit_family("grioli/precession", "h", "0.7", progress=stop)
+    assert found.interrupted
+    assert not found.complete
+    assert len(found.points) == 4
+    assert found.orbit(3).kind == "elliptic"
+
+
+def test_a_family_of_tori_is_refused():
+    with pytest.raises(polhode.BadInput, match="an orbit of one family"):
+        polhode.orbit_family("euler/largest-axis", "h", 10)
+
+
+@pytest.mark.parametrize(
+    ("by", "to", "told"),
+    [
+        ("x", 3, "by = x: expected h, f"),
+        ("h", "63/74", "to = 63/74: expected another h"),
+        ("h", "a", "to[1] = a: expected a number"),
+    ],
+)
+def test_what_is_no_range_is_refused(by, to, told):
+    with pytest.raises(polhode.BadInput) as caught:
+        polhode.orbit_family("grioli/precession", by, to)
+    assert told in str(caught.value)
+
+
+def test_a_search_finds_orbits_that_close(monkeypatch):
+    found = polhode.orbit_search("general/asymmetric-regular", (10, 10), crossings=2)
+    assert len(found.orbits) >= 5
+    scene = found.scene
+    for point in found.orbits:
+        assert point.h == pytest.approx(float(scene.integrals.energy), rel=1e-13)
+        there = polhode.Scene(
+            scene.body, point.state[:3], point.state[3:], times=(point.period,), normalise=True
+        )
+        run = polhode.integrate(there)
+        assert np.max(np.abs(run.states[0] - point.state)) < 1e-10
+    pairs = {(round(one.period, 8), round(one.residue, 8)) for one in found.orbits}
+    assert len(pairs) == len(found.orbits)  # of this body no two are alike
+    kinds = {one.kind for one in found.orbits}
+    assert kinds == {"elliptic", "hyperbolic"}  # islands have both (Poincare, Birkhoff)
+
+
+def test_the_verb(tmp_path, capsys):
+    figure, arrays = tmp_path / "family.svg", tmp_path / "family.npz"
+    asked = ["orbit", "grioli/precession", "--continue", "h=0.84"]
+    assert main([*asked, "-o", str(arrays)]) == 0
+    held = np.load(arrays)
+    assert held["state"].shape == (len(held["h"]), 6)
+    assert capsys.readouterr().out.split()[:6] == ["orbit", "h", "f", "period", "residue", "kind"]
+    assert main([*asked, "-o", str(figure)]) == 0
+    assert "family residue" in figure.read_text()
+    capsys.readouterr()
+    assert main([*asked, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["ended"] == "reached h = 21/25"
+    assert told["orbits"][-1]["h"] == pytest.approx(0.84, rel=1e-15)
+    search = ["orbit", "general/asymmetric-regular", "--search", "8x8", "--returns", "1"]
+    assert main([*search, "--json"]) == 0
+    orbits = json.loads(capsys.readouterr().out)["orbits"]
+    assert main([*search, "--pick", "2", "--digits", "20", "--json"]) == 0
+    one = json.loads(capsys.readouterr().out)
+    assert float(one["period"]) == pytest.approx(orbits[1]["period"], rel=1e-13)
+    assert len(one["period"].replace(".", "")) == 22
+    assert main([*search, "--pick", "9"]) == 2
+    assert "expected a number to 3" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--continue", "x=3"], "--continue = x=3: expected h=TO"),
+        (["--continue", "h=1:2:1"], "with N from 2"),
+        (["--continue", "h=0.8:0.9", "--h", "1"], "--h = 1: expected it in --continue alone"),
+        (["--continue", "h=1", "--digits", "20"], "a family is one of doubles"),
+        (["--pick", "3"], "--pick = 3: expected --search"),
+        (["--search", "--period", "3"], "neither --continue nor --period"),
+        (["--search", "0x3"], "--grid = 0x3"),
+        (["-o", "x.csv"], "ends in .toml"),
+    ],
+)
+def test_options_that_do_not_go_together_are_refused(options, told, capsys):
+    assert main(["orbit", "grioli/precession", *options]) == 2
+    err = capsys.readouterr().err
+    assert told in err
+    assert err.count("\n") == 1
+
+
+def test_a_family_that_cannot_be_followed_ends_with_code_3(monkeypatch, capsys):
+    from polhode.dynamics.periodic_orbits import continuation
+
+    def lost(*_):
+        raise continuation.NotClosed("no step is short enough")
+
+    monkeypatch.setattr(families, "stepped", lost)
+    assert main(["orbit", "grioli/precession", "--continue", "h=0.9"]) == 3
+    assert "not followed beyond h = 0.851351" in capsys.readouterr().err

@@ -1,0 +1,378 @@
+"""Sections: starts on them, crossings against closed forms, curves of integrable tops."""
+
+from __future__ import annotations
+
+import json
+from concurrent.futures import ThreadPoolExecutor
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.cli import main
+from polhode.dynamics.kept import Kept
+from polhode.dynamics.sections import coordinates as geometry
+from polhode.scenes import scene_file
+
+EPS = 2.0**-52
+GENERIC = polhode.load("general/asymmetric-chaotic")
+LEVEL = {"h": 3, "f": Fraction(1, 2)}
+
+
+def momentum(found):
+    moments = np.array([float(a) for a in found.scene.body.moments])
+    return found.states[..., :3] * moments
+
+
+# -- states ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("f", [0, Fraction(1, 2), -1, 2])
+@pytest.mark.parametrize("case", ["general/asymmetric-chaotic", "kovalevskaya/generic"])
+def test_states_are_on_level_and_section(case, f):
+    scene = polhode.load(case)
+    on = geometry.ground(scene, Fraction(3), Fraction(f))
+    l, sig = geometry.cells(30, 30)
+    e3 = on.frame[2]
+    counted = 0
+    for maxima in (True, False):
+        found = geometry.momentum_states(on, l, sig, maxima)
+        w, g = found.states[:, :3], found.states[:, 3:]
+        G = w * on.moments
+        assert np.abs((w * G).sum(1) / 2 + g @ on.torque - 3).max() < 16 * EPS * 3
+        assert np.abs((g * G).sum(1) - float(f)).max() < 32 * EPS
+        assert np.abs((g * g).sum(1) - 1).max() < 16 * EPS
+        assert np.abs((g * np.cross(e3, G)).sum(1)).max() < 16 * EPS * 3
+        again = geometry.coordinates(on, found.states)
+        assert np.abs(again[0] - l[found.of]).max() < 32 * EPS
+        assert np.abs(again[1] - sig[found.of]).max() < 16 * EPS
+        rate = squares_rate_of_rate(on, found.states)
+        assert (rate < 0).all() if maxima else (rate > 0).all()
+        counted += len(found.states)
+    assert counted >= 2 * len(l) - 60  # y has two roots, four at some, none where h is too low
+
+
+def squares_rate_of_rate(on, states):
+    """The second derivative of |G|^2/2 by differences of the vector equations."""
+
+    def rate(x):
+        G = x[:, :3] * on.moments
+        return (G * np.cross(x[:, 3:], on.torque)).sum(1)
+
+    w, g = states[:, :3], states[:, 3:]
+    turning = (np.cross(g, on.torque) - np.cross(w, w * on.moments)) / on.moments
+    velocity = np.concatenate([turning, np.cross(g, w)], axis=1)
+    return (rate(states + 1e-5 * velocity) - rate(states - 1e-5 * velocity)) / 2e-5
+
+
+def test_every_root_of_the_momentum_equation_is_found():
+    """Sign changes on a fine grid of y, at 400 random points of ten random levels."""
+    rng = np.random.default_rng(18)
+    several = 0
+    for _ in range(10):
+        h, f = Fraction(int(rng.integers(10, 300)), 100), Fraction(int(rng.integers(0, 150)), 100)
+        on = geometry.ground(GENERIC, h, f)
+        l = rng.uniform(0, 2 * np.pi, 40)
+        sig = rng.choice([-1, 1], 40) * (1 - 10 ** rng.uniform(-3, 0, 40))
+        both = [geometry.momentum_states(on, l, sig, kind).of for kind in (True, False)]
+        counts = np.bincount(np.concatenate(both), minlength=40)
+        across = np.sqrt(1 - sig * sig)
+        e = np.outer(across * np.sin(l), on.frame[0]) + np.outer(across * np.cos(l), on.frame[1])
+        e = e + np.outer(sig, on.frame[2])
+        kappa = (e * e / on.moments).sum(1)[:, None]
+        y = np.linspace(-4, 4, 16001)[None, :] + 1e-7
+        R = np.hypot(float(f), y)
+        value = kappa * R**2 / 2 - float(h)
+        value += on.weight * (float(f) * sig[:, None] + y * across[:, None]) / R
+        changes = np.diff(np.sign(value), axis=1) != 0
+        jump = (f == 0) * changes[:, np.abs(y[0, 1:]) < 5e-4].sum(axis=1)
+        assert (counts == changes.sum(axis=1) - jump).all()
+        several += int((counts > 2).sum())
+    assert several > 0
+
+
+def test_heights_are_extremal():
+    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
+    gamma = geometry.gamma_at(on, *geometry.cells(12, 12))
+    for side in (1.0, -1.0):
+        for maxima in (True, False):
+            found = geometry.height_states(on, gamma, np.full(len(gamma), side), maxima)
+            w, g = found.states[:, :3], found.states[:, 3:]
+            assert np.abs((on.frame[2] * np.cross(g, w)).sum(1)).max() < 64 * EPS
+            assert np.abs((g * w * on.moments).sum(1) - 0.5).max() < 32 * EPS
+            assert np.abs((w * w * on.moments).sum(1) / 2 + g @ on.torque - 3).max() < 64 * EPS
+
+
+def test_the_frame_keeps_principal_axes():
+    frames = [geometry._frame(np.array(e3)) for e3 in np.concatenate([np.eye(3), -np.eye(3)])]
+    for frame in frames:
+        assert np.linalg.det(frame) == 1
+        assert set(np.abs(frame).ravel()) == {0.0, 1.0}
+    assert np.allclose(frames[3], [[0, 1, 0], [0, 0, -1], [-1, 0, 0]])
+
+
+# -- crossings against closed forms ----------------------------------------------------------------
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("case", ["lagrange/nutation", "kovalevskaya/generic"])
+def test_crossings_lie_where_closed_forms_do(case):
+    """D of the exact motion at the crossing's time, over its slope: the time's error in eps t."""
+    scene = polhode.load(case)
+    on = geometry.ground(scene, scene.integrals.energy, scene.integrals.area)
+    found = polhode.section(scene, starts="scene", crossings=100)
+    exact = polhode.reference(scene)
+    for m in (9, 99):
+        t = Fraction(found.times[0, m]) + Fraction(found.rests[0, m])
+        (state,) = exact.at([t], digits=30)
+        moments = [2, 2, 1] if case.startswith("k") else scene.body.moments
+        G = [float(a) * x for a, x in zip(moments, state[:3], strict=True)]
+        a, g = [float(x) for x in on.frame[2]], state[3:]
+        value = sum(
+            g[i] * (a[(i + 1) % 3] * G[(i + 2) % 3] - a[(i + 2) % 3] * G[(i + 1) % 3])
+            for i in range(3)
+        )
+        slope = geometry.momentum_slope(on, np.array([[float(x) for x in state]]))[0] / on.weight
+        late = abs(float(value) / slope) / (EPS * float(t))
+        assert late < (3 if case.startswith("l") else 60)
+        error = max(abs(float(x) - y) for x, y in zip(state, found.states[0, m], strict=True))
+        assert 0 < error < 1e-12
+
+
+def spread(values):
+    return float(np.max(np.max(values, axis=1) - np.min(values, axis=1)))
+
+
+@pytest.mark.parametrize(
+    ("case", "level", "low", "high"),  # in eps
+    [
+        ("lagrange/nutation", {}, 0, 1),
+        ("euler/attitude", {"h": 3, "f": Fraction(6, 5)}, 0.05, 2),
+        ("kovalevskaya/generic", {}, 1, 45),
+        ("kovalevskaya/generic", {"h": 3, "f": Fraction(6, 5)}, 4, 120),
+        ("goryachev-chaplygin/two-frequencies", {}, 0.2, 10),
+        ("goryachev-chaplygin/two-frequencies", {"h": 10}, 2, 100),
+    ],
+)
+def test_curves_of_integrable_tops_close(case, level, low, high):
+    """To the rounding of a state: the invariant's gradient, at most 200 of |state|, times eps."""
+    scene = polhode.load(case)
+    found = polhode.section(scene, grid=(4, 4), crossings=300, **level)
+    assert found.complete
+    wide = found.states.astype(np.longdouble)
+    p, q, r, g1, g2, g3 = np.moveaxis(wide, -1, 0)
+    G = wide[..., :3] * np.array([float(a) for a in scene.body.moments])
+    if case.startswith("lagrange"):
+        value = r * float(scene.body.moments[2])
+    elif case.startswith("euler"):
+        value = 2 * (G * wide[..., :3]).sum(-1) / (G * G).sum(-1)
+    elif case.startswith("kovalevskaya"):
+        value = (p * p - q * q - g1) ** 2 + (2 * p * q - g2) ** 2
+    else:
+        c = float(scene.body.torque[0] / scene.body.moments[2])
+        value = r * (p * p + q * q) - c * p * g3
+    assert low * EPS <= spread(value) < high * EPS
+
+
+def test_crossings_lie_on_level_and_section():
+    found = polhode.section(GENERIC, grid=(4, 4), crossings=100, **LEVEL)
+    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
+    w, g = (found.states.reshape(-1, 6).astype(np.longdouble)[:, k : k + 3] for k in (0, 3))
+    G = w * on.moments
+    assert np.abs((w * G).sum(1) / 2 + g @ on.torque.astype(np.longdouble) - 3).max() < 4 * EPS
+    assert np.abs((G * g).sum(1) - 0.5).max() < 2 * EPS
+    assert np.abs((g * g).sum(1) - 1).max() < EPS
+    assert np.abs((g * np.cross(on.frame[2], G)).sum(1)).max() < 4 * EPS
+
+
+def test_crossings_of_the_lagrange_top_are_evenly_spaced():
+    found = polhode.section("lagrange/nutation", starts=[[1, 0.2], [4, -0.3]], crossings=200)
+    gaps = np.diff(found.times, axis=1)
+    assert np.abs(gaps - gaps.mean(axis=1)[:, None]).max() < 4 * EPS * found.times.max()
+    turn = np.mod(np.diff(found.l, axis=1), 2 * np.pi)
+    assert 0 < spread(turn) < 1e-12
+
+
+@pytest.mark.sample(2)
+@pytest.mark.parametrize("by", ["momentum", "height"])
+@pytest.mark.parametrize("extremum", ["max", "min"])
+def test_crossings_are_extrema_of_the_kind_asked_for(by, extremum):
+    found = polhode.section(GENERIC, by=by, extremum=extremum, grid=(4, 4), crossings=30, **LEVEL)
+    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
+    bend = geometry.momentum_slope if by == "momentum" else geometry.height_bend
+    slopes = bend(on, found.states.reshape(-1, 6))
+    assert (slopes < 0).all() if extremum == "max" else (slopes > 0).all()
+    assert found.times[:, 0].min() > 0.1  # a start is no crossing
+
+
+def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
+    """Chunks that end on the first crossing, to the last bit, and 1e-14 to either side of it."""
+    from polhode.dynamics.sections import jobs as section_jobs
+    from polhode.dynamics.sections import starts as section_starts
+    from polhode.taylor.events import batch_crossings
+
+    asked = section_starts.asked_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
+    on = geometry.ground(GENERIC, asked.h, asked.f)
+    states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states
+    zero = section_jobs.zero_of(GENERIC, on, "momentum")
+    (job,) = section_jobs.jobs_of(asked, on, zero, -1, 4, states)
+    plain = batch_crossings.solve(job)
+    for k in range(len(states)):
+        for moved in (-1e-14, -1e-15, 0, 1e-15, 1e-14):
+            chunk = float(plain.times[k, 0]) * (1 + moved)
+            other = batch_crossings.solve(job._replace(chunk=chunk, starts=states[k : k + 1]))
+            assert np.abs(other.times[0] + other.rests[0] - plain.times[k]).max() < 1e-11
+
+
+def test_no_crossing_is_missed():
+    """Against sign changes of D on dense output, on a chaotic orbit."""
+    found = polhode.section(GENERIC, starts="scene", crossings=60)
+    end = float(found.times[0, -1])
+    run = polhode.integrate(GENERIC, at=np.linspace(0, end + 1e-3, 20_001)[1:])
+    states = np.array(run.states, dtype=float)
+    on = geometry.ground(GENERIC, GENERIC.integrals.energy, GENERIC.integrals.area)
+    G = states[:, :3] * on.moments
+    D = (states[:, 3:] * np.cross(on.frame[2], G)).sum(axis=1)
+    assert int(((D[:-1] > 0) & (D[1:] < 0)).sum()) == 60
+    assert (np.diff(found.times) > 0).all()
+
+
+# -- the same everywhere ---------------------------------------------------------------------------
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("case", ["general/asymmetric-chaotic", "kovalevskaya/generic"])
+def test_a_lane_does_not_depend_on_its_neighbours(case):
+    """The Kovalevskaya top's orbits have each their own K^2, also one that takes a lane over."""
+    starts = [[k / 2, 0.1 * k - 0.55] for k in range(11)]
+    whole = polhode.section(case, starts=starts, crossings=40, **LEVEL)
+    for k in (0, 4, 10):
+        alone = polhode.section(case, starts=[starts[k]], crossings=40, **LEVEL)
+        assert (alone.states[0] == whole.states[k]).all()
+        assert (alone.times[0] == whole.times[k]).all()
+    backward = polhode.section(case, starts=starts[::-1], crossings=40, **LEVEL)
+    assert (backward.states[::-1] == whole.states).all()
+
+
+def test_an_executor_and_parts_give_the_same(tmp_path):
+    asked = {"grid": (10, 8), "crossings": 3, **LEVEL}
+    plain = polhode.section(GENERIC, **asked)
+    with ThreadPoolExecutor(1) as pool:
+        assert (polhode.section(GENERIC, executor=pool, **asked).states == plain.states).all()
+    folder = tmp_path / "x.npz.parts"
+    polhode.section(GENERIC, parts=folder, **asked)
+    jobs = sorted(folder.glob("job-*.npz"))
+    assert len(jobs) == 2
+    jobs[0].unlink()
+    jobs[1].write_bytes(b"torn")
+    again = polhode.section(GENERIC, parts=folder, **asked)
+    assert (again.states == plain.states).all()
+    with pytest.raises(polhode.BadInput, match="the jobs of this very command"):
+        polhode.section(GENERIC, parts=folder, grid=(9, 8), crossings=3, **LEVEL)
+
+
+def test_kept_jobs_are_read(tmp_path, monkeypatch):
+    from polhode.taylor.events import batch_crossings
+
+    asked = {"grid": (6, 6), "crossings": 3, "parts": tmp_path / "p", **LEVEL}
+    plain = polhode.section(GENERIC, **asked)
+    monkeypatch.setattr(batch_crossings, "solve", None)  # nothing is left to be done
+    assert (polhode.section(GENERIC, **asked).states == plain.states).all()
+
+
+def test_an_expression_in_turned_axes_and_other_units():
+    """The same motion in axes turned by 90 degrees about the third, in a unit of 1024 seconds."""
+    turned = scene_file.parse(
+        "schema = 1\n[body]\nmoments = [1.5, 2, 1]\ncentre = [-0.2, 0.3, 0.5]\nweight = 1048576\n"
+        "[start]\nomega = [-204.8, 307.2, 1126.4]\ngamma = [0, 0.6, 0.8]\n"
+    )
+    plain = polhode.section(GENERIC, by="p - q/2 - 1/10", starts="scene", crossings=12)
+    by = "q/1024 + p/2048 - 1/10"
+    found = polhode.section(turned, by=by, starts="scene", crossings=12)
+    assert np.allclose(found.times * 1024, plain.times, rtol=0, atol=1e-11)
+    assert np.abs(plain.states[..., 0] - plain.states[..., 1] / 2 - 0.1).max() < 8 * EPS
+
+
+# -- the verb and what it refuses ------------------------------------------------------------------
+
+
+def test_section_verb(tmp_path, capsys):
+    held, figure = tmp_path / "s.npz", tmp_path / "s.svg"
+    command = ["section", "lagrange/nutation", "--grid", "3x2", "--crossings", "7"]
+    assert main([*command, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [len(row) for row in found["L_over_G"]] == [7] * 6
+    assert len(found["states"][0][0]) == 6
+    assert main([*command, "-o", str(held)]) == 0
+    with np.load(held) as arrays:
+        assert arrays["state"].shape == (6, 6, 7)
+        assert arrays["time"][0].tolist() == found["times"][0]
+    assert not list(tmp_path.glob("*.parts"))
+    pytest.importorskip("matplotlib")
+    assert main([*command, "-o", str(figure)]) == 0
+    assert "orbit 6" in figure.read_text()
+
+
+def test_the_scene_file_says_what_is_cut(capsys):
+    text = GENERIC.source + '[section]\nby = "height"\ncrossings = 4\nstarts = [[1, 0, 0, -1]]\n'
+    scene = scene_file.parse(text)
+    assert scene.section == polhode.SectionPlan("height", "max", 4, ((1, 0, 0, -1),))
+    found = polhode.section(scene, **LEVEL)
+    assert found.states.shape == (1, 4, 6)
+    for fault, message in (
+        ('extremum = "most"', "section.extremum = most: expected max, min"),
+        ("crossings = 0", "section.crossings = 0"),
+        ('by = "x"', "section.by = x: expected an expression"),
+        ("starts = [1]", r"section.starts\[1\] = 1: expected an array"),
+    ):
+        with pytest.raises(polhode.BadInput, match=message):
+            scene_file.parse(GENERIC.source + "[section]\n" + fault + "\n")
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ({"h": -1}, r"h = -1: expected above -0.1037\d*, the least energy at f = 31/25"),
+        ({"h": 1, "f": 3}, "the least energy at f = 3"),
+        ({"by": "1"}, "an expression that changes along the motion"),
+        ({"by": "gamma1**2 + gamma2**2 + gamma3**2"}, "this one is constant"),
+        ({"by": "p + 10", "grid": (2, 2)}, "an expression that becomes zero; at the extrema"),
+        ({"by": "x"}, "by = x: expected momentum, height, or an expression"),
+        ({"extremum": "most"}, "extremum = most: expected max or min"),
+        ({"starts": [[1, 1]]}, "L/G between -1 and 1"),
+        ({"starts": [[1, 0.2, 1]]}, "a point with maxima of .G.: k below 1"),
+        ({"starts": [[0.471, 0.925]]}, "at this l they lie from L/G"),
+        ({"starts": [[1]]}, r"\[l, L/G\] or \[l, L/G, k\]"),
+        ({"starts": []}, "at least one start"),
+        ({"by": "height", "starts": [[1, 0, 0]]}, "gamma of length 1"),
+        (
+            {"by": "height", "starts": [[1, 0, 0, 1]], "extremum": "min", "h": 2, "f": 2},
+            "other kind",
+        ),
+        ({"crossings": 0.5}, "crossings = 0.5: expected a whole number"),
+        ({"grid": (0, 3)}, "grid = 0"),
+    ],
+)
+def test_what_is_no_section_is_refused(asked, message):
+    with pytest.raises(polhode.BadInput, match=message):
+        polhode.section(GENERIC, **asked)
+
+
+def test_a_permanent_rotation_is_no_start():
+    with pytest.raises(polhode.BadInput, match="a permanent rotation, which crosses no section"):
+        polhode.section("staude/unstable", starts="scene")
+
+
+def test_no_two_commands_share_a_folder(tmp_path):
+    """The second one is refused while the first is at work, and not after it."""
+    one = Kept(tmp_path / "jobs", "section", "key")
+    one.save(0, {"x": np.zeros(1)})
+    with pytest.raises(polhode.BadInput, match="no other command at work here"):
+        Kept(tmp_path / "jobs", "section", "key")
+    one.release()
+    with Kept(tmp_path / "jobs", "section", "key") as again:
+        assert again.load(0)["x"].shape == (1,)
+        assert again.load(1) is None
+    with pytest.raises(polhode.BadInput, match="the jobs of this very command"):
+        Kept(tmp_path / "jobs", "map", "key")

@@ -1,0 +1,279 @@
+"""Certified events: how many, when, and what stays undecided."""
+
+from __future__ import annotations
+
+import itertools
+import random
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+
+import polhode
+from polhode.enclosures import certified_zeros, fixed_point_problem, proof_loop, zonotope
+from polhode.enclosures.events import certify_events
+from polhode.enclosures.polynomial import constant, rate, variable
+from polhode.numbers.conversion import exactly
+from polhode.numbers.mpmath_context import mpmath
+from polhode.scenes.body import Body
+from polhode.scenes.event import Event
+from polhode.scenes.scene import Scene
+from shared import enclosure_trials as trials
+from shared.motions import asymmetric
+from shared.mutation import without
+
+
+def top(third: str, *events: Event) -> Scene:
+    return asymmetric(third, (100,), events=tuple(events))
+
+
+def wheel(zero: str, end: Any = 20) -> Scene:
+    """A free sphere turning about its first axis: gamma3 = cos t, gamma2 = sin t."""
+    event = Event("e", zero)
+    body = Body.of_moments((1, 1, 1))
+    return Scene(body, (1, 0, 0), (0, 0, 1), times=(end,), events=(event,))
+
+
+@pytest.mark.parametrize(("third", "counts"), [("3", (67, 0)), ("1.1", (34, 29))])
+def test_the_events_are_those_that_heyoka_finds(third: str, counts: tuple[int, int]) -> None:
+    # counts: those of the sheet's prototype and of heyoka, which agree
+    scene = top(third, Event("nutation"), Event("equator"))
+    found = certify_events(scene)
+    seen = polhode.integrate(scene, number="extended").events
+    for mine, theirs, count in zip(found, seen, counts, strict=True):
+        assert mine.proven
+        assert len(mine.times) == len(theirs.times) == count
+        for event, time in zip(mine.times, theirs.times, strict=True):
+            assert abs(event.time - exactly(time)) < Fraction(1, 10**11)
+            assert event.radius < 1e-11
+        slopes = [event.slope for event in mine.times]
+        assert all(a == -b for a, b in itertools.pairwise(slopes))
+
+
+def test_times_lie_within_their_radii_and_more_digits_shrink_them() -> None:
+    for digits, least in ((10, 1e-9), (30, 1e-29)):
+        (found,) = certify_events(wheel("gamma3 - 1/3"), digits=digits)
+        assert found.proven
+        with mpmath.workdps(60):
+            first = mpmath.acos(mpmath.mpf(1) / 3)
+            turn = 2 * mpmath.pi
+            true = sorted(
+                [first + k * turn for k in range(4)] + [k * turn - first for k in (1, 2, 3)]
+            )
+            true = sorted(t for t in true if 0 < t < 20)
+            assert len(found.times) == len(true)
+            for event, t in zip(found.times, true, strict=True):
+                assert abs(event.time - exactly(t)) <= Fraction(event.radius)
+                assert event.radius < least
+
+
+@pytest.mark.parametrize("power", [2, 6, 12, 20])
+def test_zeros_near_a_tangency_are_told_apart(power: int) -> None:
+    for sign, count in ((1, 2), (-1, 0)):
+        zero = f"gamma3 + 1 - {sign}/10**{power}"  # around t = pi
+        (found,) = certify_events(wheel(zero, 6), digits=24)
+        assert found.proven
+        assert len(found.times) == count
+
+
+def test_a_tangency_is_undecided_and_said_to_be() -> None:
+    (found,) = certify_events(wheel("gamma3 + 1", 6))
+    assert not found.proven
+    assert found.times == ()
+    assert all(begin <= 3.14160 and end >= 3.14158 for begin, end in found.undecided)
+
+
+def test_a_zero_at_the_start_and_at_the_end_is_undecided() -> None:
+    (found,) = certify_events(wheel("gamma2", 4))
+    assert len(found.times) == 1  # at pi
+    assert [begin for begin, _ in found.undecided] == [0.0]
+    (found,) = certify_events(replace(wheel("gamma3", Fraction(11, 7)), times=("pi/2",)))
+    assert found.times == ()
+    assert len(found.undecided) == 1
+
+
+def _searched(zero: Fraction, noise: int = 90) -> tuple[certified_zeros.Search, list[int]]:
+    """The zeros of gamma3 - zero on the wheel to t = 12, and the times of the grid."""
+    motion = fixed_point_problem.motion(wheel("gamma3"))
+    problem = fixed_point_problem.problem(motion, noise)
+    g = variable(5) - constant(zero)
+    search = certified_zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
+    grid: list[int] = []
+    kept = search.window
+
+    def window(known: Any, steps: Any) -> None:
+        grid.extend(known.pieces.times[:-1])
+        kept(known, steps)
+
+    search.window = window  # type: ignore[method-assign]
+    end = fixed_point_problem.times(motion, [Fraction(12)], 300)
+    proof_loop.run(problem, end, watchers=[search])
+    return search, grid
+
+
+def test_a_zero_on_a_steps_boundary_is_one_zero() -> None:
+    plain, grid = _searched(Fraction(1, 3))
+    assert plain.contacts == []
+    unit = Fraction(2) ** fixed_point_problem.motion(wheel("gamma3")).unit
+    tried = 0
+    for tick in grid[1:6]:
+        with mpmath.workdps(80):
+            t = mpmath.mpf(tick) * unit.numerator / unit.denominator / 2**fixed_point_problem.CLOCK
+            level = exactly(mpmath.cos(t))
+            slope = abs(mpmath.sin(t))
+            first = mpmath.acos(mpmath.mpf(level.numerator) / level.denominator)
+            count = sum(0 < t < 6 for t in (first, 2 * mpmath.pi - first))
+        if abs(level) > Fraction(99, 100) or slope < 0.1:
+            continue
+        for shift in (0, Fraction(1, 10**45), -Fraction(1, 10**25)):
+            search, _ = _searched(level + shift)
+            assert search.contacts == []
+            assert sum(bool(x.time < 12) for x in search.crossings) == count
+            tried += 1
+    assert tried >= 6
+
+
+def _at_corners() -> list[float]:
+    """|true time - midpoint|/radius of a zero, the truth at corners of a box of starts."""
+    motion = fixed_point_problem.motion(wheel("gamma3"))
+    problem = fixed_point_problem.problem(motion, 96)
+    g = variable(5) - constant(Fraction(1, 3))
+    ticks, units = 1 << (problem.fine - 60), 2.0 ** (problem.noise - 60)
+    worst = []
+    for sign in (-1, 1):
+        start = (problem.start[0] + sign * ticks, *problem.start[1:])
+        spread = (units * (1 + 1e-9), *problem.spread[1:])
+        boxed = replace(problem, start=start, spread=spread)
+        search = certified_zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
+        proof_loop.run(boxed, fixed_point_problem.times(motion, [Fraction(4)]), watchers=[search])
+        (crossing,) = search.crossings
+        with mpmath.workdps(60):
+            true = exactly(2 * mpmath.acos(mpmath.mpf(1) / 3))  # w is 1/2 in the proof's unit
+        mantissa, exponent = crossing.time.mid().man_exp()
+        middle = int(mantissa) * Fraction(2) ** int(exponent)
+        radius = Fraction(float(crossing.time.rad()))
+        worst.append(float(abs(true - middle) / radius))
+    return worst
+
+
+def test_a_time_holds_for_every_start_in_the_box() -> None:
+    honest = max(_at_corners())
+    assert 1e-4 < honest <= 1.0  # exp(alpha) of the step is in the radius
+    with without(certified_zeros, "_OnStep._newton", "[self.step.r] * 6", "[0.0] * 6"):
+        assert max(_at_corners()) > 1.0
+
+
+def _coarse_holds_fine() -> bool:
+    """Whether the states of a few bits hold those of all bits, at many points of a step."""
+    motion = fixed_point_problem.motion(top("3"))
+    problem = fixed_point_problem.problem(motion, 120)
+    state = zonotope.beginning(problem)
+    known = proof_loop._window(
+        problem, state, 5 << fixed_point_problem.CLOCK, 8, 0.3, proof_loop.HONEST
+    )
+    assert known is not None
+    _, _, steps = zonotope.advance(state, known, [])
+    g = variable(5)
+    search = certified_zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
+    held = True
+    for n, step in enumerate(steps):
+        on = certified_zeros._OnStep(search, known, n, step)
+        for k in range(0, 17):
+            tau = arb((k, -4))
+            with ctx.workprec(64):
+                wide = on.coarse(tau)
+            fine = zonotope.around(known, n, tau, [step.r] * 6)
+            held = held and all(x.contains(y) for x, y in zip(wide, fine, strict=True))
+    return held
+
+
+def test_coarse_states_hold_the_fine_ones() -> None:
+    assert _coarse_holds_fine()
+    with without(certified_zeros, "_OnStep.__init__", "np.sum(pieces.gap[n])", "0.0"):
+        assert not _coarse_holds_fine()
+
+
+def test_backward_events_rise_as_time_grows() -> None:
+    (there,) = certify_events(wheel("gamma3 - 1/3", 6))
+    (back,) = certify_events(wheel("gamma3 - 1/3", -6))
+    assert [-e.slope for e in back.times] == [e.slope for e in there.times]
+    for mine, theirs in zip(back.times, there.times, strict=True):
+        assert abs(mine.time + theirs.time) <= Fraction(mine.radius) + Fraction(theirs.radius)
+    rising = replace(wheel("gamma3 - 1/3"), events=(Event("e", "gamma3 - 1/3", "rising"),))
+    (found,) = certify_events(rising)
+    assert {event.slope for event in found.times} == {1}
+
+
+def test_events_are_given_in_the_scenes_own_axes() -> None:
+    inertia = ((2, "1/5", "1/7"), ("1/5", "1.7", "1/10"), ("1/7", "1/10", "1.4"))
+    body = Body(inertia, ("0.3", "0.2", "0.5"), 1)
+    events = (Event("nutation"), Event("e", "p*q - gamma1**2/50"), Event("flip"))
+    scene = Scene(body, ("0.3", "0.2", "1.1"), ("0.6", 0, "0.8"), times=(10,), events=events)
+    found = certify_events(scene)
+    seen = polhode.integrate(scene, number="extended").events
+    for mine, theirs in zip(found, seen, strict=True):
+        assert mine.proven
+        assert len(mine.times) == len(theirs.times) > 0
+        for event, time in zip(mine.times, theirs.times, strict=True):
+            assert abs(event.time - exactly(time)) < Fraction(1, 10**11)
+
+
+def _against_heyoka(seed: int, rounds: int) -> tuple[int, int]:
+    """Zeros found and undecided in random scenes; each is one of heyoka's and none is missing."""
+    rng = random.Random(seed)
+    found = undecided = 0
+    for n in range(rounds):
+        kind = trials.KINDS[n % len(trials.KINDS)]
+        level = f"gamma3 - {rng.uniform(-1, 1):.2f}"
+        texts = ("p*gamma2 - q*gamma1", level, "q", "p*q - r**2/3")
+        events = tuple(Event(f"e{k}", text) for k, text in enumerate(texts))
+        scene = trials.random_scene(rng, kind)
+        scene = replace(scene, times=(rng.choice((2, 8)),), events=events)
+        try:
+            seen = polhode.integrate(scene, number="extended").events
+        except polhode.BadInput:  # zero all along the motion
+            continue
+        for mine, theirs in zip(certify_events(scene), seen, strict=True):
+            found, undecided = found + len(mine.times), undecided + len(mine.undecided)
+            near = Fraction(1, 10**8)
+            true = [exactly(t) for t in theirs.times]
+            for event in mine.times:
+                assert any(abs(event.time - t) < near for t in true)
+            for t in true:
+                hit = [event for event in mine.times if abs(event.time - t) < near]
+                grazed = [x for x in mine.undecided if x[0] - 1e-6 <= t <= x[1] + 1e-6]
+                assert len(hit) == 1 or grazed
+    return found, undecided
+
+
+@pytest.mark.slow
+def test_random_events_are_heyokas() -> None:
+    found, undecided = _against_heyoka(3, 11)
+    assert found > 50
+    assert undecided <= 12
+
+
+@pytest.mark.campaign
+def test_many_random_events_are_heyokas() -> None:
+    found, undecided = _against_heyoka(4, 330)
+    assert found > 1500
+    assert undecided < found / 10
+
+
+@pytest.mark.parametrize("zero", ["sqrt(gamma3)", "t - 1", "1/p", "gamma3 - gamma3"])
+def test_what_is_no_polynomial_of_the_state_is_refused(zero: str) -> None:
+    with pytest.raises(polhode.BadInput, match=r"events\[1\].zero"):
+        certify_events(wheel(zero))
+
+
+def test_a_window_taken_for_another_is_noticed() -> None:
+    # A g' of the wrong sign makes Newton's step leave the interval: a contradiction, no answer.
+    with (
+        without(
+            certified_zeros, "_OnStep._newton", "middle - value / (slope", "middle + value / (slope"
+        ),
+        pytest.raises(AssertionError),
+    ):
+        certify_events(wheel("gamma3 - 1/3", 6))

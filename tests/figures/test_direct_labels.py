@@ -1,0 +1,76 @@
+"""Labels beside curves, looks of methods, strips of dots."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from polhode.figures.canvas import dot_strips
+from polhode.figures.canvas.canvas import COLOURS, as_svg, pyplot
+from polhode.figures.canvas.direct_labels import LOOKS, End, _apart, ink, label_ends
+from polhode.studies.long_run import rows as long_run
+from polhode.studies.speed import benchmark_grid, contenders
+
+
+@given(st.lists(st.floats(0, 1), min_size=1, max_size=9), st.floats(0.01, 0.1))
+def test_labels_stand_apart_in_order_near_their_ends(wanted, least):
+    wanted = sorted(wanted)
+    found = _apart(wanted, least)
+    gaps = [b - a for a, b in pairwise(found)]
+    assert all(gap >= least - 1e-9 for gap in gaps)
+    assert found[0] >= -1e-9
+    assert found[-1] <= 1 + 1e-9
+    if all(b - a > least for a, b in pairwise(wanted)):
+        assert found == pytest.approx(wanted)
+
+
+def test_labels_that_cannot_fit_are_centred():
+    assert _apart([0.5] * 3, 1.0) == pytest.approx([-0.5, 0.5, 1.5])
+
+
+def test_every_method_has_a_look_and_no_two_the_same():
+    methods = (*contenders.OURS, contenders.HEYOKA, *contenders.PEERS, *contenders.SHORT_PEERS)
+    names = {m.name for m in (*methods, *benchmark_grid.METHODS)} | {
+        long_run.PLAIN,
+        long_run.PROJECTED,
+    }
+    assert names <= LOOKS.keys()
+    # a peer may stand among those of the short motion again, with other tolerances
+    drawn = [LOOKS[name] for name in {m.name for m in methods}]
+    assert len(set(drawn)) == len(drawn)
+
+
+def test_a_colour_is_a_programs_or_a_number_types():
+    """No other program has a colour of polhode's number types, or of another program."""
+    programs: dict[str, set[str]] = {}
+    for m in (contenders.HEYOKA, *contenders.PEERS, *contenders.SHORT_PEERS):
+        programs.setdefault(LOOKS[m.name].colour, set()).add(m.name.split()[0])
+    assert all(len(names) == 1 for names in programs.values())
+    assert programs.keys().isdisjoint(COLOURS.values())
+
+
+def test_the_label_is_drawn_with_its_name():
+    plt = pyplot()
+    with plt.rc_context({"svg.fonttype": "none"}):
+        figure, axes = plt.subplots()
+        axes.plot([1, 2], [1, 2])
+        label_ends(axes, [End(2, 2, "a curve", "#0072b2"), End(2, 2, "another", "#d55e00")])
+        text = as_svg(figure)
+    assert "a curve" in text
+    assert "another" in text
+    assert ink("#0072b2") in text
+
+
+def test_a_dot_behind_what_is_expected_has_a_ring():
+    run = {"number": "quad", "correct_digits": 30.0, "expected": [31.0, 32.0, 33.0]}
+    assert dot_strips.dot(run) == dot_strips.Dot(30.0, "quad", True)
+    assert dot_strips.dot(run | {"correct_digits": 31.5}) == dot_strips.Dot(31.5, "quad", False)
+    assert dot_strips.dot({"number": "quad", "outcome": "step limit"}) is None
+    drawn = dot_strips.svg({"one": [dot_strips.Dot(30.0, "quad", True)], "two": []}, "digits")
+    assert drawn.startswith("<?xml")
+    assert drawn == dot_strips.svg(
+        {"one": [dot_strips.Dot(30.0, "quad", True)], "two": []}, "digits"
+    )

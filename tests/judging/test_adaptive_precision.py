@@ -1,0 +1,133 @@
+"""Digits asked for are digits had; what a plain run is expected to have is told."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import polhode
+from polhode import cli
+from polhode.judging import adaptive_precision
+from polhode.judging.correct_digits import worst_digits
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.number_types import DOUBLE, mp
+from polhode.runs.integrate import integrate as once
+
+
+@pytest.mark.slow
+def test_digits_of_a_chaotic_motion_are_had():
+    """Before: 36 digits printed, none of them right."""
+    run = polhode.integrate("general/asymmetric-chaotic", digits=15, at=[200, 400], method="taylor")
+    assert run.outcome is Outcome.REACHED_END
+    assert run.checked_by == "second run"
+    true = once(run.scene, mp(70)).states
+    had = worst_digits(run.states, true, run.scene, cap=run.number.most_digits)
+    assert 15 <= run.correct_digits < 15 + 8
+    assert abs(had - run.correct_digits) < 0.01
+
+
+@pytest.mark.slow
+def test_the_first_choice_suffices_on_a_separatrix(monkeypatch):
+    """Before: at t = 400 told to ask for 31 (extended), and then for more."""
+    monkeypatch.setattr(adaptive_precision, "MOST_RUNS", 1)
+    run = polhode.integrate("euler/separatrix", digits=15, at=[400])
+    assert run.outcome is Outcome.REACHED_END
+    assert run.checked_by == "closed form"
+    assert 15 <= run.correct_digits < 15 + 8
+
+
+@pytest.mark.slow
+def test_a_run_that_is_short_is_made_again(monkeypatch):
+    monkeypatch.setattr(
+        adaptive_precision, "needed", lambda *_: adaptive_precision.Need(0.0, 1000.0)
+    )
+    run = polhode.integrate("euler/separatrix", digits=15, at=[400])
+    assert run.outcome is Outcome.REACHED_END
+    assert 15 <= run.correct_digits < 150
+    monkeypatch.setattr(adaptive_precision, "MOST_RUNS", 1)
+    short = polhode.integrate("euler/separatrix", digits=15, at=[400])
+    assert short.outcome is Outcome.TOO_FEW_DIGITS
+    assert 0 <= short.correct_digits < 1
+
+
+def test_where_the_digits_cannot_be_had_the_exit_code_is_3(capsys):
+    tight = ["--digits", "15", "--number", "extended", "--at", "20,400"]
+    assert cli.main(["run", "euler/separatrix", *tight, "--json"]) == 3
+    out, err = capsys.readouterr()
+    answer = json.loads(out)
+    assert answer["outcome"] == "too few digits"
+    assert 0 <= answer["correct_digits"] < 1
+    assert f"15 digits were asked for, {answer['correct_digits']} are right" in err
+
+
+def test_a_motion_beyond_computation_is_refused_in_seconds():
+    run = polhode.integrate("general/asymmetric-chaotic", digits=15, at=[30_000])
+    assert run.outcome is Outcome.TOO_FEW_DIGITS
+    assert run.number.name == "double"
+    assert (run.correct_digits, run.checked_by) == (0.0, "expected error")
+
+
+def test_a_plain_run_says_from_when_on_no_digit_is_left(capsys):
+    """Before: 17 digits, none right, and not a word."""
+    assert cli.main(["run", "euler/separatrix", "--at", "30,400", "--json"]) == 0
+    out, err = capsys.readouterr()
+    answer = json.loads(out)
+    early, late = answer["digits_left"]
+    assert 10 < early < 13
+    assert late == 0
+    assert 80 < answer["no_digits_left_after"] < 120  # kappa·eps reaches 1 at t = 100
+    assert "fewer than half to be right from t = " in err
+    assert "and none from t = 10" in err
+
+
+def test_an_ordinary_run_is_not_warned_of(capsys):
+    assert cli.main(["run", "kovalevskaya/generic", "--json"]) == 0
+    out, err = capsys.readouterr()
+    answer = json.loads(out)
+    assert err == ""
+    assert answer["no_digits_left_after"] is None
+    assert 12.5 < min(answer["digits_left"]) < 15
+
+
+@pytest.mark.sample(3)
+@pytest.mark.parametrize(
+    ("name", "number"),
+    [
+        ("euler/separatrix", "double"),
+        ("euler/near-separatrix", "double"),
+        ("kovalevskaya/generic", "double"),
+        ("lagrange/nutation", "double"),
+        ("hard/near-homoclinic", "double"),
+        ("euler/separatrix", "quad"),
+    ],
+)
+def test_what_is_expected_is_what_is_had(name, number):
+    """Within a digit and a half: one tangent, and roundings at random."""
+    run = once(name, number, project=False, method="taylor")
+    had = polhode.compare(run).digits[-1]
+    assert -0.5 < had - run.expected.digits[-1] < 1.5
+
+
+@pytest.mark.sample(2)
+@pytest.mark.parametrize("name", ["euler/long", "lagrange/nutation", "kovalevskaya/generic"])
+@pytest.mark.parametrize("end", [1000, 30_000])
+def test_a_run_kept_on_its_torus_is_expected_to_lose_less(name, end):
+    """Not the 3/2 power of the time, by which half of the digits would be gone at 240 000."""
+    run = polhode.integrate(name, at=[end])
+    assert run.projection.count > 0
+    assert -0.8 < polhode.compare(run).worst - run.expected.digits[-1] < 1.9
+    bare = polhode.integrate(name, at=[end], project=False)
+    assert run.expected.digits[-1] > bare.expected.digits[-1] + (0.3 if end == 1000 else 1.0)
+
+
+def test_half_of_the_digits_are_told_to_be_gone_where_they_are():
+    said = polhode.integrate("euler/separatrix", at=[400]).expected
+    assert said.halved_after < said.lost_after < 400
+    (left,) = polhode.integrate("euler/separatrix", at=[said.halved_after]).expected.digits
+    assert abs(left - DOUBLE.most_digits / 2) < 0.5
+
+
+def test_a_state_that_stands_still_loses_nothing():
+    run = once("euler/rest")
+    assert min(run.expected.digits) == run.number.most_digits

@@ -1,0 +1,57 @@
+"""Cells of a file read a column at a time: what reading them one by one gives."""
+
+from __future__ import annotations
+
+import random
+import re
+from fractions import Fraction
+
+import pytest
+
+from polhode.judging.tables.csv_columns import most_printed, values
+from polhode.numbers import expression
+from polhode.numbers.expression import ExpressionError
+from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
+
+ODD = ["0", "-0.0", "1.", ".5", "+2e3", "1e-310", "4.9e-324", "1e308", "1e400", "-1E-400", "0e300"]
+HALFWAY = "1.00000000000000011102230246251565404236316680908203125"  # 1 + 2**-53
+
+
+def printed(count: int) -> list[str]:
+    draw = random.Random(5)
+    forms = ("%.17g", "%.16e", "%.3f", "%.20f", "%+.12g")
+    return [
+        draw.choice(forms) % (draw.gauss(0, 1) * 10 ** draw.uniform(-12, 9)) for _ in range(count)
+    ]
+
+
+@pytest.mark.parametrize("number", [None, DOUBLE, EXTENDED, NumberType("mp", 53)])
+def test_a_column_is_what_its_cells_are(number):
+    cells = [*printed(2000), *ODD, HALFWAY, HALFWAY + "1", "0." + "3" * 70, "1_000.5"]
+    one_by_one = [expression.decimal(cell) for cell in cells]
+    for some in (slice(None), slice(-1)):  # an underscore makes the whole column slow
+        expected = [x if number is None else number.rounded(x) for x in one_by_one[some]]
+        assert values(cells[some], number) == expected
+
+
+def test_an_empty_cell_is_none():
+    assert values(["1.5", "", "2"], DOUBLE) == [Fraction(3, 2), None, Fraction(2)]
+
+
+@pytest.mark.parametrize(
+    "bad", ["nan", "inf", "1e", "--1", "1.2.3", "e5", "+", "١", "0x1", "1e5000"]
+)
+@pytest.mark.parametrize("number", [None, DOUBLE])
+def test_what_is_no_number_is_refused(bad, number):
+    with pytest.raises(ExpressionError):
+        values(["1.5", bad, "2"], number)
+
+
+def test_the_most_significant_digits():
+    def significant(cell: str) -> int:
+        digits = re.sub("[^0-9]", "", re.split("[eE]", cell)[0]).lstrip("0")
+        return max(1, len(digits))
+
+    cells = [*printed(500), "-0.00120", "100.", "1e-30", "+12345678901234567890.5", "0"]
+    for k in range(1, len(cells)):
+        assert most_printed(cells[:k], 1) == max(map(significant, cells[:k]))

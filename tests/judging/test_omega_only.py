@@ -1,0 +1,72 @@
+"""gamma of files that hold omega alone."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+
+import pytest
+
+import polhode
+from polhode import cli
+from polhode.judging.diagnosis.omega_only import SAMPLES, omega_alone
+from polhode.numbers.mpmath_context import mpmath
+
+BITS = 150
+
+
+def found(name: str, spacing: Fraction, change=lambda row: row):
+    scene = polhode.load(name)
+    times = [spacing * k for k in range(-10, 11)]
+    ahead, behind = times[10:], times[9::-1]
+    truth = polhode.reference(scene)
+    rows = truth.at(behind, 40)[::-1] + truth.at(ahead, 40)
+    with mpmath.workprec(BITS):
+        omega = [change(row[:3]) for row in rows]
+    return omega_alone(scene, times, omega, rows, BITS)
+
+
+@pytest.mark.parametrize("name", ["kovalevskaya/generic", "lagrange/turned-axes"])
+def test_gamma_comes_back_as_the_derivative_does(name):
+    """The error of a derivative from nine samples falls like the eighth power of their distance."""
+    coarse, fine = found(name, Fraction(1, 10)), found(name, Fraction(1, 40))
+    assert 4.5 < coarse.digits < fine.digits - 4
+    assert fine.digits < coarse.digits + 6
+    for it in (coarse, fine):
+        assert it.derivative - 0.5 < it.digits < it.derivative + 5
+        assert it.drift.gamma < 100 * 10.0**-it.digits
+        assert it.drift.f < 100 * 10.0**-it.digits
+        assert it.drift.h < 1e-30
+
+
+def test_what_is_no_motion_of_the_body_shows_in_the_length_of_gamma():
+    """omega of the right motion a thousandth too large: smooth, but no solution."""
+    it = found(
+        "kovalevskaya/generic", Fraction(1, 40), lambda row: [x * mpmath.mpf("1.001") for x in row]
+    )
+    assert it.derivative > 9
+    assert 1e-4 < it.drift.gamma < 1e-1
+
+
+def test_where_omega_says_nothing():
+    assert found("euler/largest-axis", Fraction(1, 10)) is None  # no torque
+    scene = polhode.load("kovalevskaya/generic")
+    few = [Fraction(k) for k in range(SAMPLES - 1)]
+    assert omega_alone(scene, few, [[1, 0, 0]] * len(few), [[0] * 6] * len(few), BITS) is None
+    twice = [Fraction(0)] * SAMPLES
+    assert omega_alone(scene, twice, [[1, 0, 0]] * SAMPLES, [[0] * 6] * SAMPLES, BITS) is None
+
+
+def test_compare_says_it_of_a_file(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    scene = polhode.load("lagrange/nutation")
+    run = polhode.integrate(scene.at(tuple(Fraction(k, 20) for k in range(21))))
+    pairs = zip(run.times, run.states, strict=True)
+    lines = [",".join(repr(float(x)) for x in (t, *row[:3])) for t, row in pairs]
+    (tmp_path / "omega.csv").write_text("\n".join(["t,p,q,r", *lines]) + "\n")
+    assert cli.main(["compare", "omega.csv", "lagrange/nutation"]) == 0
+    assert "gamma by (3.60) from omega alone: " in capsys.readouterr().out
+    assert cli.main(["compare", "omega.csv", "lagrange/nutation", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)["omega_alone"]
+    assert answer["gamma_digits"] >= answer["derivative_digits"] > 5
+    assert float(answer["drift"]["gamma"]) < 1e-4

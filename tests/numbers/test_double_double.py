@@ -1,0 +1,121 @@
+"""Arrays of rationals and of pairs of doubles: exact, and right to 2**-100."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from polhode.numbers import double_double
+from polhode.numbers.double_double import Pairs
+from polhode.numbers.exact import sqrt
+from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.rationals import Rationals, of_fractions
+
+HIGH = mpmath.MPContext()
+HIGH.prec = 400
+
+RATIONALS = st.lists(st.fractions(-99, 99, max_denominator=10**30), min_size=1, max_size=9)
+
+
+def exactly(x: Rationals) -> list[Fraction]:
+    count = max(np.size(x.top), np.size(x.bottom))
+    tops, bottoms = (np.broadcast_to(np.array(y, dtype=object), count) for y in (x.top, x.bottom))
+    return [Fraction(a, b) for a, b in zip(tops, bottoms, strict=True)]
+
+
+@settings(deadline=None, max_examples=30)
+@given(RATIONALS, st.fractions(-9, 9, max_denominator=10**20))
+def test_arrays_of_rationals_are_exact(values, other):
+    x = of_fractions(values)
+    assert exactly(x * other + x - 3) == [v * other + v - 3 for v in values]
+    assert list(x.sign) == [(v > 0) - (v < 0) for v in values]
+    assert x.doubles().tolist() == [float(v) for v in values]
+    if other:
+        assert exactly(x / other) == [v / other for v in values]
+        assert all(bottom > 0 for bottom in (x / other).bottom)
+    assert exactly(1 / (x * x + 1)) == [1 / (v * v + 1) for v in values]
+    assert (x * other).rounded(DOUBLE, len(values)) == [Fraction(float(v * other)) for v in values]
+
+
+def test_one_number_for_all_stays_a_number_of_any_size():
+    """A quotient by a single number gave numpy's integers, which overflow."""
+    x = Rationals(np.array([3, 5], dtype=object), 7) / Fraction(-(10**40), 3)
+    assert exactly(x) == [Fraction(-9, 7 * 10**40), Fraction(-15, 7 * 10**40)]
+
+
+def wide(x: Pairs) -> list[mpmath.mpf]:
+    both = zip(np.ravel(x.hi).tolist(), np.ravel(x.lo).tolist(), strict=True)
+    return [HIGH.mpf(a) + HIGH.mpf(b) for a, b in both]
+
+
+def error(found: Pairs, true: list[mpmath.mpf]) -> float:
+    """The largest relative error, in 2**-106."""
+    each = zip(wide(found), true, strict=True)
+    return max(float(abs(a - b) / abs(b) * HIGH.ldexp(1, 106)) for a, b in each)
+
+
+def some(low: float, high: float, seed: int) -> Pairs:
+    random = np.random.default_rng(seed)
+    return Pairs(random.uniform(low, high, 300)) + Pairs(random.uniform(-1e-17, 1e-17, 300))
+
+
+@pytest.mark.parametrize(
+    ("name", "least", "most"),
+    [("+", 0.3, 3), ("-", 0.3, 3), ("*", 0.3, 8), ("/", 0.3, 8), ("sqrt", 0.3, 4)],
+)
+def test_arithmetic_is_right_to_the_last_bits(name, least, most):
+    x, y = some(1, 50, 1), some(60, 90, 2)
+    found = {"+": x + y, "-": x - y, "*": x * y, "/": x / y, "sqrt": double_double.sqrt(x)}[name]
+    a, b = wide(x), wide(y)
+    operation = {
+        "+": lambda p, q: p + q,
+        "-": lambda p, q: p - q,
+        "*": lambda p, q: p * q,
+        "/": lambda p, q: p / q,
+        "sqrt": lambda p, _: HIGH.sqrt(p),
+    }[name]
+    assert least < error(found, [operation(p, q) for p, q in zip(a, b, strict=True)]) < most
+
+
+@pytest.mark.parametrize(("size", "most"), [(0.7, 2), (3.0, 3), (1000.0, 3)])
+def test_sines_and_cosines(size, most):
+    x = some(size / 2, size, 3)
+    for found, f in zip(double_double.cos_sin(x), (HIGH.cos, HIGH.sin), strict=True):
+        true = [f(t) for t in wide(x)]
+        off = max(abs(a - b) for a, b in zip(wide(found), true, strict=True))
+        assert 0.05 < float(HIGH.ldexp(off, 106)) < most
+
+
+def test_the_angle_of_a_point():
+    y, x = some(-3, 3, 5), some(-3, 3, 6)
+    found = wide(double_double.arctan2(y, x))
+    true = [HIGH.atan2(b, a) for a, b in zip(wide(x), wide(y), strict=True)]
+    off = max(abs(a - b) for a, b in zip(found, true, strict=True))
+    assert 0.05 < float(HIGH.ldexp(off, 106)) < 8
+
+
+def test_hyperbolic_functions_and_their_end():
+    x = some(-70, 70, 4)
+    for found, f in zip(double_double.cosh_sinh(x), (HIGH.cosh, HIGH.sinh), strict=True):
+        assert 1 < error(found, [f(t) for t in wide(x)]) < 500
+    far, beyond = (double_double.cosh_sinh(Pairs(np.array([t])))[0].hi[0] for t in (80.0, 1e9))
+    assert far == beyond
+    assert np.isfinite(far)
+
+
+def test_numbers_become_pairs_and_lose_nothing_that_a_pair_holds():
+    third = double_double.pairs(Fraction(1, 3))
+    assert 0 < abs(Fraction(third.hi) + Fraction(third.lo) - Fraction(1, 3)) < Fraction(1, 2**106)
+    root = double_double.pairs(sqrt(Fraction(2)))
+    assert abs(Fraction(root.hi) + Fraction(root.lo)) ** 2 - 2 < Fraction(1, 2**104)
+    values = [Fraction(k, 7**20) for k in range(-3, 4)]
+    found = double_double.of_fractions(values)
+    for hi, lo, x in zip(found.hi, found.lo, values, strict=True):
+        assert abs(Fraction(hi) + Fraction(lo) - x) <= abs(x) / 2**105
+    with pytest.raises(TypeError, match="no number"):
+        double_double.pairs("1")

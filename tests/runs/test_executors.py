@@ -1,0 +1,217 @@
+"""Jobs shared by processes: results in order, dead workers, callers that go, callers' scripts."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from polhode.common import worker_processes
+from polhode.common.executors import in_order
+
+HERE = os.getpid()
+
+
+def squared(k):
+    return k * k
+
+
+def deadly(k):
+    """Ends any process but the first one."""
+    if os.getpid() != HERE and os.getppid() == int(os.environ["POLHODE_TEST_PARENT"]):
+        os._exit(1)
+    return -k
+
+
+def refused(k):
+    if k == 1:
+        raise ValueError(f"no {k}")
+    return k
+
+
+def long(k):
+    if k:
+        time.sleep(600)
+    return k
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_results_come_in_the_order_of_the_jobs(workers):
+    begun = []
+    assert [*in_order(squared, range(5), workers, begun.append)] == [0, 1, 4, 9, 16]
+    assert begun == [0, 1, 2, 3, 4]
+
+
+def test_the_jobs_of_a_process_that_died_are_done_here(monkeypatch):
+    monkeypatch.setenv("POLHODE_TEST_PARENT", str(os.getpid()))
+    assert [*in_order(deadly, range(3), 2)] == [0, -1, -2]
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_fault_is_the_caller_s(workers):
+    found = in_order(refused, range(3), workers)
+    assert next(found) == 0
+    with pytest.raises(ValueError, match="no 1"):
+        next(found)
+
+
+class Odd(Exception):
+    """Pickled, but not made again from what is pickled."""
+
+    def __init__(self, one, two):
+        super().__init__(f"{one} {two}")
+
+
+def odd(k):
+    raise Odd("odd", k)
+
+
+def unspeakable(k):
+    return lambda: k
+
+
+def noisy(k):
+    print("what a library says")
+    os.write(1, b"and what its C code says")
+    return sys.stdin.read(), k
+
+
+def test_faults_and_results_that_cannot_travel_are_told():
+    with pytest.raises(RuntimeError, match="odd 0"):
+        list(in_order(odd, range(2), 2))
+    with pytest.raises(AttributeError, match="pickle"):
+        list(in_order(unspeakable, range(2), 2))
+
+
+def test_what_a_job_prints_is_no_answer_and_stdin_is_not_its():
+    assert list(in_order(noisy, range(3), 2)) == [("", 0), ("", 1), ("", 2)]
+
+
+def test_where_the_caller_goes_the_processes_end(monkeypatch):
+    made, make = [], worker_processes.Process
+    monkeypatch.setattr(worker_processes, "Process", lambda: made.append(make()) or made[-1])
+    found = in_order(long, range(3), 2)
+    assert next(found) == 0
+    assert [x._process.poll() for x in made] == [None, None]
+    found.close()
+    assert [x._process.poll() for x in made] == [-signal.SIGKILL] * 2
+
+
+LIGHT = """\
+print("begun", flush=True)
+from polhode.common.executors import in_order
+print([*in_order(abs, [-1, 2, -3], 2)])
+"""
+
+SECTION = """\
+print("begun", flush=True)
+import polhode
+for workers in (2, 1):
+    found = polhode.section(
+        "general/asymmetric-regular", grid=(2, 2), crossings=2, workers=workers
+    )
+    print(found.states.tobytes().hex())
+"""
+
+
+def told_by(way, tmp_path, text):
+    """What Python says of a script that it gets in some way; stdin is the script's own."""
+    python, given = [sys.executable], "kept for the script"
+    script = tmp_path / "asked.py"
+    script.write_text(text)
+    if way == "stdin":
+        given = text
+    command = {
+        "file": [*python, str(script)],
+        "stdin": [*python, "-"],
+        "command": [*python, "-c", text],
+        "module": [*python, "-m", "asked"],
+    }[way]
+    done = subprocess.run(
+        command, cwd=tmp_path, input=given, capture_output=True, text=True, timeout=300
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("way", ["file", "stdin", "command", "module"])
+def test_no_process_runs_the_caller_s_script_again(way, tmp_path):
+    """It has no guard: once it ran thrice, and what came on stdin was looked for as a file."""
+    assert told_by(way, tmp_path, LIGHT) == (0, "begun\n[1, 2, 3]\n", "")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", ["file", "stdin"])
+def test_a_section_by_processes_of_an_unguarded_script(way, tmp_path):
+    code, text, faults = told_by(way, tmp_path, SECTION)
+    begun, by_two, by_one = text.splitlines()
+    assert (code, begun, faults) == (0, "begun", "")
+    assert by_two == by_one != ""
+
+
+def test_nothing_in_the_caller_s_folder_is_taken_for_a_library(tmp_path):
+    for name in ("json", "pickle", "signal", "polhode"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('the wrong one')")
+    code = "import os; os.chdir(os.environ['THERE'])\n" + LIGHT
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", code],
+        env={**os.environ, "THERE": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert (done.stdout, done.stderr) == ("begun\n[1, 2, 3]\n", "")
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals of POSIX")
+def test_ctrl_c_of_a_terminal_does_not_reach_them(monkeypatch):
+    """From their first moment on, while Python starts, too: the caller ends them."""
+    made, make = [], worker_processes.Process
+    monkeypatch.setattr(worker_processes, "Process", lambda: made.append(make()) or made[-1])
+    found = in_order(squared, range(2), 2)
+    assert next(found) == 0
+    for process in made:
+        os.kill(process._process.pid, signal.SIGINT)
+    assert [*found] == [1]
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    assert signal.SIGINT not in before  # of this thread
+
+
+ORPHANS = """\
+import time
+from polhode.runs import processes
+from polhode.common.executors import in_order
+made, make = [], processes.Process
+processes.Process = lambda: made.append(make()) or made[-1]
+found = in_order(time.sleep, [0, 600, 600], 2)
+next(found)
+print(*(x._process.pid for x in made), flush=True)
+next(found)
+"""
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="a system without /proc")
+def test_processes_end_with_their_caller_however_it_ends():
+    """Killed, it can tell them nothing: they notice, in the middle of their jobs."""
+    caller = subprocess.Popen([sys.executable, "-c", ORPHANS], stdout=subprocess.PIPE, text=True)
+    pids = [int(pid) for pid in caller.stdout.readline().split()]
+    caller.kill()
+    caller.communicate()
+    until = time.monotonic() + 60
+    left = set(pids)
+    while left and time.monotonic() < until:
+        left = {pid for pid in left if alive(pid)}
+        time.sleep(0.01)
+    assert (len(pids), left) == (2, set())
+
+
+def alive(pid):
+    """Whether a process is there; one that has ended and waits to be noticed is not."""
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            return file.read().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False

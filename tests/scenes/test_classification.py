@@ -1,0 +1,73 @@
+"""Which classical top a body is, about each axis, and that every room asks the one finder."""
+
+from fractions import Fraction
+
+import pytest
+
+from polhode.closed_forms.families import closed_forms
+from polhode.equations import integrals
+from polhode.scenes import classification, library
+from polhode.scenes.classification import ClassicalTop, classical_top
+
+#: moments with the axis of C last, torque, what the body is.
+BODIES = [
+    ((2, 2, 3), (0, 0, 1), classification.LAGRANGE),
+    ((2, 2, 3), (0, 0, -1), classification.LAGRANGE),
+    ((2, 2, 1), (0, 0, 1), classification.LAGRANGE),  # of a Kovalevskaya top's moments
+    ((1, 1, 1), (0, 0, 1), classification.SPHERE),
+    ((2, 2, 1), (1, 0, 0), classification.KOVALEVSKAYA),
+    ((2, 2, 1), (3, -4, 0), classification.KOVALEVSKAYA),
+    ((4, 4, 1), (1, 2, 0), classification.CHAPLYGIN),
+    ((3, 3, 1), (1, 2, 0), classification.SYMMETRIC),
+    ((2, 2, 1), (1, 0, 1), classification.SYMMETRIC),
+    ((4, 4, 1), (0, 1, 1), classification.SYMMETRIC),
+]
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize(("moments", "torque", "kind"), BODIES)
+def test_a_top_is_found_about_every_axis(moments, torque, kind, axis):
+    body, weight = [None] * 3, [None] * 3
+    for i, a, t in zip(classification.with_last(axis), moments, torque, strict=True):
+        body[i], weight[i] = Fraction(a), Fraction(t)
+    assert classical_top(tuple(body), tuple(weight)) == ClassicalTop(kind, axis)
+
+
+@pytest.mark.parametrize(
+    ("moments", "torque", "kind"),
+    [
+        ((2, 2, 1), (0, 0, 0), classification.EULER),
+        ((1, 1, 1), (1, 0, 2), classification.SPHERE),
+        ((2, 3, 4), (0, 0, 1), classification.ASYMMETRIC),
+    ],
+)
+def test_a_top_without_an_axis(moments, torque, kind):
+    rows = (tuple(map(Fraction, row)) for row in (moments, torque))
+    assert classical_top(*rows) == ClassicalTop(kind, None)
+
+
+def test_the_axes_end_with_the_one_asked_and_stay_right_handed():
+    assert [classification.with_last(k) for k in range(3)] == [(1, 2, 0), (2, 0, 1), (0, 1, 2)]
+
+
+def test_integrals_and_closed_forms_agree_with_the_finder():
+    """Over the library: a closed form that depends on the body alone, its integral, its name."""
+    by_kind = {
+        classification.EULER: ("euler", integrals.MOMENTUM),
+        classification.LAGRANGE: ("lagrange", integrals.SPIN),
+        classification.SPHERE: ("lagrange", integrals.SPIN),
+        classification.KOVALEVSKAYA: ("kovalevskaya", integrals.KOVALEVSKAYA),
+    }
+    met = set()
+    for name in library.names():
+        scene = library.load(name)
+        kind = classification.kind_of_body(scene.body)
+        met.add(kind)
+        if kind not in by_kind:
+            continue
+        family, integral = by_kind[kind]
+        first = next(closed_forms(scene), None)
+        assert first is not None
+        assert first[0] == family
+        assert integrals.first_integrals(scene).onto[-1] == integral
+    assert met >= set(by_kind)

@@ -1,0 +1,357 @@
+"""Projection onto the first integrals: what it gains, and what it leaves alone."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.cli import main
+from polhode.judging.references.reference import Remembered
+from polhode.numbers.conversion import exactly
+from polhode.numbers.number_types import DOUBLE
+from polhode.scenes import library
+from polhode.scenes.event import Event
+from polhode.taylor.corrections import integral_projection
+from polhode.taylor.events import stepwise
+from polhode.taylor.integrator.stepping import Integrator
+from shared.policies import change_policy
+
+STANDING = ("lagrange/sleeping-unstable",)  # no step is taken
+TOPS = ("euler/largest-axis", "lagrange/nutation", "kovalevskaya/generic")
+
+
+def worst(scene, number="double", **options) -> float:
+    return polhode.compare(polhode.integrate(scene, number, **options)).worst
+
+
+def chaplygin(order: tuple[int, int, int] = (0, 1, 2)) -> polhode.Scene:
+    """A Goryachev–Chaplygin body, its axes relabelled cyclically, f = 0."""
+
+    def placed(vector):
+        found = [Fraction(0)] * 3
+        for value, k in zip(vector, order, strict=True):
+            found[k] = Fraction(value)
+        return tuple(found)
+
+    centre = (Fraction(3, 5), Fraction(4, 5), 0)
+    body = polhode.Body.of_moments(placed((4, 4, 1)), placed(centre), 1)
+    omega = (Fraction(1, 2), Fraction(1, 3), Fraction(-16, 9) * Fraction(9, 16))
+    gamma = (0, Fraction(3, 5), Fraction(4, 5))
+    return polhode.Scene(body, placed(omega), placed(gamma), times=(Fraction(20),))
+
+
+# -- the integrals ----------------------------------------------------------------------------
+
+
+@pytest.mark.sample(4)
+@pytest.mark.parametrize(
+    ("scene", "onto"),
+    [
+        ("euler/turned-axes", ("h", "f", "|gamma|^2", "|G|^2")),
+        ("euler/no-gamma", ("h", "|G|^2")),
+        ("lagrange/first-axis", ("h", "f", "|gamma|^2", "spin")),
+        ("lagrange/turned-axes", ("h", "f", "|gamma|^2", "spin")),
+        ("lagrange/spherical-body", ("h", "f", "|gamma|^2", "spin")),
+        ("kovalevskaya/irrational-centre", ("h", "f", "|gamma|^2", "K^2")),
+        (chaplygin(), ("h", "f", "|gamma|^2", "F")),
+        (chaplygin((1, 2, 0)), ("h", "f", "|gamma|^2", "F")),
+        ("general/asymmetric-regular", ("h", "f", "|gamma|^2")),
+    ],
+)
+def test_each_exact_scene_has_its_integrals_and_a_run_keeps_them(scene, onto):
+    """A quad run that was not projected keeps every one of them to its rounding."""
+    run = polhode.integrate(scene, "quad", at=[10])
+    assert run.projection is None
+    found = [x for x in run.drift if x is not None]
+    assert len(found) == len(onto)
+    assert all(1e-38 < x < 1e-31 for x in found)
+    assert polhode.integrate(scene, at=[10]).projection.onto == onto
+
+
+def test_a_fourth_integral_needs_its_condition_exactly():
+    scene = chaplygin()
+    off = replace(scene, omega=(scene.omega[0] + Fraction(1, 10**40), *scene.omega[1:]))
+    assert polhode.integrate(off).projection.onto[3:] == ("F",)  # f does not change
+    off = replace(scene, omega=(*scene.omega[:2], scene.omega[2] + Fraction(1, 10**40)))
+    assert polhode.integrate(off).drift.fourth is None
+
+
+# -- what it gains ----------------------------------------------------------------------------
+
+
+@pytest.mark.sample(2)
+@pytest.mark.parametrize("name", TOPS)
+@pytest.mark.parametrize(("number", "end"), [("double", 5000), ("extended", 1500)])
+def test_a_projected_run_has_more_digits(name, number, end):
+    scene = polhode.load(name).at((Fraction(end),))
+    bare, projected = (worst(scene, number, project=p) for p in (False, None))
+    assert bare + 1 < projected < bare + 5
+
+
+@pytest.mark.sample(1, first=2)
+@pytest.mark.parametrize("name", TOPS)
+def test_a_slightly_wrong_target_shows_in_the_digits(name, monkeypatch):
+    scene, again = (polhode.load(name).at((Fraction(5000),)) for _ in range(2))
+    right = worst(scene)
+    honest = integral_projection.exact_values
+
+    def wrong(*arguments):
+        return [x * (1 + Fraction(1, 10**12)) for x in honest(*arguments)]
+
+    monkeypatch.setattr(integral_projection, "exact_values", wrong)
+    assert worst(again) < right - 1
+
+
+def test_a_correction_that_is_no_rounding_is_not_made(monkeypatch):
+    scene = polhode.load(TOPS[0]).at((Fraction(500),))
+    monkeypatch.setattr(integral_projection, "exact_values", lambda *_: [Fraction(2)] * 4)
+    run = polhode.integrate(scene)
+    assert run.projection.count == 0
+    assert np.allclose(run.states, polhode.integrate(scene, project=False).states, 0, 1e-12)
+
+
+def test_the_spin_of_a_symmetric_body_is_exact_on_average():
+    """r' is 0: without memory of what was rounded off, r = 1.1 would be wrong all along."""
+    scene = replace(
+        polhode.load("lagrange/nutation"), times=tuple(Fraction(50 * k) for k in range(400))
+    )
+    spin = polhode.integrate(scene, project=1).states[1:, 2]
+    exact = exactly(scene.omega[2])
+    assert len(set(spin)) == 2
+    mean = sum(exactly(x) - exact for x in spin) / len(spin)
+    assert abs(mean) < abs(exactly(float(exact)) - exact) / 4
+
+
+# -- never spoils -----------------------------------------------------------------------------
+
+
+#: An unstable motion: one rounding, multiplied, decides; 0.51 digits in extended from t = 13 on,
+#: with both runs inside the band that rounding is expected to leave.
+LOSES = {"steklov/upper": 0.55}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", library.names())
+def test_no_case_loses_digits(name):
+    scene = polhode.load(name)
+    truth = Remembered(polhode.reference(scene))
+    for number in [n for n in ("extended", "double") if n in scene.expect]:
+        bare, often = (
+            polhode.compare(polhode.integrate(scene, number, project=p), truth).worst
+            for p in (False, None)
+        )
+        assert often > bare - LOSES.get(name, 0.5)
+
+
+@pytest.mark.sample(3)
+@pytest.mark.parametrize(
+    "name",
+    [
+        *STANDING,
+        "euler/permanent-middle",
+        "euler/separatrix",
+        "pendulum/librating",
+        "kovalevskaya/pendulum-equatorial",
+        "kovalevskaya/pendulum-axial",
+        "lagrange/planar-librating",
+        "euler/sphere",
+        "kovalevskaya/delaunay",
+        "kovalevskaya/multiply-degenerate",
+        "lagrange/homoclinic",
+        "lagrange/steady-slow",
+        "pendulum/separatrix",
+    ],
+)
+def test_degenerate_motions_are_left_alone(name):
+    """Gradients of the integrals are parallel or vanish here; corrections stay roundings."""
+    scene = polhode.load(name)
+    bare, often = (polhode.integrate(scene, project=p) for p in (False, 4))
+    assert polhode.compare(often).worst > polhode.compare(bare).worst - 0.7
+    assert (often.projection is None) == (name in STANDING)
+    if name not in STANDING:
+        assert often.projection.largest < 1e-13
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "euler/sphere",
+        "kovalevskaya/pendulum-equatorial",
+        "lagrange/steady-slow",
+        "euler/separatrix",
+    ],
+)
+def test_parallel_gradients_stop_no_correction_and_magnify_none(name):
+    """Damping takes the step to zero along what the integrals do not determine.
+
+    Without it most corrections here are refused, or are ten times a rounding.
+    """
+    run = polhode.integrate(name, project=4)
+    due = run.steps // 4
+    assert due - 1 <= run.projection.count <= due
+    assert DOUBLE.eps / 4 < run.projection.largest < 4 * DOUBLE.eps
+
+
+def next_to(motion: str, near: Fraction) -> polhode.Scene:
+    """A motion so near to a permanent rotation that gradients of the integrals all but agree."""
+    if motion == "rotation about C":
+        body = polhode.Body.of_moments((1, Fraction(3, 2), 2))
+        return polhode.Scene(body, (near, 0, 1), (Fraction(3, 5), 0, Fraction(4, 5)), times=(20,))
+    top = polhode.Body.of_moments((1, 1, Fraction(1, 2)), (0, 0, 1), 1)
+    if motion == "sleeping top, pushed":
+        return polhode.Scene(top, (near, 0, 4), (0, 0, 1), times=(20,))
+    tilt = 1 + near**2
+    gamma = (2 * near / tilt, 0, (1 - near**2) / tilt)
+    return polhode.Scene(top, (0, near, 4), gamma, times=(20,))
+
+
+@pytest.mark.sample(3)
+@pytest.mark.parametrize("exponent", [5, 7, 9])
+@pytest.mark.parametrize(
+    "motion", ["rotation about C", "sleeping top, pushed", "sleeping top, tilted"]
+)
+def test_what_the_integrals_do_not_determine_is_left_alone(motion, exponent):
+    """Undamped, the step would magnify the residual's rounding by ten to that exponent."""
+    scene = next_to(motion, Fraction(1, 10**exponent))
+    run = polhode.integrate(scene, project=4)
+    assert run.projection.count >= 4
+    assert 1e-17 < run.projection.largest < 2 * float(DOUBLE.eps)
+    assert 15 < polhode.compare(run).worst <= DOUBLE.most_digits
+
+
+def test_quad_and_mp_are_projected_where_asked():
+    scene = polhode.load("kovalevskaya/generic")
+    for number, largest in (("quad", 1e-32), ("mp", 1e-48)):
+        run = polhode.integrate(scene, number, project=True)
+        assert run.projection.every == 1
+        assert 0 < run.projection.largest < largest
+        assert run.drift.h < largest
+
+
+# -- what it leaves alone ---------------------------------------------------------------------
+
+
+def test_corrections_depend_on_no_output_time_and_no_chunk(monkeypatch):
+    scene = polhode.load("kovalevskaya/generic")
+    one = polhode.integrate(scene, at=[300], project=7)
+    many = polhode.integrate(scene, at=[Fraction(k, 40) for k in range(12_001)], project=7)
+    lumps = [Fraction(k, 10**6) for k in range(50)]
+    uneven = [t + s for t in (0, 150, Fraction(299)) for s in lumps]
+    lumped = polhode.integrate(scene, at=[*uneven, 300], project=7)
+    assert one.projection == many.projection == lumped.projection
+    assert len(many.times) == 12_001
+    assert len(lumped.times) == 151
+    assert np.max(np.abs(many.states[-1] - one.states[-1])) < 1e-14
+    some = replace(many, times=many.times[::240], states=many.states[::240])
+    for run in (some, lumped):
+        assert polhode.compare(run).worst > 13
+    change_policy(monkeypatch, chunk=5)
+    assert polhode.integrate(scene, at=[300], project=7).projection.count == one.projection.count
+
+
+def test_an_output_time_may_be_where_a_correction_is():
+    scene = polhode.load("kovalevskaya/generic")
+    run = polhode.integrate(scene, at=[100], max_steps=21, project=False)
+    assert run.steps == 21
+    ended = DOUBLE.rounded(run.reached)
+    times = [ended, ended + Fraction(1, 2**40), 100]
+    found = polhode.integrate(scene, at=times, project=7)
+    assert list(found.times) == times
+    assert polhode.compare(found).worst > 13.5
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("name", ["kovalevskaya/generic", "lagrange/nutation"])
+def test_dense_output_follows_the_corrections(name, monkeypatch):
+    """Chunks are taken again with the same corrections, in whatever order they are asked for."""
+    scene = polhode.load(name)
+    change_policy(monkeypatch, chunk=20)  # short: times inside are finer
+    times = [Fraction(300 * k, 1201) for k in range(1, 1202)]
+    run = polhode.integrate(scene, at=times, project=7)
+    order = [*range(0, 1200, 7), *range(1199, 0, -11)]
+    for k in order:
+        assert np.max(np.abs(run(run.times[k]) - run.states[k])) < 1e-14
+
+
+def crossed(scene, monkeypatch, honest=True) -> list[int]:
+    """How often each of some values of q is crossed where a correction would jump over it."""
+    jumps = []
+    correct = Integrator._correct
+
+    def spied(self, corrector):
+        before = float(self.state[1])
+        done = correct(self, corrector)
+        after = float(self.state[1])
+        if abs(after - before) > 3e-16:
+            jumps.append((self.time, (before + after) / 2))
+        return done
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Integrator, "_correct", spied)
+        polhode.integrate(scene, project=40)
+    if not honest:
+        monkeypatch.setattr(stepwise.Watch, "disturbed", lambda *_: False)
+    assert len(jumps) >= 8
+    counts = []
+    for time, value in jumps[:12]:
+        level = Fraction(value)
+        watched = replace(scene, events=(Event("level", f"q - {level}"),))
+        run = polhode.integrate(watched.at((time + 1,)), project=40)
+        assert run.projection.count > 0
+        (event,) = run.events
+        counts.append(sum(abs(t - time) < Fraction(1, 10**6) for t in event.times))
+        assert event.complete or not honest
+    return counts
+
+
+def test_a_zero_where_a_correction_would_jump_over_it_is_reported_once(monkeypatch):
+    scene = polhode.load("kovalevskaya/generic").at((Fraction(600),))
+    assert set(crossed(scene, monkeypatch)) == {1}
+
+
+def test_without_waiting_a_zero_is_lost_or_doubled(monkeypatch):
+    """So the test above has teeth."""
+    scene = polhode.load("kovalevskaya/generic").at((Fraction(600),))
+    assert set(crossed(scene, monkeypatch, honest=False)) != {1}
+
+
+# -- how it is asked for ----------------------------------------------------------------------
+
+
+def test_the_ways_to_ask():
+    scene = polhode.load(TOPS[0])
+    assert polhode.integrate(scene).projection.every == 320
+    assert polhode.integrate(scene, "extended").projection.every == 32
+    assert polhode.integrate(scene, project=9).projection.every == 9
+    for options in ({"project": False}, {"tol": "1e-9"}, {"number": "quad", "at": [1]}):
+        run = polhode.integrate(scene, **options)
+        assert run.projection is None
+        assert not run.projected
+    assert polhode.integrate(scene, tol="1e-9", project=True).projection.every == 320
+    for wrong in (0, -3):
+        with pytest.raises(polhode.BadInput, match="project"):
+            polhode.integrate(scene, project=wrong)
+
+
+def test_drift_is_no_evidence_where_it_was_projected(capsys):
+    assert main(["run", "euler/long", "--at", "500", "--project-every", "20"]) == 0
+    told = capsys.readouterr().err
+    assert "largest correction" in told
+    assert "drift" not in told
+    assert main(["run", "euler/long", "--at", "500", "--no-project"]) == 0
+    told = capsys.readouterr().err
+    assert "drift h" in told
+    assert "correction" not in told
+    assert main(["run", "euler/long", "--at", "500", "--project-every", "20", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["projection"]["onto"] == ["h", "f", "|gamma|^2", "|G|^2"]
+    assert answer["projection"]["every"] == 20
+    assert float(answer["projection"]["largest"]) < 1e-14 < float(answer["projection"]["sum"])
+    assert set(answer["drift"]) == {"h", "f", "gamma", "fourth"}
+    run = polhode.integrate("euler/long", at=[500])
+    assert "largest correction" in str(polhode.compare(run))
