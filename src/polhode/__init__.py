@@ -132,6 +132,47 @@ _HOMES = {
 __all__ = [*_HOMES]
 
 
+def _provide() -> None:
+    """What results of lower rooms do by higher ones, imported when it is asked for."""
+    from polhode.judging import presentation as judging
+    from polhode.runs import presentation as runs
+    from polhode.scenes import presentation as scenes
+
+    def of_runs() -> runs.RunPresentation:
+        from polhode.output.presentation import RUNS
+
+        return RUNS
+
+    def of_ensembles() -> runs.EnsemblePresentation:
+        from polhode.output.presentation import ENSEMBLES
+
+        return ENSEMBLES
+
+    def of_judgements() -> judging.JudgementPresentation:
+        from polhode.output.presentation import JUDGEMENTS
+
+        return JUDGEMENTS
+
+    def of_scenes() -> scenes.ScenePresentation:
+        from polhode.output.presentation import SCENES
+
+        return SCENES
+
+    def reevaluation() -> runs.Reevaluation:
+        from polhode.runs import reevaluate
+
+        return reevaluate
+
+    runs.RUNS.provide(of_runs)
+    runs.ENSEMBLES.provide(of_ensembles)
+    runs.REEVALUATION.provide(reevaluation)
+    judging.JUDGEMENTS.provide(of_judgements)
+    scenes.SCENES.provide(of_scenes)
+
+
+_provide()
+
+
 def __getattr__(name: str) -> object:
     """Import on first use: a verb pays only for what it needs."""
     from importlib import import_module

@@ -11,7 +11,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics.kept import Kept
+from polhode.common.checkpoint import JobCheckpoint
 from polhode.dynamics.sections import coordinates as geometry
 from polhode.scenes import scene_file
 
@@ -366,13 +366,13 @@ def test_a_permanent_rotation_is_no_start():
 
 def test_no_two_commands_share_a_folder(tmp_path):
     """The second one is refused while the first is at work, and not after it."""
-    one = Kept(tmp_path / "jobs", "section", "key")
+    one = JobCheckpoint(tmp_path / "jobs", "section", "key")
     one.save(0, {"x": np.zeros(1)})
     with pytest.raises(polhode.BadInput, match="no other command at work here"):
-        Kept(tmp_path / "jobs", "section", "key")
+        JobCheckpoint(tmp_path / "jobs", "section", "key")
     one.release()
-    with Kept(tmp_path / "jobs", "section", "key") as again:
+    with JobCheckpoint(tmp_path / "jobs", "section", "key") as again:
         assert again.load(0)["x"].shape == (1,)
         assert again.load(1) is None
     with pytest.raises(polhode.BadInput, match="the jobs of this very command"):
-        Kept(tmp_path / "jobs", "map", "key")
+        JobCheckpoint(tmp_path / "jobs", "map", "key")

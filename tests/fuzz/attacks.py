@@ -166,7 +166,7 @@ KEEPERS: dict[str, Words] = {
 }
 
 
-class Kept:
+class JobCheckpoint:
     """A verb's finished pieces in the middle of its work, and what it gives undisturbed."""
 
     def __init__(self, verb: str) -> None:
@@ -175,17 +175,17 @@ class Kept:
         self.store = Path(f"folder/in/{verb}.store")
         self.folder = Path(f"folder/in/{verb}.npz.parts")
         every, sweep_checkpoint.EVERY = sweep_checkpoint.EVERY, 0.0
-        removed = sweep_checkpoint.Parts.remove
+        removed = sweep_checkpoint.SweepCheckpoint.remove
         try:
-            sweep_checkpoint.Parts.remove = lambda kept: kept.release()  # type: ignore[method-assign]
-            from polhode.common.checkpoint import KeptFolder
+            sweep_checkpoint.SweepCheckpoint.remove = lambda kept: kept.release()  # type: ignore[method-assign]
+            from polhode.common.checkpoint import Checkpoint
 
-            below = KeptFolder.remove
-            KeptFolder.remove = lambda kept: kept.release()  # type: ignore[method-assign]
+            below = Checkpoint.remove
+            Checkpoint.remove = lambda kept: kept.release()  # type: ignore[method-assign]
             assert cli.main([*self.words, "--json"]) == 0
-            KeptFolder.remove = below  # type: ignore[method-assign]
+            Checkpoint.remove = below  # type: ignore[method-assign]
         finally:
-            sweep_checkpoint.Parts.remove, sweep_checkpoint.EVERY = removed, every  # type: ignore[method-assign]
+            sweep_checkpoint.SweepCheckpoint.remove, sweep_checkpoint.EVERY = removed, every  # type: ignore[method-assign]
         self.folder.rename(self.store)
         self.right = self.said()
 
@@ -195,13 +195,15 @@ class Kept:
             return {name: held[name].tolist() for name in held.files if name != "about"}
 
 
-_KEPT: dict[tuple[Path, str], Kept] = {}
+_KEPT: dict[tuple[Path, str], JobCheckpoint] = {}
 
 
 def kept(random: Random, scene: polhode.Scene) -> tuple[str, Work]:
     """A verb that finds pieces of before, one of them changed, and ends as if undisturbed."""
     verb = random.choice([*KEEPERS])
-    known = _KEPT.get((Path.cwd(), verb)) or _KEPT.setdefault((Path.cwd(), verb), Kept(verb))
+    known = _KEPT.get((Path.cwd(), verb)) or _KEPT.setdefault(
+        (Path.cwd(), verb), JobCheckpoint(verb)
+    )
     shutil.rmtree(known.folder, ignore_errors=True)
     shutil.copytree(known.store, known.folder)
     known.whole.unlink(missing_ok=True)

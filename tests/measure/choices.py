@@ -246,7 +246,8 @@ def projected(scenes: Any, truths: Any, name: str, project: Any) -> tuple[float,
 
 def lanes() -> None:
     print(
-        f"## Batch width of a sweep: what heyoka recommends, {batch_integrator.width(TYPES['double'])}\n"
+        "## Batch width of a sweep: what heyoka recommends, "
+        f"{batch_integrator.width(TYPES['double'])}\n"
     )
     print(
         "The same top in every lane, 20 000 steps each; scalar code with constants and with "

@@ -13,9 +13,9 @@ import pytest
 import polhode
 from polhode import cli
 from polhode.common import checkpoint
+from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput
 from polhode.common.files import called
-from polhode.dynamics.kept import Kept
 from polhode.studies import report
 from polhode.verbs import terminal
 from shared.motions import free_file
@@ -195,7 +195,7 @@ def test_a_first_piece_that_cannot_be_kept_leaves_no_folder(monkeypatch) -> None
             raise BadInput("x", "file", None, "a place to write to (No space left on device)")
         write(texts)
 
-    kept = Kept(Path("x.parts"), "section", "key")
+    kept = JobCheckpoint(Path("x.parts"), "section", "key")
     with monkeypatch.context() as patch:
         patch.setattr(checkpoint, "write_whole", fail)
         with pytest.raises(BadInput, match="No space left"):

@@ -11,7 +11,7 @@ import termios
 
 import pytest
 
-from polhode.verbs.terminal import Progress
+from polhode.verbs.terminal import ProgressLine
 
 
 @pytest.fixture
@@ -45,7 +45,7 @@ def test_the_line_never_wraps(terminal, columns):
     """What wraps is not wiped: only the last of its lines would be."""
     terminal.shown()
     terminal.wide(columns)
-    with Progress("compare") as progress:
+    with ProgressLine("compare") as progress:
         progress.began -= 10
         progress.say("12.75 correct digits in 11 of 86401 rows, all of them follow")
         progress.show(0.125, 10800, "rows of the closed form")
@@ -59,7 +59,7 @@ def test_the_line_never_wraps(terminal, columns):
 
 def test_nothing_is_shown_of_what_takes_no_time(terminal):
     terminal.shown()
-    with Progress("compare") as progress:
+    with ProgressLine("compare") as progress:
         progress.began += 3600
         progress.say("quick")
     sys.stderr.write("end")

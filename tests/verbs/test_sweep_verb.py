@@ -153,7 +153,7 @@ TELLING = """
 import sys
 from polhode.cli import main
 from polhode.verbs import terminal
-terminal.Progress.say = lambda self, text: print(text, flush=True)
+terminal.ProgressLine.say = lambda self, text: print(text, flush=True)
 sys.exit(main())
 """
 

@@ -28,7 +28,7 @@ def beside(path: Path) -> Path | None:
     return None if is_stream(path) else path.with_name(path.name + ".parts")
 
 
-class KeptFolder:
+class Checkpoint:
     """The pieces in ``folder``, which is made when there is something to keep.
 
     ``manifest``: what they belong to.  ``words``: how pieces and computation are called.  Raises
@@ -137,3 +137,24 @@ class KeptFolder:
         except OSError:
             expected = f"no other {self._words[1]} at work here"
             raise BadInput(str(self.folder), "parts", None, expected) from None
+
+
+class JobCheckpoint(Checkpoint):
+    """The finished jobs of a command in ``folder``: ``job-00000.npz`` and so on, one's arrays each.
+
+    ``what``: the verb.  ``key``: all that decides the results."""
+
+    def __init__(self, folder: Path, what: str, key: str) -> None:
+        digest = hashlib.sha256(key.encode()).hexdigest()
+        super().__init__(folder, {"jobs of": f"polhode {what}", "key": digest}, ("jobs", "command"))
+
+    def load(self, job: int) -> dict[str, Any] | None:
+        """A finished job's arrays; None where it is not there, or cannot be read."""
+        return self.read(self._path(job))
+
+    def save(self, job: int, arrays: Mapping[str, Any]) -> None:
+        """Keep a finished job, whole; raises BadInput where that cannot be."""
+        self.write(self._path(job).name, arrays)
+
+    def _path(self, job: int) -> Path:
+        return self.folder / f"job-{job:05d}.npz"

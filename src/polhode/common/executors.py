@@ -17,8 +17,10 @@ from concurrent.futures import (
 from queue import SimpleQueue
 from typing import Any, TypeVar
 
+from polhode.common.progress import Stop
 from polhode.common.worker_processes import Crew, Died
 
+J = TypeVar("J")
 T = TypeVar("T")
 
 
@@ -31,8 +33,8 @@ def cores() -> int:
 
 
 def here(
-    solve: Callable[[Any, Callable[[], bool]], T],
-    jobs: Sequence[Any],
+    solve: Callable[[J, Stop], T],
+    jobs: Sequence[J],
     ready: Callable[[int, T], None],
     workers: int | None = None,
 ) -> bool:
@@ -60,10 +62,10 @@ def here(
 
 
 def in_order(
-    solve: Callable[[Any], T],
-    jobs: Sequence[Any],
+    solve: Callable[[J], T],
+    jobs: Sequence[J],
     workers: int,
-    begun: Callable[[Any], None] | None = None,
+    begun: Callable[[J], None] | None = None,
 ) -> Iterator[T]:
     """The results of the jobs, in their order, from so many processes; with one, from this one.
 
@@ -95,8 +97,8 @@ def in_order(
 
 
 def elsewhere(
-    solve: Callable[[Any], T],
-    jobs: Sequence[Any],
+    solve: Callable[[J], T],
+    jobs: Sequence[J],
     ready: Callable[[int, T], None],
     executor: Executor,
 ) -> tuple[bool, list[int]]:

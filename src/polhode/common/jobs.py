@@ -4,24 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from typing import Any, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from polhode.common import executors
-from polhode.dynamics.kept import Kept
+from polhode.common.checkpoint import JobCheckpoint
+from polhode.common.progress import Progress, Stop
 
+J = TypeVar("J")
+J_contra = TypeVar("J_contra", contravariant=True)
 T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
 
-#: Told the part done, from 0 to 1, and how many orbits that is.
-Progress = Callable[[float, int], None]
+
+class Solver(Protocol[J_contra, T_co]):
+    """What does one job; asked to stop, it may give back what it has, which then does not count."""
+
+    def __call__(self, job: J_contra, stop: Stop | None = None, /) -> T_co:
+        """The job's result."""
+        ...
 
 
 def carried_out(
-    solve: Callable[..., T],
-    jobs: Sequence[Any],
+    solve: Solver[J, T],
+    jobs: Sequence[J],
     sizes: Sequence[int],
     count: int | None = None,
     executor: Executor | None = None,
-    kept: Kept | None = None,
+    kept: JobCheckpoint | None = None,
     packed: Callable[[T], dict[str, Any]] | None = None,
     unpacked: Callable[[dict[str, Any]], T] | None = None,
     progress: Progress | None = None,
@@ -74,19 +83,19 @@ def carried_out(
     return found, not whole
 
 
-class _Whole:
+class _Whole(Generic[J, T]):
     """A job's result, or None where it was stopped before its end."""
 
-    def __init__(self, solve: Callable[..., Any]) -> None:
+    def __init__(self, solve: Solver[J, T]) -> None:
         self._solve = solve
 
-    def __call__(self, job: Any, stop: Callable[[], bool]) -> Any:
+    def __call__(self, job: J, stop: Stop) -> T | None:
         found = self._solve(job, stop)
         return None if stop() else found
 
 
-def _only_whole(ready: Callable[[int, Any], None]) -> Callable[[int, Any], None]:
-    def handed(at: int, result: Any) -> None:
+def _only_whole(ready: Callable[[int, T], None]) -> Callable[[int, T | None], None]:
+    def handed(at: int, result: T | None) -> None:
         if result is not None:
             ready(at, result)
 

@@ -6,11 +6,18 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-Tell = Callable[[float, int], None]
+#: Told the part done, from 0 to 1, and how many of what is counted that is.
+Progress = Callable[[float, int], None]
+
+#: Told what is being done, in words.
+Message = Callable[[str], None]
+
+#: Asked now and then: whether the work is to end before its time.
+Stop = Callable[[], bool]
 
 
 @contextmanager
-def bar(name: str) -> Iterator[Tell]:
+def bar(name: str) -> Iterator[Progress]:
     """What to call with the fraction done and a count, as long as the work lasts."""
     try:
         from tqdm.auto import tqdm
@@ -30,7 +37,7 @@ def bar(name: str) -> Iterator[Tell]:
 
 
 @contextmanager
-def _line(name: str) -> Iterator[Tell]:
+def _line(name: str) -> Iterator[Progress]:
     terminal = sys.stderr.isatty()
 
     def told(fraction: float, count: int) -> None:

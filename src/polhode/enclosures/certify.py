@@ -15,6 +15,7 @@ from flint import arb
 
 from polhode.common.arguments import each, steps, whole
 from polhode.common.errors import BadInput
+from polhode.common.progress import Progress
 from polhode.enclosures import (
     attitude,
     attitude_series,
@@ -47,7 +48,7 @@ def certify(
     at: Iterable[AnyNumber] | None = None,
     digits: int = 15,
     integrals: bool = True,
-    progress: proof_loop.Progress | None = None,
+    progress: Progress | None = None,
     max_steps: int = MAX_STEPS,
     max_seconds: float | None = None,
     forecast: Callable[[float], None] | None = None,
@@ -154,7 +155,7 @@ def _found(
     digits: int,
     noise: int,
     integrals: bool,
-    progress: proof_loop.Progress | None,
+    progress: Progress | None,
     deadline: float,
 ) -> Enclosure:
     """The enclosure at one noise level, as far as it came; raises Refused."""

@@ -12,6 +12,7 @@ from flint import arb
 
 from polhode.common.arguments import each, steps, whole
 from polhode.common.errors import BadInput
+from polhode.common.progress import Progress
 from polhode.enclosures import (
     fixed_point_problem,
     integral_contraction,
@@ -79,7 +80,7 @@ def certify_events(
     scene: Scene | str | Path,
     end: AnyNumber | None = None,
     digits: int = 15,
-    progress: proof_loop.Progress | None = None,
+    progress: Progress | None = None,
     max_steps: int = MAX_STEPS,
     max_seconds: float | None = None,
     forecast: Callable[[float], None] | None = None,
@@ -131,7 +132,7 @@ def _found(
     polynomials: Sequence[Polynomial],
     last: Exact,
     noise: int,
-    progress: proof_loop.Progress | None,
+    progress: Progress | None,
     deadline: float,
 ) -> tuple[CertifiedEvents, ...]:
     problem = fixed_point_problem.problem(what, noise)

@@ -13,6 +13,7 @@ from typing import Any, Protocol
 
 from flint import arb
 
+from polhode.common.progress import Progress
 from polhode.enclosures import (
     defect,
     integral_contraction,
@@ -30,9 +31,6 @@ from polhode.numbers.flint_context import ctx
 _LOST = -34  # a correction above 2**_LOST: the approximation has lost the motion
 _FEWEST, _FIRST, _WIDEST = 4, 32, 128
 _MOST_ROUNDS = 60
-
-#: Called now and then with the fraction of the time done and the steps taken.
-Progress = Callable[[float, int], None]
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,13 @@ from typing import NamedTuple
 
 from polhode.common.arguments import steps, whole
 from polhode.common.errors import BadInput
-from polhode.common.progress import bar
+from polhode.common.progress import Progress, bar
 from polhode.common.text_tables import few
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
 from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NumberType, wider
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs import integrate as runs
-from polhode.runs.methods.output_loop import Progress
 from polhode.runs.problem.options import choose_number
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
+from polhode.common.progress import Progress
 from polhode.refined.attitude import Attitude, Following
 from polhode.refined.attitude_correction import turns
 from polhode.refined.deferred_correction import Constants, Intervals, Solved, solve
@@ -37,9 +38,6 @@ _DRIFT = 2e-11  # of the double run at a block's end, beyond which it restarts t
 _REDOS = 40  # of one block
 _RARE = 0.02  # of a block's intervals: so few are halved, of more the nodes are increased
 _MORE_NODES = 2
-
-#: Called now and then with the fraction of the time done and the steps of the run in double.
-Progress = Callable[[float, int], None]
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from typing import Any
 
 from polhode.common.arguments import steps, whole
 from polhode.common.errors import BadInput
+from polhode.common.progress import Progress
 from polhode.common.provenance import provenance
 from polhode.equations.readout import Readout
 from polhode.motion.outcomes import Outcome
@@ -18,7 +19,6 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Rows
 from polhode.runs.methods import refined as refined_method
 from polhode.runs.methods.dense_output import Dense
-from polhode.runs.methods.output_loop import Progress
 from polhode.runs.methods.taylor import Run
 from polhode.runs.observers import attitude_lanes
 from polhode.runs.observers import events as event_observer

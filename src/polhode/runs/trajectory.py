@@ -8,7 +8,6 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
-from polhode.common import upstairs
 from polhode.common.cached_property import cached_property
 from polhode.common.value_semantics import ByValue
 from polhode.equations.form import equations
@@ -18,6 +17,7 @@ from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers.decimals import decimal_in_full, shown, strings
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, Row, Rows, Value
+from polhode.runs import presentation
 from polhode.runs.error_estimate import Expected, by_errors, expected
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import Several, Single
@@ -97,7 +97,7 @@ class Trajectory(ByValue):
         )
 
     def _repr_html_(self) -> str:
-        return str(upstairs.call("output.notebook:of_run", self))
+        return presentation.RUNS.get().html(self)
 
     @property
     def t(self) -> npt.NDArray[np.float64]:
@@ -108,13 +108,11 @@ class Trajectory(ByValue):
 
     def attitude_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Rows:
         """The quaternion q0 q1 q2 q3 at time t, or rows of it: the run made once more."""
-        rows: Rows = upstairs.call("runs.reevaluate:at_times", self, "attitude", t)
-        return rows
+        return presentation.REEVALUATION.get().at_times(self, "attitude", t)
 
     def angles_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Rows:
         """psi, theta, phi at time t, or rows of them: the run made once more."""
-        rows: Rows = upstairs.call("runs.reevaluate:at_times", self, "angles", t)
-        return rows
+        return presentation.REEVALUATION.get().at_times(self, "angles", t)
 
     @overload
     def plot(
@@ -130,29 +128,23 @@ class Trajectory(ByValue):
         self, what: str = "angles", axes: object = None, *, end: AnyNumber | None = None
     ) -> Axes | npt.NDArray[np.object_]:
         """Draw a figure with matplotlib, see :func:`polhode.plot`; the axes drawn into."""
-        drawn: Axes | npt.NDArray[np.object_] = upstairs.call(
-            "figures.drawing:plot", self, what, axes, end=end
-        )
-        return drawn
+        return presentation.RUNS.get().plot(self, what, axes, end)
 
     def view(self, *, end: AnyNumber | None = None) -> Page:
         """The motion as a page that moves, see :func:`polhode.view`."""
-        page: Page = upstairs.call("figures.drawing:view", self, end=end)
-        return page
+        return presentation.RUNS.get().view(self, end)
 
     def to_pandas(self) -> pd.DataFrame:
         """A pandas DataFrame: a row a time, index t (extra ``polhode[frames]``)."""
-        frame: pd.DataFrame = upstairs.call("output.frames:of_run_pandas", self)
-        return frame
+        return presentation.RUNS.get().to_pandas(self)
 
     def to_xarray(self) -> xr.Dataset:
         """An xarray Dataset along t (extra ``polhode[frames]``)."""
-        dataset: xr.Dataset = upstairs.call("output.frames:of_run_xarray", self)
-        return dataset
+        return presentation.RUNS.get().to_xarray(self)
 
     def save(self, path: str | Path) -> None:
         """Write the run to a file .npz, which :func:`polhode.load_run` reads again."""
-        upstairs.call("output.archive:save", self, path)
+        presentation.RUNS.get().save(self, path)
 
     @property
     def seconds(self) -> Mapping[str, float]:

@@ -11,7 +11,6 @@ from dataclasses import InitVar, dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from polhode.common import upstairs
 from polhode.common.arguments import each, of_kind
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, nearest
@@ -20,6 +19,7 @@ from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.scalars import AnyNumber
+from polhode.scenes import presentation
 from polhode.scenes.body import Body, Vector, dot, exact_vector, scaled
 from polhode.scenes.event import Event, check_event
 from polhode.scenes.vocabulary import (
@@ -175,7 +175,7 @@ class Scene:
         return f"<Scene {self.name}: moments {moments}{until}>"
 
     def _repr_html_(self) -> str:
-        return str(upstairs.call("output.notebook:of_scene", self))
+        return presentation.SCENES.get().html(self)
 
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)

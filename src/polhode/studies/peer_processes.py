@@ -12,12 +12,13 @@ import math
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from polhode.common.progress import Message
 from polhode.equations.forms import principal
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
@@ -25,8 +26,6 @@ from polhode.peers.field import TERMS
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.studies import ensembles
-
-Tick = Callable[[str], None]
 
 
 class Method(NamedTuple):
@@ -101,7 +100,7 @@ class Curve:
 
 
 def run_all(
-    tasks: Sequence[Task], cache: Path, tick: Tick | None = None, rounds: int = 2
+    tasks: Sequence[Task], cache: Path, tick: Message | None = None, rounds: int = 2
 ) -> list[Curve]:
     """The curves of the tasks, in their order; ``cache``: an empty folder for compiled code.
 

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import check_writable, make_folder, write_whole
+from polhode.common.progress import Message
 from polhode.common.provenance import cpu, digest, versions
 from polhode.figures.canvas import canvas
 from polhode.output.json_results import as_json
@@ -36,11 +37,9 @@ LEAD = "needs"
 #: What makes pages of results: a change there makes no result out of date.
 _PRESENTATION = {"page.py", "figure.py", "page", "figures", "verbs", "cli.py", "report.py"}
 
-Tick = Callable[[str], None]
-
 
 def write_report(
-    folder: Path, quick: bool = False, fresh: bool = False, tick: Tick | None = None
+    folder: Path, quick: bool = False, fresh: bool = False, tick: Message | None = None
 ) -> list[Path]:
     """Run the studies and write each whole as it ends, then the page of all; the paths.
 
@@ -57,7 +56,7 @@ def write_report(
 
 
 def write_study(
-    name: str, folder: Path, quick: bool = False, tick: Tick | None = None
+    name: str, folder: Path, quick: bool = False, tick: Message | None = None
 ) -> list[Path]:
     """Run one study and write its results, page and figures, all of them or none; the paths."""
     if name not in STUDIES:
@@ -71,7 +70,7 @@ def write_study(
 
 
 def part(
-    name: str, texts: Sequence[str], quick: bool = False, tick: Tick | None = None
+    name: str, texts: Sequence[str], quick: bool = False, tick: Message | None = None
 ) -> tuple[dict[str, Any], str]:
     """The rows of a study whose names hold all texts, made again, and their tables as Markdown.
 
@@ -90,7 +89,7 @@ def part(
     return found, markdown(title(name), tables or shown)
 
 
-def write_pages(folder: Path, tick: Tick | None = None) -> list[Path]:
+def write_pages(folder: Path, tick: Message | None = None) -> list[Path]:
     """Figures and pages of all results in the folder, made from them alone; paths of all files."""
     kept: list[Path] = []
     texts: dict[Path, str] = {}
@@ -108,7 +107,7 @@ def write_pages(folder: Path, tick: Tick | None = None) -> list[Path]:
 
 
 def _made(
-    folder: Path, found: dict[str, Any], tick: Tick | None
+    folder: Path, found: dict[str, Any], tick: Message | None
 ) -> tuple[dict[Path, str], html.Section]:
     """Of a study's results: the texts made of them, by their places, and its section."""
     name = found["study"]
@@ -212,7 +211,7 @@ def _check(folder: Path, names: Iterable[str]) -> None:
     check_writable(folder / PAGE)
 
 
-def _run(name: str, quick: bool, command: str, tick: Tick | None) -> str:
+def _run(name: str, quick: bool, command: str, tick: Message | None) -> str:
     """Run one study; its results as JSON text."""
     began, made_of = time.perf_counter(), key(name, quick)
     found = _module(name, "rows").rows(quick, tick)
@@ -226,5 +225,5 @@ def _run(name: str, quick: bool, command: str, tick: Tick | None) -> str:
     return as_json(found)
 
 
-def _counted(tick: Tick, k: int) -> Tick:
+def _counted(tick: Message, k: int) -> Message:
     return lambda text: tick(f"{k} of {len(STUDIES)}: {text}")

@@ -7,7 +7,7 @@ from typing import Any
 
 from polhode.checks import results
 from polhode.numbers.decimals import shown
-from polhode.verbs.terminal import DONE, FAILED, Progress, print_json, say, word
+from polhode.verbs.terminal import DONE, FAILED, ProgressLine, print_json, say, word
 
 HELP = "regression against references and published figures"
 _MANY = 8  # cases: for fewer, processes of their own take longer to start than they save
@@ -34,7 +34,7 @@ def main(options: Namespace) -> int:
     reports, crossed = [], []
     many = len(library.matching(options.scenes)) >= _MANY
     shared = cores() if many else 1
-    with Progress("check") as progress:
+    with ProgressLine("check") as progress:
         if options.scenes or not options.forms:
             for report in checks(options.scenes, options.number or (), progress.say, shared):
                 reports.append(report)

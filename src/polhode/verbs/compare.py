@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from polhode.output import json_results
-from polhode.verbs.terminal import DONE, Progress, print_json, say, whole, word
+from polhode.verbs.terminal import DONE, ProgressLine, print_json, say, whole, word
 
 if TYPE_CHECKING:
     from polhode.judging.score.judgement import Judgement
@@ -32,7 +32,7 @@ def main(options: Namespace) -> int:
     from polhode.judging.score.compare import compare
 
     path, number, digits = Path(options.file), options.number, options.digits
-    with Progress("compare") as progress:
+    with ProgressLine("compare") as progress:
 
         def first(brief: Judgement, count: int) -> None:
             digits = f"{brief.worst:.2f} correct digits" if brief.digits else "no state"

@@ -7,7 +7,16 @@ from argparse import ArgumentParser, Namespace
 from polhode.common.errors import BadInput
 from polhode.scenes import library
 from polhode.verbs.section import level_options, read_grid
-from polhode.verbs.terminal import DONE, Progress, goes_on, note, positive, print_json, say, word
+from polhode.verbs.terminal import (
+    DONE,
+    ProgressLine,
+    goes_on,
+    note,
+    positive,
+    print_json,
+    say,
+    word,
+)
 
 HELP = "a chaos map: growth of one tangent a motion, over a section's grid or two varied numbers"
 
@@ -43,7 +52,7 @@ def main(options: Namespace) -> int:
     varied = vary.options(options.vary, scene.name) if options.vary else None
     kinds, inputs = (ARRAYS, *canvas.SUFFIXES), [library.path_of(options.scene)]
     file = answer_file(options.file, kinds, inputs, options.json)
-    with Progress("map") as progress:
+    with ProgressLine("map") as progress:
         found = chaos_map(
             scene,
             grid,

@@ -17,7 +17,7 @@ from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
     NOT_REACHED,
-    Progress,
+    ProgressLine,
     note,
     positive,
     print_json,
@@ -68,7 +68,7 @@ def _orbit(options: Namespace, scene: Any) -> int:
     from polhode.dynamics.periodic_orbits.orbit import DIGITS, orbit
 
     path = _scene_file(options)
-    with Progress("orbit") as progress:
+    with ProgressLine("orbit") as progress:
         found = orbit(
             scene,
             options.digits or DIGITS,
@@ -150,7 +150,7 @@ def _search(options: Namespace, scene: Any) -> int:
     else:
         path = _scene_file(options)
     grid = read_grid(scene.name, options.search)
-    with Progress("orbit") as progress:
+    with ProgressLine("orbit") as progress:
         found = orbit_search(scene, grid, options.returns, options.h, options.f, progress.say)
         if options.pick is not None:
             if options.pick > len(found.orbits):
@@ -226,7 +226,7 @@ def _family(options: Namespace, scene: Any) -> int:
         if level[asked.by] is not None:
             raise BadInput(scene.name, f"--{asked.by}", level[asked.by], "it in --continue alone")
         level[asked.by] = asked.first
-    with Progress("orbit") as progress:
+    with ProgressLine("orbit") as progress:
         first = orbit(
             scene,
             h=level["h"],

@@ -18,7 +18,7 @@ from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
     NOT_REACHED,
-    Progress,
+    ProgressLine,
     note,
     print_json,
     refuse_two_on_stdout,
@@ -90,7 +90,7 @@ def main(options: Namespace) -> int:
             is_file(options.what_of),
         )
     elif moving:
-        with Progress("plot") as progress:
+        with ProgressLine("plot") as progress:
             made = film.filmed(found, suffix, lambda done: progress.say(f"{100 * done:.0f} %"))
     else:
         figure = import_module(f"polhode.figures.{options.what}")
@@ -133,7 +133,7 @@ def _of_scene(options: Namespace) -> Samples | int:
     long = options.what in OVER_TIME
     times = curve_sampling.shown_times(scene, end, over_time.SAMPLES if long else None)
     reference = reference_of(scene) if options.what == "error" else None
-    with Progress("plot") as progress:
+    with ProgressLine("plot") as progress:
         found = curve_sampling.run(
             scene,
             times,

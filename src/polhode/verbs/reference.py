@@ -17,7 +17,7 @@ from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
     NOT_REACHED,
-    Progress,
+    ProgressLine,
     note,
     positive,
     print_json,
@@ -109,7 +109,7 @@ def _certified(scene: Scene, times: tuple[Exact, ...], options: Namespace) -> in
     }
     began = time.monotonic()
     events: tuple[CertifiedEvents, ...] = ()
-    with Progress("reference") as progress:
+    with ProgressLine("reference") as progress:
         found = certify(scene, held, options.digits, progress=progress.show, **limits)
         if options.events and found.outcome.done:
             if options.max_seconds is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from polhode.verbs.terminal import DONE, Progress, folder, print_json, say
+from polhode.verbs.terminal import DONE, ProgressLine, folder, print_json, say
 
 HELP = "run all studies and write them as JSON, Markdown and one HTML page"
 
@@ -23,7 +23,7 @@ def main(options: Namespace) -> int:
     """Run all studies and write them."""
     from polhode.studies.report import write_report
 
-    with Progress("report") as progress:
+    with ProgressLine("report") as progress:
         written = write_report(Path(options.folder), options.quick, options.fresh, progress.say)
     if options.json:
         print_json({"written": [str(path) for path in written]})

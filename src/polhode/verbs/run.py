@@ -13,7 +13,7 @@ from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
     NOT_REACHED,
-    Progress,
+    ProgressLine,
     note,
     positive,
     print_json,
@@ -83,7 +83,7 @@ def main(options: Namespace) -> int:
         csv_tables.check_paths(path, [library.path_of(options.scene)])
         refuse_two_on_stdout(path, options.json)
     reference = reference_of(scene)
-    with Progress("run") as progress:
+    with ProgressLine("run") as progress:
         found = integrate(
             scene,
             options.number,

@@ -13,7 +13,7 @@ from polhode.scenes import library
 from polhode.verbs.terminal import (
     DONE,
     NOT_REACHED,
-    Progress,
+    ProgressLine,
     goes_on,
     note,
     positive,
@@ -69,7 +69,7 @@ def main(options: Namespace) -> int:
     given: Any = options.starts
     if given not in (None, OWN):
         given = read_starts(Path(given))
-    with Progress("section") as progress:
+    with ProgressLine("section") as progress:
         found = section(
             scene,
             options.by,

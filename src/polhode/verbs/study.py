@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from polhode.verbs.terminal import DONE, Progress, folder, print_json, say
+from polhode.verbs.terminal import DONE, ProgressLine, folder, print_json, say
 
 HELP = "run one study and write it"
 
@@ -31,7 +31,7 @@ def main(options: Namespace) -> int:
     from polhode.studies import report
 
     if options.only:
-        with Progress("study") as progress:
+        with ProgressLine("study") as progress:
             found, tables = report.part(options.name, options.only, options.quick, progress.say)
         if options.json:
             print_json(found)
@@ -39,7 +39,7 @@ def main(options: Namespace) -> int:
             say(tables.rstrip())
         return DONE
     place = Path(options.folder)
-    with Progress("study") as progress:
+    with ProgressLine("study") as progress:
         written = report.write_study(options.name, place, options.quick, progress.say)
     if options.json:
         print_json(report.results(place, options.name))

@@ -14,7 +14,7 @@ from polhode.scenes.scene import Scene
 from polhode.verbs.terminal import (
     DONE,
     NOT_REACHED,
-    Progress,
+    ProgressLine,
     goes_on,
     note,
     positive,
@@ -85,7 +85,7 @@ def main(options: Namespace) -> int:
     if path is not None:
         sweeps.check_path(path, [library.path_of(options.scene)])
         refuse_two_on_stdout(path, options.json)
-    with Progress("sweep") as progress:
+    with ProgressLine("sweep") as progress:
 
         def tell(fraction: float, done: int) -> None:
             progress.show(fraction, done, "members")

@@ -23,7 +23,7 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 
 if TYPE_CHECKING:
-    from polhode.common.checkpoint import KeptFolder
+    from polhode.common.checkpoint import Checkpoint
     from polhode.scenes.scene import Scene
 
 DONE, FAILED, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 1, 2, 3, 130
@@ -174,14 +174,14 @@ def note(text: str) -> None:
         sys.stderr = _nowhere()
 
 
-def goes_on(kept: KeptFolder | None) -> int:
+def goes_on(kept: Checkpoint | None) -> int:
     """The exit code of work that was interrupted; a line says what is kept of it."""
     if kept is not None:
         note(f"polhode: the same command goes on from {kept.folder}")
     return INTERRUPTED
 
 
-class Progress:
+class ProgressLine:
     """One line on stderr, on a terminal only, once something takes longer than a second."""
 
     def __init__(self, verb: str) -> None:
@@ -189,7 +189,7 @@ class Progress:
         self.began = time.monotonic()
         self.fraction, self.first = 0.0, (self.began, 0.0)
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> ProgressLine:
         return self
 
     def __exit__(self, *_: object) -> None:

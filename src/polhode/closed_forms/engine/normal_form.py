@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from polhode.closed_forms.engine.misfit import Misfit, leading
 from polhode.closed_forms.engine.principal_scene import PrincipalScene
-from polhode.closed_forms.families import Misfit, leading
 from polhode.numbers.exact import ONE, ZERO, Exact, exact, log10, sign, sqrt, total
 from polhode.scenes.body import Vector, cross, dot, is_zero, minus
 

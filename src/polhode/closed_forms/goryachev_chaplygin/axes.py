@@ -19,13 +19,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from polhode.closed_forms.engine.misfit import Misfit, leading
 from polhode.closed_forms.engine.principal_scene import (
     PrincipalScene,
     Rows,
     of_start,
     squared_momentum_of_weight,
 )
-from polhode.closed_forms.families import Misfit, leading
 from polhode.closed_forms.functions.rounding import log2, number
 from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.scenes.body import Vector, is_zero

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from polhode.closed_forms.engine.misfit import Misfit
 from polhode.closed_forms.engine.normal_form import (
     Condition,
     Placed,
@@ -15,7 +16,6 @@ from polhode.closed_forms.engine.normal_form import (
     shortfall,
 )
 from polhode.closed_forms.engine.principal_scene import PrincipalScene
-from polhode.closed_forms.families import Misfit
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
 from polhode.scenes.body import Vector, dot, scaled
 

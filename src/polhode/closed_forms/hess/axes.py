@@ -18,13 +18,13 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
+from polhode.closed_forms.engine.misfit import Misfit, leading
 from polhode.closed_forms.engine.principal_scene import (
     PrincipalScene,
     Rows,
     of_start,
     squared_momentum_of_weight,
 )
-from polhode.closed_forms.families import Misfit, leading
 from polhode.closed_forms.functions.rounding import log2
 from polhode.numbers.exact import ONE, Exact, sign, sqrt
 from polhode.scenes.body import Vector, cross, dot, is_zero, scaled

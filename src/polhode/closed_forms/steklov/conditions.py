@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from polhode.closed_forms.engine.misfit import Misfit
 from polhode.closed_forms.engine.normal_form import (
     Condition,
     Placed,
@@ -14,7 +15,6 @@ from polhode.closed_forms.engine.normal_form import (
     shortfall,
 )
 from polhode.closed_forms.engine.principal_scene import PrincipalScene
-from polhode.closed_forms.families import Misfit
 from polhode.numbers.exact import Exact, exact, sign
 
 

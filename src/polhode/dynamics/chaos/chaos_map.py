@@ -23,13 +23,14 @@ from pathlib import Path
 from typing import Any
 
 from polhode.common.arguments import each
+from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput
-from polhode.common.jobs import Progress, carried_out
+from polhode.common.jobs import carried_out
 from polhode.common.memory import refuse_too_much
+from polhode.common.progress import Progress
 from polhode.common.provenance import provenance
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.chaos import map_motions
-from polhode.dynamics.kept import Kept
 from polhode.dynamics.sections.initial_tangents import tangents_of
 from polhode.judging.conditioning.lyapunov import CHAOTIC
 from polhode.numbers.conversion import exact_number, to_double
@@ -79,7 +80,7 @@ class ChaosMap(ByValue):
     h: Exact | None = None
     f: Exact | None = None
     interrupted: bool = False
-    kept: Kept | None = None
+    kept: JobCheckpoint | None = None
     provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -173,7 +174,7 @@ def chaos_map(
         for k in range(0, len(starts), LANES)
     ]
     key = repr((scene.text, length, looks, tol, starts.tobytes(), coefficients.tobytes()))
-    kept = None if parts is None else Kept(parts, "map", key)
+    kept = None if parts is None else JobCheckpoint(parts, "map", key)
     sizes = [len(job.starts) for job in jobs]
     with kept or nullcontext():
         results, interrupted = carried_out(

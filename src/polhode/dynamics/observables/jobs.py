@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.common.errors import BadInput
+from polhode.common.progress import Stop
 from polhode.dynamics.observables.reductions import FIRST, LYAPUNOV, Reduction, event_of, extremes
 from polhode.judging.conditioning import lyapunov
 from polhode.motion.outcomes import Outcome, code
@@ -168,7 +169,7 @@ class Singles(NamedTuple):
         return replace(member, times=self.times, events=(self.event,), outputs=())
 
 
-def solve(job: Job, stop: Callable[[], bool] | None = None) -> Reduced:
+def solve(job: Job, stop: Stop | None = None) -> Reduced:
     """A job's members reduced; with ``stop`` the result may be unfinished, and is to be left."""
     import numpy as np
 
@@ -184,7 +185,7 @@ def solve(job: Job, stop: Callable[[], bool] | None = None) -> Reduced:
     return Reduced(endings, counts, numbers)
 
 
-def _parts(job: Job, stop: Callable[[], bool] | None) -> Iterator[Reduced]:
+def _parts(job: Job, stop: Stop | None) -> Iterator[Reduced]:
     """What is told by states, by events and by tangents."""
     import numpy as np
 
@@ -209,7 +210,7 @@ def _first(
     job: FirstJob,
     singles: Singles,
     read: Reader,
-    stop: Callable[[], bool] | None,
+    stop: Stop | None,
 ) -> Reduced:
     import numpy as np
 
@@ -238,7 +239,7 @@ def _first(
     return Reduced(outcomes, steps, dict(zip(names, (times, *states.T), strict=True)))
 
 
-def _exponents(job: TangentJob, time_unit: int, stop: Callable[[], bool] | None) -> Reduced:
+def _exponents(job: TangentJob, time_unit: int, stop: Stop | None) -> Reduced:
     import numpy as np
 
     from polhode.taylor.variations import tangent_batches

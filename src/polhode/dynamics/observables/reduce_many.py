@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from polhode.common.arguments import steps, whole
-from polhode.common.jobs import Progress, carried_out
-from polhode.common.progress import bar
+from polhode.common.checkpoint import JobCheckpoint
+from polhode.common.jobs import carried_out
+from polhode.common.progress import Progress, bar
 from polhode.common.provenance import provenance
-from polhode.dynamics.kept import Kept
 from polhode.dynamics.observables.jobs import Reduced, check, job_of, solve
 from polhode.dynamics.observables.reductions import asked
 from polhode.motion.outcomes import Outcome, code
@@ -62,7 +62,7 @@ class Reductions(Ended):
     endings: npt.NDArray[np.uint8]
     counts: npt.NDArray[np.int64]
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
-    parts: Kept | None = field(default=None, compare=False)
+    parts: JobCheckpoint | None = field(default=None, compare=False)
 
     def __len__(self) -> int:
         return len(self.members)
@@ -142,7 +142,7 @@ def reduce_many(
     groups = list(plan.groups(LANES, max(_JOBS, -(-held // MOST_AT_ONCE))))
     jobs = [job_of(scene, plan, which, group) for group in groups]
     key = repr((scene.text, scene.times, which, plan.varied, plan.number, tol, plan.max_steps))
-    kept = None if parts is None else Kept(parts, "sweep", key)
+    kept = None if parts is None else JobCheckpoint(parts, "sweep", key)
     with kept or nullcontext():
         results, interrupted = carried_out(
             solve,

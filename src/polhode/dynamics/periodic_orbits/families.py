@@ -11,6 +11,7 @@ import numpy as np
 
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, nearest
+from polhode.common.progress import Message
 from polhode.common.provenance import provenance
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits.continuation import (
@@ -23,7 +24,7 @@ from polhode.dynamics.periodic_orbits.continuation import (
 )
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.newton_shooting import Closed, NotClosed, at_level, closed
-from polhode.dynamics.periodic_orbits.orbit import DIGITS, Orbit, Tell, completed, kind_of, orbit
+from polhode.dynamics.periodic_orbits.orbit import DIGITS, Orbit, completed, kind_of, orbit
 from polhode.numbers.conversion import exact_number, exactly, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
@@ -121,7 +122,7 @@ def orbit_family(
     *,
     first: AnyNumber | None = None,
     points: int = POINTS,
-    progress: Tell | None = None,
+    progress: Message | None = None,
 ) -> OrbitFamily:
     """Follow a family of periodic orbits from one orbit to another value of h or f.
 
@@ -164,7 +165,7 @@ def orbit_family(
 
 
 def _followed(
-    on: Surface, arc: Arc, by: str, begin: Exact, end: Exact, most: int, progress: Tell | None
+    on: Surface, arc: Arc, by: str, begin: Exact, end: Exact, most: int, progress: Message | None
 ) -> OrbitFamily:
     """The family from the first member towards one value, within both."""
     member, factor = arc.first, _factor(on, by)

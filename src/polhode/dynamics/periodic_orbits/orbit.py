@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -13,6 +13,7 @@ import numpy as np
 
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
+from polhode.common.progress import Message
 from polhode.common.provenance import provenance
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits import high_precision
@@ -57,9 +58,6 @@ ELLIPTIC, HYPERBOLIC, INVERSE, PARABOLIC = (
     "inverse hyperbolic",
     "parabolic",
 )
-
-#: Called with a line that says how far the work is.
-Tell = Callable[[str], None]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -153,7 +151,7 @@ def orbit(
     f: AnyNumber | None = None,
     period: AnyNumber | None = None,
     returns: int | None = None,
-    progress: Tell | None = None,
+    progress: Message | None = None,
 ) -> Orbit:
     """Find the periodic orbit near a scene's start, to so many digits.
 
@@ -259,7 +257,7 @@ def completed(
     digits: int,
     name: str,
     moved: float,
-    progress: Tell | None = None,
+    progress: Message | None = None,
 ) -> Orbit:
     """An orbit known in double, to all digits, with residue and advance of psi; raises BadInput.
 

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.common.arguments import cells, whole
+from polhode.common.progress import Message
 from polhode.common.provenance import provenance
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits.families import FamilyPoint, point_of
@@ -24,7 +25,6 @@ from polhode.dynamics.periodic_orbits.orbit import (
     ASTRAY,
     DIGITS,
     Orbit,
-    Tell,
     completed,
     moved_from,
     primitive,
@@ -97,7 +97,7 @@ def orbit_search(
     crossings: int | None = None,
     h: AnyNumber | None = None,
     f: AnyNumber | None = None,
-    progress: Tell | None = None,
+    progress: Message | None = None,
 ) -> OrbitSearch:
     """Search a level for periodic orbits.
 

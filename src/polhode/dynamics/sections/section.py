@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common.arguments import whole
 from polhode.common.cached_property import cached_property
+from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput
-from polhode.common.jobs import Progress, carried_out
+from polhode.common.jobs import carried_out
 from polhode.common.memory import refuse_too_much
+from polhode.common.progress import Progress
 from polhode.common.provenance import provenance
 from polhode.common.value_semantics import ByValue
-from polhode.dynamics.kept import Kept
 from polhode.dynamics.sections import crossing_accuracy
 from polhode.dynamics.sections import jobs as section_jobs
 from polhode.dynamics.sections.starts import MAXIMA, Asked, asked_of, starts_of
@@ -70,7 +71,7 @@ class Section(ByValue):
     outcomes: tuple[str, ...]
     drift: float
     interrupted: bool = False
-    kept: Kept | None = None
+    kept: JobCheckpoint | None = None
     provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -172,7 +173,7 @@ def section(
     _refuse_constant(asked, on, zero, found.states)
     jobs = section_jobs.jobs_of(asked, on, zero, direction, count, found.states)
     key = repr((scene.text, str(asked[1:]), count, direction, found.states.tobytes()))
-    kept = None if parts is None else Kept(parts, "section", key)
+    kept = None if parts is None else JobCheckpoint(parts, "section", key)
     with kept or nullcontext(), _refused(asked, on, kept):
         results, interrupted = carried_out(
             taylor.solve,
@@ -228,7 +229,7 @@ def _refuse_constant(asked: Asked, on: Ground, zero: Any, states: Any) -> None:
 
 
 @contextmanager
-def _refused(asked: Asked, on: Ground, kept: Kept | None) -> Iterator[None]:
+def _refused(asked: Asked, on: Ground, kept: JobCheckpoint | None) -> Iterator[None]:
     """Leave nothing behind where the section's function is refused, on the way too."""
     from polhode.taylor.events.batch_crossings import Singular
 
@@ -275,7 +276,7 @@ def _refuse_never_zero(asked: Asked, on: Ground, zero: Any) -> None:
 
 
 def _result(
-    asked: Asked, on: Any, states: Any, crossed: Any, interrupted: bool, kept: Kept | None
+    asked: Asked, on: Any, states: Any, crossed: Any, interrupted: bool, kept: JobCheckpoint | None
 ) -> Section:
     import numpy as np
 

@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 
 from polhode.common.errors import BadInput
+from polhode.common.progress import Progress
 from polhode.judging.tables.table import Table
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import NumberType
 from polhode.runs.integrate import integrate
-from polhode.runs.methods.output_loop import Progress
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene, even_times
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE

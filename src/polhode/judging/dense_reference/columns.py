@@ -18,7 +18,7 @@ import numpy as np
 
 from polhode.closed_forms.functions.quaternion import conjugate, product
 from polhode.common.errors import BadInput
-from polhode.common.progress import Tell
+from polhode.common.progress import Progress
 from polhode.judging.dense_reference.angle_unwrapping import SPARE as NEAR_A_POLE
 from polhode.judging.dense_reference.angle_unwrapping import Angles, angles
 from polhode.judging.dense_reference.attitude_propagation import Attitudes
@@ -68,7 +68,7 @@ def in_panels(
     digits: int,
     asked: Sequence[str],
     workers: int,
-    tell: Tell | None = None,
+    tell: Progress | None = None,
 ) -> Columns | None:
     """The reference at the times, right to about so many digits of max |w| and of 1.
 

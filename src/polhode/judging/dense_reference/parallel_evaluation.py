@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from polhode.common.executors import in_order
-from polhode.common.progress import Tell
+from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.references.reference import Reference, reference
 from polhode.scenes.scene import Scene
@@ -33,7 +33,7 @@ class Job(NamedTuple):
     digits: int
 
 
-def asked_by(known: Reference, question: str, workers: int, tell: Tell | None = None) -> Ask:
+def asked_by(known: Reference, question: str, workers: int, tell: Progress | None = None) -> Ask:
     """A reference's ``at``, ``attitude`` or ``angles``, by up to so many processes.
 
     ``tell``: called with the part of the rows that are there, and how many, where that takes long.

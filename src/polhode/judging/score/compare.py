@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from polhode.common.arguments import of_kind, whole
 from polhode.common.errors import BadInput
-from polhode.common.progress import Tell
+from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.conditioning.conditioning import Conditioning
 from polhode.judging.references.certified import Certified
@@ -55,7 +55,7 @@ def compare(
     known: Conditioning | None = None,
     first: Callable[[Judgement, int], None] | None = None,
     workers: int = 1,
-    progress: Tell | None = None,
+    progress: Progress | None = None,
 ) -> Judgement:
     """Judge a run, a trajectory file, columns or an array of states against a reference.
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from polhode.common import upstairs
 from polhode.common.cached_property import cached_property
-from polhode.common.progress import Tell
+from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.common.value_semantics import ByValue
 from polhode.equations.integrals import Drift
+from polhode.judging import presentation
 from polhode.judging.conditioning.conditioning import Conditioning, conditioning
 from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
 from polhode.judging.conditioning.rounding_errors import Band
@@ -56,7 +56,7 @@ class Judgement(ByValue):
     reference: AnyReference
     known: Conditioning | None = field(default=None, compare=False)
     workers: int = field(default=1, compare=False)
-    progress: Tell | None = field(default=None, compare=False)
+    progress: Progress | None = field(default=None, compare=False)
 
     def __getstate__(self) -> dict[str, Any]:
         """Without what is told of progress: nobody waits for it elsewhere."""
@@ -262,7 +262,7 @@ class Judgement(ByValue):
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        return str(upstairs.call("output.notebook:of_judgement", self))
+        return presentation.JUDGEMENTS.get().html(self)
 
     def __repr__(self) -> str:
         told = f"{self.worst:.2f} correct digits" if self.digits else "no state judged"

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any, TypeAlias
 
 from polhode.common.cached_property import cached_property
-from polhode.common.progress import Tell
+from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.correct_digits import digits_of, errors, rate_scale
 from polhode.judging.dense_reference.parallel_evaluation import asked_by
@@ -38,7 +38,7 @@ class HeldAgainst:
     subject: Subject
     reference: AnyReference
     workers: int = 1
-    progress: Tell | None = None
+    progress: Progress | None = None
 
     @cached_property
     def digits(self) -> tuple[float, ...]:

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.errors import BadInput
-from polhode.common.progress import Tell
+from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.dense_reference.columns import Columns, in_panels
 from polhode.judging.references.reference import Reference, rows
@@ -54,7 +54,7 @@ class ManyRows:
 
 
 def many_rows(
-    subject: Subject, reference: Any, workers: int = 1, tell: Tell | None = None
+    subject: Subject, reference: Any, workers: int = 1, tell: Progress | None = None
 ) -> ManyRows | None:
     """A subject held against a reference; None where pairs cannot judge it."""
     count = len(subject.times)
@@ -103,7 +103,7 @@ def many_rows(
 
 
 def _columns(
-    subject: Subject, reference: Reference, workers: int, tell: Tell | None
+    subject: Subject, reference: Reference, workers: int, tell: Progress | None
 ) -> Columns | None:
     """The reference at a subject's times, all that its columns ask for; None where it does not pay.
 

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeAlias
-
+from polhode.common.progress import Progress
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import joined
 from polhode.numbers.scalars import Rows
 from polhode.taylor.backend.time_grid import Times
 from polhode.taylor.integrator.protocols import Integrating
-
-#: Called now and then with the fraction of the time done and the steps taken.
-Progress: TypeAlias = Callable[[float, int], None]
 
 
 def march(

@@ -10,6 +10,7 @@ from typing import Any
 
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, nearest
+from polhode.common.progress import Progress
 from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import equations
 from polhode.equations.readout import Readout
@@ -17,7 +18,6 @@ from polhode.motion.outcomes import EventTimes, Outcome
 from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
 from polhode.numbers.number_types import LOG10_2, NumberType
 from polhode.runs.methods.dense_output import Dense
-from polhode.runs.methods.output_loop import Progress
 from polhode.scenes.scene import Scene
 
 METHODS = ("auto", "taylor", "refined")

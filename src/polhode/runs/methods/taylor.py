@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
 
 from polhode.common.errors import BadInput
+from polhode.common.progress import Progress
 from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form
 from polhode.equations.pole_passage import phi_leaving_the_pole
@@ -19,7 +20,7 @@ from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly, number_value
 from polhode.numbers.exact import ZERO
 from polhode.numbers.scalars import Row, Rows
-from polhode.runs.methods.output_loop import Progress, march
+from polhode.runs.methods.output_loop import march
 from polhode.runs.problem.problem import Asked, Setup
 from polhode.taylor.backend import defaults
 from polhode.taylor.integrator.protocols import Corrector, Integrating, Mark, Watcher

@@ -17,12 +17,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from polhode.common.progress import Progress
 from polhode.equations.attitude_phase import Panels, Turned
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.gauss_lobatto import Lobatto, enough, lobatto
 from polhode.numbers.scalars import Rows
-from polhode.runs.methods.output_loop import Progress
 from polhode.runs.methods.taylor import Run
 from polhode.runs.observers import attitude_assembly
 from polhode.runs.observers.panel_splitting import Halves

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from polhode.common.progress import Progress
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.scalars import Doubles, Rows
-from polhode.runs.methods.output_loop import Progress
 from polhode.runs.methods.taylor import Run
 from polhode.runs.problem.problem import Asked, Setup
 from polhode.scenes.scene import Scene

@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from polhode.common import upstairs
 from polhode.common.cached_property import cached_property
 from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.numbers.decimals import shown
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Rows
+from polhode.runs import presentation
 from polhode.runs.sweep.endings import Ended
-from polhode.runs.sweep.sweep_checkpoint import Parts
+from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import vary
 from polhode.scenes.scene import Scene
@@ -61,7 +61,7 @@ class Ensemble(Ended):
     projected: bool = False
     told: Mapping[int, tuple[float | None, ...]] = field(default_factory=dict)
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
-    parts: Parts | None = field(default=None, compare=False)
+    parts: SweepCheckpoint | None = field(default=None, compare=False)
 
     def __len__(self) -> int:
         return len(self.members)
@@ -93,7 +93,7 @@ class Ensemble(Ended):
         )
 
     def _repr_html_(self) -> str:
-        return str(upstairs.call("output.notebook:of_ensemble", self))
+        return presentation.ENSEMBLES.get().html(self)
 
     @property
     def t(self) -> npt.NDArray[np.float64]:
@@ -104,13 +104,11 @@ class Ensemble(Ended):
 
     def to_xarray(self) -> xr.Dataset:
         """An xarray Dataset along member and t (extra ``polhode[frames]``)."""
-        dataset: xr.Dataset = upstairs.call("output.frames:of_ensemble_xarray", self)
-        return dataset
+        return presentation.ENSEMBLES.get().to_xarray(self)
 
     def to_pandas(self) -> pd.DataFrame:
         """A pandas DataFrame: a row a member and time (extra ``polhode[frames]``)."""
-        frame: pd.DataFrame = upstairs.call("output.frames:of_ensemble_pandas", self)
-        return frame
+        return presentation.ENSEMBLES.get().to_pandas(self)
 
     def _errors(self, index: int) -> tuple[float | None, ...] | None:
         return self.told.get(index % len(self))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common import executors as crew
 from polhode.common.arguments import steps, whole
-from polhode.common.progress import bar
+from polhode.common.progress import Progress, bar
 from polhode.common.provenance import provenance
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
@@ -20,7 +20,7 @@ from polhode.runs.sweep import refined_members
 from polhode.runs.sweep.ensemble import Ensemble
 from polhode.runs.sweep.plan import Plan, planned
 from polhode.runs.sweep.results import Results
-from polhode.runs.sweep.sweep_checkpoint import Parts
+from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
 from polhode.scenes import library, vary
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
@@ -28,8 +28,6 @@ from polhode.taylor.backend import defaults
 if TYPE_CHECKING:
     from polhode.taylor.batches.jobs import Solved
 
-#: Called with the fraction of the members that are done, and how many.
-Progress = Callable[[float, int], None]
 
 _JOBS = 16, 256  # so many at least and at most: each costs a fraction of a millisecond
 _JOB = 0.05  # seconds that one should take
@@ -140,14 +138,14 @@ def _jobs(plan: Plan) -> int:
     return int(min(most, max(least, seconds / _JOB)))
 
 
-def _opened(plan: Plan, scene: Scene, folder: Path | None, method: str) -> Parts | None:
+def _opened(plan: Plan, scene: Scene, folder: Path | None, method: str) -> SweepCheckpoint | None:
     """The folder of a sweep's parts, if there is to be one."""
     if folder is None:
         return None
     asked = (plan.varied, plan.number, plan.tolerance, plan.max_steps, plan.times, plan.names)
     body = repr((scene.body.inertia, scene.body.centre, scene.body.weight))
     what = "\n".join([scene.name, method, repr(asked), body])
-    return Parts(folder, what.encode() + plan.lanes.bytes(), plan.number)
+    return SweepCheckpoint(folder, what.encode() + plan.lanes.bytes(), plan.number)
 
 
 def _solve(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
+from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.number_types import NumberType
 from polhode.runs.methods import refined as refined_method
@@ -46,7 +46,7 @@ def prepare(job: Job) -> None:
         batch_integrator.compiled(job.steps)
 
 
-def solve(job: Job, stop: Callable[[], bool] | None = None) -> Solved:
+def solve(job: Job, stop: Stop | None = None) -> Solved:
     """The members' results, as those of steps are; ``stop`` keeps members from the end."""
     import numpy as np
 
@@ -73,9 +73,7 @@ def solve(job: Job, stop: Callable[[], bool] | None = None) -> Solved:
     return found
 
 
-def _refined(
-    job: Job, member: Scene, stop: Callable[[], bool] | None
-) -> refined_method.Refinement | None:
+def _refined(job: Job, member: Scene, stop: Stop | None) -> refined_method.Refinement | None:
     """A member by refinement; None where it is not to be or does not succeed."""
     from polhode.refined.errors import CannotRefine
 

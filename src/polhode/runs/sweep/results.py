@@ -13,7 +13,7 @@ from polhode.numbers.conversion import number_value
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Rows
 from polhode.runs.sweep.plan import Plan
-from polhode.runs.sweep.sweep_checkpoint import Part, Parts
+from polhode.runs.sweep.sweep_checkpoint import Part, SweepCheckpoint
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class Results:
     indices into :data:`polhode.motion.outcomes.OUTCOMES`.
     """
 
-    def __init__(self, plan: Plan, parts: Parts | None) -> None:
+    def __init__(self, plan: Plan, parts: SweepCheckpoint | None) -> None:
         import numpy as np
 
         self.plan, self.parts = plan, parts

@@ -15,7 +15,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from polhode.common.checkpoint import KeptFolder
+from polhode.common.checkpoint import Checkpoint
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import strings
@@ -40,7 +40,7 @@ class Part(NamedTuple):
     errors: dict[int, tuple[float | None, ...]]  # by member, of those that have any
 
 
-class Parts(KeptFolder):
+class SweepCheckpoint(Checkpoint):
     """The parts of one sweep in ``folder``, which is made when there is something to keep.
 
     ``what``: all that decides the results.  Raises BadInput where the folder holds

@@ -12,6 +12,7 @@ from typing import Any
 
 from polhode.closed_forms.families import closed_form
 from polhode.common.executors import cores, in_order
+from polhode.common.progress import Message
 from polhode.enclosures import fixed_point_problem, precision_choice
 from polhode.enclosures.certify import certify
 from polhode.judging.references.reference import reference as reference_of
@@ -52,10 +53,10 @@ JUDGED = (1, 10, 100)
 
 _BUILT = "built: "
 
-Tick = Callable[[str], None]
 
-
-def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None) -> dict[str, Any]:
+def rows(
+    quick: bool = False, tick: Message | None = None, only: Only | None = None
+) -> dict[str, Any]:
     """The study's results as a JSON object; only the seconds in it depend on the clock."""
     say = tick or (lambda _: None)
     wanted = only or Only()

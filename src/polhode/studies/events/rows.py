@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.common.executors import cores, in_order
+from polhode.common.progress import Message
 from polhode.enclosures.events import certify_events
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import decimals, exact, number_types
@@ -35,8 +36,6 @@ KEPT = 24  # errors of a far run that the figure shows
 
 PROVEN = ("general/asymmetric-regular", "general/asymmetric-chaotic")
 PROVEN_END = 100
-
-Tick = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -66,7 +65,9 @@ COST_ENDS = {"double": 2000, "extended": 200, "quad": 5, "mp": 2}
 COST_EVENTS = ("p*gamma2 - q*gamma1", "q", "gamma3 - 1/2")
 
 
-def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None) -> dict[str, Any]:
+def rows(
+    quick: bool = False, tick: Message | None = None, only: Only | None = None
+) -> dict[str, Any]:
     """The study's results as a JSON object; only the seconds in it depend on the clock."""
     say = tick or (lambda _: None)
     wanted = only or Only()

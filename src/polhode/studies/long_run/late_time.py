@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import statistics
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from polhode.common.progress import Message
 from polhode.judging.correct_digits import errors, rate_scale
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.number_types import bits_for
@@ -42,11 +43,13 @@ NOT_RUN = {
     "mpmath odefun": "hours: a Taylor method in Python",
 }
 
-Tick = Callable[[str], None]
-
 
 def rows(
-    end: int, starts: int, quick: bool = False, tick: Tick | None = None, only: Only | None = None
+    end: int,
+    starts: int,
+    quick: bool = False,
+    tick: Message | None = None,
+    only: Only | None = None,
 ) -> dict[str, Any]:
     """For each kind of top the errors of every other program at ``end``, over the starts."""
     wanted = only or Only()
@@ -89,7 +92,7 @@ def _jobs(asked: Sequence[_Asked]) -> list[list[_Asked]]:
 
 
 def _run(
-    job: Sequence[_Asked], scenes: Mapping[_Asked, Sequence[Scene]], tick: Tick | None
+    job: Sequence[_Asked], scenes: Mapping[_Asked, Sequence[Scene]], tick: Message | None
 ) -> dict[_Asked, list[Curve]]:
     tops = ", ".join(dict.fromkeys(top for top, _ in job))
     told = None if tick is None else lambda what: tick(f"long-run: {tops}, {what}")

@@ -13,12 +13,13 @@ of one sign would show in the mean, one that differs from body to body in the ex
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 from polhode.common.executors import in_order
+from polhode.common.progress import Message
 from polhode.equations.integrals import departures
 from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.correct_digits import errors, rate_scale
@@ -48,8 +49,6 @@ INPUTS_UNTIL = 3163
 
 #: Labels of the rows of polhode in the table of the far moment.
 FAR = ("polhode, not projected", "far")
-
-Tick = Callable[[str], None]
 
 
 class Member(NamedTuple):
@@ -87,7 +86,9 @@ class RunStart:
         return random_scene(self.top, self.index, self.times)
 
 
-def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None) -> dict[str, Any]:
+def rows(
+    quick: bool = False, tick: Message | None = None, only: Only | None = None
+) -> dict[str, Any]:
     """The study's results as a JSON object; no figure in it depends on the clock."""
     decades = (2, 4) if quick else (2, 6)
     wanted = only or Only()
@@ -107,7 +108,7 @@ def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None
 def ensembles(
     decades: tuple[int, int],
     starts: int,
-    tick: Tick | None = None,
+    tick: Message | None = None,
     workers: int = 2,
     only: Only | None = None,
 ) -> Iterator[dict[str, Any]]:

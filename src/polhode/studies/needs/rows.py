@@ -9,12 +9,13 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from polhode.common.progress import Message
 from polhode.judging.correct_digits import worst_digits
 from polhode.judging.references.reference import reference as reference_of
 from polhode.scenes import library
@@ -25,8 +26,6 @@ NAME = "needs"
 QUESTION = "How many digits do I get, at what cost, for my need?"
 REPEATS, QUICK_REPEATS = 2, 1  # of each command, after one that fills the caches
 _SPARE = 8  # digits that a reference has more than what it judges
-
-Tick = Callable[[str], None]
 
 
 class Need(NamedTuple):
@@ -66,7 +65,9 @@ NEEDS = (
 )
 
 
-def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None) -> dict[str, Any]:
+def rows(
+    quick: bool = False, tick: Message | None = None, only: Only | None = None
+) -> dict[str, Any]:
     """The study's results as a JSON object; only the seconds in it depend on the clock."""
     wanted = only or Only()
     found = []

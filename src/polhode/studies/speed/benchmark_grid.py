@@ -14,6 +14,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from polhode.common.executors import cores, in_order
+from polhode.common.progress import Message
 from polhode.judging.correct_digits import digits_of, rate_scale
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.exact import Exact
@@ -21,7 +22,7 @@ from polhode.numbers.number_types import DOUBLE, bits_for
 from polhode.runs.integrate import integrate
 from polhode.scenes.scene import Scene, even_times
 from polhode.studies.ensembles import TOPS, random_scene
-from polhode.studies.peer_processes import Curve, Method, Task, Tick
+from polhode.studies.peer_processes import Curve, Method, Task
 from polhode.studies.row_filter import Only
 from polhode.studies.speed.contenders import ENGINE, SPLITTINGS
 from polhode.studies.speed.work_precision import WorkPoint, seconds_at
@@ -110,7 +111,7 @@ def rows(
     asked: Mapping[Cell, Sequence[Method]],
     curves: Iterable[Curve],
     quick: bool,
-    tick: Tick | None = None,
+    tick: Message | None = None,
 ) -> list[dict[str, Any]]:
     """A row a cell, from the curves of its tasks."""
     made, truths = iter(curves), _truths(asked, quick, tick)
@@ -131,7 +132,7 @@ def rows(
 
 
 def _truths(
-    asked: Iterable[Cell], quick: bool, tick: Tick | None
+    asked: Iterable[Cell], quick: bool, tick: Message | None
 ) -> dict[tuple[str, int, int], Truth]:
     """The references by kind, end and start, the longest first: no clock runs beside them."""
     ends = sorted({(cell.kind, cell.end) for cell in asked}, key=lambda x: -x[1])

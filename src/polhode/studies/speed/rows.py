@@ -9,12 +9,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from polhode.common.progress import Message
 from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.correct_digits import digits_of, errors, rate_scale
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.number_types import DOUBLE, bits_for, named
 from polhode.scenes.scene import Scene
-from polhode.studies.peer_processes import Curve, Method, Task, Tick, run_all
+from polhode.studies.peer_processes import Curve, Method, Task, run_all
 from polhode.studies.row_filter import Only
 from polhode.studies.speed import benchmark_grid
 from polhode.studies.speed.contenders import (
@@ -42,7 +43,9 @@ LOOSEST = 6.0  # digits from which curves are compared
 REPEATS, PATIENCE = 3, 0.1  # timed runs a tolerance and round; longer runs are made once
 
 
-def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None) -> dict[str, Any]:
+def rows(
+    quick: bool = False, tick: Message | None = None, only: Only | None = None
+) -> dict[str, Any]:
     """The study's results as a JSON object; seconds vary from run to run, digits do not."""
     wanted = only or Only()
     asked = {}
@@ -266,5 +269,5 @@ def _short(x: float | None) -> float | None:
     return None if x is None else float(f"{x:.4g}")
 
 
-def _named(tick: Tick | None) -> Tick | None:
+def _named(tick: Message | None) -> Message | None:
     return None if tick is None else lambda what: tick(f"{NAME}: {what}")

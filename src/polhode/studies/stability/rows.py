@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 from polhode.common.executors import cores, in_order
+from polhode.common.progress import Message
 from polhode.equations.equilibrium import at_rest
 from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.references.reference import reference as reference_of
@@ -29,8 +29,6 @@ LONGEST_SYMMETRIC = {"double": 1e4, "extended": 1e4, "quad": 200.0}
 SPARE_DIGITS = 40  # of the states from which kappa of the way back is computed
 QUARTERS = 4  # of the way, each of whose ends is one of those states
 
-Tick = Callable[[str], None]
-
 
 class Kept(NamedTuple):
     """What a case keeps: on its ways back, and in other units."""
@@ -39,7 +37,9 @@ class Kept(NamedTuple):
     units: list[dict[str, Any]]
 
 
-def rows(quick: bool = False, tick: Tick | None = None, only: Only | None = None) -> dict[str, Any]:
+def rows(
+    quick: bool = False, tick: Message | None = None, only: Only | None = None
+) -> dict[str, Any]:
     """The study's results as a JSON object; no figure in it depends on the clock."""
     say = tick or (lambda _: None)
     wanted = only or Only()

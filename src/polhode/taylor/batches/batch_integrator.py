@@ -10,7 +10,7 @@ from __future__ import annotations
 import copy
 import itertools
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from fractions import Fraction
 from functools import lru_cache
 
@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.locks import Lock, Place
+from polhode.common.progress import Stop
 from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
@@ -40,7 +41,7 @@ def width(number: NumberType) -> int:
     return int(hy.recommended_simd_size(float)) if number.name == "double" else 1
 
 
-def solve(job: BatchJob, stop: Callable[[], bool] | None = None) -> Solved:
+def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
     """Integrate a job's systems; those that ``stop`` kept from being finished are NOT_RUN.
 
     Each gives the same bits in whichever order they are.
@@ -69,7 +70,7 @@ def kept_rates(names: tuple[str, ...], columns: int) -> list[int]:
     return [i for i, name in enumerate("pqr") if name not in moving]
 
 
-def _solved(job: BatchJob, stop: Callable[[], bool] | None) -> Solved:
+def _solved(job: BatchJob, stop: Stop | None) -> Solved:
     """The same in the order in which they are."""
     found, size = Solved.none_of(job), width(job.number)
     stretches = Stretches(job)
@@ -133,7 +134,7 @@ def _in_one_go(
     stretches: Stretches,
     found: Solved,
     firsts: Iterable[int],
-    stop: Callable[[], bool] | None,
+    stop: Stop | None,
 ) -> Iterable[int]:
     """Batches of doubles whose whole way is one stretch, with next to nothing between them.
 
@@ -192,7 +193,7 @@ def _solve(
     stretches: Stretches,
     found: Solved,
     which: range,
-    stop: Callable[[], bool] | None,
+    stop: Stop | None,
 ) -> None:
     """Integrate as many systems as one step advances."""
     outcome = _march(job, stretches, found, which, stop)
@@ -213,7 +214,7 @@ def _march(
     stretches: Stretches,
     found: Solved,
     which: range,
-    stop: Callable[[], bool] | None,
+    stop: Stop | None,
 ) -> Outcome | None:
     """Carry lanes along; None if they were stopped, whose states are then left as they are."""
     here = slice(which.start, which.stop)

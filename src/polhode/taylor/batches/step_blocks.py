@@ -7,12 +7,13 @@ heyoka goes on from where it stands to the same ends.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.types import HeyokaIntegrator
@@ -34,7 +35,7 @@ def until(
     ta: HeyokaIntegrator,
     ends: Sequence[float],
     most: int | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
 ) -> Ended:
     """Advance the lanes of a batch to their ends in at most so many steps.
 

@@ -9,12 +9,13 @@ not depend on its neighbours.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import heyoka as hy
 import numpy as np
 
+from polhode.common.progress import Stop
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import SectionZero
 from polhode.motion.outcomes import Outcome
@@ -86,7 +87,7 @@ class Crossed(NamedTuple):
     drift: float
 
 
-def solve(job: CrossingJob, stop: Callable[[], bool] | None = None) -> Crossed:
+def solve(job: CrossingJob, stop: Stop | None = None) -> Crossed:
     """Follow a job's orbits, as many at a time as a step advances; raises Singular."""
     return _Lanes(job, width(DOUBLE)).run(stop)
 
@@ -166,7 +167,7 @@ class _Lanes:
         self.rows: list[tuple[int, float, float, Doubles]] = []  # orbit, origin, time, state
         self.outcomes = [STOPPED] * len(job.starts)
 
-    def run(self, stop: Callable[[], bool] | None) -> Crossed:
+    def run(self, stop: Stop | None) -> Crossed:
         """All of them."""
         job = self.job
         held: Any = _idle.take(self.key) or _built(job, self.size)
@@ -198,7 +199,7 @@ class _Lanes:
             self.origin[lane] = self.found[lane] = self.quiet[lane] = 0
             self.put.begin([lane], self.state[:, [lane]])
 
-    def _chunk(self, stop: Callable[[], bool] | None) -> bool:
+    def _chunk(self, stop: Stop | None) -> bool:
         """One stretch of time: crossings kept, clock and state set anew.  False where stopped."""
         ta, job = self.integrator, self.job
         ta.state[:] = self.state
@@ -223,7 +224,7 @@ class _Lanes:
         self.origin += target
         return True
 
-    def _onwards(self, target: Doubles, stop: Callable[[], bool] | None) -> bool:
+    def _onwards(self, target: Doubles, stop: Stop | None) -> bool:
         """Lanes brought to a time; False where stopped.  Raises Singular."""
         ended = step_blocks.until(self.integrator, target.tolist(), stop=stop)
         if Outcome.STEP_UNDERFLOW in ended.outcomes:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import copy
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.locks import Lock, Place
+from polhode.common.progress import Stop
 from polhode.equations import kinematics
 from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome, code
@@ -79,7 +80,7 @@ class First(NamedTuple):
     unsure: npt.NDArray[np.bool_]
 
 
-def solve(job: FirstJob, stop: Callable[[], bool] | None = None) -> First:
+def solve(job: FirstJob, stop: Stop | None = None) -> First:
     """Follow a job's motions, as many at a time as a step advances; the next takes a free lane."""
     lanes = _Lanes(job)
     while lanes.busy.any() and not (stop is not None and stop()):
@@ -148,7 +149,7 @@ class _Lanes:
         numbers = [1 / unit, unit, 0.0, *job.coefficients[k], *turn]
         pars[:, lane] = numbers[: len(pars)]  # no more of them than the equations need
 
-    def stretch(self, stop: Callable[[], bool] | None) -> bool:
+    def stretch(self, stop: Stop | None) -> bool:
         """Go on by one stretch of time, and begin other motions where some are over.
 
         False where stopped.

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from polhode.common.progress import Stop
 from polhode.numbers.expression import Algebra, evaluate
 from polhode.numbers.number_types import NumberType
 from polhode.scenes.event import Event
@@ -23,7 +24,7 @@ class AfterStep:
     to zero.  Steps of zero count towards no limit: they would go on for ever.
     """
 
-    def __init__(self, stopped: Callable[[], bool], number: NumberType) -> None:
+    def __init__(self, stopped: Stop, number: NumberType) -> None:
         self.stopped, self.idle = stopped, 0
         self.eps = heyoka_numbers.scalar(number.eps, number)
 

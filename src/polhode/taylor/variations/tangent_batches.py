@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import copy
 import threading
-from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -17,6 +16,7 @@ import heyoka as hy
 import numpy as np
 
 from polhode.common.locks import Lock, Place
+from polhode.common.progress import Stop
 from polhode.equations.forms import principal
 from polhode.numbers.number_types import DOUBLE
 from polhode.scenes.vocabulary import STATE
@@ -56,7 +56,7 @@ class Followed(NamedTuple):
     last: Any
 
 
-def solve(job: TangentJob, stop: Callable[[], bool] | None = None) -> Followed:
+def solve(job: TangentJob, stop: Stop | None = None) -> Followed:
     """Follow a job's tangents, as many at a time as a step advances; the next takes a free lane."""
     size, n = width(DOUBLE), len(job.starts)
     ta = _own(job, size)
