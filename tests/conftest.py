@@ -42,6 +42,15 @@ def callers_precision() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(autouse=True)
+def handlers_of_signals() -> Iterator[None]:
+    """The command line, called in this process, leaves its handlers of signals: not to the next."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
 @pytest.fixture(autouse=True, scope="session")
 def little_optimised() -> Iterator[None]:
     """Outside CI, code in the wider types is compiled unoptimised: the same bits, sooner.

@@ -75,6 +75,13 @@ def test_pairs_of_verbs_in_threads_answer_as_alone(pair, quick_changes):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, len(VERBS), 2))
+def test_neighbours_in_threads_answer_as_alone(first, quick_changes):
+    pair = {list(VERBS)[first - 1], list(VERBS)[first]}
+    assert together(sorted(pair), 16) == set()
+
+
+@pytest.mark.campaign
 @pytest.mark.parametrize("first", VERBS)
 def test_all_pairs_of_verbs_in_threads_answer_as_alone(first, quick_changes):
     names = list(VERBS)

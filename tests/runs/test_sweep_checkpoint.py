@@ -210,7 +210,10 @@ def test_a_disk_that_fills_ends_the_sweep_and_keeps_what_was_written(tmp_path, m
 
 ARGUMENTS = ["sweep", "lagrange/nutation", "--vary", "start.omega[3]=1:4:400", "--at", "0,100"]
 ARGUMENTS += ["--workers", "1", "-o", "x.npz"]
-EAGER = "from polhode import cli; from polhode.runs import parts; parts.EVERY = 0.0; "
+EAGER = (
+    "from polhode import cli; from polhode.runs.sweep import sweep_checkpoint; "
+    "sweep_checkpoint.EVERY = 0.0; "
+)
 COMMAND = [sys.executable, "-c", f"{EAGER}raise SystemExit(cli.main({ARGUMENTS}))"]
 
 

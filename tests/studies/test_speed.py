@@ -476,13 +476,19 @@ def test_of_the_right_hand_sides_of_scipy_one_is_compiled_on_the_short_motion_al
 
 
 def test_a_peers_process_imports_nothing_else_of_polhode():
+    """But for what ``import polhode`` itself brings: protocols, and no code."""
     code = (
-        "import sys, polhode.peers.bare_heyoka, polhode.peers.cyrk, polhode.peers.scipy_python; "
+        "import sys, polhode; package = {*sys.modules}; "
+        "import polhode.peers.bare_heyoka, polhode.peers.cyrk, polhode.peers.scipy_python; "
         "import polhode.peers.splitting; "
-        "print(*(m for m in sys.modules if m.partition('.')[0] in ('polhode', 'numpy', 'heyoka')))"
+        "own = [m for m in sys.modules if m.partition('.')[0] in ('polhode', 'numpy', 'heyoka')]; "
+        "print(*(m for m in own if m in package)); print(*(m for m in own if m not in package))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert all(m == "polhode" or m.startswith("polhode.peers") for m in done.stdout.split())
+    package, more = (line.split() for line in done.stdout.splitlines())
+    assert {m.rpartition(".")[2] for m in package if m.count(".") > 1} == {"presentation"}
+    assert "numpy" not in package
+    assert all(m.startswith("polhode.peers") for m in more)
 
 
 def test_refined_runs_stand_beside_heyokas_own_steps():
