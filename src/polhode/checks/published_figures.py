@@ -11,9 +11,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from polhode.judging.references.certified import Certified
+from polhode.judging.references.derived import column_of
 from polhode.judging.references.reference import Reference
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.numbers import exact
@@ -24,7 +26,7 @@ from polhode.numbers.number_types import bits_for
 from polhode.numbers.scalars import Real
 from polhode.scenes.column_expressions import value
 from polhode.scenes.scene import Published, Scene
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
+from polhode.scenes.vocabulary import COLUMNS
 
 SPARE_DIGITS = 8
 
@@ -127,10 +129,11 @@ def columns_at(
         zip(scene.columns, reference.at([t], digits)[0], strict=True)
     )
     used = " ".join(p.quantity for p in scene.published)
-    for names, ask in ((ANGLES, reference.angles), (ATTITUDE, reference.attitude)):
-        if any(name in used for name in names):
-            found |= dict(zip(names, ask([t], digits)[0], strict=True))
-    return {name: found.get(name) for name in (*STATE, *ANGLES, *ATTITUDE) if name in found}
+    for word, column in COLUMNS.items():
+        if any(name in used for name in column.names):
+            (row,) = column_of(partial(getattr, reference), scene, word, [t], digits)
+            found |= dict(zip(column.names, row, strict=True))
+    return found
 
 
 def _digits(published: Published) -> int:

@@ -24,9 +24,11 @@ from polhode.enclosures import (
     precision_choice,
     proof_loop,
 )
+from polhode.enclosures.derived import derived_balls
 from polhode.enclosures.fixed_point_problem import MOST_NOISE, Motion, Refused, motion, upper
 from polhode.enclosures.polynomial import ball
 from polhode.enclosures.result import Enclosure, Part, digits_of
+from polhode.equations.column import derived_words
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
 from polhode.numbers.conversion import exact_number
@@ -36,6 +38,7 @@ from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import COLUMNS
 
 MOST_DIGITS = 250
 MAX_STEPS = 300_000
@@ -183,12 +186,17 @@ def _found(
             poses |= {n: one.poses[place] for n, place in reached.items()}
     order = sorted(rows)
     centres, radii = _balls([rows[n] for n in order], noise + 100)
-    quaternions = angles = None
+    given: dict[str, Sequence[Sequence[Any]]] = {"state": [rows[n] for n in order]}
     if "attitude" in scene.modelled:
-        quaternions = Part(*_balls([poses[n].quaternion for n in order], noise + 100))
+        given["attitude"] = [poses[n].quaternion for n in order]
     if "angles" in scene.modelled:
-        found = [attitude.angles(poses[n], rows[n][3:], noise + 100) for n in order]
-        angles = Part(*_balls(found, noise + 100))
+        given["angles"] = [attitude.angles(poses[n], rows[n][3:], noise + 100) for n in order]
+    for word in derived_words():
+        if word in scene.outputs:
+            given[word] = derived_balls(word, scene, given, noise + 100)
+    parts = {
+        word: Part(*_balls(found, noise + 100)) for word, found in given.items() if word in COLUMNS
+    }
     return Enclosure(
         scene,
         tuple(times[n] for n in order),
@@ -201,9 +209,10 @@ def _found(
         0.0,
         1,
         0.0,
-        angles,
-        quaternions,
+        parts.pop("angles", None),
+        parts.pop("attitude", None),
         outcome,
+        parts,
     )
 
 

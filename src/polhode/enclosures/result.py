@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
@@ -54,7 +54,8 @@ class Enclosure(ByValue):
     ``centres``: exact midpoints, a row a time; ``radii``: doubles not below the balls' radii.
     ``digits``: proven correct digits at each time (-log10 of the larger of the radius of w over the
     largest |w| at the times and the radius of gamma).  ``angles`` (psi theta phi) and ``attitude``
-    (q0 q1 q2 q3): where the scene's outputs ask for them, None else.  ``outcome``: REACHED_END, or
+    (q0 q1 q2 q3): where the scene's outputs ask for them, None else; ``derived``: outputs made of
+    these, by their words.  ``outcome``: REACHED_END, or
     TIME_LIMIT or INTERRUPTED: ``times`` are then those reached.  ``noise``: the proof's noise level
     is 2**-noise in its own unit of time.  ``steps`` and ``seconds``: of the run that proved it;
     ``tries``: the runs that it took; ``seconds_in_all``: CPU, those of all
@@ -82,6 +83,7 @@ class Enclosure(ByValue):
     angles: Part | None = None
     attitude: Part | None = None
     outcome: Outcome = Outcome.REACHED_END
+    derived: Mapping[str, Part] = field(default_factory=dict)
 
     @cached_property
     def midpoints(self) -> list[list[Real]]:

@@ -12,19 +12,15 @@ R(q) v = q ⊗ (0, v) ⊗ q* / |q|², an exact rotation though |q| drifts by rou
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
-from polhode.numbers.conversion import exactly, mpf_row, to_extended, to_mpf
+from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType, extended_here
-from polhode.numbers.scalars import Row, Rows, Scalar
+from polhode.numbers.rows import GUARD_BITS, mapped
+from polhode.numbers.scalars import Functions, Row, Rows, Scalar
 from polhode.scenes.body import cross, dot
-
-if TYPE_CHECKING:
-    pass
-
-GUARD_BITS = 64
 
 
 class Hodographs(NamedTuple):
@@ -46,26 +42,11 @@ def hodographs(states: Rows, attitude: Rows, number: NumberType) -> Hodographs:
 
 def in_space(attitude: Rows, vectors: Rows, number: NumberType) -> Rows:
     """R v for each row of the attitude and of vectors in the body, in the number type."""
-    if number.name == "double" and extended_here():
-        import numpy as np
 
-        quaternion, vector = (np.asarray(x, dtype=np.longdouble).T for x in (attitude, vectors))
-        return np.array(turned(quaternion, vector)).T.astype(np.float64)
-    from polhode.numbers.mpmath_context import mpmath, ordinary
+    def formula(x: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:
+        return turned(x[:4], x[4:])
 
-    wide = number.bits + GUARD_BITS
-    with mpmath.workprec(wide):
-        rows = [
-            turned(mpf_row(q, wide), mpf_row(v, wide))
-            for q, v in zip(attitude, vectors, strict=True)
-        ]
-    if number.flat:
-        import numpy as np
-
-        kind, to = (np.float64, float) if number.name == "double" else (np.longdouble, to_extended)
-        return np.array([[to(exactly(x)) for x in row] for row in rows], dtype=kind)
-    with mpmath.workprec(number.bits):
-        return [ordinary([+x for x in row]) for row in rows]
+    return mapped(formula, (attitude, vectors), {}, number, 3)
 
 
 def turned(quaternion: Row, vector: Row) -> list[Scalar]:

@@ -58,7 +58,7 @@ class Readout:
 
     def angles(self, rows: Rows) -> list[list[Value | None]] | None:
         """psi theta phi, if asked for; psi and phi None at a pole."""
-        if "angles" not in self.scene.outputs:
+        if "angles" not in self.scene.modelled:
             return None
         if len(rows) == 0:
             return []

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
-from polhode.equations.hodographs import GUARD_BITS, turned
+from polhode.equations.hodographs import turned
 from polhode.judging.finite_differences import derivative_weights
 from polhode.numbers.conversion import mpf_row, to_mpf
+from polhode.numbers.rows import GUARD_BITS
 from polhode.scenes.body import Body, cross, dot, minus
 
 if TYPE_CHECKING:

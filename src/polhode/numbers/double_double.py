@@ -21,6 +21,7 @@ import numpy.typing as npt
 from polhode.numbers import exact, rationals
 from polhode.numbers.exact import Irrational, Number
 from polhode.numbers.rationals import Rationals
+from polhode.numbers.scalars import Functions
 
 Doubles: TypeAlias = npt.NDArray[np.float64]
 
@@ -74,6 +75,13 @@ class Pairs:
 
     def __rtruediv__(self, other: Any) -> Pairs:
         return pairs(other).__truediv__(self)
+
+    def __pow__(self, times: int) -> Pairs:
+        """A whole power, 0 or more."""
+        found = Pairs(np.ones_like(self.hi), np.zeros_like(self.hi))
+        for _ in range(times):
+            found = found * self
+        return found
 
     def __mod__(self, whole: int) -> Pairs:
         """Of whole numbers below 2**53 alone, such as turns."""
@@ -136,6 +144,11 @@ def sqrt(x: Pairs) -> Pairs:
     with np.errstate(divide="ignore", invalid="ignore"):
         more = (x - Pairs(*_two_product(root, root))).hi / (2 * root)
     return Pairs(*_quick(root, np.where(x.hi > 0, more, 0.0)))
+
+
+def of_pairs() -> Functions:
+    """What a formula takes beside pairs."""
+    return Functions(Pairs(0.0), lambda x: cos_sin(x)[1], lambda x: cos_sin(x)[0], sqrt)
 
 
 def hypot(x: Pairs, y: Pairs) -> Pairs:

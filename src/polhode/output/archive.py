@@ -26,6 +26,7 @@ from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import toml
+from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
 FORMAT = "polhode run 1"
 MAX_BYTES = 1 << 31
 MOST_BITS = 1 << 24  # of a number in a file
-_PARTS = ("states", "attitude", "angles")
 _Held: TypeAlias = "dict[str, npt.NDArray[np.generic]]"
 
 
@@ -63,7 +63,7 @@ def save(run: Trajectory, path: str | Path) -> None:
         "source": np.array(run.scene.source),
         "times": np.array(run.time_strings(), dtype=np.str_),
     }
-    for name in _PARTS:
+    for name in _parts(run.scene):
         rows = getattr(run, name)
         if rows is not None:
             held[name] = _texts(rows, run.number)
@@ -114,8 +114,8 @@ def _run(held: _Held, about: dict[str, Any], scene: Scene) -> Trajectory:
     if times != asked[: len(asked) if ends else len(times)]:
         raise ValueError("times: not those of the scene")
     rows = {
-        name: _numbers(held, name, number, (len(times), columns))
-        for name, columns in (("states", len(scene.columns)), ("attitude", 4), ("angles", 3))
+        name: _numbers(held, name, number, (len(times), width))
+        for name, width in _parts(scene).items()
         if name in held or name == "states"
     }
     if any(x is None for row in rows["states"] for x in row):
@@ -232,6 +232,12 @@ class _Again:
                 )
             self.made = again.dense
         return self.made
+
+
+def _parts(scene: Scene) -> dict[str, int]:
+    """What a file holds of a run, and in how many columns: states, and what is integrated too."""
+    more = {word: len(it.names) for word, it in COLUMNS.items() if it.how == "integrated"}
+    return {"states": len(scene.columns), **more}
 
 
 def _texts(rows: Any, number: NumberType) -> Any:

@@ -10,12 +10,9 @@ from typing import Any
 from polhode.common.files import check_writable, is_stream, write_whole
 from polhode.numbers.decimals import shortest
 from polhode.numbers.number_types import NumberType
-from polhode.output.json_results import as_json
+from polhode.output.json_results import as_json, rows_of_column
 from polhode.scenes.scene import Scene
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE
-
-#: What a trajectory's CSV holds and its sidecar does not repeat.
-_TABLE = ("times", "states", "angles", "attitude", "hodographs")
+from polhode.scenes.vocabulary import COLUMNS
 
 
 def sidecar(path: Path) -> Path:
@@ -37,7 +34,8 @@ def write_trajectory(path: Path, answer: dict[str, Any]) -> None:
     as that allows.  A stream has no file beside it: its times have every digit.
     """
     header, rows = rows_of(answer, short=not is_stream(path))
-    kept = {"t_bits": answer["bits"]} | {k: v for k, v in answer.items() if k not in _TABLE}
+    table = ("times", "states", *COLUMNS)  # not repeated beside it
+    kept = {"t_bits": answer["bits"]} | {k: v for k, v in answer.items() if k not in table}
     write_table(path, (header, *rows), kept)
 
 
@@ -49,9 +47,8 @@ def write_table(path: Path, rows: Iterable[Sequence[str]], beside: dict[str, Any
 
 def columns_of(scene: Scene) -> list[str]:
     """All columns that a run of the scene gives."""
-    extra = {"angles": ANGLES, "attitude": ATTITUDE, "hodographs": SPACE}
-    asked = (columns for name, columns in extra.items() if name in scene.outputs)
-    return [*scene.columns, *(column for columns in asked for column in columns)]
+    asked = (found.names for word, found in COLUMNS.items() if word in scene.outputs)
+    return [*scene.columns, *(name for names in asked for name in names)]
 
 
 def rows_of(answer: dict[str, Any], *, short: bool = False) -> tuple[list[str], list[list[str]]]:
@@ -61,13 +58,10 @@ def rows_of(answer: dict[str, Any], *, short: bool = False) -> tuple[list[str], 
     """
     header = ["t", *answer["columns"]]
     parts = [answer["states"]]
-    for name, columns in (("angles", ANGLES), ("attitude", ATTITUDE)):
-        if name in answer:
-            header += columns
-            parts.append(answer[name])
-    if "hodographs" in answer:  # in the body it is p q r
-        header += SPACE
-        parts.append(answer["hodographs"]["space"])
+    for word, column in COLUMNS.items():
+        if word in answer:
+            header += column.names
+            parts.append(rows_of_column(word, answer[word]))
     times = answer["times"]
     if short:
         number = NumberType(answer["number"], answer["bits"])

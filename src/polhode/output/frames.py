@@ -9,7 +9,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.numbers.conversion import to_double
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE
+from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
     from polhode.runs.sweep.ensemble import Ensemble
@@ -19,12 +19,7 @@ if TYPE_CHECKING:
 def columns(run: Trajectory) -> dict[str, Any]:
     """A run's columns by name: numbers of its type (mpf in arrays of objects), nan undefined."""
     parts: list[tuple[tuple[str, ...], Any]] = [(run.columns, run.states)]
-    if run.angles is not None:
-        parts.append((ANGLES, run.angles))
-    if run.attitude is not None:
-        parts.append((ATTITUDE, run.attitude))
-    if run.hodographs is not None:
-        parts.append((SPACE, run.hodographs.space))
+    parts += [(COLUMNS[word].names, rows) for word, rows in run.outputs.items()]
     kind: Any = {"double": np.float64, "extended": np.longdouble}.get(run.number.name, object)
     found = {}
     for names, rows in parts:
@@ -55,9 +50,12 @@ def of_run_xarray(run: Trajectory) -> Any:
 def of_ensemble_xarray(found: Ensemble) -> Any:
     """A Dataset: a variable a column along member and t; what is varied, outcomes and steps."""
     xarray = _needed("xarray")
+    parts = [(found.columns, found.states)]
+    parts += [(COLUMNS[word].names, rows) for word, rows in found.outputs.items()]
     data: dict[str, Any] = {
-        name: (("member", "t"), np.asarray(found.states)[..., k])
-        for k, name in enumerate(found.columns)
+        name: (("member", "t"), np.asarray(rows)[..., k])
+        for names, rows in parts
+        for k, name in enumerate(names)
     }
     for k, key in enumerate(found.varied.keys):
         data[key] = ("member", [to_double(row[k]) for row in found.varied.rows])
@@ -71,7 +69,8 @@ def of_ensemble_xarray(found: Ensemble) -> Any:
 def of_ensemble_pandas(found: Ensemble) -> Any:
     """A DataFrame: a row a member and time, indexed by both; what is varied in columns."""
     dataset = of_ensemble_xarray(found).drop_vars(["outcome", "steps"])
-    return dataset.to_dataframe()[[*found.varied.keys, *found.columns]]
+    outputs = [name for word in found.outputs for name in COLUMNS[word].names]
+    return dataset.to_dataframe()[[*found.varied.keys, *found.columns, *outputs]]
 
 
 def _about(found: Any) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from typing import Any
 
 from polhode.common.errors import BadInput, nearest
 from polhode.scenes import keys
+from polhode.scenes.vocabulary import COLUMNS
 
 FOLDER = Path(__file__).parents[1] / "guide"
 INDEX = "index"
@@ -31,7 +32,16 @@ def page(topic: str) -> str:
         raise BadInput("guide", "TOPIC", topic, nearest(topic, [*topics(), NOTEBOOK]))
     text = path.read_text(encoding="utf-8")
     text = re.sub(r"<!-- keys ?([\w.]*) -->", lambda found: "\n".join(_keys(found[1])), text)
+    text = re.sub(r"<!-- columns -->", lambda _: "\n".join(_columns()), text)
     return re.sub(r"<!-- api -->", lambda _: "\n".join(_api()), text)
+
+
+def _columns() -> list[str]:
+    """The outputs of a run as a table."""
+    lines = ["| output | columns | |", "|---|---|---|"]
+    for word, column in COLUMNS.items():
+        lines.append(f"| `{word}` | `{' '.join(column.names)}` | {column.meaning} |")
+    return lines
 
 
 def _keys(section: str) -> list[str]:

@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.provenance import provenance
+from polhode.equations.column import Texts, column, derived_words
 from polhode.judging.diagnosis.error_budget import is_lost
 from polhode.motion.outcomes import EventTimes
 from polhode.numbers import number_types
@@ -19,11 +20,11 @@ from polhode.output.guaranteed_digits import right_rows
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.classification import kind_of_body
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:  # a run needs none of these
     from polhode.enclosures.events import CertifiedEvents
     from polhode.enclosures.result import Enclosure
-    from polhode.equations.hodographs import Hodographs
     from polhode.equations.integrals import Drift
     from polhode.judging.conditioning.lyapunov import Lyapunov
     from polhode.judging.diagnosis.omega_only import OmegaAlone
@@ -54,12 +55,11 @@ def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
     if run.errors is not None:
         answer["error"] = [None if x is None else f"{x:.1e}" for x in run.errors]
         answer["proven"] = False
-    if run.angles is not None:
-        answer["angles"] = strings(run.angles, run.number)
-    if "attitude" in run.scene.outputs:
-        answer["attitude"] = strings(run.attitude, run.number)
-    if run.hodographs is not None:
-        answer["hodographs"] = of_hodographs(run.hodographs, run.number)
+    answer |= {
+        word: of_column(word, answer["states"], strings(rows, run.number))
+        for word, rows in run.outputs.items()
+        if word in run.scene.outputs
+    }
     if run.scene.events:
         answer["events"] = [of_event(event, run.number) for event in run.events]
     if run.projection is not None:
@@ -89,9 +89,17 @@ def round_down(digits: float) -> float:
     return math.floor(100 * digits) / 100
 
 
-def of_hodographs(curves: Hodographs, number: NumberType) -> dict[str, Any]:
-    """omega in the body and in space as decimal strings."""
-    return {name: strings(rows, number) for name, rows in curves._asdict().items()}
+def of_column(word: str, states: Texts, rows: Texts) -> object:
+    """An output's rows as JSON has them; all of them are decimal strings."""
+    shape = column(word).as_json if word in derived_words() else None
+    return rows if shape is None else shape(states, rows)
+
+
+def rows_of_column(word: str, shown: Any) -> Texts:
+    """The way back: an output's rows of what JSON has."""
+    read = column(word).from_json if word in derived_words() else None
+    rows: Texts = shown if read is None else read(shown)
+    return rows
 
 
 def of_event(event: EventTimes, number: NumberType) -> dict[str, Any]:
@@ -130,12 +138,10 @@ def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> d
         "times": [in_full(exactly(t)) for t in held],
         "states": strings(right_rows(reference.at, held, printed), number),
     }
-    if "angles" in scene.outputs:
-        answer["angles"] = strings(right_rows(reference.angles, held, printed), number)
-    if "attitude" in scene.outputs:
-        answer["attitude"] = strings(right_rows(reference.attitude, held, printed), number)
-    if "hodographs" in scene.outputs:
-        answer["hodographs"] = of_hodographs(reference.hodographs(held, printed + 4), number)
+    for word in COLUMNS:
+        if word in scene.outputs:
+            rows = right_rows(partial(reference.column, word), held, printed)
+            answer[word] = of_column(word, answer["states"], strings(rows, number))
     answer |= {"outcome": "reached end", "steps": 0, "provenance": provenance(scene.text)}
     return answer
 
@@ -173,6 +179,9 @@ def of_enclosure(found: Enclosure) -> dict[str, Any]:
             answer[name] = part.strings()
             answer[f"{name}_radii"] = [rounded_up(row) for row in part.radii]
             answer[f"{name}_digits_proven"] = [round(digits, 2) for digits in part.digits]
+    for name, part in found.derived.items():
+        answer[name] = of_column(name, answer["states"], part.strings())
+        answer[f"{name}_radii"] = [rounded_up(row) for row in part.radii]
     return answer | {
         "outcome": found.outcome.value,
         "steps": found.steps,

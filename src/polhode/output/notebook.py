@@ -9,9 +9,10 @@ import numpy as np
 
 from polhode.common.text_tables import few, printable
 from polhode.figures.canvas.canvas import BODY, REST, SPACE
-from polhode.numbers.conversion import to_double
+from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import brief, shown
 from polhode.scenes.classification import kind_of_body
+from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
     from polhode.judging.score.judgement import Judgement
@@ -50,6 +51,11 @@ def of_run(run: Trajectory) -> str:
         facts["correct digits"] = f"{run.correct_digits:.1f}, by the {run.checked_by}"
     elif run.times:
         facts["digits expected"] = f"{min(run.expected.digits):.1f} at the worst"
+    for word, rows in run.outputs.items():
+        if len(rows):
+            pairs = zip(COLUMNS[word].names, rows[-1], strict=True)
+            told = [f"{name} {'none' if x is None else brief(exactly(x))}" for name, x in pairs]
+            facts[word] = f"{', '.join(told)} at the end"
     if run.events:
         facts["events"] = ", ".join(f"{len(e.times)} {e.name}" for e in run.events)
     return _table(run.scene.title or run.scene.name, facts) + _curves(run)

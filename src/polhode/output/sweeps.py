@@ -15,7 +15,9 @@ from polhode.motion.outcomes import OUTCOMES
 from polhode.numbers import decimals
 from polhode.numbers.decimals import decimal_in_full, shortest, shown, strings
 from polhode.numbers.exact import Exact
+from polhode.numbers.scalars import Rows
 from polhode.output import csv_tables, json_results
+from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
     from polhode.runs.sweep.ensemble import Ensemble
@@ -49,6 +51,9 @@ def _members(found: Ensemble, states: bool) -> Iterator[dict[str, Any]]:
         }
         if states:
             member["states"] = strings(found.rows(k), found.number)
+            for word in found.outputs:
+                rows = strings(found.output(word, k), found.number)
+                member[word] = json_results.of_column(word, member["states"], rows)
         yield member
 
 
@@ -92,22 +97,25 @@ def arrays(found: Ensemble) -> dict[str, Any]:
 
     flat = found.number.flat
     times: Any = [decimal_in_full(t) for t in found.times]
-    states = found.states
     if flat:
-        kind = states.dtype.type
+        kind = found.states.dtype.type
         times = [kind(t) for t in times]
-    else:
-        rows = states.reshape(-1, states.shape[-1])
+
+    def held(rows: Rows) -> Rows:
+        if flat:
+            return rows
         written = [
             strings([row], found.number)[0] if row[0] == row[0] else ["nan"] * len(row)
-            for row in rows
+            for row in rows.reshape(-1, rows.shape[-1])
         ]
-        states = np.array(written).reshape(states.shape)
+        return np.array(written).reshape(rows.shape)
+
     about = {**_common(found), "provenance": dict(found.provenance)}
     return {
         "columns": np.array(found.columns),
         "times": np.array(times),
-        "states": states,
+        "states": held(found.states),
+        **{word: held(rows) for word, rows in found.outputs.items()},
         "varied": np.array(found.varied.keys),
         "values": spread(found.varied, lambda x: float(x)),
         "values_exact": spread(found.varied, value_text),
@@ -121,13 +129,13 @@ def arrays(found: Ensemble) -> dict[str, Any]:
 
 def table(found: Ensemble) -> tuple[list[str], list[list[str]]]:
     """Header and a line for each member: what is varied, how it ended, its last state."""
-    header = ["member", *found.varied.keys, "outcome", "steps", "t", *found.columns]
+    header = ["member", *found.varied.keys, "outcome", "steps", "t", *_columns(found)]
     lines = []
     for k, varied in enumerate(values(found.varied)):
         states = found.rows(k)
-        last = strings(states[-1:], found.number)
+        last = _written(found, k)[-1:]
         t = [shortest(found.times[len(states) - 1], found.number)] if len(states) else [""]
-        state = last[0] if last else [""] * len(found.columns)
+        state = last[0] if last else [""] * len(_columns(found))
         outcome = found.outcome(k).value
         lines.append([str(k + 1), *varied, outcome, str(found.counts[k]), *t, *state])
     return header, lines
@@ -187,8 +195,20 @@ def value_text(x: Exact) -> str:
 
 
 def _rows(found: Ensemble, short: bool) -> Iterable[list[str]]:
-    yield ["member", *found.varied.keys, "t", *found.columns]
+    yield ["member", *found.varied.keys, "t", *_columns(found)]
     times = [shortest(t, found.number) if short else decimal_in_full(t) for t in found.times]
     for k, varied in enumerate(values(found.varied)):
-        for t, state in zip(times, strings(found.rows(k), found.number), strict=False):
+        for t, state in zip(times, _written(found, k), strict=False):
             yield [str(k + 1), *varied, t, *state]
+
+
+def _columns(found: Ensemble) -> list[str]:
+    """The names of all columns."""
+    return [*found.columns, *(name for word in found.outputs for name in COLUMNS[word].names)]
+
+
+def _written(found: Ensemble, k: int) -> list[list[str]]:
+    """All columns of a member as far as it came, empty where there is no number."""
+    parts = [strings(found.rows(k), found.number)]
+    parts += [strings(found.output(word, k), found.number) for word in found.outputs]
+    return [[x or "" for row in rows for x in row] for rows in zip(*parts, strict=True)]

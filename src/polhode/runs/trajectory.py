@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, overload
 
 from polhode.common.cached_property import cached_property
 from polhode.common.value_semantics import ByValue
+from polhode.equations.column import derived, derived_words
 from polhode.equations.form import equations
-from polhode.equations.hodographs import Hodographs, hodographs
+from polhode.equations.hodographs import Hodographs
 from polhode.equations.integrals import Drift, drift
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers.decimals import decimal_in_full, shown, strings
@@ -20,7 +21,7 @@ from polhode.numbers.scalars import AnyNumber, Row, Rows, Value
 from polhode.runs import presentation
 from polhode.runs.error_estimate import Expected, by_errors, expected
 from polhode.scenes.scene import Scene
-from polhode.scenes.vocabulary import Several, Single
+from polhode.scenes.vocabulary import COLUMNS, Several, Single
 
 if TYPE_CHECKING:
     import numpy as np
@@ -183,13 +184,33 @@ class Trajectory(ByValue):
         )
 
     @cached_property
+    def outputs(self) -> Mapping[str, Rows]:
+        """Rows of all that is there beside the states, by the words of ``run.outputs``.
+
+        What others need is there, too; of hodographs it is omega in space.
+
+        >>> import polhode
+        >>> run = polhode.integrate("lagrange/nutation", at=[1, 2])
+        >>> {word: len(rows) for word, rows in run.outputs.items()}
+        {'attitude': 2, 'angles': 2}
+        """
+        given: dict[str, Rows] = {"state": self.states}
+        given |= {word: getattr(self, word) for word, x in COLUMNS.items() if x.how == "integrated"}
+        for word in derived_words():
+            parts = [given[need] for need in COLUMNS[word].needs]
+            if word in self.scene.outputs and all(part is not None for part in parts):
+                given[word] = derived(word, self.scene, parts, self.number)
+        return {word: given[word] for word in COLUMNS if given.get(word) is not None}
+
+    @property
     def hodographs(self) -> Hodographs | None:
         """omega in the body and in space, if asked for."""
-        if "hodographs" not in self.scene.outputs:
+        space = self.outputs.get("hodographs")
+        if space is None:
             return None
-        if not self.times:
-            return Hodographs([], [])
-        return hodographs(self.states, self.attitude, self.number)
+        flat = hasattr(self.states, "ndim")
+        omega = self.states[:, :3] if flat else [row[:3] for row in self.states]
+        return Hodographs(omega, space)
 
     @property
     def cause(self) -> str:

@@ -15,11 +15,11 @@ from polhode.numbers.number_types import NAMES
 from polhode.scenes.shapes import AXES, SHAPES
 from polhode.scenes.vocabulary import (
     CENTRE,
+    COLUMNS,
     DIRECTIONS,
     EXTREMA,
     FIXED_POINT,
     FORMS,
-    OUTPUTS,
     READY_MADE,
     REFERENCES,
     SECTION,
@@ -167,7 +167,7 @@ KEYS: dict[str, tuple[Key, ...]] = {
         Key("samples", WHOLE, "so many times from 0 to end, evenly spread", "401", "2"),
         Key("at", "list of numbers", "or the times themselves, in order away from 0", "[1, 10]"),
         Key("form", WORD, f"form of the equations: {_listed(FORMS)}", '"principal"', '"principal"'),
-        Key("outputs", WORDS, f"beside omega and gamma: {_listed(OUTPUTS)}", '["angles"]', "[]"),
+        Key("outputs", WORDS, f"beside omega and gamma: {_listed(COLUMNS)}", '["angles"]', "[]"),
     ),
     "events": (
         Key(

@@ -22,11 +22,7 @@ from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import presentation
 from polhode.scenes.body import Body, Vector, dot, exact_vector, scaled
 from polhode.scenes.event import Event, check_event
-from polhode.scenes.vocabulary import (
-    FORMS,
-    OUTPUTS,
-    STATE,
-)
+from polhode.scenes.vocabulary import COLUMNS, FORMS, STATE
 
 
 class Published(NamedTuple):
@@ -164,8 +160,8 @@ class Scene:
             )
         self._check_times("run.at", self.times)
         for output in self.outputs:
-            if output not in OUTPUTS:
-                raise self._bad("run.outputs", output, nearest(output, [*OUTPUTS]))
+            if output not in COLUMNS:
+                raise self._bad("run.outputs", output, nearest(output, [*COLUMNS]))
         if self.form not in FORMS:
             raise self._bad("run.form", self.form, nearest(self.form, [*FORMS]))
 
@@ -287,9 +283,11 @@ class Scene:
 
     @cached_property
     def modelled(self) -> tuple[str, ...]:
-        """The outputs that are integrated beside the state: hodographs need the attitude."""
-        needed = {"attitude" if name == "hodographs" else name for name in self.outputs}
-        return tuple(name for name in OUTPUTS if name in needed)
+        """The outputs that are integrated beside the state, or needed for those that are not."""
+        needed: set[str] = set()
+        for name in self.outputs:
+            needed |= {name} if COLUMNS[name].how == "integrated" else {*COLUMNS[name].needs}
+        return tuple(name for name in COLUMNS if name in needed)
 
     @property
     def starts_at_pole(self) -> bool:

@@ -19,8 +19,6 @@ from polhode.scenes.event import Event
 from polhode.scenes.scene import Published, Scene, SectionPlan, even_times
 from polhode.scenes.validation import Literal, Reading, is_int
 from polhode.scenes.vocabulary import (
-    ANGLES,
-    ATTITUDE,
     DIRECTIONS,
     EXTREMA,
     READY_MADE,
@@ -28,6 +26,7 @@ from polhode.scenes.vocabulary import (
     SECTION,
     SECTIONS,
     STATE,
+    column_names,
 )
 
 MAX_FILE = 100_000  # bytes
@@ -175,7 +174,7 @@ class _File(Reading):
         key = f"published[{index + 1}]"
         t = self.number(f"{key}.t", table.get("t"))
         quantity = self.word(f"{key}.quantity", table.get("quantity"))
-        self.readable(f"{key}.quantity", quantity, (*STATE, *ANGLES, *ATTITUDE))
+        self.readable(f"{key}.quantity", quantity, (*STATE, *column_names()))
         value = self.word(f"{key}.value", table.get("value"))
         try:
             expression.decimal(value)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias
+from collections.abc import Mapping
+from typing import Literal, NamedTuple, TypeAlias
 
 #: What ``reference.kind`` may ask for: the first that fits, a closed form by the name of its family
 #: (polhode.closed_forms.families), a proven enclosure, or two integrations.
@@ -20,9 +21,6 @@ FORMS = (
 )
 
 
-OUTPUTS = ("angles", "attitude", "hodographs")
-
-
 STATE = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
 
 
@@ -33,6 +31,46 @@ ATTITUDE = ("q0", "q1", "q2", "q3")
 
 
 SPACE = ("omega_x", "omega_y", "omega_z")  # omega along the axes of space, z up
+
+
+class ColumnWord(NamedTuple):
+    """What a word of ``run.outputs`` adds to a trajectory.
+
+    ``names``: of its columns, in CSV files and frames.  ``needs``: what it is made of: "state", or
+    integrated words.  ``how``: integrated beside the state, or derived from what it needs, by the
+    formula in polhode.equations.columns.  ``meaning``: for the guide.
+    """
+
+    names: tuple[str, ...]
+    needs: tuple[str, ...]
+    how: Literal["integrated", "derived"]
+    meaning: str
+
+
+#: The words of ``run.outputs``, in the order of a trajectory's columns.
+COLUMNS: Mapping[str, ColumnWord] = {
+    "angles": ColumnWord(
+        ANGLES,
+        ("state",),
+        "integrated",
+        "in radians, continuous in time; empty at a pole, where psi and phi have no meaning",
+    ),
+    "attitude": ColumnWord(
+        ATTITUDE,
+        ("state",),
+        "integrated",
+        "unit quaternion, body to space, scalar first; at the start the first component that is "
+        "not 0 is positive, then continuous",
+    ),
+    "hodographs": ColumnWord(
+        SPACE, ("state", "attitude"), "derived", "omega along the axes of space, z up"
+    ),
+}
+
+
+def column_names() -> list[str]:
+    """The names of all columns beside t and the state."""
+    return [name for word in COLUMNS.values() for name in word.names]
 
 
 ANGLE_VARIABLES = ("psi", "phi")  # of the angles, those that are integrated along

@@ -13,6 +13,7 @@ from polhode.numbers.exact import Exact
 from polhode.output import json_results
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import COLUMNS
 from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
@@ -52,7 +53,7 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--max-steps", type=positive, metavar="N", help="with --certified: a limit on the steps"
     )
-    parser.add_argument("--outputs", metavar="O,O", help="angles, attitude, hodographs")
+    parser.add_argument("--outputs", metavar="O,O", help=", ".join(COLUMNS))
     parser.add_argument(
         "--certified",
         action="store_true",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from polhode.numbers.decimals import brief
 from polhode.output import csv_tables, json_results
 from polhode.scenes import library
+from polhode.scenes.vocabulary import COLUMNS
 from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
@@ -47,7 +48,7 @@ def options(parser: ArgumentParser) -> None:
         help="taylor: steps in the number type; refined: a run in double, corrected exactly; auto",
     )
     parser.add_argument("--form", metavar="F", help="form of the equations")
-    parser.add_argument("--outputs", metavar="O,O", help="angles, attitude, hodographs")
+    parser.add_argument("--outputs", metavar="O,O", help=", ".join(COLUMNS))
     parser.add_argument("--max-steps", type=positive, metavar="N", help="limit on the steps")
     parser.add_argument(
         "--no-project", action="store_true", help="leave the state as rounding makes it"

@@ -96,7 +96,8 @@ def main(options: Namespace) -> int:
         if found.parts is not None and not found.interrupted:
             found.parts.remove()
     if isinstance(found, Ensemble):
-        left_out = f"; {', '.join(scene.outputs)} left out" if scene.outputs else ""
+        words = [word for word in scene.outputs if word not in found.outputs]
+        left_out = f"; {', '.join(words)} left out" if words else ""
     else:
         left_out = ""
     if options.json:

@@ -23,7 +23,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.runs.integrate import integrate
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene, even_times
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE
+from polhode.scenes.vocabulary import COLUMNS
 
 SAMPLES, MOST_SAMPLES = 2001, 8001
 WINDOW = 100  # radians at the fastest rate of the start: more turns make no clearer curve
@@ -97,12 +97,7 @@ def of_run(found: Trajectory) -> Samples:
     """A run's columns."""
     scene = found.scene
     parts = [(scene.columns, found.states)]
-    if found.attitude is not None:
-        parts.append((ATTITUDE, found.attitude))
-    if found.angles is not None:
-        parts.append((ANGLES, found.angles))
-    if found.hodographs is not None:
-        parts.append((SPACE, found.hodographs.space))
+    parts += [(COLUMNS[word].names, rows) for word, rows in found.outputs.items()]
     columns = {"t": np.array([to_double(t) for t in found.times])}
     for names, rows in parts:
         columns |= dict(zip(names, _doubles(rows).T, strict=True))

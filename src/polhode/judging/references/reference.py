@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from polhode.common.errors import BadInput
 from polhode.equations.hodographs import Hodographs, hodographs
 from polhode.judging.correct_digits import errors, rate_scale
 from polhode.judging.references.certified import Certified
+from polhode.judging.references.derived import column_of
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import exact_number
@@ -98,6 +100,15 @@ class Reference:
 
         with mpmath.workprec(ROUGH):
             return answer()
+
+    def column(
+        self, word: str, times: Iterable[AnyNumber], digits: int = 50
+    ) -> list[list[Real | None]]:
+        """Rows of an output by its word, such as "angles"; of hodographs omega in space.
+
+        What is derived is the same formula as a run's, of rows right to so many digits.
+        """
+        return column_of(partial(getattr, self), self.scene, word, times, digits)
 
     def hodographs(self, times: Iterable[AnyNumber], digits: int = 50) -> Hodographs:
         """Rows of omega in the body and in space, right to so many digits of the largest |w|."""

@@ -60,12 +60,12 @@ def compare(
     """Judge a run, a trajectory file, columns or an array of states against a reference.
 
     ``what``: a Trajectory; the path of a CSV file with a column t and any of p q r gamma1 gamma2
-    gamma3 psi theta phi q0 q1 q2 q3; the same columns as a mapping of names to arrays, a pandas
-    DataFrame or an xarray Dataset; or rows of numbers, which hold at the times ``at`` and have
-    the columns ``columns`` (those of the scene unless given).  ``against``: a reference, or the
-    scene whose reference it is; of a run its own scene unless given.  ``number`` (and ``digits`` of
-    mp): the type whose rounded values a file's decimals, or the rows, are; floats, of Python or of
-    arrays (single, double or long double), are known as such.
+    gamma3 psi theta phi q0 q1 q2 q3, or of a derived output; the same columns as a mapping of names
+    to arrays, a pandas DataFrame or an xarray Dataset; or rows of numbers, which hold at the times
+    ``at`` and have the columns ``columns`` (those of the scene unless given).  ``against``: a
+    reference, or the scene whose reference it is; of a run its own scene unless given.  ``number``
+    (and ``digits`` of mp): the type whose rounded values a file's decimals, or the rows, are;
+    floats, of Python or of arrays (single, double or long double), are known as such.
     ``known``: the scene's conditioning, to spare its computation.
     ``first``: called with a judgement of a few rows of a table of more than a thousand, and how
     many those are, before the others are judged; of a file, before they are read.
@@ -120,7 +120,7 @@ def compare(
         _is_told(first, what.some(few(count, SHOWN)), count, against)
         found = Judgement(of_table(what, scene), against, known, workers, progress)
     about = found.subject
-    if not (about.columns or about.angles or about.attitude):
+    if not (about.columns or about.angles or about.attitude or about.derived):
         expected = f"columns of {', '.join(found.reference.scene.columns)}, angles or attitude"
         raise BadInput(about.name, "header", None, expected)
     _ = found.digits  # what cannot be judged is refused here

@@ -183,7 +183,8 @@ class Judgement(ByValue):
 
     @property
     def parts(self) -> dict[str, float]:
-        """Correct digits of angles and attitude over all times, by absolute error."""
+        """Correct digits over all times of angles and attitude, by absolute error, and of derived
+        columns, by errors relative to their largest value."""
         return {name: found for name, found in self._held.parts.items() if isinstance(found, float)}
 
     @property

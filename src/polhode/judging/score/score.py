@@ -14,11 +14,13 @@ from polhode.common.text_tables import few
 from polhode.judging.correct_digits import digits_of, errors, rate_scale
 from polhode.judging.dense_reference.parallel_evaluation import asked_by
 from polhode.judging.references.certified import Certified
+from polhode.judging.references.derived import column_of
 from polhode.judging.references.reference import Reference, Remembered, rows
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.score.vectorized_score import ManyRows, digits, many_rows
 from polhode.judging.tables.candidate import Subject
 from polhode.numbers.conversion import exactly, to_mpf
+from polhode.scenes.vocabulary import COLUMNS
 
 SPARE_DIGITS = 6  # of the reference beyond what can be told
 _FIRST_ROWS, _MORE = 32, 16  # of rows asked for piece by piece: the first piece, and its growth
@@ -111,10 +113,10 @@ class HeldAgainst:
 
     @cached_property
     def parts(self) -> dict[str, float | str]:
-        """Digits of angles and attitude, or why there are none."""
+        """Digits of angles, attitude and derived columns, or why there are none."""
         found: dict[str, float | str] = {}
-        for name in ("angles", "attitude"):
-            own = getattr(self.subject, name)
+        for name in COLUMNS:
+            own = self.subject.part(name)
             if own is None:
                 continue
             if all(x is None for row in own for x in row):
@@ -127,12 +129,11 @@ class HeldAgainst:
         return found
 
     def _told(self, name: str, own: Any) -> float:
-        """Digits of angles or attitude over all rows; raises ValueError."""
-        many = None if self.many is None else getattr(self.many, name)
+        """Digits of such a part over all rows; raises ValueError."""
+        many = None if self.many is None else self.many.part(name)
         if many is None:
-            return self._part(
-                name, own, self._true(self._ask(name), partial(self._part, name, own))
-            )
+            ask = partial(column_of, self._ask, self.reference.scene, name)
+            return self._part(name, own, self._true(ask, partial(self._part, name, own)))
         worst = min(digits(many, self.subject.held), default=self.subject.held)
         if name == "angles" and self.many is not None:
             for some in _spread(self.many.untold):
@@ -144,9 +145,10 @@ class HeldAgainst:
 
     def _part(self, name: str, own: Any, true: list[Any]) -> float:
         signs = (1, -1) if name == "attitude" else (1,)  # a quaternion may have either
-        return max(self._part_digits(own, true, s) for s in signs)
+        scale = 1 if COLUMNS[name].how == "integrated" else largest_of(true)
+        return max(self._part_digits(own, true, s, scale) for s in signs)
 
-    def _part_digits(self, own: Any, true: list[Any], side: int) -> float:
+    def _part_digits(self, own: Any, true: list[Any], side: int, scale: Any) -> float:
         from polhode.numbers.mpmath_context import mpmath
 
         worst = self.subject.held
@@ -154,9 +156,14 @@ class HeldAgainst:
             for mine, right in zip(own, true, strict=True):
                 for x, y in zip(mine, right, strict=True):
                     if x is not None and y is not None:
-                        error = abs(side * to_mpf(exactly(x), self.bits) - y)
+                        error = abs(side * to_mpf(exactly(x), self.bits) - y) / scale
                         worst = min(worst, digits_of(error, self.subject.held))
         return worst
+
+
+def largest_of(rows: list[Any]) -> Any:
+    """The largest size of a derived column's numbers, which its errors are relative to; 1 if 0."""
+    return max((abs(x) for row in rows for x in row if x is not None), default=0) or 1
 
 
 def _spread(rows: Sequence[int]) -> Iterator[list[int]]:

@@ -10,9 +10,10 @@ them.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,14 +22,17 @@ import numpy.typing as npt
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
+from polhode.equations.column import column
 from polhode.judging.dense_reference.columns import Columns, in_panels
 from polhode.judging.references.reference import Reference, rows
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.double_double_columns import columns_in_pairs
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
-from polhode.numbers.double_double import Pairs, of_fractions, pairs
+from polhode.numbers.double_double import Pairs, of_exact, of_fractions, of_pairs, pairs
 from polhode.numbers.exact import sign
+from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import COLUMNS
 
 FEWEST = 100  # rows: fewer are judged one by one in no time
 MOST_DIGITS = 20.0  # that can be told in pairs
@@ -41,7 +45,7 @@ Doubles = npt.NDArray[np.float64]
 @dataclass(frozen=True)
 class ManyRows:
     """Errors of a subject's rows: of the state (0 without one), scaled as digits are, of the
-    attitude and of the angles; None where these are to be judged one by one.
+    attitude, of the angles and of derived columns; None where these are to be judged one by one.
 
     A quaternion may have either sign: that of the smaller largest error.  ``untold``: rows of which
     theta is judged and psi and phi, which the subject has, are not yet.
@@ -50,7 +54,12 @@ class ManyRows:
     errors: Doubles
     attitude: Doubles | None
     angles: Doubles | None
+    derived: Mapping[str, Doubles]
     untold: tuple[int, ...] = ()
+
+    def part(self, word: str) -> Doubles | None:
+        """The errors of an output by its word."""
+        return {"attitude": self.attitude, "angles": self.angles, **self.derived}.get(word)
 
 
 def many_rows(
@@ -67,6 +76,7 @@ def many_rows(
         own = [] if subject.states is None else subject.pairs
         turned = [] if subject.attitude is None else columns_in_pairs(subject.attitude)
         angular = [] if found.angles is None else columns_in_pairs(subject.angles)
+        made = {word: columns_in_pairs(rows) for word, rows in subject.derived.items()}
     except OverflowError:  # numbers beyond doubles
         return None
     states, quaternion, told = ([_spread(x, count) for x in part or ()] for part in found[:3])
@@ -85,21 +95,45 @@ def many_rows(
             for k, x in enumerate(angular)
         ]
         angle_errors = _errors(known, told, [1.0] * 3) if angular else None
+        right = {w: _derived(w, reference.scene, states, quaternion, count) for w in made}
+        by = {w: [_largest(columns)] * len(columns) for w, columns in right.items() if columns}
+        derived = {w: _errors(made[w], right[w], scale) for w, scale in by.items()}
     attitude = min(sides, key=lambda side: float(side.max()), default=None)
-    for ask, true, by, found_errors in (
+    judged: list[tuple[Callable[..., Any], Any, Sequence[float], Doubles | None]] = [
         (reference.at, own and states, scales, errors),
         (reference.attitude, quaternion, [1.0] * 4, attitude),
         (reference.angles, told, [1.0] * 3, angle_errors),
-    ):
+    ]
+    judged += [(partial(reference.column, w), right[w], by[w], derived[w]) for w in by]
+    for ask, true, scale_of, found_errors in judged:
         if true and found_errors is not None:
             # the largest error, or what is no number: that is what argmax finds first
             checked = {*few(count, _CHECKED), int(found_errors.argmax())}
             if true is told:
                 checked -= {*found.untold}
-            if not _right(subject, ask, true, by, sorted(checked)):
+            if not _right(subject, ask, true, scale_of, sorted(checked)):
                 return None
     untold = [k for k in found.untold if not all(np.isnan(angular[i].hi[k]) for i in (0, 2))]
-    return ManyRows(errors, attitude, angle_errors, tuple(untold))
+    return ManyRows(errors, attitude, angle_errors, derived, tuple(untold))
+
+
+def _largest(columns: Sequence[Pairs]) -> float:
+    """The largest size of a derived column's numbers, 1 where they are 0."""
+    return max(float(np.max(np.abs(x.hi))) for x in columns) or 1.0
+
+
+def _derived(
+    word: str, scene: Scene, states: list[Pairs], quaternion: list[Pairs], count: int
+) -> list[Pairs]:
+    """A derived column of the reference's columns; none where it needs others."""
+    given = {"state": states, "attitude": quaternion}
+    parts = [given.get(need, []) for need in COLUMNS[word].needs]
+    if not all(parts):
+        return []
+    found = column(word)
+    k = {name: of_exact(x) for name, x in found.of(scene).items()}
+    made = found.values([x for part in parts for x in part], k, of_pairs())
+    return [_spread(x, count) for x in made]
 
 
 def _columns(
@@ -110,7 +144,9 @@ def _columns(
     Closed forms that tell states and quaternions at many times at once do; panels tell the rest.
     """
     given = (("at", subject.states), ("attitude", subject.attitude), ("angles", subject.angles))
-    asked = [name for name, own in given if own is not None]
+    needed = {need for word in subject.derived for need in COLUMNS[word].needs}
+    needed |= {"at"} if "state" in needed else set()
+    asked = [name for name, own in given if own is not None or name in needed]
     at_once = reference.columns(of_fractions(subject.times))
     if at_once is not None:
         asked = [name for name in asked if name == "angles"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
@@ -11,13 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common.cached_property import cached_property
 from polhode.common.value_semantics import ByValue
+from polhode.equations.column import column, derived_words
 from polhode.equations.integrals import Drift, drift, drift_of_columns
+from polhode.judging.tables.column_aliases import not_judged
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.number_types import DOUBLE, NumberType, mp
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE, STATE
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE, column_names
 
 if TYPE_CHECKING:
     from polhode.numbers.double_double import Pairs
@@ -34,8 +36,9 @@ class Subject(ByValue):
     double, or one of as many digits as are printed where those are more than a double's 17.
     ``held``: the most correct digits that can be told.  ``columns``: those of the state that are
     there.  ``states``: rows of all the scene's columns, None where one is not there; ``angles`` and
-    ``attitude`` likewise, None where nothing of them is there.  ``steps``: what is to blame where
-    the method is.  ``printed``: significant digits in a table, None of a run.
+    ``attitude`` likewise, None where nothing of them is there; ``derived``: the same of derived
+    columns, by output.  ``steps``: what is to blame where the method is.  ``printed``: significant
+    digits in a table, None of a run.
     """
 
     source: Trajectory | Table
@@ -47,10 +50,15 @@ class Subject(ByValue):
     states: Any
     angles: Any | None
     attitude: Any | None
+    derived: Mapping[str, Any]
     steps: str
     printed: int | None
     projected: bool
     notes: tuple[str, ...]
+
+    def part(self, word: str) -> Any | None:
+        """Rows of an output by its word, None where nothing of it is there."""
+        return {"angles": self.angles, "attitude": self.attitude, **self.derived}.get(word)
 
     @property
     def run(self) -> Trajectory | None:
@@ -96,6 +104,7 @@ def of_run(run: Trajectory) -> Subject:
         states=run.states,
         angles=run.angles,
         attitude=run.attitude,
+        derived={word: run.outputs[word] for word in judged_words() if word in run.outputs},
         steps="rounding in the steps"
         if run.at_full_tolerance
         else f"tolerance {run.tolerance:.1e}",
@@ -109,15 +118,17 @@ def of_table(table: Table, scene: Scene) -> Subject:
     """A table as what is judged: its columns as far as the scene has them."""
     number, there = table.number, table.columns
     notes = [f"column {name} is not known and was not judged" for name in table.ignored]
-    notes += [f"column {name} was not judged: p q r are" for name in SPACE if name in there]
+    unjudged = not_judged()
+    notes += [f"column {n} was not judged: {why}" for n, why in unjudged.items() if n in there]
     if not scene.columns[3:]:
-        for name in (*STATE[3:], *ANGLES, *ATTITUDE):
-            if name in there:
+        for name in (*STATE[3:], *column_names()):
+            if name in there and name not in unjudged:
                 notes.append(f"column {name} was not judged: the scene has no gamma")
     columns = tuple(name for name in scene.columns if name in there)
     notes += [f"column {name} is not in the file" for name in scene.columns if name not in there]
     if any(_gaps(there[name]) for name in columns):
         notes.append("empty cells were not judged")
+    derived = {word: table.rows(COLUMNS[word].names) for word in judged_words()}
     return Subject(
         source=table,
         name=table.name,
@@ -128,11 +139,17 @@ def of_table(table: Table, scene: Scene) -> Subject:
         states=table.rows(scene.columns),
         angles=table.rows(ANGLES) if scene.columns[3:] else None,
         attitude=table.rows(ATTITUDE) if scene.columns[3:] else None,
+        derived={word: rows for word, rows in derived.items() if rows and scene.columns[3:]},
         steps="steps of the program",
         printed=table.printed,
         projected=table.projected,
         notes=tuple(notes),
     )
+
+
+def judged_words() -> list[str]:
+    """The derived columns that are held against a reference."""
+    return [word for word in derived_words() if not column(word).not_judged]
 
 
 def _gaps(cells: Iterable[Any]) -> bool:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE, STATE
-
-KNOWN = ("t", *STATE, *ANGLES, *ATTITUDE, *SPACE)
+from polhode.equations.column import column as derived_column
+from polhode.equations.column import derived_words
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE, column_names
 
 _OTHERS = {
     "time": "t",
@@ -30,6 +30,21 @@ _OTHERS = {
 _UNIT = re.compile(r"[\s_]*[\[(]?(deg|degrees|rad|radians|s|sec)(?:[/_ ]s)?[\])]?$", re.I)
 
 
+def known() -> list[str]:
+    """The names of all columns of a trajectory."""
+    return ["t", *STATE, *column_names()]
+
+
+def not_judged() -> dict[str, str]:
+    """Names of columns that are known and not judged, and why."""
+    return {
+        name: why
+        for word in derived_words()
+        if (why := derived_column(word).not_judged)
+        for name in COLUMNS[word].names
+    }
+
+
 class Column(NamedTuple):
     """The column that a header names, None where it is unknown; whether it is in degrees."""
 
@@ -44,11 +59,12 @@ def column(header: str) -> Column:
     (Column(name='q0', degrees=False), Column(name='p', degrees=True), \
 Column(name='psi', degrees=True), Column(name=None, degrees=False))
     """
-    if header in KNOWN:
+    names = known()
+    if header in names:
         return Column(header)
     unit = _UNIT.search(header)
     bare = header[: unit.start()] if unit and unit.start() else header
-    name = bare if bare in KNOWN else _OTHERS.get(bare.lower())
+    name = bare if bare in names else _OTHERS.get(bare.lower())
     if name is None:
         return Column(None)
     degrees = unit is not None and bare != header and unit.group(1).lower().startswith("deg")

@@ -15,7 +15,7 @@ from typing import Any, TextIO
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import called, read_whole
 from polhode.common.text_tables import few
-from polhode.judging.tables.column_aliases import KNOWN, Column, column
+from polhode.judging.tables.column_aliases import Column, column, known
 from polhode.judging.tables.csv_columns import most_printed, values
 from polhode.judging.tables.table import Table, radians
 from polhode.numbers import expression
@@ -73,13 +73,13 @@ class TableFile:
             raise BadInput(str(path), "file", None, "a header line that names the columns")
         header = rows[0][1]
         named = [column(name) for name in header]
-        for name in KNOWN:
+        for name in known():
             if sum(name == found.name for found in named) > 1:
                 raise BadInput(str(path), "header", name, "each column once")
         if all(found.name != "t" for found in named):
             raise BadInput(str(path), "header", ",".join(header), "a column t among its names")
         if all(found.name in (None, "t") for found in named):
-            expected = f"columns beside t that can be judged, of {', '.join(KNOWN[1:])}"
+            expected = f"columns beside t that can be judged, of {', '.join(known()[1:])}"
             raise BadInput(str(path), "header", ",".join(header), expected)
         if len(rows) == 1:
             raise BadInput(str(path), "file", None, "at least one line of numbers")

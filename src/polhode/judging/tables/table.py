@@ -10,13 +10,12 @@ from typing import Any
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
-from polhode.judging.tables.column_aliases import KNOWN, column
+from polhode.judging.tables.column_aliases import column, known, not_judged
 from polhode.judging.tables.type_inference import type_of
 from polhode.numbers import exact
 from polhode.numbers.conversion import exact_number, exactly
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 
 MOST_PRINTED = 60  # digits that rows of exact numbers are counted as
 
@@ -68,10 +67,10 @@ def table_of_rows(
         raise BadInput("compare", "states", None, f"rows of finite numbers ({fault})") from None
     if at is None or len(times) != len(rows) or not rows:
         raise BadInput("compare", "at", len(times), f"a time for each of {len(rows)} rows")
-    known = (*STATE, *ANGLES, *ATTITUDE)
+    judged = [name for name in known()[1:] if name not in not_judged()]
     for name in each("compare", "columns", columns, str, "a list of names"):
-        if name not in known:
-            raise BadInput("compare", "columns", name, nearest(name, list(known)))
+        if name not in judged:
+            raise BadInput("compare", "columns", name, nearest(name, judged))
     if any(len(row) != len(columns) for row in rows):
         expected = f"{len(columns)} numbers in each row: {', '.join(columns)}"
         raise BadInput("compare", "states", None, expected)
@@ -96,13 +95,13 @@ def table_of_columns(given: Any, number: NumberType | None = None) -> Table:
         held = {str(name): getattr(given[name], "values", given[name]) for name in names}
     named = {name: column(name) for name in held}
     header = ",".join(held)
-    for name in KNOWN:
+    for name in known():
         if sum(name == found.name for found in named.values()) > 1:
             raise BadInput("compare", "columns", name, "each column once")
     if all(found.name != "t" for found in named.values()):
         raise BadInput("compare", "columns", header, "a column t among them")
     if all(found.name in (None, "t") for found in named.values()):
-        expected = f"columns beside t that can be judged, of {', '.join(KNOWN[1:])}"
+        expected = f"columns beside t that can be judged, of {', '.join(known()[1:])}"
         raise BadInput("compare", "columns", header, expected)
     if number is None:
         number = type_of(held[name] for name, k in named.items() if k.name not in (None, "t"))
@@ -117,7 +116,7 @@ def table_of_columns(given: Any, number: NumberType | None = None) -> Table:
             "compare", "columns", header, "columns as long as t, with a time in each row"
         )
     printed = number.printed_digits if number else MOST_PRINTED
-    ignored = tuple(name for name, known in named.items() if known.name is None)
+    ignored = tuple(name for name, meant in named.items() if meant.name is None)
     exact_times = tuple(t for t in times if t is not None)
     return Table("columns", exact_times, found, ignored, printed, number)
 

@@ -83,7 +83,7 @@ def why_not(
         return f"at most {MOST_DIGITS} digits"
     if scene.form not in LINEAR:
         return "one of the forms " + ", ".join(LINEAR)
-    if "angles" in scene.outputs and scene.starts_at_pole:
+    if "angles" in scene.modelled and scene.starts_at_pole:
         return "no angles of a motion that starts at a pole"
     if not _all_entire(scene):
         return "events without a division by what varies or a root of it"

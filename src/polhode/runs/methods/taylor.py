@@ -109,7 +109,7 @@ class Run:
         if made.singular:
             return Outcome.SINGULAR, rows
         origin = ZERO
-        if "angles" in self.scene.outputs and self.scene.starts_at_pole:
+        if "angles" in self.scene.modelled and self.scene.starts_at_pole:
             whole, origin = self._off_the_pole(whole, inside[len(rows)])
             if made.number.flat:  # a motion that stays at the pole has no angles
                 rows = rows[:, : len(whole.start)]

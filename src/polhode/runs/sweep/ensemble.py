@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from polhode.common.cached_property import cached_property
+from polhode.equations.column import derived_stack, of_state_alone
 from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.numbers.decimals import shown
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Rows
+from polhode.numbers.scalars import Rows, Value
 from polhode.runs import presentation
 from polhode.runs.sweep.endings import Ended
 from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
@@ -77,6 +78,8 @@ class Ensemble(Ended):
         member = self.members[index]
         states = self.rows(index)
         count = len(states)
+        if self.outputs:
+            member = replace(member, outputs=tuple(self.outputs))
         return Trajectory(
             scene=member.at(self.scene.times),
             number=self.number,
@@ -119,6 +122,15 @@ class Ensemble(Ended):
         return self.scene.columns
 
     @cached_property
+    def outputs(self) -> Mapping[str, Rows]:
+        """Outputs of the scene that are made of the states alone, (members, times, columns).
+
+        Others are left out of a sweep.  Not a number where a member did not come.
+        """
+        words = [word for word in of_state_alone() if word in self.scene.outputs]
+        return {word: derived_stack(word, self.members, self.states, self.number) for word in words}
+
+    @cached_property
     def outcomes(self) -> tuple[Outcome, ...]:
         """How each member ended."""
         return tuple(OUTCOMES[code] for code in self.endings.tolist())
@@ -157,3 +169,8 @@ class Ensemble(Ended):
         """The states of one member as far as it came."""
         states = self.states[index]
         return states[: int((states[:, 0] == states[:, 0]).sum())]
+
+    def output(self, word: str, index: int) -> list[list[Value | None]]:
+        """The rows of an output of one member as far as it came, None where there is no number."""
+        rows = self.outputs[word][index][: len(self.rows(index))]
+        return [[x if x == x else None for x in row] for row in rows]

@@ -71,7 +71,8 @@ def integrate_many(
 
     ``digits`` chooses the number type by how far the fastest member turns, and promises no more:
     unlike a single run, a sweep is not checked, and members whose motion multiplies errors may
-    have fewer digits right.  States alone are kept: outputs that the scene asks for are left out.
+    have fewer digits right.  States alone are kept, and outputs of the scene that are made of them;
+    others are left out.
     Ctrl-C keeps the members that are finished; the others have the outcome NOT_RUN.  Raises
     BadInput, before anything is integrated, for a member that cannot be, a scene with events, or
     too much of it all.

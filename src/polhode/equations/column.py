@@ -1,0 +1,81 @@
+"""Derived columns of a trajectory: one file each, a formula written once for any scalar.
+
+What a scene may ask for is in :data:`polhode.scenes.vocabulary.COLUMNS`; the formula of a word that
+is derived is found by the word, as a form of the equations is by its name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from polhode.numbers.rows import RowFormula, mapped, mapped_stack
+from polhode.scenes.vocabulary import COLUMNS
+
+if TYPE_CHECKING:
+    from polhode.numbers.exact import Exact
+    from polhode.numbers.number_types import NumberType
+    from polhode.numbers.rows import Columns
+    from polhode.numbers.scalars import Rows
+    from polhode.scenes.scene import Scene
+
+#: Rows as decimal strings.
+Texts = list[list[str | None]]
+
+
+@dataclass(frozen=True)
+class Column:
+    """A derived column.
+
+    ``values``: of a row of what it needs, one after the other (the state is p q r gamma1 gamma2
+    gamma3), of coefficients and of the scalar's functions.  ``coefficients``: exact numbers of the
+    scene by name, where the formula has any.  ``not_judged``: why a file's column is not held
+    against a reference, where it is not.  ``as_json``: the value in JSON, of the strings of the
+    states and of the column, where it is not the latter; ``from_json`` gives the latter back.
+    """
+
+    values: RowFormula
+    coefficients: Callable[[Scene], Mapping[str, Exact]] | None = None
+    not_judged: str = ""
+    as_json: Callable[[Texts, Texts], Mapping[str, Texts]] | None = None
+    from_json: Callable[[Mapping[str, Texts]], Texts] | None = None
+
+    def of(self, scene: Scene) -> Mapping[str, Exact]:
+        """The formula's coefficients."""
+        return {} if self.coefficients is None else self.coefficients(scene)
+
+
+def column(word: str) -> Column:
+    """A derived column by its word, imported when it is asked for."""
+    found: Column = import_module(f"polhode.equations.columns.{word.replace('-', '_')}").COLUMN
+    return found
+
+
+def derived_words() -> list[str]:
+    """The words of the columns that are derived."""
+    return [word for word, found in COLUMNS.items() if found.how == "derived"]
+
+
+def of_state_alone() -> list[str]:
+    """The words of the columns that need the state and nothing else."""
+    return [word for word in derived_words() if COLUMNS[word].needs == ("state",)]
+
+
+def derived_stack(word: str, scenes: Sequence[Scene], states: Rows, number: NumberType) -> Rows:
+    """A column of states alone, (members, times, columns); not a number where there is none."""
+    found, width = column(word), len(COLUMNS[word].names)
+    if found.coefficients is None:
+        return mapped_stack(found.values, states, {}, number, width)
+    made = states[:, :, :1].repeat(width, axis=2)
+    for k, scene in enumerate(scenes):
+        part = states[k : k + 1]
+        made[k] = mapped_stack(found.values, part, found.of(scene), number, width)[0]
+    return made
+
+
+def derived(word: str, scene: Scene, parts: Sequence[Rows], number: NumberType) -> Columns:
+    """A derived column of rows of all that it needs, in the order of its ``needs``."""
+    found = column(word)
+    return mapped(found.values, parts, found.of(scene), number, len(COLUMNS[word].names))

@@ -1,0 +1,379 @@
+"""A derived column: one file and one row, and it is right in every output and number type."""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import json
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+
+import polhode
+from polhode.cli import main
+from polhode.equations import column, columns
+from polhode.figures.canvas import curve_sampling
+from polhode.numbers import rows as formulas
+from polhode.numbers.conversion import exactly, to_mpf
+from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
+from polhode.numbers.rows import mapped
+from polhode.output import guide
+from polhode.scenes.vocabulary import COLUMNS, STATE, ColumnWord, column_names
+
+NUMBERS = {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD, "mp": mp(50)}
+TOP = "lagrange/nutation"
+SHORT, LONG = "0,1,5", "0,1,1500"
+LENGTHS = [
+    pytest.param(number, at, marks=[pytest.mark.slow] if at == LONG and number in NARROW else [])
+    for NARROW in (("quad", "mp"),)
+    for number in NUMBERS
+    for at in (SHORT, LONG)
+]
+
+#: The one file, ``equations/columns/speed.py``, and the one row, of ``COLUMNS``.
+FILE = '''"""The length of omega."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from polhode.equations.column import Column
+from polhode.numbers.scalars import Functions, Scalar
+
+
+def _length(x: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:
+    return [fn.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])]
+
+
+COLUMN: Final = Column(_length)
+'''
+ROW = ColumnWord(("speed",), ("state",), "derived", "the length of omega")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def speed(tmp_path_factory):
+    """The column in a folder of its own beside the package's."""
+    folder = tmp_path_factory.mktemp("columns")
+    (folder / "speed.py").write_text(FILE)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(columns, "__path__", [*columns.__path__, str(folder)])
+        patch.setitem(COLUMNS, "speed", ROW)
+        importlib.invalidate_caches()
+        yield
+    sys.modules.pop("polhode.equations.columns.speed", None)
+
+
+def true_speed(state):
+    """Of exact numbers, by mpmath alone, to 1000 bits."""
+    with mpmath.workprec(1000):
+        p, q, r = (mpmath.mpf(x.numerator) / x.denominator for x in map(Fraction, state[:3]))
+        return mpmath.sqrt(p * p + q * q + r * r)
+
+
+def assert_rounded(found, state, number):
+    """Half a unit of the type's last bit, and no bit fewer: a rounding of the true value."""
+    true = true_speed(state)
+    with mpmath.workprec(1000):
+        exact = mpmath.mpf(found.numerator) / found.denominator
+        unit = mpmath.ldexp(1, int(mpmath.floor(mpmath.log(true, 2))) + 1 - number.bits)
+        assert abs(exact - true) <= unit * 0.501, (found, true)
+    assert number.rounded(found) == found
+
+
+def read(text, number):
+    """The number of the type that a printed decimal stands for."""
+    return number.rounded(Fraction(text))
+
+
+@pytest.fixture
+def scene():
+    return replace(polhode.load(TOP), outputs=("speed",))
+
+
+@pytest.mark.parametrize(("number", "at"), LENGTHS)
+def test_a_run_prints_the_speed_with_the_digits_of_its_type(number, at, tmp_path, capsys):
+    """JSON, CSV and the JSON beside it: the same strings, each the rounding of the true value."""
+    kind, path = NUMBERS[number], tmp_path / "x.csv"
+    asked = ["run", TOP, "--number", number, "--at", at, "--outputs", "speed"]
+    assert main([*asked, "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert "angles" not in answer
+    assert "attitude" not in answer
+    for state, (text,) in zip(answer["states"], answer["speed"], strict=True):
+        assert_rounded(read(text, kind), [read(x, kind) for x in state], kind)
+        assert len(text.replace(".", "")) == kind.printed_digits
+    assert main([*asked, "-o", str(path)]) == 0
+    header, *lines = csv.reader(path.read_text().splitlines())
+    assert header == ["t", *STATE, "speed"]
+    assert [line[1:7] for line in lines] == answer["states"]
+    assert [line[7:] for line in lines] == answer["speed"]
+    beside = json.loads(path.with_suffix(".json").read_text())
+    assert "speed" not in beside
+    assert beside["number"] == number
+    true = polhode.reference(TOP).at(at.split(","), 60)
+    for state, (text,) in zip(true, answer["speed"], strict=True):
+        wrong = abs(to_mpf(read(text, kind), 400) / true_speed([exactly(x) for x in state]) - 1)
+        assert wrong < 10 ** (6 - kind.most_digits)  # the motion's own error, to t = 1500
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_a_run_holds_the_speed_wherever_it_goes(number, scene, tmp_path):
+    """Trajectory, file and back, frames, notebook, curves."""
+    kind = NUMBERS[number]
+    run = polhode.integrate(scene, number, at=[0, 1, 5])
+    found = [exactly(row[0]) for row in run.outputs["speed"]]
+    for value, state in zip(found, run.states, strict=True):
+        assert_rounded(value, [exactly(x) for x in state], kind)
+    held = [number_value for (number_value,) in run.outputs["speed"]]
+    assert isinstance(run.outputs["speed"], np.ndarray) == kind.flat
+    if kind.flat:
+        assert run.outputs["speed"].dtype == run.states.dtype
+    assert run.hodographs is None
+    path = tmp_path / "run.npz"
+    run.save(path)
+    again = polhode.load_run(path)
+    assert again == run
+    assert [row[0] for row in again.outputs["speed"]] == held
+    frame, dataset = run.to_pandas(), run.to_xarray()
+    assert list(frame.columns) == [*STATE, "speed"] == list(dataset.data_vars)
+    assert list(frame["speed"]) == held == list(dataset["speed"].values)
+    assert f"speed {float(held[-1]):.6g} at the end" in run._repr_html_()
+    curve = curve_sampling.of_run(run).columns["speed"]
+    assert curve.tolist() == [float(x) for x in held]
+    judged = polhode.compare(run)
+    assert kind.most_digits - 3 < judged.parts["speed"] <= kind.most_digits
+
+
+@pytest.mark.parametrize(
+    "name", [TOP, "euler/turned-axes", pytest.param("kovalevskaya/generic", marks=pytest.mark.slow)]
+)
+@pytest.mark.parametrize("digits", [12, 40])
+def test_a_reference_gives_the_speed_to_the_last_digit(name, digits, capsys):
+    asked = ["reference", name, "--at", "1,1500", "--outputs", "speed,hodographs"]
+    assert main([*asked, "--digits", str(digits), "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    for state, (text,) in zip(
+        polhode.reference(name).at([1, 1500], digits + 20), answer["speed"], strict=True
+    ):
+        true = true_speed([exactly(x) for x in state])
+        printed = len(text.replace(".", ""))
+        assert printed > digits
+        with mpmath.workprec(1000):
+            wrong = abs(mpmath.mpf(text) - true)
+            assert wrong < mpmath.mpf(10) ** (1 - printed) * 0.51
+    assert main([*asked, "--digits", str(digits)]) == 0
+    header, *lines = capsys.readouterr().out.splitlines()
+    assert header.split()[-4:] == ["omega_x", "omega_y", "omega_z", "speed"]
+    assert [line.split()[-1:] for line in lines] == answer["speed"]
+    found = polhode.reference(name).column("speed", [1, 1500], digits)
+    for (x,), (text,) in zip(found, answer["speed"], strict=True):
+        assert abs(exactly(x) - Fraction(text)) < 10 * Fraction(10) ** -digits
+
+
+def test_a_reference_of_either_kind_gives_the_speed(scene):
+    """A proven enclosure's midpoints, and two integrations, judge a run's speed, too."""
+    run = polhode.integrate(scene, at=[0, 1])
+    for kind in ("certified", "two-precisions"):
+        judged = polhode.compare(run, polhode.reference(replace(scene, reference=kind)))
+        assert 14 < judged.parts["speed"] <= DOUBLE.most_digits, kind
+
+
+def test_a_proof_gives_balls_of_the_speed(capsys):
+    """They hold the closed form's and are as small as was asked for; printed digits are right."""
+    asked = ["reference", TOP, "--certified", "--at", "1,2", "--digits", "25"]
+    assert main([*asked, "--outputs", "speed,hodographs", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    true = [true_speed([exactly(x) for x in s]) for s in polhode.reference(TOP).at([1, 2], 60)]
+    with mpmath.workprec(1000):
+        for (text,), (radius,), speed in zip(
+            answer["speed"], answer["speed_radii"], true, strict=True
+        ):
+            assert abs(mpmath.mpf(text) - speed) <= mpmath.mpf(10) ** (1 - len(text) + 1) * 0.51
+            assert float(radius) < 1e-25
+            assert len(text) > 25
+        for row, speed in zip(answer["hodographs"]["space"], true, strict=True):
+            assert abs(mpmath.norm([mpmath.mpf(x) for x in row]) - speed) < 1e-24
+    top = replace(polhode.load(TOP), outputs=("speed",))
+    part = polhode.certify(top, [1, 2], 25).derived["speed"]
+    for (centre,), (radius,), speed in zip(part.centres, part.radii, true, strict=True):
+        with mpmath.workprec(1000):
+            assert abs(mpmath.mpf(centre.numerator) / centre.denominator - speed) <= radius
+    assert main([*asked, "--outputs", "speed,hodographs"]) == 0
+    header, *lines = capsys.readouterr().out.splitlines()
+    assert header.split()[-1] == "speed"
+    assert [[line.split()[-1]] for line in lines] == answer["speed"]
+
+
+@pytest.mark.parametrize("count", [3, 201])
+def test_compare_judges_a_column_of_speed(count, tmp_path, capsys):
+    """Few rows one by one, many at once; an error is relative to the largest speed."""
+    path, end = tmp_path / "x.csv", 5
+    times = [Fraction(end * k, count - 1) for k in range(count)]
+    true = [true_speed([exactly(x) for x in row]) for row in polhode.reference(TOP).at(times, 30)]
+    wrong = {count // 2: max(true) * mpmath.mpf("1e-7")}
+
+    def judged(error):
+        lines = [
+            f"{float(t)!r},{mpmath.nstr(x + error.get(k, 0), 17)}"
+            for k, (t, x) in enumerate(zip(times, true, strict=True))
+        ]
+        path.write_text("\n".join(["t,speed", *lines]) + "\n")
+        assert main(["compare", str(path), TOP, "--json"]) == 0
+        return json.loads(capsys.readouterr().out)
+
+    answer = judged({})
+    assert answer["judged"] == ["speed"]
+    assert 14.9 < answer["parts"]["speed"] <= 19
+    assert judged(wrong)["parts"]["speed"] == 7.0
+    path.write_text("t,q0,speed\n0,,\n1,,\n")
+    assert main(["compare", str(path), TOP, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)["not_judged"]
+    assert "speed was not judged: none of it has a value" in told
+
+
+@pytest.mark.parametrize("number", ["double", "extended", "quad"])
+def test_a_sweep_gives_the_speed_of_each_member(number, scene, tmp_path, capsys):
+    kind, vary = NUMBERS[number], {"body.weight": [1, 2]}
+    many = polhode.integrate_many(scene, vary, number=number, at=[0, 1])
+    speeds = many.outputs["speed"]
+    assert speeds.shape == (2, 2, 1)
+    assert speeds.dtype == many.states.dtype
+    for k in range(2):
+        for value, state in zip(speeds[k, :, 0], many.states[k], strict=True):
+            assert_rounded(exactly(value), [exactly(x) for x in state], kind)
+        assert [row[0] for row in many[k].outputs["speed"]] == speeds[k, :, 0].tolist()
+    frame, dataset = many.to_pandas(), many.to_xarray()
+    assert list(frame.columns) == ["body.weight", *STATE, "speed"]
+    assert dataset["speed"].values.tolist() == speeds[:, :, 0].tolist()
+    file = tmp_path / "top.toml"
+    text = polhode.load(TOP).source.replace('["angles", "attitude"]', '["speed"]')
+    assert '["speed"]' in text
+    file.write_text(text)
+    asked = ["sweep", str(file), "--vary", "body.weight=1,2", "--at", "0,1", "--number", number]
+    assert main([*asked, "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    printed = [[read(x, kind) for (x,) in member["speed"]] for member in answer["members"]]
+    assert printed == [[exactly(x) for x in one] for one in speeds[:, :, 0]]
+    assert main([*asked, "-o", str(tmp_path / "x.csv")]) == 0
+    assert "left out" not in capsys.readouterr().err
+    header, *lines = csv.reader((tmp_path / "x.csv").read_text().splitlines())
+    assert header[-1] == "speed"
+    assert [[line[-1]] for line in lines] == [x for m in answer["members"] for x in m["speed"]]
+    assert main([*asked, "-o", str(tmp_path / "x.npz")]) == 0
+    with np.load(tmp_path / "x.npz") as file:
+        held = file["speed"]
+    assert held.shape == (2, 2, 1)
+    numbers = [[read(exactly(x) if kind.flat else str(x), kind) for (x,) in m] for m in held]
+    assert numbers == printed
+
+
+def test_a_sweep_keeps_the_largest_speed(scene):
+    many = polhode.integrate_many(scene, {"body.weight": [1, 2]}, at=[0, 1, 2])
+    kept = polhode.reduce_many(scene, {"body.weight": [1, 2]}, "largest 2*speed", at=[0, 1, 2])
+    assert kept["largest 2*speed"].tolist() == (2 * many.outputs["speed"][:, :, 0]).max(1).tolist()
+
+
+def test_the_word_is_known_by_name(capsys):
+    """The guide's table, and a typo of the word."""
+    assert "| `speed` | `speed` | the length of omega |" in guide.page("outputs")
+    for verb in ("run", "reference"):
+        assert main([verb, TOP, "--outputs", "sped"]) == 2
+        told = capsys.readouterr().err
+        known = "expected angles, attitude, hodographs, speed (did you mean 'speed'?)"
+        assert f"run.outputs = sped: {known}" in told
+    with pytest.raises(polhode.BadInput, match="did you mean 'speed'"):
+        polhode.reference(TOP).column("sped", [1])
+
+
+# -- the table and the formula ------------------------------------------------------------------
+
+
+def test_every_row_of_the_table_is_whole():
+    """Names are unique; what is derived has its file, what it needs is integrated."""
+    names = ["t", *STATE, *column_names()]
+    assert len(set(names)) == len(names)
+    assert not {*COLUMNS} & {"scene", "number", "bits", "columns", "times", "states", "events"}
+    for word, found in COLUMNS.items():
+        assert found.meaning
+        if found.how == "derived":
+            needs = {*found.needs} - {"state"}
+            assert all(COLUMNS[need].how == "integrated" for need in needs)
+            assert isinstance(column.column(word), column.Column)
+    here = {path.stem for path in Path(columns.__file__).parent.glob("*.py")} - {"__init__"}
+    assert {word.replace("_", "-") for word in here} == {*column.derived_words()} - {"speed"}
+
+
+def divided(x, k, fn):
+    return [k["c"] * x[0] / x[1], fn.sqrt(x[1])]
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_a_row_without_a_finite_real_value_is_a_gap(number):
+    """A division by zero, the root of a negative number, a cell that is not there."""
+    kind = NUMBERS[number]
+    whole, c = [(1, 4), (3, 1)], {"c": Fraction(1, 3)}
+    for bad in ((1, 0), (1, -1), (1, None), (float("nan"), 1), (float("inf"), 1)):
+        given = [list(row) for row in (*whole, bad)]
+        found = mapped(divided, [given], c, kind, 2)
+        assert isinstance(found, list)
+        assert found[2] == [None, None]
+        assert [exactly(x) for x in found[0]] == [kind.rounded(Fraction(1, 12)), 2]
+        assert [exactly(x) for x in found[1]] == [1, 1]
+    flat = mapped(divided, [[list(row) for row in whole]], c, kind, 2)
+    assert isinstance(flat, np.ndarray) == kind.flat
+
+
+def test_doubles_are_the_same_where_there_is_no_wider_type(monkeypatch):
+    """The ways by numpy's extended and by mpmath: the same doubles, row by row."""
+    rng = np.random.default_rng(1)
+    given = rng.normal(size=(500, 6))
+    formula = column.column("speed").values
+    fast = mapped(formula, [given], {}, DOUBLE, 1)
+    monkeypatch.setattr(formulas, "extended_here", lambda: False)
+    assert np.array_equal(fast, mapped(formula, [given], {}, DOUBLE, 1))
+
+
+@pytest.mark.slow
+def test_one_file_and_one_row_are_all(tmp_path):
+    """The package itself with the file and the row, as somebody who adds the column has it."""
+    top = Path(polhode.__file__).parents[2]
+    shutil.copytree(top / "src", tmp_path / "src", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(top / "cases", tmp_path / "cases")
+    package = tmp_path / "src/polhode"
+    (package / "equations/columns/speed.py").write_text(FILE)
+    vocabulary = package / "scenes/vocabulary.py"
+    before, table, after = vocabulary.read_text().partition(
+        "COLUMNS: Mapping[str, ColumnWord] = {\n"
+    )
+    row, end, rest = after.partition("\n}\n")
+    vocabulary.write_text(f'{before}{table}{row}\n    "speed": {ROW!r},{end}{rest}')
+
+    def says(*command):
+        done = subprocess.run(
+            [sys.executable, "-m", "polhode", *command],
+            capture_output=True,
+            text=True,
+            cwd=tmp_path,
+            env={"PYTHONPATH": str(tmp_path / "src")},
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    assert "angles, attitude, hodographs, speed" in says("run", "--help")
+    assert "`hodographs`, `speed`" in says("guide", "scene")
+    assert "| `speed` | `speed` | the length of omega |" in says("guide", "outputs")
+    answer = json.loads(
+        says("run", TOP, "--at", "1", "--outputs", "speed", "--number", "mp", "--json")
+    )
+    kind = NUMBERS["mp"]
+    assert_rounded(
+        read(answer["speed"][0][0], kind), [read(x, kind) for x in answer["states"][0]], kind
+    )
