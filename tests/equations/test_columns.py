@@ -11,6 +11,7 @@ import sys
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 
 import mpmath
 import numpy as np
@@ -24,7 +25,7 @@ from polhode.numbers import rows as formulas
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
 from polhode.numbers.rows import mapped
-from polhode.output import guide
+from polhode.output import guide, json_results
 from polhode.scenes.vocabulary import COLUMNS, STATE, ColumnWord, column_names
 
 NUMBERS = {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD, "mp": mp(50)}
@@ -339,6 +340,43 @@ def test_doubles_are_the_same_where_there_is_no_wider_type(monkeypatch):
     fast = mapped(formula, [given], {}, DOUBLE, 1)
     monkeypatch.setattr(formulas, "extended_here", lambda: False)
     assert np.array_equal(fast, mapped(formula, [given], {}, DOUBLE, 1))
+
+
+def test_a_column_may_need_numbers_of_the_body_and_angles(monkeypatch):
+    """C r²/2 of each member of a sweep by its own C; psi + phi, at a pole a gap."""
+
+    def energy(x, k, fn):
+        return [k["C"] * x[2] ** 2 / 2]
+
+    def sum_of(x, k, fn):
+        return [x[6] + x[8]]
+
+    found = {
+        "energy": column.Column(energy, lambda scene: {"C": scene.body.moments[2]}),
+        "turned": column.Column(sum_of),
+    }
+    monkeypatch.setitem(COLUMNS, "energy", ColumnWord(("spin",), ("state",), "derived", "C r²/2"))
+    needs = ("state", "angles")
+    monkeypatch.setitem(COLUMNS, "turned", ColumnWord(("sum",), needs, "derived", "psi + phi"))
+    for word, one in found.items():
+        name = f"{columns.__name__}.{word}"
+        monkeypatch.setitem(sys.modules, name, SimpleNamespace(COLUMN=one))
+    scene = replace(polhode.load(TOP), outputs=("energy", "turned"))
+    many = polhode.integrate_many(scene, {"body.moments[3]": ["1/2", "1/4"]}, at=[0, 1])
+    assert list(many.outputs) == ["energy"]
+    for k, c in enumerate((0.5, 0.25)):
+        spins = (c / 2 * many.states[k][:, 2].astype(np.longdouble) ** 2).astype(np.float64)
+        assert many.outputs["energy"][k, :, 0].tolist() == spins.tolist()
+    run = polhode.integrate(scene, at=[0, 1])
+    assert list(run.outputs) == ["angles", "energy", "turned"]
+    assert "angles" not in json_results.of_run(run, "")
+    for angles, (total,) in zip(run.angles, run.outputs["turned"], strict=True):
+        assert total == float(Fraction(angles[0]) + Fraction(angles[2]))
+    pole = replace(polhode.load("lagrange/from-the-pole"), outputs=("turned",))
+    first, later = polhode.integrate(pole, at=[0, 1]).outputs["turned"]
+    assert first == [None]
+    assert 0 < later[0] < 10
+    assert 14 < polhode.compare(run).parts["turned"] <= DOUBLE.most_digits
 
 
 @pytest.mark.slow
