@@ -21,10 +21,10 @@ import polhode
 from polhode.cli import main
 from polhode.equations import column, columns
 from polhode.figures.canvas import curve_sampling
-from polhode.numbers import rows as formulas
+from polhode.numbers import row_formulas
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
-from polhode.numbers.rows import mapped
+from polhode.numbers.row_formulas import mapped
 from polhode.output import guide, json_results
 from polhode.scenes.vocabulary import COLUMNS, STATE, ColumnWord, column_names
 
@@ -338,7 +338,7 @@ def test_doubles_are_the_same_where_there_is_no_wider_type(monkeypatch):
     given = rng.normal(size=(500, 6))
     formula = column.column("speed").values
     fast = mapped(formula, [given], {}, DOUBLE, 1)
-    monkeypatch.setattr(formulas, "extended_here", lambda: False)
+    monkeypatch.setattr(row_formulas, "extended_here", lambda: False)
     assert np.array_equal(fast, mapped(formula, [given], {}, DOUBLE, 1))
 
 

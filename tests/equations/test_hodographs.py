@@ -16,8 +16,7 @@ import polhode
 from polhode.cli import main
 from polhode.equations import hodographs
 from polhode.judging import rolling_cones
-from polhode.numbers import number_types
-from polhode.numbers import rows as formulas
+from polhode.numbers import number_types, row_formulas
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
@@ -71,7 +70,7 @@ def test_a_vector_is_turned_exactly_and_rounded_once(q, v, number):
 def test_where_long_double_is_no_wider_the_space_vector_still_is(monkeypatch):
     run = polhode.integrate(scene_of("kovalevskaya/generic", count=5))
     space = run.hodographs.space
-    monkeypatch.setattr(formulas, "extended_here", lambda: False)
+    monkeypatch.setattr(row_formulas, "extended_here", lambda: False)
     assert np.array_equal(hodographs.hodographs(run.states, run.attitude, run.number).space, space)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from polhode.numbers.rows import RowFormula, mapped, mapped_stack
+from polhode.numbers.row_formulas import RowFormula, mapped, mapped_stack
 from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from typing import NamedTuple
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType, extended_here
-from polhode.numbers.rows import GUARD_BITS, mapped
+from polhode.numbers.row_formulas import GUARD_BITS, mapped
 from polhode.numbers.scalars import Functions, Row, Rows, Scalar
 from polhode.scenes.body import cross, dot
 

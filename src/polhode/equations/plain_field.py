@@ -11,10 +11,9 @@ import numpy.typing as npt
 
 from polhode.equations.forms.matrices import inverse
 from polhode.numbers.conversion import to_double
+from polhode.numbers.rows import Doubles
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-
-Doubles = npt.NDArray[np.float64]
 
 
 def field(scene: Scene | str | Path) -> Callable[[float, npt.ArrayLike], Doubles]:

@@ -10,7 +10,7 @@ from polhode.common.errors import BadInput
 from polhode.equations.hodographs import turned
 from polhode.judging.finite_differences import derivative_weights
 from polhode.numbers.conversion import mpf_row, to_mpf
-from polhode.numbers.rows import GUARD_BITS
+from polhode.numbers.row_formulas import GUARD_BITS
 from polhode.scenes.body import Body, cross, dot, minus
 
 if TYPE_CHECKING:

@@ -13,17 +13,14 @@ import math
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from polhode.numbers import exact, rationals
 from polhode.numbers.exact import Irrational, Number
 from polhode.numbers.rationals import Rationals
 from polhode.numbers.scalars import Functions
-
-Doubles: TypeAlias = npt.NDArray[np.float64]
 
 BITS = 100  # that a short formula keeps of the 106
 _SPLITTER = 134217729.0  # 2**27 + 1

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, SupportsFloat, Type
 from polhode.numbers import exact
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
+    pass
 
 #: What a formula is written for: int, Fraction, Irrational, float, numpy's longdouble and arrays,
 #: mpmath's mpf, heyoka's expressions.  They have arithmetic in common and no type: mpmath and
@@ -48,11 +47,6 @@ class Real(Protocol):
     def __gt__(self, other: Real | float, /) -> bool: ...
     def __ge__(self, other: Real | float, /) -> bool: ...
 
-
-#: Arrays of a result.
-Doubles: TypeAlias = "npt.NDArray[np.float64]"
-Complexes: TypeAlias = "npt.NDArray[np.complex128]"
-Integers: TypeAlias = "npt.NDArray[np.integer]"
 
 #: A row of such numbers, or of heyoka's: an ndarray, or a list above extended.
 Row: TypeAlias = Any

@@ -35,7 +35,8 @@ from polhode.dynamics.sections.initial_tangents import tangents_of
 from polhode.judging.conditioning.lyapunov import CHAOTIC
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.scalars import AnyNumber, Doubles, Integers
+from polhode.numbers.rows import Doubles, Integers
+from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library, vary
 from polhode.scenes.scene import Scene
 

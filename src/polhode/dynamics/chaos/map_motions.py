@@ -10,7 +10,7 @@ from polhode.dynamics.sections.starts import asked_of, starts_of
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.scalars import Doubles, Integers
+from polhode.numbers.rows import Doubles, Integers
 from polhode.scenes import vary
 from polhode.scenes.scene import Scene
 from polhode.scenes.sweep_scenes import Members

@@ -23,7 +23,8 @@ from polhode.judging.tables.csv_file import read_table
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.exact import Exact, sign
-from polhode.numbers.scalars import AnyNumber, Complexes, Doubles
+from polhode.numbers.rows import Complexes, Doubles
+from polhode.numbers.scalars import AnyNumber
 from polhode.runs.integrate import undisturbed
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library

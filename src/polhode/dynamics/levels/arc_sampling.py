@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from polhode.dynamics.levels.effective_potential import Doubles
 from polhode.dynamics.levels.permanent_rotations import Arc
 from polhode.dynamics.levels.rotation_arcs import FIRST, RationalBody, Segment
+from polhode.numbers.rows import Doubles
 
 SAMPLES = 257  # points of a curve's piece
 _CLUSTER = 14.0  # pieces are followed to e^-14 of their length from an open end

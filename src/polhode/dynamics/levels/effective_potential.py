@@ -21,15 +21,13 @@ from itertools import pairwise
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 from flint import arb, fmpq_poly
 
 from polhode.dynamics.levels.permanent_rotations import Arc
 from polhode.dynamics.levels.rotation_arcs import BITS, RationalBody
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle, rational, real_roots
-
-Doubles: TypeAlias = npt.NDArray[np.float64]
+from polhode.numbers.rows import Doubles
 
 #: Edges of each part of U, ascending; () where the level does not exist.
 Region: TypeAlias = tuple[int, ...]

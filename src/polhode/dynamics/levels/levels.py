@@ -14,7 +14,7 @@ from polhode.common.provenance import provenance
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.levels import effective_potential, permanent_rotations, rotation_arcs
 from polhode.dynamics.levels.arc_sampling import points
-from polhode.dynamics.levels.effective_potential import Doubles, Region, Undecided
+from polhode.dynamics.levels.effective_potential import Region, Undecided
 from polhode.dynamics.levels.fourth_integral import FourthIntegral, fourth_integral
 from polhode.dynamics.levels.permanent_rotations import Arc
 from polhode.dynamics.levels.rotation_arcs import RationalBody, Segment
@@ -23,6 +23,7 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpf
 from polhode.numbers.polynomials import fraction_near, nearest
+from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
 from polhode.scenes.scene import Scene

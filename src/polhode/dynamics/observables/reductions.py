@@ -21,7 +21,7 @@ from polhode.numbers import expression
 from polhode.numbers.conversion import number_value
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.number_types import DOUBLE, NumberType
-from polhode.numbers.rows import mapped_stack
+from polhode.numbers.row_formulas import mapped_stack
 from polhode.numbers.scalars import Rows
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene

@@ -24,7 +24,7 @@ from polhode.dynamics.periodic_orbits.newton_shooting import (
     bordered,
     closed,
 )
-from polhode.taylor.variations.equations import Doubles
+from polhode.numbers.rows import Doubles
 
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.1, 1e-6
 EASY, HARD = 3, 6  # corrections at which a step is lengthened, shortened

@@ -31,8 +31,8 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType
+from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import EXACT
-from polhode.taylor.variations.equations import Doubles
 from polhode.taylor.variations.flow_map import Flow, NotFollowed
 
 SPARE_DIGITS = 2  # written beside those asked for

@@ -21,9 +21,9 @@ from polhode.equations.forms import principal
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import FLOATS, Row, Scalar
 from polhode.scenes.scene import Scene
-from polhode.taylor.variations.equations import Doubles
 from polhode.taylor.variations.flow_map import Flow
 
 

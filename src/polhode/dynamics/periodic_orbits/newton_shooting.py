@@ -21,7 +21,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from polhode.dynamics.periodic_orbits.level_set import Surface
-from polhode.taylor.variations.equations import Doubles
+from polhode.numbers.rows import Doubles
 from polhode.taylor.variations.flow_map import NotFollowed
 
 MOST_CORRECTIONS = 25

@@ -36,13 +36,13 @@ from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.mpmath_context import mpmath, ordinary
 from polhode.numbers.number_types import MAX_DIGITS, bits_for
+from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes import library, scene_file
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import written
 from polhode.scenes.sweep_scenes import tables_of
 from polhode.scenes.validation import Literal
-from polhode.taylor.variations.equations import Doubles
 from polhode.taylor.variations.flow_map import NotFollowed
 
 DIGITS = 15

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.dynamics.periodic_orbits.level_set import Surface
-from polhode.taylor.variations.equations import Doubles
+from polhode.numbers.rows import Doubles
 from polhode.taylor.variations.flow_map import NotFollowed
 
 STEP = 0.05  # radians of the fastest rate between two looks

@@ -34,10 +34,10 @@ from polhode.dynamics.sections.section import section
 from polhode.dynamics.sections.starts import MAXIMA, MOST_STARTS, asked_of, starts_of
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.conversion import exactly
+from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.taylor.variations.equations import Doubles
 from polhode.taylor.variations.flow_map import NotFollowed
 
 GRID = (20, 20)

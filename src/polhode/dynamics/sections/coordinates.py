@@ -27,8 +27,8 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
+from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
-from polhode.taylor.variations.equations import Doubles
 
 _BLOCK = 5000  # points whose roots numpy is asked for at once: a tenth of a second
 _LARGEST = 1e50  # of |G|, and 1 over its least: sixth powers stay in the range of doubles

@@ -21,7 +21,7 @@ from typing import Any
 from polhode.dynamics.sections.initial_tangents import tangents_of
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.scalars import Doubles, Integers
+from polhode.numbers.rows import Doubles, Integers
 from polhode.scenes.scene import Scene
 
 EPS = 2.0**-52

@@ -25,7 +25,8 @@ from polhode.dynamics.sections.starts import MAXIMA, Asked, asked_of, starts_of
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.scalars import AnyNumber, AnyVector, Doubles, Integers
+from polhode.numbers.rows import Doubles, Integers
+from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 

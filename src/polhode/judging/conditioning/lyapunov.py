@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from polhode.common.arguments import each, steps
 from polhode.common.errors import BadInput
@@ -24,13 +24,11 @@ from polhode.judging.references.reference import reference
 from polhode.numbers import exact
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.exact import sign
+from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor.variations.reference_trajectory import six
-
-if TYPE_CHECKING:
-    from polhode.taylor.variations.equations import Doubles
 
 MAX_STEPS = 1_000_000  # of 3 µs
 DEFAULT_LENGTH = 2000  # in the motion's slowest unit of time

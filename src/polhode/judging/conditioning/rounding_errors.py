@@ -43,8 +43,8 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import LOG10_2, NumberType
+from polhode.numbers.rows import Doubles
 from polhode.taylor.corrections.integral_projection import constant_columns
-from polhode.taylor.variations.equations import Doubles
 from polhode.taylor.variations.reference_trajectory import six
 from polhode.taylor.variations.state_transition import Passage
 

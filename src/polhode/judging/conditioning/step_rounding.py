@@ -21,9 +21,9 @@ import numpy.typing as npt
 
 from polhode.equations.equilibrium import at_rest
 from polhode.numbers.conversion import to_double
+from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.corrections.integral_projection import kept_at_zero
-from polhode.taylor.variations.equations import Doubles
 from polhode.taylor.variations.state_transition import Passage
 
 VARIANCE = 1 / 12  # of a rounding, in squared spacings

@@ -19,10 +19,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polhode.judging.dense_reference.taylor_panels import Booleans, NotSo
-from polhode.judging.dense_reference.taylor_series import Doubles
 from polhode.judging.dense_reference.winding import Followed
 from polhode.numbers import exact
 from polhode.numbers.double_double import Pairs, arctan2, hypot, of_exact, pairs
+from polhode.numbers.rows import Doubles
 
 SPARE = 6  # digits that the quaternions have beyond those asked of angles
 _NEAR = 10.0**-SPARE  # of 0: there an angle has so many digits less

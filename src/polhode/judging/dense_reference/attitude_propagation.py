@@ -24,9 +24,10 @@ from polhode.judging.dense_reference.taylor_panels import (
     at_doubles,
     in_columns,
 )
-from polhode.judging.dense_reference.taylor_series import Doubles, stacked
+from polhode.judging.dense_reference.taylor_series import stacked
 from polhode.judging.references.reference import rows
 from polhode.numbers.double_double import Pairs
+from polhode.numbers.rows import Doubles
 
 _EVERY = 16  # panels
 

@@ -24,12 +24,12 @@ from polhode.judging.dense_reference.angle_unwrapping import Angles, angles
 from polhode.judging.dense_reference.attitude_propagation import Attitudes
 from polhode.judging.dense_reference.parallel_evaluation import Ask, asked_by
 from polhode.judging.dense_reference.taylor_panels import SPARE, NotSo, Source, covering
-from polhode.judging.dense_reference.taylor_series import Doubles
 from polhode.judging.dense_reference.winding import follow
 from polhode.judging.references.reference import Reference, rows
 from polhode.numbers.conversion import exactly
 from polhode.numbers.double_double import Pairs, cos_sin, of_fractions, pairs
 from polhode.numbers.mpmath_context import mpmath, own
+from polhode.numbers.rows import Doubles
 
 _BITS = 200
 _MOST = 27  # digits that pairs carry through panels

@@ -20,9 +20,10 @@ import numpy.typing as npt
 
 from polhode.common.text_tables import few
 from polhode.judging.dense_reference.parallel_evaluation import Ask
-from polhode.judging.dense_reference.taylor_series import FINE, ORDER, Doubles, Equations
+from polhode.judging.dense_reference.taylor_series import FINE, ORDER, Equations
 from polhode.judging.references.reference import Reference, rows
 from polhode.numbers.double_double import Pairs, pairs
+from polhode.numbers.rows import Doubles
 
 _FIRST = 1.0  # radians that the first panels are thought to reach to each side
 _FARTHEST = 4.0  # times what they were thought to reach, that is believed of a series

@@ -12,12 +12,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from polhode.numbers.double_double import Pairs, of_exact
+from polhode.numbers.rows import Doubles
 from polhode.scenes.body import Vector, cross, dot, scaled
 from polhode.scenes.scene import Scene
 
@@ -25,7 +24,6 @@ ORDER = 64
 FINE = 32  # coefficients in pairs
 _BLOCK = 64  # series that are made together: what stays in the processor's cache
 
-Doubles: TypeAlias = npt.NDArray[np.float64]
 
 # q ⊗ (0, w): four components, each a sum of three terms q_i w_j, and their signs.
 _QUATERNION = (

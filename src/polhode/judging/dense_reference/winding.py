@@ -21,8 +21,8 @@ import numpy.typing as npt
 from polhode.closed_forms.functions.quaternion import product
 from polhode.judging.dense_reference.attitude_propagation import Attitudes
 from polhode.judging.dense_reference.taylor_panels import Booleans, Numbers, Panels
-from polhode.judging.dense_reference.taylor_series import Doubles
 from polhode.numbers.double_double import Pairs
+from polhode.numbers.rows import Doubles
 
 _STEPS = (32, 512, 4096)  # from a panel's begin to its end
 _AT_ONCE = 1 << 19  # points

@@ -17,7 +17,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
@@ -31,6 +30,7 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.double_double import Pairs, of_exact, of_fractions, of_pairs, pairs
 from polhode.numbers.exact import sign
+from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS
 
@@ -38,8 +38,6 @@ FEWEST = 100  # rows: fewer are judged one by one in no time
 MOST_DIGITS = 20.0  # that can be told in pairs
 _SPARE = 3  # digits of the reference beyond those that can be told
 _CHECKED = 7  # rows at which the pairs are held against the closed form
-
-Doubles = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

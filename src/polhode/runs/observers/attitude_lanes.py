@@ -24,7 +24,8 @@ from polhode.common.progress import Progress
 from polhode.equations import quaternion_products
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
-from polhode.numbers.scalars import Doubles, Rows
+from polhode.numbers.rows import Doubles
+from polhode.numbers.scalars import Rows
 from polhode.runs.methods.taylor import Run
 from polhode.runs.problem.problem import Asked, Setup
 from polhode.scenes.scene import Scene

@@ -16,7 +16,8 @@ import numpy.typing as npt
 
 from polhode.common.progress import Progress
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.scalars import Doubles, Rows
+from polhode.numbers.rows import Doubles
+from polhode.numbers.scalars import Rows
 from polhode.runs.methods.taylor import Run
 from polhode.runs.problem.problem import Asked, Setup
 from polhode.scenes.scene import Scene

@@ -29,14 +29,13 @@ from polhode.equations.integrals import (
 from polhode.numbers.double_double import Pairs, pairs, sqrt
 from polhode.numbers.exact import sign
 from polhode.numbers.rationals import Rationals
+from polhode.numbers.rows import Doubles
 from polhode.runs.sweep.lanes import blocks
 
 if TYPE_CHECKING:
     from polhode.numbers.scalars import Rows
     from polhode.scenes.sweep_columns import Block, Column, Vector
     from polhode.scenes.sweep_scenes import Members
-
-Doubles = npt.NDArray[np.float64]
 
 
 def drifts(members: Members, states: Rows, one: Callable[[int], Drift]) -> Doubles:

@@ -16,7 +16,7 @@ import numpy as np
 
 from polhode.equations.system import System
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.scalars import Doubles
+from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, disk_cache

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.scalars import Doubles
+from polhode.numbers.rows import Doubles
 from polhode.taylor.backend.integrator_pool import Idle
 from polhode.taylor.batches import batch_integrator
 from polhode.taylor.integrator.specification import Blueprint

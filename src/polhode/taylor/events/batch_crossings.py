@@ -20,6 +20,7 @@ from polhode.equations.forms import principal
 from polhode.equations.section_functions import SectionZero
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, compact_beyond
@@ -28,7 +29,6 @@ from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches import step_blocks
 from polhode.taylor.batches.batch_integrator import width
 from polhode.taylor.corrections.level_projection import ARRAYS, TINY, Level, Put
-from polhode.taylor.variations.equations import Doubles
 
 DONE, NONE_LEFT, NON_FINITE, STOPPED = "all crossings", "no more crossings", "not finite", "stopped"
 

@@ -28,12 +28,12 @@ from polhode.numbers import expression
 from polhode.numbers.exact import Number
 from polhode.numbers.expression import Algebra
 from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.rows import Doubles
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.types import CompiledFunction, Expression, HeyokaIntegrator
 from polhode.taylor.batches import step_blocks
 from polhode.taylor.batches.batch_integrator import width
 from polhode.taylor.events.functions import TIME
-from polhode.taylor.variations.equations import Doubles
 
 STRETCH = 32.0  # of the motions' unit of time, a radian or two
 _LONG = 80  # operations of an expression whose code is compiled as loops

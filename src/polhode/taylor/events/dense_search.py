@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.scalars import Doubles
+from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.heyoka_numbers import disk_cache, type_options
 from polhode.taylor.backend.types import CompiledFunction

@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.scalars import Doubles
+from polhode.numbers.rows import Doubles
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, disk_cache
 from polhode.taylor.backend.types import CompiledFunction
 

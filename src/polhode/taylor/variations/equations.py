@@ -12,20 +12,17 @@ import copy
 import math
 from collections.abc import Mapping, Sequence
 from functools import cache
-from typing import TypeAlias
 
 import heyoka as hy
 import numpy as np
-import numpy.typing as npt
 
 from polhode.equations.forms import principal
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Number
+from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
 from polhode.taylor.backend.types import HeyokaIntegrator
-
-Doubles: TypeAlias = npt.NDArray[np.float64]
 
 _BLOCK = 50_000  # steps, a fifth of a second, between which a signal is heard
 

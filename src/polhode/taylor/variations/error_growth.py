@@ -28,9 +28,10 @@ import numpy as np
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.system import system
 from polhode.numbers.conversion import to_double
+from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 from polhode.taylor.corrections.integral_projection import kept_at_zero
-from polhode.taylor.variations.equations import Doubles, Variations
+from polhode.taylor.variations.equations import Variations
 from polhode.taylor.variations.reference_trajectory import Leader, pendulum, six
 
 #: States in principal axes as six doubles, by time, in the scene's own unit, |t| increasing.

@@ -21,6 +21,7 @@ from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import Row
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
@@ -35,7 +36,6 @@ from polhode.taylor.backend.heyoka_numbers import (
 )
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.types import HeyokaIntegrator
-from polhode.taylor.variations.equations import Doubles
 
 MAX_STEPS = 1_000_000
 

@@ -12,11 +12,11 @@ from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import EXTENDED, QUAD, NumberType
+from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import Row
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 from polhode.taylor.integrator.build import build
-from polhode.taylor.variations.equations import Doubles
 
 _SPARE_DIGITS = 10  # of a state as doubles, and of what is lost until the next one is asked for
 

@@ -26,10 +26,11 @@ from polhode.equations.system import System, system
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 from polhode.taylor.integrator.build import build
-from polhode.taylor.variations.equations import Doubles, Variations
+from polhode.taylor.variations.equations import Variations
 from polhode.taylor.variations.reference_trajectory import Leader, pendulum, six
 
 STRIDES = (1.0, 8.0)  # units of the scene's own time a stretch: at least, at most

@@ -19,12 +19,12 @@ from polhode.common.locks import Lock, Place
 from polhode.common.progress import Stop
 from polhode.equations.forms import principal
 from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches import step_blocks
 from polhode.taylor.batches.batch_integrator import width
-from polhode.taylor.variations.equations import Doubles
 
 
 class TangentJob(NamedTuple):

@@ -1,0 +1,148 @@
+"""What a formula makes of rows of numbers: in more precision than they have, rounded once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, TypeAlias
+
+from polhode.numbers.conversion import exactly, mpf_row, number_value, to_extended, to_mpf
+from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import NumberType, extended_here
+from polhode.numbers.rows import Columns, Doubles, Gapped
+from polhode.numbers.scalars import Functions, Row, Rows, Scalar, of_extended, of_mpmath
+
+if TYPE_CHECKING:
+    pass
+
+#: What a row of numbers is made into: a function of the row, of coefficients by name and of the
+#: scalar's own functions, written once for any scalar.
+RowFormula: TypeAlias = Callable[
+    [Sequence[Scalar], Mapping[str, Scalar], Functions], Sequence[Scalar]
+]
+
+GUARD_BITS = 64  # beyond the numbers' own, in which a formula is evaluated
+
+
+def mapped(
+    formula: RowFormula,
+    parts: Sequence[Rows],
+    coefficients: Mapping[str, Exact],
+    number: NumberType,
+    width: int,
+) -> Columns:
+    """What a formula makes of each row: evaluated with guard bits, rounded once to the type.
+
+    ``parts``: rows of equal count, whose numbers follow each other in a row of the formula.
+    ``width``: how many numbers the formula gives.  Doubles are evaluated in extended, all rows at
+    once, where this machine has it; else each row with ``GUARD_BITS`` more in mpmath's numbers.  A
+    row is a gap, None throughout, where a number that it needs is missing or the formula has no
+    finite real value.
+    """
+    flat = number.name == "double" and extended_here()
+    if flat and all(hasattr(part, "ndim") or _whole(part) for part in parts):
+        return _at_once(formula, parts, coefficients, width)
+    found = _row_by_row(formula, parts, coefficients, number, width)
+    if not number.flat or not _whole(found):
+        return found
+    import numpy as np
+
+    if number.name == "double":
+        return np.array(found, dtype=np.float64).reshape(len(found), width)
+    return np.array(found, dtype=np.longdouble).reshape(len(found), width)
+
+
+def mapped_stack(
+    formula: RowFormula,
+    stack: Rows,
+    coefficients: Mapping[str, Exact],
+    number: NumberType,
+    width: int,
+) -> Rows:
+    """The same of an array (members, times, columns), not a number where there is no row."""
+    import numpy as np
+
+    there = stack[:, :, 0] == stack[:, :, 0]
+    rows = stack[there]
+    if not number.flat:
+        rows = list(rows)
+    found = np.full((*stack.shape[:2], width), np.nan, dtype=stack.dtype)
+    if len(rows):
+        made = mapped(formula, [rows], coefficients, number, width)
+        if not hasattr(made, "ndim"):
+            made = np.array([[np.nan if x is None else x for x in row] for row in made])
+        found[there] = made
+    return found
+
+
+def _whole(rows: Rows) -> bool:
+    return all(x is not None for row in rows for x in row)
+
+
+def _at_once(
+    formula: RowFormula, parts: Sequence[Rows], coefficients: Mapping[str, Exact], width: int
+) -> Columns:
+    """Of doubles: a formula of whole columns in extended."""
+    import numpy as np
+
+    count = len(parts[0])
+    columns = [
+        column
+        for part in parts
+        for column in np.asarray(part, dtype=np.longdouble).reshape(count, -1).T
+    ]
+    k = {name: to_extended(x) for name, x in coefficients.items()}
+    with np.errstate(all="ignore"):
+        made = formula(columns, k, of_extended())
+        found: Doubles = np.empty((count, width))
+        for i, column in zip(range(width), made, strict=True):
+            found[:, i] = np.broadcast_to(column, count)
+    whole = np.all(np.isfinite(found), axis=1, keepdims=True).ravel()
+    if whole.all():
+        return found
+    return [row if ok else [None] * width for ok, row in zip(whole, found.tolist(), strict=True)]
+
+
+def _row_by_row(
+    formula: RowFormula,
+    parts: Sequence[Rows],
+    coefficients: Mapping[str, Exact],
+    number: NumberType,
+    width: int,
+) -> Gapped:
+    """Of any type: a formula of each row in polhode's own mpmath, one rounding at the end."""
+    from polhode.numbers.mpmath_context import mpmath
+
+    wide = number.bits + GUARD_BITS
+    found: Gapped = []
+    with mpmath.workprec(wide):
+        k = {name: to_mpf(x, wide) for name, x in coefficients.items()}
+        fn = of_mpmath()
+        for pieces in zip(*parts, strict=True):
+            row = [x for piece in pieces for x in piece]
+            made = None if any(x is None for x in row) else _value(formula, row, k, fn, wide)
+            values = None if made is None else [number_value(x, number) for x in made]
+            if values is None or any(x - x != 0 for x in values):  # beyond the type's range
+                found.append([None] * width)
+            else:
+                assert len(values) == width
+                found.append(values)
+    return found
+
+
+def _value(
+    formula: RowFormula, row: Row, k: Mapping[str, Scalar], fn: Functions, bits: int
+) -> list[Fraction] | None:
+    """A formula of one row; None where it has no finite real value."""
+    try:
+        given = mpf_row(row, bits)
+    except ValueError:  # not finite
+        return None
+    try:
+        made = formula(given, k, fn)
+    except ZeroDivisionError:
+        return None
+    try:
+        return [exactly(x) for x in made]
+    except ValueError:  # complex
+        return None
