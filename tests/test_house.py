@@ -94,7 +94,7 @@ labels: list[str] = [panel.get_ylabel() for panel in run.plot("angles")]
 label: str = run.plot("omega").get_ylabel()
 p: float = float(polhode.reference(top).at([1, "1/3"], 20)[0][0] - 1)
 kinetic = sum(abs(x) for x in polhode.reference(top).at([1])[0][:3])
-polhode.compare({"t": run.t, "p": run.states[:, 0]}, top)
+polhode.compare({"t": run.t, "p": np.asarray(run.states)[:, 0]}, top)
 polhode.compare([[1.0] * 6], top, at=[1])
 angle = run.angles_at(0.5)
 many: polhode.Ensemble = polhode.integrate_many(top, {"start.rates[3]": "7:9:3"}, at=(0, 1))
@@ -105,6 +105,8 @@ WRONG = {
     "run.view(end=[1])": "arg-type",
     "polhode.view(top).save(3)": "arg-type",
     "polhode.top(moments=5)": "arg-type",
+    "run.states + 'x'": "operator",
+    "run.states.nonsense": "union-attr",
     "run.view().text + 1": "operator",
     "polhode.integrate(top, at=3)": "arg-type",
     'run.plot("omega")[0]': "index",

@@ -15,12 +15,14 @@ Arrays of numpy in double or extended: a vector's components, panels, nodes.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from polhode.equations import spinors
 from polhode.numbers.gauss_lobatto import Lobatto
+from polhode.numbers.rows import Doubles, Extendeds, Integers, LongComplexes
 
 _TAIL = 16.0  # in eps: an integral's error is a twentieth of the square of its rule's last terms
 _NEARER = 0.2  # in 1 + gamma·a: by this much the second direction has to be better
@@ -36,11 +38,11 @@ class Panels(NamedTuple):
     nodes' times are late, None where they are not.
     """
 
-    begin: Any
-    length: Any
-    omega: Any
-    gamma: Any
-    shift: Any | None
+    begin: Extendeds
+    length: Extendeds
+    omega: Extendeds
+    gamma: Extendeds
+    shift: Extendeds | None
 
 
 class Turned(NamedTuple):
@@ -52,22 +54,23 @@ class Turned(NamedTuple):
     to split it, as a fraction; 0 where it is settled: all of this is right.
     """
 
-    begin: Any
-    phase: Any
-    first: Any
-    last: Any
-    psi: Any
-    phi: Any
-    across: Any
-    split: Any
+    begin: Extendeds
+    phase: LongComplexes
+    first: LongComplexes
+    last: LongComplexes
+    psi: Doubles
+    phi: Doubles
+    across: LongComplexes | Doubles
+    split: Doubles
 
     @property
-    def settled(self) -> Any:
+    def settled(self) -> npt.NDArray[np.bool_]:
         """Which panels need not be split."""
-        return self.split == 0
+        found: npt.NDArray[np.bool_] = self.split == 0
+        return found
 
 
-def turned(panels: Panels, rule: Lobatto, turn: Any | None, counted: bool) -> Turned:
+def turned(panels: Panels, rule: Lobatto, turn: Extendeds | None, counted: bool) -> Turned:
     """What these panels turn by.
 
     ``turn``: the matrix to the axes of psi and phi, None where they are those of gamma;
@@ -90,7 +93,7 @@ def turned(panels: Panels, rule: Lobatto, turn: Any | None, counted: bool) -> Tu
     first, final = (spinors.section(k, gamma[:, :, i]) for i in (0, -1))
     psi = phi = np.zeros(len(half))
     split = np.where(enough, 0, 0.5)
-    across = np.zeros((2, len(half)))
+    across: LongComplexes | Doubles = np.zeros((2, len(half)))
     if counted:
         if turn is not None:
             omega, gamma = (np.tensordot(turn.T.astype(kind), x, 1) for x in (omega, gamma))
@@ -101,7 +104,9 @@ def turned(panels: Panels, rule: Lobatto, turn: Any | None, counted: bool) -> Tu
     return Turned(panels.begin, phase, first, final, psi, phi, across, split)
 
 
-def _best(omega: Any, gamma: Any, rule: Lobatto) -> tuple[Any, Any, Any, Any]:
+def _best(
+    omega: Extendeds, gamma: Extendeds, rule: Lobatto
+) -> tuple[Extendeds, Extendeds, Extendeds, npt.NDArray[np.bool_]]:
     """Directions, the phase's rate by them from its value in the middle on, that value.
 
     And whether the nodes are enough for its integral, as they mostly are by the first directions.
@@ -111,7 +116,9 @@ def _best(omega: Any, gamma: Any, rule: Lobatto) -> tuple[Any, Any, Any, Any]:
     size = np.sqrt((w * w).sum(axis=0))
     limit = math.sqrt(_TAIL * np.finfo(gamma.dtype).eps)
 
-    def tried(k: Any, a: Any) -> tuple[Any, Any, Any]:
+    def tried(
+        k: Integers | slice, a: Extendeds
+    ) -> tuple[Extendeds, Extendeds, npt.NDArray[np.bool_]]:
         rate = spinors.rate(omega[:, k], gamma[:, k], a)
         inmost = rate[:, middle].copy()
         rate -= inmost[:, None]
@@ -131,7 +138,9 @@ def _best(omega: Any, gamma: Any, rule: Lobatto) -> tuple[Any, Any, Any, Any]:
     return a, rate, inmost, enough
 
 
-def _directions(gamma: Any, w: Any, size: Any, middle: int) -> tuple[Any, tuple[Any, ...]]:
+def _directions(
+    gamma: Extendeds, w: Extendeds, size: Extendeds, middle: int
+) -> tuple[Extendeds, tuple[Extendeds, Extendeds]]:
     """Of each panel the most promising direction a, and others."""
     a, some = gamma[:, :, middle], gamma[:, :, :: max(1, middle // 2)]
     a = a / np.sqrt((a * a).sum(axis=0))
@@ -147,11 +156,15 @@ def _directions(gamma: Any, w: Any, size: Any, middle: int) -> tuple[Any, tuple[
     return np.where(better, about, a), (along, np.where(better, a, about))
 
 
-def _dot(vectors: Any, a: Any) -> Any:
-    return vectors[0] * a[0][:, None] + vectors[1] * a[1][:, None] + vectors[2] * a[2][:, None]
+def _dot(vectors: Extendeds, a: Extendeds) -> Extendeds:
+    x, y, z = (vectors[i] * a[i][:, None] for i in range(3))
+    found: Extendeds = x + y + z
+    return found
 
 
-def _angles(omega: Any, gamma: Any, length: Any, rule: Lobatto) -> tuple[Any, Any, Any]:
+def _angles(
+    omega: Doubles, gamma: Doubles, length: Doubles, rule: Lobatto
+) -> tuple[Doubles, Doubles, Doubles]:
     """By how much psi and phi grow on each panel, roughly, and where to split it, or 0."""
     (p, q, r), (g1, g2, g3) = omega, gamma
     panels, weights = np.arange(len(g1)), rule.weights.astype(np.float64)
@@ -177,17 +190,17 @@ def _angles(omega: Any, gamma: Any, length: Any, rule: Lobatto) -> tuple[Any, An
     return psi, phi, split
 
 
-def _crossings(g1: Any, g2: Any) -> Any:
+def _crossings(g1: Doubles, g2: Doubles) -> Doubles:
     """How often phi = atan2(g1, g2) comes over pi, counted with its sign, chord by chord."""
     negative = g1 < 0
     panel, node = np.nonzero(negative[:, 1:] != negative[:, :-1])
     a1, a2, b1, b2 = g1[panel, node], g2[panel, node], g1[panel, node + 1], g2[panel, node + 1]
     below = (a2 * b1 - b2 * a1) * (b1 - a1) < 0
     sense = np.where(negative[panel, node], -1, 1) * below
-    return np.bincount(panel, sense, len(g1))
+    return np.bincount(panel, sense, len(g1)).astype(np.float64)
 
 
-def _doubtful(omega: Any, gamma: Any, length: Any, rule: Lobatto) -> Any:
+def _doubtful(omega: Doubles, gamma: Doubles, length: Doubles, rule: Lobatto) -> Doubles:
     """Where on each panel gamma's path may pass the pole on another side than its chords do.
 
     A fraction of the panel, at the path's nearest approach to the pole; 0 where there is no doubt.
@@ -220,5 +233,6 @@ def _doubtful(omega: Any, gamma: Any, length: Any, rule: Lobatto) -> Any:
     return np.where(doubt.any(axis=1), np.where(inside, found, 0.5), 0)
 
 
-def _square(vector: Any) -> Any:
-    return vector[0] * vector[0] + vector[1] * vector[1]
+def _square(vector: Doubles) -> Doubles:
+    found: Doubles = vector[0] * vector[0] + vector[1] * vector[1]
+    return found

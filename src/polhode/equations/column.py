@@ -17,8 +17,7 @@ from polhode.scenes.vocabulary import COLUMNS
 if TYPE_CHECKING:
     from polhode.numbers.exact import Exact
     from polhode.numbers.number_types import NumberType
-    from polhode.numbers.rows import Columns
-    from polhode.numbers.scalars import Rows
+    from polhode.numbers.rows import Columns, Given, Stack
     from polhode.scenes.scene import Scene
 
 #: Rows as decimal strings.
@@ -63,19 +62,19 @@ def of_state_alone() -> list[str]:
     return [word for word in derived_words() if COLUMNS[word].needs == ("state",)]
 
 
-def derived_stack(word: str, scenes: Sequence[Scene], states: Rows, number: NumberType) -> Rows:
+def derived_stack(word: str, scenes: Sequence[Scene], states: Stack, number: NumberType) -> Stack:
     """A column of states alone, (members, times, columns); not a number where there is none."""
     found, width = column(word), len(COLUMNS[word].names)
     if found.coefficients is None:
         return mapped_stack(found.values, states, {}, number, width)
-    made = states[:, :, :1].repeat(width, axis=2)
+    made: Stack = states[:, :, :1].repeat(width, axis=2)
     for k, scene in enumerate(scenes):
         part = states[k : k + 1]
         made[k] = mapped_stack(found.values, part, found.of(scene), number, width)[0]
     return made
 
 
-def derived(word: str, scene: Scene, parts: Sequence[Rows], number: NumberType) -> Columns:
+def derived(word: str, scene: Scene, parts: Sequence[Given], number: NumberType) -> Columns:
     """A derived column of rows of all that it needs, in the order of its ``needs``."""
     found = column(word)
     return mapped(found.values, parts, found.of(scene), number, len(COLUMNS[word].names))

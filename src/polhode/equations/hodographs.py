@@ -19,7 +19,8 @@ from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType, extended_here
 from polhode.numbers.row_formulas import GUARD_BITS, mapped
-from polhode.numbers.scalars import Functions, Row, Rows, Scalar
+from polhode.numbers.rows import Columns, Given, Rows, part_of
+from polhode.numbers.scalars import Functions, Row, Scalar
 from polhode.scenes.body import cross, dot
 
 
@@ -31,16 +32,16 @@ class Hodographs(NamedTuple):
     """
 
     body: Rows
-    space: Rows
+    space: Columns
 
 
 def hodographs(states: Rows, attitude: Rows, number: NumberType) -> Hodographs:
     """The hodographs of a motion: rows p q r … and q0 q1 q2 q3 of one number type."""
-    omega = states[:, :3] if hasattr(states, "ndim") else [row[:3] for row in states]
+    omega = part_of(states, slice(3))
     return Hodographs(omega, in_space(attitude, omega, number))
 
 
-def in_space(attitude: Rows, vectors: Rows, number: NumberType) -> Rows:
+def in_space(attitude: Given, vectors: Given, number: NumberType) -> Columns:
     """R v for each row of the attitude and of vectors in the body, in the number type."""
 
     def formula(x: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:
@@ -58,7 +59,7 @@ def turned(quaternion: Row, vector: Row) -> list[Scalar]:
     return [v + 2 * (q0 * a + b) / square for v, a, b in zip(vector, half, across, strict=True)]
 
 
-def path(attitude: Rows, direction: Iterable[Exact], number: NumberType) -> Rows:
+def path(attitude: Rows, direction: Iterable[Exact], number: NumberType) -> Columns:
     """The path in space of a point fixed in the body: R e for each row of the attitude.
 
     ``direction``: e in the body, such as the third axis (0, 0, 1), the apex of a top, or the

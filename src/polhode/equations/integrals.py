@@ -26,7 +26,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.scalars import Row, Rows, Scalar, combination
+from polhode.numbers.rows import Rows
+from polhode.numbers.scalars import Row, Scalar, combination
 from polhode.scenes import classification
 from polhode.scenes.body import Vector, dot, scaled
 from polhode.scenes.scene import Scene

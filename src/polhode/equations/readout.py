@@ -10,7 +10,8 @@ from polhode.equations.form import equations
 from polhode.equations.kinematics import AngleFunctions, angles
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Row, Rows, Value, of_extended, of_mpmath
+from polhode.numbers.rows import Extendeds, Flat, Given, Rows, flat
+from polhode.numbers.scalars import Row, Value, of_extended, of_mpmath
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE
 
@@ -30,7 +31,7 @@ class Readout:
         self.scene, self.number = scene, number
         self.form, self.columns = equations(scene), len(scene.columns)
 
-    def states(self, rows: Rows) -> Rows:
+    def states(self, rows: Given) -> Rows:
         """p q r [gamma1 gamma2 gamma3] in scene axes: an ndarray, or rows of mpf above extended."""
         if len(rows) == 0:
             return self._kept([]).reshape(0, self.columns) if self.number.flat else []
@@ -42,21 +43,23 @@ class Readout:
             if exponent:
                 turned[:, :3] = np.ldexp(turned[:, :3], exponent)
             return turned
-        turned = self._vectors([row[: len(self.form.variables)] for row in rows])
+        wide = self._vectors([row[: len(self.form.variables)] for row in rows])
         from polhode.numbers.mpmath_context import mpmath, ordinary
 
-        return [ordinary([mpmath.ldexp(x, exponent) for x in row[:3]] + row[3:]) for row in turned]
+        return [ordinary([mpmath.ldexp(x, exponent) for x in row[:3]] + row[3:]) for row in wide]
 
-    def attitude(self, rows: Rows) -> Rows | None:
+    def attitude(self, rows: Given) -> Rows | None:
         """q0 q1 q2 q3, if asked for or needed."""
         if "attitude" not in self.scene.modelled:
             return None
         first = len(self.form.variables)
-        if self.number.flat and len(rows):
+        if not self.number.flat:
+            return [[*row[first : first + 4]] for row in rows]
+        if len(rows):
             return self._kept(rows)[:, first : first + 4].copy()
-        return self._kept([row[first : first + 4] for row in rows])
+        return self._kept([])
 
-    def angles(self, rows: Rows) -> list[list[Value | None]] | None:
+    def angles(self, rows: Given) -> list[list[Value | None]] | None:
         """psi theta phi, if asked for; psi and phi None at a pole."""
         if "angles" not in self.scene.modelled:
             return None
@@ -69,14 +72,15 @@ class Readout:
         # a motion that stays at a pole has no psi and phi among its variables
         there = len(rows[0]) > first
         if self.number.flat:
-            return self._flat_angles(states, self._kept(rows)[:, first : first + 2] if there else 0)
+            turned = self._kept(rows)[:, first : first + 2] if there else 0
+            return self._flat_angles(flat(states), turned)
         found = self._angles(states, [row[first : first + 2] if there else (0, 0) for row in rows])
         for row, state in zip(found, states, strict=True):
             if state[3] == 0 == state[4]:
                 row[0] = row[2] = None
         return found
 
-    def _flat_angles(self, states: Rows, integrated: Rows) -> list[list[Value | None]]:
+    def _flat_angles(self, states: Flat, integrated: Flat | int) -> list[list[Value | None]]:
         """psi theta phi beside states and integrated psi and phi, all rows at once."""
         import numpy as np
 
@@ -84,7 +88,7 @@ class Readout:
         fn = AngleFunctions(np.hypot, np.arctan2, pi, np.rint, np.where)
         turned = np.zeros((len(states), 2), dtype=self._kind) + integrated
         found: list[list[Value | None]] = np.stack(
-            angles(states[:, 3:].T, turned.T, fn), axis=1
+            angles([*states[:, 3:].T], [*turned.T], fn), axis=1
         ).tolist()
         for k in np.flatnonzero((states[:, 3] == 0) & (states[:, 4] == 0)).tolist():
             found[k][0] = found[k][2] = None
@@ -108,14 +112,14 @@ class Readout:
 
         return np.float64 if self.number.name == "double" else np.longdouble
 
-    def _kept(self, rows: Rows) -> Rows:
-        if not self.number.flat:
-            return rows
+    def _kept(self, rows: Given) -> Flat:
+        """An array of the type, which numpy holds."""
         import numpy as np
 
-        return np.asarray(rows, dtype=self._kind)
+        found: Flat = np.asarray(rows, dtype=self._kind)
+        return found
 
-    def _flat(self, rows: Rows) -> Rows:
+    def _flat(self, rows: Flat) -> Flat:
         """The same of an array, as a new array."""
         if self.form.plain and self.form.axes.trivial:
             return rows[:, : self.columns].copy()
@@ -124,7 +128,7 @@ class Readout:
         wide = [[to_extended(exactly(x)) for x in row] for row in self._vectors(rows)]
         return self._kept(wide).reshape(len(rows), self.columns)
 
-    def _vectors(self, rows: Rows) -> list[list[Value]]:
+    def _vectors(self, rows: Given) -> list[list[Value]]:
         """Rows of omega and gamma in scene axes and the run's unit, rounded once at the end."""
         from polhode.numbers.mpmath_context import mpmath
 
@@ -156,7 +160,7 @@ class Readout:
                 for pair in found
             ]
 
-    def _in_extended(self, rows: Rows) -> Rows:
+    def _in_extended(self, rows: Flat) -> Flat:
         """The same for doubles, all rows at once."""
         import numpy as np
 
@@ -179,7 +183,7 @@ class Readout:
         return {name: to_extended(x) for name, x in self.form.coefficients.items()}
 
     @cached_property
-    def _turn(self) -> Rows:
+    def _turn(self) -> Extendeds:
         """The turn from the form's axes to the scene's in extended."""
         import numpy as np
 

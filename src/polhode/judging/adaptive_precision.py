@@ -15,6 +15,7 @@ from polhode.common.text_tables import few
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
 from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NumberType, wider
+from polhode.numbers.rows import Given
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs import integrate as runs
 from polhode.runs.problem.options import choose_number
@@ -194,7 +195,7 @@ def checked(run: Trajectory, progress: Progress | None = None) -> Trajectory:
     scene = run.scene.at(tuple(times))
     held = run.number.most_digits
     against = reference(scene)
-    true = None
+    true: Given | None = None
     if against.is_closed_form:
         try:
             true, by = rows(against.at, times, math.ceil(held) + 6), CLOSED_FORM

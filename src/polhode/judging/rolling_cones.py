@@ -74,7 +74,8 @@ def rolling(run: Trajectory) -> Rolling:
 
     of_kind("rolling", "run", run, Trajectory, "a Trajectory")
     curves, width = run.hodographs, 2 * HALF_WINDOW + 1
-    if curves is None or len(run.times) < width:
+    attitude = run.attitude
+    if curves is None or attitude is None or len(run.times) < width:
         needed = f"a run with hodographs at {width} times or more"
         raise BadInput(run.scene.name, "run.outputs", None, needed)
     bits = run.number.bits + GUARD_BITS
@@ -89,7 +90,7 @@ def rolling(run: Trajectory) -> Rolling:
             slope = [mpmath.fdot(weights, column) for column in zip(*space[window], strict=True)]
             state = mpf_row(run.states[k], bits)
             rate = omega_rate(run.scene.body, state[:3], state[3:], bits)
-            expected = turned(mpf_row(run.attitude[k], bits), rate)
+            expected = turned(mpf_row(attitude[k], bits), rate)
             worst = max(worst, _length([a - b for a, b in zip(slope, expected, strict=True)]))
             speeds = _length(rate), _length(slope)
             fastest = max(fastest, speeds[0])

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from polhode.common.value_semantics import ByValue, may_wait
 from polhode.numbers.decimals import decimal_in_full, shown
-from polhode.numbers.scalars import Rows
+from polhode.numbers.rows import Rows
 
 
 class Outcome(Enum):

@@ -13,7 +13,8 @@ from polhode.numbers import exact
 from polhode.numbers.exact import Exact, Number
 from polhode.numbers.expression import number
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Rows, Value
+from polhode.numbers.rows import Flat, Rows, flat
+from polhode.numbers.scalars import Value
 
 
 def mpf_row(row: Sequence[Value], bits: int) -> list[Value]:
@@ -38,7 +39,10 @@ def joined(parts: Sequence[Rows], number: NumberType) -> Rows:
         return [row for part in parts for row in part]
     import numpy as np
 
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+    if len(parts) == 1:
+        return parts[0]
+    found: Flat = np.concatenate([flat(part) for part in parts])
+    return found
 
 
 def to_double(x: Number) -> float:

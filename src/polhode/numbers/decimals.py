@@ -11,10 +11,11 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import Exact, Irrational, Number
 from polhode.numbers.number_types import LOG10_2, NumberType
-from polhode.numbers.scalars import Rows, Value
+from polhode.numbers.rows import Given
+from polhode.numbers.scalars import Value
 
 
-def strings(rows: Rows, number: NumberType) -> list[list[Any]]:
+def strings(rows: Given, number: NumberType) -> list[list[Any]]:
     """Rows of numbers of one type as decimal strings that round-trip; None stays None."""
     digits = number.printed_digits
     if number.name == "double":

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from polhode.numbers.conversion import exactly, mpf_row, number_value, to_extended, to_mpf
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType, extended_here
-from polhode.numbers.rows import Columns, Doubles, Gapped
-from polhode.numbers.scalars import Functions, Row, Rows, Scalar, of_extended, of_mpmath
-
-if TYPE_CHECKING:
-    pass
+from polhode.numbers.rows import Columns, Doubles, Gapped, Given, Stack
+from polhode.numbers.scalars import Functions, Row, Scalar, of_extended, of_mpmath
 
 #: What a row of numbers is made into: a function of the row, of coefficients by name and of the
 #: scalar's own functions, written once for any scalar.
@@ -26,7 +23,7 @@ GUARD_BITS = 64  # beyond the numbers' own, in which a formula is evaluated
 
 def mapped(
     formula: RowFormula,
-    parts: Sequence[Rows],
+    parts: Sequence[Given],
     coefficients: Mapping[str, Exact],
     number: NumberType,
     width: int,
@@ -54,33 +51,31 @@ def mapped(
 
 def mapped_stack(
     formula: RowFormula,
-    stack: Rows,
+    stack: Stack,
     coefficients: Mapping[str, Exact],
     number: NumberType,
     width: int,
-) -> Rows:
+) -> Stack:
     """The same of an array (members, times, columns), not a number where there is no row."""
     import numpy as np
 
     there = stack[:, :, 0] == stack[:, :, 0]
     rows = stack[there]
-    if not number.flat:
-        rows = list(rows)
-    found = np.full((*stack.shape[:2], width), np.nan, dtype=stack.dtype)
+    found: Stack = np.full((*stack.shape[:2], width), np.nan, dtype=stack.dtype)
     if len(rows):
-        made = mapped(formula, [rows], coefficients, number, width)
-        if not hasattr(made, "ndim"):
-            made = np.array([[np.nan if x is None else x for x in row] for row in made])
-        found[there] = made
+        made = mapped(
+            formula, [rows if number.flat else rows.tolist()], coefficients, number, width
+        )
+        found[there] = [[np.nan if x is None else x for x in row] for row in made]
     return found
 
 
-def _whole(rows: Rows) -> bool:
+def _whole(rows: Given) -> bool:
     return all(x is not None for row in rows for x in row)
 
 
 def _at_once(
-    formula: RowFormula, parts: Sequence[Rows], coefficients: Mapping[str, Exact], width: int
+    formula: RowFormula, parts: Sequence[Given], coefficients: Mapping[str, Exact], width: int
 ) -> Columns:
     """Of doubles: a formula of whole columns in extended."""
     import numpy as np
@@ -105,7 +100,7 @@ def _at_once(
 
 def _row_by_row(
     formula: RowFormula,
-    parts: Sequence[Rows],
+    parts: Sequence[Given],
     coefficients: Mapping[str, Exact],
     number: NumberType,
     width: int,

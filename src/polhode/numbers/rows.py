@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
-from polhode.numbers.scalars import Real
+from polhode.numbers.scalars import Real, Scalar
 
 if TYPE_CHECKING:
     import numpy as np
@@ -13,13 +14,53 @@ if TYPE_CHECKING:
 Doubles: TypeAlias = "npt.NDArray[np.float64]"
 Extendeds: TypeAlias = "npt.NDArray[np.longdouble]"
 Complexes: TypeAlias = "npt.NDArray[np.complex128]"
+LongComplexes: TypeAlias = "npt.NDArray[np.clongdouble]"
 Integers: TypeAlias = "npt.NDArray[np.integer]"
 
-#: Rows of a trajectory: an array (rows, columns) of doubles or of extended, lists of mpf above.
-States: TypeAlias = "Doubles | Extendeds | list[list[Real]]"
+#: Rows that numpy holds: an array (rows, columns).
+Flat: TypeAlias = "Doubles | Extendeds"
+
+#: Several rows of one number type: an array of doubles or of extended, lists of mpf above.
+Rows: TypeAlias = "Flat | list[list[Real]]"
+
+#: Rows of a trajectory's states.
+States: TypeAlias = Rows
+
+#: Rows to be read alone, of numbers of any kind.
+Given: TypeAlias = "Flat | Sequence[Sequence[Scalar | None]]"
+
+#: Rows of several members of a sweep: an array (members, times, columns), of objects above
+#: extended.
+Stack: TypeAlias = "Doubles | Extendeds | npt.NDArray[np.object_]"
 
 #: Rows with gaps: None where there is no number.
 Gapped: TypeAlias = "list[list[Real | None]]"
 
 #: Columns that may have gaps: an array where numpy has the type and no row is one.
-Columns: TypeAlias = "Doubles | Extendeds | Gapped"
+Columns: TypeAlias = "Flat | Gapped"
+
+
+def flat(rows: Rows) -> Flat:
+    """Rows of a type that numpy holds, as the array that they are."""
+    assert not isinstance(rows, list)
+    return rows
+
+
+def doubles(rows: Rows | Stack) -> Doubles:
+    """Rows of doubles as the array that they are."""
+    import numpy as np
+
+    return np.asarray(rows, dtype=np.float64)
+
+
+def beside(first: Flat, more: Flat) -> Flat:
+    """Columns after columns."""
+    import numpy as np
+
+    found: Flat = np.concatenate([first, more], axis=1)
+    return found
+
+
+def part_of(rows: Rows, columns: slice) -> Rows:
+    """Some of the columns."""
+    return [row[columns] for row in rows] if isinstance(rows, list) else rows[:, columns]

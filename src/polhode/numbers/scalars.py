@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, SupportsFloat, TypeAlias
+from typing import Any, NamedTuple, Protocol, SupportsFloat, TypeAlias
 
 from polhode.numbers import exact
-
-if TYPE_CHECKING:
-    pass
 
 #: What a formula is written for: int, Fraction, Irrational, float, numpy's longdouble and arrays,
 #: mpmath's mpf, heyoka's expressions.  They have arithmetic in common and no type: mpmath and
@@ -50,9 +47,6 @@ class Real(Protocol):
 
 #: A row of such numbers, or of heyoka's: an ndarray, or a list above extended.
 Row: TypeAlias = Any
-
-#: Several rows: an ndarray of shape (rows, columns), or a list of rows above extended.
-Rows: TypeAlias = Any
 
 
 class Functions(NamedTuple):

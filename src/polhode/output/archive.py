@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import check_writable, npz, read_npz, read_whole, write_whole
@@ -20,6 +21,7 @@ from polhode.numbers import expression
 from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import decimal_in_full, strings
 from polhode.numbers.number_types import LEAST_MP_BITS, NAMES, NumberType, named
+from polhode.numbers.rows import Given
 from polhode.output.json_results import as_json
 from polhode.runs import integrate as runs
 from polhode.runs.trajectory import Trajectory
@@ -240,7 +242,7 @@ def _parts(scene: Scene) -> dict[str, int]:
     return {"states": len(scene.columns), **more}
 
 
-def _texts(rows: Any, number: NumberType) -> Any:
+def _texts(rows: Given, number: NumberType) -> npt.NDArray[np.str_]:
     """Rows as decimal strings that round-trip, empty where undefined; shape (n, columns)."""
     if len(rows) == 0:
         return np.empty(np.shape(rows), dtype=np.str_)

@@ -9,6 +9,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.numbers.conversion import to_double
+from polhode.numbers.rows import Given
 from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 def columns(run: Trajectory) -> dict[str, Any]:
     """A run's columns by name: numbers of its type (mpf in arrays of objects), nan undefined."""
-    parts: list[tuple[tuple[str, ...], Any]] = [(run.columns, run.states)]
+    parts: list[tuple[tuple[str, ...], Given]] = [(run.columns, run.states)]
     parts += [(COLUMNS[word].names, rows) for word, rows in run.outputs.items()]
     kind: Any = {"double": np.float64, "extended": np.longdouble}.get(run.number.name, object)
     found = {}

@@ -15,7 +15,7 @@ from polhode.motion.outcomes import OUTCOMES
 from polhode.numbers import decimals
 from polhode.numbers.decimals import decimal_in_full, shortest, shown, strings
 from polhode.numbers.exact import Exact
-from polhode.numbers.scalars import Rows
+from polhode.numbers.rows import Stack
 from polhode.output import csv_tables, json_results
 from polhode.scenes.vocabulary import COLUMNS
 
@@ -101,12 +101,12 @@ def arrays(found: Ensemble) -> dict[str, Any]:
         kind = found.states.dtype.type
         times = [kind(t) for t in times]
 
-    def held(rows: Rows) -> Rows:
+    def held(rows: Stack) -> Any:
         if flat:
             return rows
         written = [
             strings([row], found.number)[0] if row[0] == row[0] else ["nan"] * len(row)
-            for row in rows.reshape(-1, rows.shape[-1])
+            for row in rows.reshape(-1, rows.shape[-1]).tolist()
         ]
         return np.array(written).reshape(rows.shape)
 

@@ -16,7 +16,7 @@ from polhode.common.provenance import provenance
 from polhode.equations.readout import Readout
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Rows
+from polhode.numbers.rows import Rows
 from polhode.runs.methods import refined as refined_method
 from polhode.runs.methods.dense_output import Dense
 from polhode.runs.methods.taylor import Run

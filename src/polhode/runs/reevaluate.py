@@ -10,7 +10,7 @@ from polhode.common.errors import BadInput, plain
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, binary, rounded, sign
-from polhode.numbers.scalars import Rows
+from polhode.numbers.rows import Rows
 from polhode.runs.integrate import integrate, undisturbed
 from polhode.runs.trajectory import Trajectory
 

@@ -17,7 +17,8 @@ from polhode.equations.integrals import Drift, drift
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers.decimals import decimal_in_full, shown, strings
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import AnyNumber, Row, Rows, Value
+from polhode.numbers.rows import Columns, Given, Rows, States, part_of
+from polhode.numbers.scalars import AnyNumber, Row, Value
 from polhode.runs import presentation
 from polhode.runs.error_estimate import Expected, by_errors, expected
 from polhode.scenes.scene import Scene
@@ -61,13 +62,13 @@ class Trajectory(ByValue):
     scene: Scene
     number: NumberType
     times: tuple[Fraction, ...]
-    states: Rows
+    states: States
     outcome: Outcome
     steps: int
     reached: Fraction
     tolerance: float
     digits: int | None = None
-    attitude: Rows = None
+    attitude: Rows | None = None
     angles: Sequence[Sequence[Value | None]] | None = None
     events: tuple[EventTimes, ...] = ()
     projection: Projection | None = None
@@ -184,7 +185,7 @@ class Trajectory(ByValue):
         )
 
     @cached_property
-    def outputs(self) -> Mapping[str, Rows]:
+    def outputs(self) -> Mapping[str, Columns]:
         """Rows of all that is there beside the states, by the words of ``run.outputs``.
 
         What others need is there, too; of hodographs it is omega in space.
@@ -194,13 +195,15 @@ class Trajectory(ByValue):
         >>> {word: len(rows) for word, rows in run.outputs.items()}
         {'attitude': 2, 'angles': 2}
         """
-        given: dict[str, Rows] = {"state": self.states}
-        given |= {word: getattr(self, word) for word, x in COLUMNS.items() if x.how == "integrated"}
+        found: dict[str, Columns | None] = {
+            word: getattr(self, word) for word, x in COLUMNS.items() if x.how == "integrated"
+        }
+        given: dict[str, Given | None] = {"state": self.states, **found}
         for word in derived_words():
-            parts = [given[need] for need in COLUMNS[word].needs]
-            if word in self.scene.outputs and all(part is not None for part in parts):
-                given[word] = derived(word, self.scene, parts, self.number)
-        return {word: given[word] for word in COLUMNS if given.get(word) is not None}
+            parts = [part for need in COLUMNS[word].needs if (part := given[need]) is not None]
+            if word in self.scene.outputs and len(parts) == len(COLUMNS[word].needs):
+                found[word] = derived(word, self.scene, parts, self.number)
+        return {word: rows for word in COLUMNS if (rows := found.get(word)) is not None}
 
     @property
     def hodographs(self) -> Hodographs | None:
@@ -208,9 +211,7 @@ class Trajectory(ByValue):
         space = self.outputs.get("hodographs")
         if space is None:
             return None
-        flat = hasattr(self.states, "ndim")
-        omega = self.states[:, :3] if flat else [row[:3] for row in self.states]
-        return Hodographs(omega, space)
+        return Hodographs(part_of(self.states, slice(3)), space)
 
     @property
     def cause(self) -> str:

@@ -13,6 +13,7 @@ from polhode.dynamics.observables.reductions import FIRST, LYAPUNOV, Reduction, 
 from polhode.judging.conditioning import lyapunov
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import number_value, to_double
+from polhode.numbers.rows import doubles
 from polhode.runs.integrate import integrate
 from polhode.runs.sweep.plan import Plan
 from polhode.runs.sweep.results import Reader, reader
@@ -94,8 +95,8 @@ def _of_event(
         plan.max_steps,
         end,
         int(plan.time_units[group[0]]),
-        lanes.coefficients,
-        lanes.starts,
+        doubles(lanes.coefficients),
+        doubles(lanes.starts),
         _turns(plan, group),
     )
     stopping = event._replace(stop=True)
@@ -193,8 +194,8 @@ def _parts(job: Job, stop: Stop | None) -> Iterator[Reduced]:
         from polhode.taylor.batches import batch_integrator
 
         steps, read = job.states
-        kind = np.float64 if steps.number.name == "double" else np.longdouble
-        times = np.array([number_value(t, steps.number) for t in steps.times], dtype=kind)
+        solved_at = np.array([number_value(t, steps.number) for t in steps.times], np.longdouble)
+        times = solved_at.astype(np.float64) if steps.number.name == "double" else solved_at
         solved = batch_integrator.solve(steps, stop)
         told = [what for what in job.which if what.kind not in (FIRST, LYAPUNOV)]
         numbers = extremes(told, read.states(solved.states), times, job.columns, steps.number)

@@ -18,7 +18,8 @@ from polhode.dynamics.observables.jobs import Reduced, check, job_of, solve
 from polhode.dynamics.observables.reductions import asked
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import AnyNumber, Rows
+from polhode.numbers.rows import Stack
+from polhode.numbers.scalars import AnyNumber
 from polhode.runs.sweep.endings import Ended
 from polhode.runs.sweep.plan import planned
 from polhode.scenes import library, vary
@@ -58,7 +59,7 @@ class Reductions(Ended):
     members: Members
     number: NumberType
     keep: tuple[str, ...]
-    numbers: Mapping[str, Rows]
+    numbers: Mapping[str, Stack]
     endings: npt.NDArray[np.uint8]
     counts: npt.NDArray[np.int64]
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
@@ -67,7 +68,7 @@ class Reductions(Ended):
     def __len__(self) -> int:
         return len(self.members)
 
-    def __getitem__(self, name: str) -> Rows:
+    def __getitem__(self, name: str) -> Stack:
         return self.numbers[name]
 
     def __repr__(self) -> str:
@@ -157,9 +158,12 @@ def reduce_many(
         )
     endings = np.full(len(plan.members), code(Outcome.NOT_RUN), dtype=np.uint8)
     counts = np.zeros(len(plan.members), dtype=np.int64)
-    kind = np.float64 if plan.number.name == "double" else np.longdouble
     names = [name for what in which for name in what.names(scene.columns)]
-    numbers = {name: np.full(len(plan.members), np.nan, dtype=kind) for name in names}
+    none = np.full(len(plan.members), np.nan)
+    if plan.number.name == "double":
+        numbers: dict[str, Stack] = {name: none.copy() for name in names}
+    else:
+        numbers = {name: none.astype(np.longdouble) for name in names}
     for group, found in zip(groups, results, strict=True):
         if found is None:
             continue

@@ -22,7 +22,7 @@ from polhode.numbers.conversion import number_value
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.numbers.row_formulas import mapped_stack
-from polhode.numbers.scalars import Rows
+from polhode.numbers.rows import Stack
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS, READY_MADE, STATE
@@ -82,7 +82,11 @@ def event_of(scene: Scene, name: str) -> Event:
 
 
 def extremes(
-    which: Sequence[Reduction], states: Rows, times: Rows, columns: Sequence[str], kind: NumberType
+    which: Sequence[Reduction],
+    states: Stack,
+    times: Stack,
+    columns: Sequence[str],
+    kind: NumberType,
 ) -> dict[str, Any]:
     """What is told by states (members, times, columns): arrays with a number a member, by name."""
     import numpy as np
@@ -101,7 +105,9 @@ def extremes(
     return found
 
 
-def _values(text: str, states: Rows, times: Rows, columns: Sequence[str], kind: NumberType) -> Any:
+def _values(
+    text: str, states: Stack, times: Stack, columns: Sequence[str], kind: NumberType
+) -> Any:
     """An expression at all times of all members."""
     import numpy as np
 

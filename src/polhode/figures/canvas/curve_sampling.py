@@ -20,6 +20,7 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Doubles, Given
 from polhode.runs.integrate import integrate
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene, even_times
@@ -96,7 +97,7 @@ def run(
 def of_run(found: Trajectory) -> Samples:
     """A run's columns."""
     scene = found.scene
-    parts = [(scene.columns, found.states)]
+    parts: list[tuple[tuple[str, ...], Given]] = [(scene.columns, found.states)]
     parts += [(COLUMNS[word].names, rows) for word, rows in found.outputs.items()]
     columns = {"t": np.array([to_double(t) for t in found.times])}
     for names, rows in parts:
@@ -112,7 +113,7 @@ def of_table(table: Table, scene: Scene | None) -> Samples:
     return Samples(table.name, columns, scene)
 
 
-def _doubles(rows: Any) -> Any:
+def _doubles(rows: Given) -> Doubles:
     """Rows of numbers of any kind, None where undefined, as an array of doubles."""
     if isinstance(rows, np.ndarray):
         return rows.astype(np.float64)

@@ -20,6 +20,7 @@ from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.score.vectorized_score import ManyRows, digits, many_rows
 from polhode.judging.tables.candidate import Subject
 from polhode.numbers.conversion import exactly, to_mpf
+from polhode.numbers.rows import Given
 from polhode.scenes.vocabulary import COLUMNS
 
 SPARE_DIGITS = 6  # of the reference beyond what can be told
@@ -105,7 +106,7 @@ class HeldAgainst:
                 return found
             wanted = min(self._wanted, 4 * wanted)
 
-    def _digits(self, states: Any, true: list[Any] | None = None) -> tuple[float, ...]:
+    def _digits(self, states: Given, true: list[Any] | None = None) -> tuple[float, ...]:
         true = self.rows if true is None else true
         scale = rate_scale(true, self.reference.scene, self.bits)
         found = errors(states, true, scale, self.bits)
@@ -128,7 +129,7 @@ class HeldAgainst:
                 found[name] = str(fault)
         return found
 
-    def _told(self, name: str, own: Any) -> float:
+    def _told(self, name: str, own: Given) -> float:
         """Digits of such a part over all rows; raises ValueError."""
         many = None if self.many is None else self.many.part(name)
         if many is None:
@@ -143,12 +144,12 @@ class HeldAgainst:
                     worst = min(worst, self._part(name, [own[k] for k in some], true))
         return worst
 
-    def _part(self, name: str, own: Any, true: list[Any]) -> float:
+    def _part(self, name: str, own: Given, true: list[Any]) -> float:
         signs = (1, -1) if name == "attitude" else (1,)  # a quaternion may have either
         scale = 1 if COLUMNS[name].how == "integrated" else largest_of(true)
         return max(self._part_digits(own, true, s, scale) for s in signs)
 
-    def _part_digits(self, own: Any, true: list[Any], side: int, scale: Any) -> float:
+    def _part_digits(self, own: Given, true: list[Any], side: int, scale: Any) -> float:
         from polhode.numbers.mpmath_context import mpmath
 
         worst = self.subject.held

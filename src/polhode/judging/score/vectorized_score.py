@@ -73,7 +73,8 @@ def many_rows(
             return None
         own = [] if subject.states is None else subject.pairs
         turned = [] if subject.attitude is None else columns_in_pairs(subject.attitude)
-        angular = [] if found.angles is None else columns_in_pairs(subject.angles)
+        told_angles = None if found.angles is None else subject.angles
+        angular = [] if told_angles is None else columns_in_pairs(told_angles)
         made = {word: columns_in_pairs(rows) for word, rows in subject.derived.items()}
     except OverflowError:  # numbers beyond doubles
         return None

@@ -17,6 +17,7 @@ from polhode.judging.tables.column_aliases import not_judged
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.number_types import DOUBLE, NumberType, mp
+from polhode.numbers.rows import Given
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE, column_names
@@ -48,15 +49,15 @@ class Subject(ByValue):
     times: tuple[Fraction, ...]
     columns: tuple[str, ...]
     states: Any
-    angles: Any | None
-    attitude: Any | None
-    derived: Mapping[str, Any]
+    angles: Given | None
+    attitude: Given | None
+    derived: Mapping[str, Given]
     steps: str
     printed: int | None
     projected: bool
     notes: tuple[str, ...]
 
-    def part(self, word: str) -> Any | None:
+    def part(self, word: str) -> Given | None:
         """Rows of an output by its word, None where nothing of it is there."""
         return {"angles": self.angles, "attitude": self.attitude, **self.derived}.get(word)
 

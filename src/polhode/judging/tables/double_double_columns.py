@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from polhode.numbers.double_double import Pairs, of_fractions
 from polhode.numbers.exact import ZERO
+from polhode.numbers.rows import Given
 
 
-def columns_in_pairs(rows: Any) -> list[Pairs]:
+def columns_in_pairs(rows: Given) -> list[Pairs]:
     """The columns of rows; not a number where a cell is not there.
 
     Raises OverflowError for a number beyond doubles.

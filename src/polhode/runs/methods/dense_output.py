@@ -16,7 +16,8 @@ from polhode.numbers.conversion import exact_number, number_value
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Row, Rows, of_mpmath
+from polhode.numbers.rows import Rows
+from polhode.numbers.scalars import Row, of_mpmath
 from polhode.runs.methods.taylor import Leg, Run
 from polhode.taylor.integrator.protocols import Integrating, Mark, Piece
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from polhode.common.progress import Progress
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import joined
-from polhode.numbers.scalars import Rows
+from polhode.numbers.rows import Rows
 from polhode.taylor.backend.time_grid import Times
 from polhode.taylor.integrator.protocols import Integrating
 
@@ -29,7 +29,7 @@ def march(
             found, outcome = integrator.chunk(times[done:], steps)
             if outcome is Outcome.NON_FINITE:
                 finite = [k for k, row in enumerate(found) if all(x - x == 0 for x in row)]
-                found = found[finite] if integrator.number.flat else [found[k] for k in finite]
+                found = [found[k] for k in finite] if isinstance(found, list) else found[finite]
             parts.append(found)
             done += len(found)
             if outcome is not Outcome.STEP_LIMIT:

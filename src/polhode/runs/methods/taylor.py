@@ -19,7 +19,8 @@ from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly, number_value
 from polhode.numbers.exact import ZERO
-from polhode.numbers.scalars import Row, Rows
+from polhode.numbers.rows import Rows
+from polhode.numbers.scalars import Row
 from polhode.runs.methods.output_loop import march
 from polhode.runs.problem.problem import Asked, Setup
 from polhode.taylor.backend import defaults
@@ -111,7 +112,7 @@ class Run:
         origin = ZERO
         if "angles" in self.scene.modelled and self.scene.starts_at_pole:
             whole, origin = self._off_the_pole(whole, inside[len(rows)])
-            if made.number.flat:  # a motion that stays at the pole has no angles
+            if not isinstance(rows, list):  # a motion that stays at the pole has no angles
                 rows = rows[:, : len(whole.start)]
         rows, outcome = self._advanced(whole, origin, asked, rows, progress)
         return outcome, rows[: self._before_stop(asked.exact, len(rows))]

@@ -9,14 +9,14 @@ import numpy as np
 
 from polhode.equations import quaternion_products, spinors
 from polhode.equations.attitude_phase import Turned
-from polhode.numbers.scalars import Rows
+from polhode.numbers.rows import Extendeds, Flat, flat
 from polhode.runs.problem.problem import Setup
 
 _PI = 4 * np.arctan(np.longdouble(1))
 _DOUBT = 0.6  # of a radian, by which turns counted roughly may differ from what is known
 
 
-def rows(made: Setup, parts: Sequence[Turned], states: Rows, times: Any) -> Any | None:
+def rows(made: Setup, parts: Sequence[Turned], states: Flat, times: Any) -> Flat | None:
     """Quaternion, psi and phi, as asked for, at outputs with these states and |times|.
 
     Each output is the start or the end of a panel.  None where psi and phi of a panel contradict
@@ -30,7 +30,7 @@ def rows(made: Setup, parts: Sequence[Turned], states: Rows, times: Any) -> Any 
     if axes is not None:
         z = spinors.spinor(quaternion_products.product(spinors.quaternion(z), axes))
     at = np.searchsorted(np.abs(panels.begin), times)
-    gamma = made.read.states(states)[:, 3:].T.astype(np.longdouble)
+    gamma = [*flat(made.read.states(states))[:, 3:].T.astype(np.longdouble)]
     found = []
     if "attitude" in made.whole.outputs:
         whole = np.array(quaternion_products.upright(spinors.quaternion(z[:, at]), gamma, np.sqrt))
@@ -43,7 +43,8 @@ def rows(made: Setup, parts: Sequence[Turned], states: Rows, times: Any) -> Any 
         if psi is None or phi is None:
             return None
         found += [psi[at], phi[at]]
-    return np.array(found).T.astype(states.dtype)
+    table: Extendeds = np.array(found).T
+    return table if states.dtype == np.longdouble else table.astype(np.float64)
 
 
 def _conjugate(q: Any) -> Any:

@@ -24,8 +24,7 @@ from polhode.common.progress import Progress
 from polhode.equations import quaternion_products
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
-from polhode.numbers.rows import Doubles
-from polhode.numbers.scalars import Rows
+from polhode.numbers.rows import Doubles, Rows, beside, doubles, flat
 from polhode.runs.methods.taylor import Run
 from polhode.runs.problem.problem import Asked, Setup
 from polhode.scenes.scene import Scene
@@ -125,7 +124,8 @@ def rows(
         if progress is not None:
             progress(_SHARE * done, steps)
 
-    outcome, states = run.to(wanted.asked, first if progress is not None else None)
+    outcome, given = run.to(wanted.asked, first if progress is not None else None)
+    states = doubles(given)
     joined = _Joined(made, wanted, states)
     turning = Turning(made.whole, made.blueprint)
     run.build_seconds += turning.seconds
@@ -141,7 +141,7 @@ def rows(
         outcome = Outcome.INTERRUPTED
         run.reached = wanted.asked.exact[joined.done - 1]
     kept = wanted.outputs[: wanted.before(joined.done)]
-    found = np.hstack([states[kept], joined.rows(kept)])
+    found = beside(states[kept], joined.rows(kept))
     run.seconds += time.perf_counter() - began
     return outcome, found
 
@@ -152,9 +152,9 @@ class _Joined:
     What has turned since a stretch's beginning is kept by itself until all of it is joined.
     """
 
-    def __init__(self, made: Setup, wanted: Plan, states: Rows) -> None:
+    def __init__(self, made: Setup, wanted: Plan, states: Doubles) -> None:
         self._made, self._plan, self._states = made, wanted, states
-        self._start = made.first[0, len(made.form.variables) :]
+        self._start = doubles(made.first)[0, len(made.form.variables) :]
         self._four = len(ATTITUDE) if "attitude" in made.whole.outputs else 0
         self._turned = np.zeros((len(states), len(self._start)))
         if self._four and len(states):
@@ -195,12 +195,12 @@ class _Joined:
         near, rest = exact_sum(begun[stretch], turned[:, four:])
         found[:, four:] = near + (rest + low[stretch])
         if four:
-            gamma = self._made.read.states(self._states[kept])[:, 3:]
+            gamma = flat(self._made.read.states(self._states[kept]))[:, 3:]
             start = self._start[:four].tolist()
             along = accumulate(ends[:, :four].tolist(), quaternion_products.product, initial=start)
             quaternions = np.array([*along])[stretch]
             whole = quaternion_products.product([*quaternions.T], [*turned[:, :four].T])
-            found[:, :four] = np.array(quaternion_products.upright(whole, gamma.T, np.sqrt)).T
+            found[:, :four] = np.array(quaternion_products.upright(whole, [*gamma.T], np.sqrt)).T
             found[kept == 0, :four] = start
         return found
 

@@ -22,7 +22,7 @@ from polhode.equations.attitude_phase import Panels, Turned
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.gauss_lobatto import Lobatto, enough, lobatto
-from polhode.numbers.scalars import Rows
+from polhode.numbers.rows import Flat, Rows, beside, flat
 from polhode.runs.methods.taylor import Run
 from polhode.runs.observers import attitude_assembly
 from polhode.runs.observers.panel_splitting import Halves
@@ -202,7 +202,8 @@ def rows(
         if progress is not None:
             progress(_SHARE * done, steps)
 
-    outcome, states = run.to(wanted.asked, first if progress is not None else None)
+    outcome, given = run.to(wanted.asked, first if progress is not None else None)
+    states = flat(given)
     began, end = time.perf_counter(), 0
     found: list[Turned] = []
     columns, late, halves = np.ascontiguousarray(states.T), _late(run, wanted), Halves(made)
@@ -228,13 +229,14 @@ def rows(
         run.reached = exactly(wanted.times[end]) * made.unit
     kept = wanted.outputs[wanted.outputs <= end] if len(states) else wanted.outputs[:0]
     if not end:  # the start, or nothing
-        more = made.first[: len(kept), states.shape[1] :]
+        more: Flat = flat(made.first)[: len(kept), states.shape[1] :]
     else:
-        more = attitude_assembly.rows(made, found, states[kept], np.abs(wanted.times[kept]))
-        if more is None:
+        turned = attitude_assembly.rows(made, found, states[kept], np.abs(wanted.times[kept]))
+        if turned is None:
             return None
+        more = turned
     run.seconds += time.perf_counter() - began
-    return outcome, np.hstack([states[kept], more])
+    return outcome, beside(states[kept], more)
 
 
 def _panels(group: Group, nodes: Any, columns: Any, late: Any | None) -> Panels:

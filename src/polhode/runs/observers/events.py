@@ -16,8 +16,7 @@ import numpy.typing as npt
 
 from polhode.common.progress import Progress
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.rows import Doubles
-from polhode.numbers.scalars import Rows
+from polhode.numbers.rows import Doubles, Rows, doubles
 from polhode.runs.methods.taylor import Run
 from polhode.runs.problem.problem import Asked, Setup
 from polhode.scenes.scene import Scene
@@ -108,7 +107,8 @@ def rows(
     if wanted is None:
         return None
     watch = Watch(scene, made.number, None)
-    outcome, states = run.to(wanted.asked, progress)
+    outcome, given = run.to(wanted.asked, progress)
+    states = doubles(given)
     if outcome not in (Outcome.REACHED_END, Outcome.STEP_LIMIT, Outcome.INTERRUPTED):
         return None
     began = time.perf_counter()
@@ -128,13 +128,13 @@ def rows(
     hops.release()
     _IDLE.put(made, outlook)
     run.seconds += built + time.perf_counter() - began
-    given = wanted.outputs[: int(np.searchsorted(wanted.outputs, len(states)))]
-    return outcome, states[given]
+    kept = wanted.outputs[: int(np.searchsorted(wanted.outputs, len(states)))]
+    return outcome, states[kept]
 
 
 def _plan(bare: Setup, times: Asked, hops: Hops, outlook: Outlook) -> Plan | None:
     end = float(times.inside[-1])
-    width = _width(bare.first[0], end, hops, outlook)
+    width = _width(doubles(bare.first)[0], end, hops, outlook)
     count = max(_FEWEST_KNOTS, math.ceil(abs(end) / width)) if width else MOST_KNOTS
     if count >= MOST_KNOTS:
         return None

@@ -37,7 +37,7 @@ class Halves:
         self._left -= splits
         halves = self._halves(panels, rule, found.split)
         done = found.settled
-        whole = Turned(*(x[..., done] for x in found))
+        whole = Turned._make(x[..., done] for x in found)
         rest = self.settled(halves, rule, depth + 1)
         return None if rest is None else [whole, *rest]
 

@@ -15,7 +15,8 @@ from polhode.equations.system import System, system
 from polhode.numbers.conversion import joined, number_value, to_extended
 from polhode.numbers.exact import sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import EXACT, Rows
+from polhode.numbers.rows import Rows
+from polhode.numbers.scalars import EXACT, Row
 from polhode.runs.problem.options import rounded_times
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.time_grid import Times
@@ -131,14 +132,15 @@ class Setup:
         """A system with its inputs rounded to the narrower type, where that was asked for."""
         return what if self.inputs is None else what.rounded(self.inputs)
 
-    def rows(self, rows: Sequence[Rows]) -> Rows:
+    def rows(self, rows: Sequence[Row]) -> Rows:
         """Rows of the run's numbers, as a run holds them: an array, or a list above extended."""
         if not self.number.flat:
             return list(rows)
         import numpy as np
 
-        kind = np.float64 if self.number.name == "double" else np.longdouble
-        return np.array(rows, dtype=kind) if rows else np.empty((0, len(self.whole.start)), kind)
+        width = len(rows[0]) if rows else len(self.whole.start)
+        wide = np.array(rows, dtype=np.longdouble).reshape(-1, width)
+        return wide if self.number.name == "extended" else wide.astype(np.float64)
 
     def joined(self, parts: Sequence[Rows]) -> Rows:
         """Several parts' rows in one."""

@@ -33,12 +33,12 @@ from polhode.numbers.rows import Doubles
 from polhode.runs.sweep.lanes import blocks
 
 if TYPE_CHECKING:
-    from polhode.numbers.scalars import Rows
+    from polhode.numbers.rows import Stack
     from polhode.scenes.sweep_columns import Block, Column, Vector
     from polhode.scenes.sweep_scenes import Members
 
 
-def drifts(members: Members, states: Rows, one: Callable[[int], Drift]) -> Doubles:
+def drifts(members: Members, states: Stack, one: Callable[[int], Drift]) -> Doubles:
     """Largest drift of h, f, |gamma|² and the fourth of each member, shape (members, 4).
 
     nan where there is none, or the member has no state.  ``states``: (members, times, columns);
@@ -92,7 +92,7 @@ def _block_drifts(
     known: FirstIntegrals,
     block: Block,
     which: npt.NDArray[np.int64],
-    states: Rows,
+    states: Stack,
     there: npt.NDArray[np.bool_],
 ) -> Doubles:
     """The drifts of members that have the same integrals, columns in the integrals' order."""

@@ -12,7 +12,8 @@ from polhode.equations.column import derived_stack, of_state_alone
 from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.numbers.decimals import shown
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Rows, Value
+from polhode.numbers.rows import Flat, Rows, Stack
+from polhode.numbers.scalars import Value
 from polhode.runs import presentation
 from polhode.runs.sweep.endings import Ended
 from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
@@ -53,10 +54,10 @@ class Ensemble(Ended):
     members: Members
     number: NumberType
     times: tuple[Fraction, ...]
-    states: Rows
+    states: Stack
     endings: npt.NDArray[np.uint8]  # indices into polhode.motion.outcomes.OUTCOMES
     counts: npt.NDArray[np.int64]  # of steps
-    arrived: Rows  # times reached, Fractions
+    arrived: Stack  # times reached, Fractions
     tolerance: float
     digits: int | None = None
     projected: bool = False
@@ -84,7 +85,7 @@ class Ensemble(Ended):
             scene=member.at(self.scene.times),
             number=self.number,
             times=self.times[:count],
-            states=states if self.number.flat else [list(row) for row in states],
+            states=states,
             outcome=self.outcome(index),
             steps=int(self.counts[index]),
             reached=self.arrived[index],
@@ -122,7 +123,7 @@ class Ensemble(Ended):
         return self.scene.columns
 
     @cached_property
-    def outputs(self) -> Mapping[str, Rows]:
+    def outputs(self) -> Mapping[str, Stack]:
         """Outputs of the scene that are made of the states alone, (members, times, columns).
 
         Others are left out of a sweep.  Not a number where a member did not come.
@@ -168,7 +169,8 @@ class Ensemble(Ended):
     def rows(self, index: int) -> Rows:
         """The states of one member as far as it came."""
         states = self.states[index]
-        return states[: int((states[:, 0] == states[:, 0]).sum())]
+        found: Flat = states[: int((states[:, 0] == states[:, 0]).sum())]
+        return found if self.number.flat else found.tolist()
 
     def output(self, word: str, index: int) -> list[list[Value | None]]:
         """The rows of an output of one member as far as it came, None where there is no number."""

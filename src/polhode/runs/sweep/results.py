@@ -11,7 +11,7 @@ from polhode.equations.readout import Readout
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import number_value
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Rows
+from polhode.numbers.rows import Stack
 from polhode.runs.sweep.plan import Plan
 from polhode.runs.sweep.sweep_checkpoint import Part, SweepCheckpoint
 from polhode.scenes.scene import Scene
@@ -114,7 +114,7 @@ class Reader:
     units: npt.NDArray[np.int64]
     bodies: tuple[tuple[npt.NDArray[np.int64], Scene], ...]
 
-    def states(self, rows: Rows) -> Rows:
+    def states(self, rows: Stack) -> Stack:
         """States, not a number where a member did not come.
 
         ``rows``: (members, times, columns) in principal axes and the run's units.
@@ -161,7 +161,7 @@ def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
     return Reader(plan.number, columns, units, sets)
 
 
-def _empty(number: NumberType, shape: tuple[int, ...]) -> Rows:
+def _empty(number: NumberType, shape: tuple[int, ...]) -> Stack:
     """States of this shape, none of them a number."""
     import numpy as np
 

@@ -20,7 +20,7 @@ from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import strings
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Rows
+from polhode.numbers.rows import Stack
 
 if TYPE_CHECKING:
     import numpy as np
@@ -33,10 +33,10 @@ class Part(NamedTuple):
     """Some members of a sweep, finished; see :class:`polhode.runs.sweep.ensemble.Ensemble`."""
 
     members: npt.NDArray[np.int64]
-    states: Rows
+    states: Stack
     outcomes: npt.NDArray[np.uint8]  # indices into polhode.motion.outcomes.OUTCOMES
     steps: npt.NDArray[np.int64]
-    reached: Rows  # Fractions
+    reached: Stack  # Fractions
     errors: dict[int, tuple[float | None, ...]]  # by member, of those that have any
 
 
@@ -94,22 +94,23 @@ class SweepCheckpoint(Checkpoint):
         self.write(f"part-{max(numbers, default=-1) + 1:05d}.npz", arrays)
         self._last = time.monotonic()
 
-    def _plain(self, states: Rows) -> Any:
+    def _plain(self, states: Stack) -> Any:
         """States as an array that needs no pickle."""
         import numpy as np
 
         if self.number.flat:
             return states
-        rows = states.reshape(-1, states.shape[-1])
+        rows = states.reshape(-1, states.shape[-1]).tolist()
         text = [
             strings([row], self.number)[0] if row[0] == row[0] else ["nan"] * len(row)
             for row in rows
         ]
         return np.array(text).reshape(states.shape)
 
-    def _numbers(self, states: Any) -> Rows:
+    def _numbers(self, states: Any) -> Stack:
         if self.number.flat:
-            return states
+            held: Stack = states
+            return held
         import numpy as np
 
         from polhode.numbers.mpmath_context import mpmath, ordinary

@@ -74,12 +74,13 @@ def _path(notable: Notable) -> dict[str, Any]:
     times = [notable.end * k / (SAMPLES - 1) for k in range(SAMPLES)]
     direction = notable.direction or scene.body.centre
     rows = path(exact.attitude(times, DIGITS), direction, number_types.mp(DIGITS))
-    length = sum(float(x) ** 2 for x in rows[0]) ** 0.5
+    places = [[float(x) for x in row if x is not None] for row in rows]
+    length = sum(x**2 for x in places[0]) ** 0.5
     return {
         "case": notable.case,
         "name": notable.name,
         "end": str(notable.end),
         "point": notable.point,
         "seen": notable.seen,
-        "path": [[round(float(x) / length, _PLACES) for x in row] for row in rows],
+        "path": [[round(x / length, _PLACES) for x in row] for row in places],
     }

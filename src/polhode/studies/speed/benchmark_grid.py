@@ -19,6 +19,7 @@ from polhode.judging.correct_digits import digits_of, rate_scale
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, bits_for
+from polhode.numbers.rows import Rows
 from polhode.runs.integrate import integrate
 from polhode.scenes.scene import Scene, even_times
 from polhode.studies.ensembles import TOPS, random_scene
@@ -159,7 +160,7 @@ def truth(cell: Cell, start: int) -> Truth:
     times = _times(cell.end, JUDGED)
     scene = random_scene(cell.kind, start, times, BODY)
     if cell.kind in TOPS:
-        states = reference_of(scene).at(times, DIGITS)
+        states: Rows = reference_of(scene).at(times, DIGITS)
     else:
         states = integrate(scene, "quad").states
     bits = bits_for(DIGITS) + 32

@@ -12,6 +12,7 @@ from typing import Any
 from polhode.judging.correct_digits import worst_digits
 from polhode.judging.references.reference import reference
 from polhode.numbers import number_types
+from polhode.numbers.rows import Given
 from polhode.runs.integrate import integrate
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
@@ -77,7 +78,8 @@ def _row(contest: Contest) -> dict[str, Any]:
     wide = math.ceil(number.most_digits) + _SPARE
     known = reference(scene)
     if known.is_closed_form:
-        true, row["by"] = known.at(scene.times, wide), "closed form"
+        true: Given = known.at(scene.times, wide)
+        row["by"] = "closed form"
     else:  # a method of its own, and more digits
         plain = replace(scene, outputs=())
         steps = integrate(plain, number_types.mp(wide), method="taylor")

@@ -14,6 +14,7 @@ from polhode.judging.correct_digits import errors, rate_scale
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, number_value, to_mpf
 from polhode.numbers.number_types import NumberType, bits_for
+from polhode.numbers.rows import Given, Rows
 from polhode.numbers.scalars import Row
 from polhode.runs.integrate import integrate
 from polhode.scenes.body import Body, dot, scaled
@@ -51,7 +52,7 @@ def changed_by_units(scene: Scene, number: NumberType) -> int:
     return changed
 
 
-def departure(states: Sequence[Sequence[Any]], scene: Scene, number: NumberType) -> float:
+def departure(states: Given, scene: Scene, number: NumberType) -> float:
     """How far w strays from its start (with gamma where that rests too), in eps of the type."""
     columns = slice(None) if at_rest(scene).state else slice(0, 3)
     bits = bits_for(2 * number.most_digits)
@@ -105,7 +106,7 @@ def way_back(scene: Scene, t: Any, state: Sequence[Any]) -> Scene:
 
 def _led(integrator: Integrating, t: Fraction) -> Row:
     """The row of an integrator led to a time."""
-    rows: list[Row] = []
+    rows: Rows = []
     while len(rows) == 0:
         rows, _ = integrator.chunk([t], 10**5)
     return rows[0]

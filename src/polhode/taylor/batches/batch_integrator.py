@@ -24,7 +24,7 @@ from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Rows
+from polhode.numbers.rows import Stack
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.types import HeyokaIntegrator
@@ -58,7 +58,7 @@ def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
 def _with_kept(job: BatchJob) -> BatchJob:
     """A job whose lanes have, after their coefficients, the variables that the equations keep."""
     starts = job.lanes.starts[:, kept_rates(job.names, job.columns)]
-    table = np.hstack([job.lanes.coefficients, starts])
+    table: Stack = np.concatenate([job.lanes.coefficients, starts], axis=1)
     return job._replace(lanes=job.lanes._replace(coefficients=table))
 
 
@@ -254,14 +254,14 @@ class _Doubles:
         self._put(self.integrator.state, lanes.starts)
         self._put(self.integrator.pars, lanes.coefficients)
 
-    def _put(self, target: Rows, rows: Rows) -> None:
+    def _put(self, target: Stack, rows: Stack) -> None:
         target[:, : self.count] = rows.T
         if self.count < self.places:
             target[:, self.count :] = rows[-1][:, None]
 
     def advance(
         self, stretch: Stretch, limit: int
-    ) -> tuple[Rows, npt.NDArray[np.int64], Outcome, int]:
+    ) -> tuple[Stack, npt.NDArray[np.int64], Outcome, int]:
         """States (lanes, outputs, columns), steps, the ending, how many outputs were met."""
         ta, targets = self.integrator, stretch.targets
         ta.set_time(0.0)
@@ -297,7 +297,7 @@ class _Single:
 
     def advance(
         self, stretch: Stretch, limit: int
-    ) -> tuple[Rows, npt.NDArray[np.int64], Outcome, int]:
+    ) -> tuple[Stack, npt.NDArray[np.int64], Outcome, int]:
         """The same of one lane."""
         zero = heyoka_numbers.scalar(0, self.number)
         self.integrator.time = zero

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Rows
+from polhode.numbers.rows import Stack
 
 
 class Lanes(NamedTuple):
@@ -20,8 +20,8 @@ class Lanes(NamedTuple):
     Doubles, longdoubles, or above extended Fractions.  In the run's own unit of time.
     """
 
-    coefficients: Rows
-    starts: Rows
+    coefficients: Stack
+    starts: Stack
 
     @property
     def many(self) -> int:
@@ -72,10 +72,10 @@ class Solved:
     states of refined members, see :class:`polhode.runs.trajectory.Trajectory`; None without any.
     """
 
-    states: Rows
+    states: Stack
     outcomes: npt.NDArray[np.uint8]
     steps: npt.NDArray[np.int64]
-    reached: Rows
+    reached: Stack
     errors: list[tuple[float | None, ...] | None] | None = None
 
     @classmethod

@@ -28,7 +28,7 @@ from polhode.taylor.batches.short_arcs import Hops
 from polhode.taylor.events import hermite_roots
 from polhode.taylor.events.functions import event_expression, rate
 from polhode.taylor.events.stepwise import Watch
-from polhode.taylor.events.vectorized_roots import NEAR, Crossings, Seen, Zeros, crossings
+from polhode.taylor.events.vectorized_roots import NEAR, Seen, Zeros, crossings, those
 from polhode.taylor.integrator.protocols import Desk
 from polhode.taylor.integrator.specification import Blueprint
 from polhode.taylor.integrator.stepping import Integrator
@@ -144,8 +144,7 @@ class Sightings:
             plain &= (found.cells < begin) | (found.cells >= end)
         if crossed is None or not plain.any():
             return None, stretches
-        kept = Seen(*(part[plain] for part in seen)), Crossings(*(part[plain] for part in crossed))
-        return kept, stretches
+        return those((seen, crossed), plain), stretches
 
     def _functions(self, k: int) -> tuple[CompiledFunction, CompiledFunction]:
         return self.watch.desk.evaluate[k], self.watch.desk.motion

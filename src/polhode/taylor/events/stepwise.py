@@ -33,6 +33,7 @@ from polhode.equations.readout import Readout
 from polhode.motion.outcomes import EventTimes
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Given
 from polhode.numbers.scalars import Row
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
@@ -255,11 +256,12 @@ class Watch:
             found = zeros[1]
             plain = None if self.raw[k] or self.stop is not None else in_order(zeros, before)
             if plain is not None:
-                slopes, rows, complete = found.slopes, found.rows, True
+                slopes, met, complete = found.slopes, found.rows, True
                 if event.direction != "any":
                     counted = np.array([event.counts(slope) for slope in slopes.tolist()], bool)
-                    plain, slopes, rows = plain[counted], slopes[counted], rows[counted]
+                    plain, slopes, met = plain[counted], slopes[counted], met[counted]
                 times: Any = partial(self._exact_times, plain)
+                rows: Given = met
                 grazing = (False,) * len(slopes)
             else:
                 marks = self._marks(k) + plain_marks(those(zeros, found.plain))

@@ -15,7 +15,8 @@ import numpy as np
 from polhode.numbers.conversion import exactly, number_value
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Row, Rows
+from polhode.numbers.rows import Flat
+from polhode.numbers.scalars import Row
 from polhode.taylor.backend.time_grid import exact_sum
 from polhode.taylor.backend.types import CompiledFunction, HeyokaNumber
 from polhode.taylor.events.root_refinement import Mark, near
@@ -41,7 +42,7 @@ class Seen(NamedTuple):
     high: Row
     low: Row
     time: Row
-    rows: Rows
+    rows: Flat
 
 
 class Crossings(NamedTuple):
@@ -52,7 +53,7 @@ class Crossings(NamedTuple):
     """
 
     moved: Row
-    rows: Rows
+    rows: Flat
     slopes: Row
     plain: Row
     none: Row
@@ -105,12 +106,13 @@ def crossings(
     return Crossings(moved, columns.T, np.sign(slope), plain, none)
 
 
-def along(columns: Rows, rates: Rows, step: Row) -> Rows:
+def along(columns: Flat, rates: Flat, step: Row) -> Flat:
     """States a little later by a Taylor polynomial: ``rates``, first derivatives and so on."""
     bend = rates[-1]
     for k in range(len(rates) - 1, 0, -1):
         bend = rates[k - 1] + step / (k + 1) * bend
-    return columns + step * bend
+    found: Flat = columns + step * bend
+    return found
 
 
 def in_order(zeros: Zeros, before: int) -> Row | None:
@@ -189,4 +191,7 @@ def marks(zeros: Zeros) -> list[Mark]:
 def those(zeros: Zeros, which: Row) -> Zeros:
     """Some of them."""
     seen, found = zeros
-    return Seen(*(part[which] for part in seen)), Crossings(*(part[which] for part in found))
+    rows: tuple[Flat, Flat] = seen.rows[which], found.rows[which]
+    kept = Seen(seen.high[which], seen.low[which], seen.time[which], rows[0])
+    signs = found.slopes[which], found.plain[which], found.none[which]
+    return kept, Crossings(found.moved[which], rows[1], *signs)

@@ -14,7 +14,8 @@ import heyoka as hy
 
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Row, Rows
+from polhode.numbers.rows import Rows, flat
+from polhode.numbers.scalars import Row
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import as_fraction, scalar
 from polhode.taylor.backend.time_grid import exact_sum
@@ -48,13 +49,14 @@ class Cyclic:
     def completed(self, rows: Rows) -> Rows:
         """Rows of heyoka's numbers, now with the whole of the cyclic variables."""
         if self.number.flat:
+            table = flat(rows)
             for i, grown in enumerate(self._grown, -len(self._grown)):
                 whole = Fraction(grown, 1 << self._fine)
                 high = self.number.rounded(whole)
                 low = scalar(self.number.rounded(whole - high), self.number)
-                near, rest = exact_sum(scalar(high, self.number), rows[:, i] * self._divisor)
-                rows[:, i] = near + (rest + low)
-            return rows
+                near, rest = exact_sum(scalar(high, self.number), table[:, i] * self._divisor)
+                table[:, i] = near + (rest + low)
+            return table
         for row in rows:
             for i, x in enumerate(row[len(row) - len(self._grown) :], -len(self._grown)):
                 row[i] = scalar(Fraction(self._whole(i, x), 1 << self._fine), self.number)

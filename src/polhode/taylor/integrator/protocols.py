@@ -13,7 +13,8 @@ from typing import NamedTuple, Protocol
 
 from polhode.motion.outcomes import Outcome, Projection
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Row, Rows
+from polhode.numbers.rows import Rows
+from polhode.numbers.scalars import Row
 from polhode.taylor.backend.types import (
     CompiledFunction,
     Expression,

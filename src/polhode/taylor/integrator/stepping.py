@@ -14,7 +14,8 @@ import numpy as np
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import joined
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Row, Rows
+from polhode.numbers.rows import Rows
+from polhode.numbers.scalars import Row
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, numbers, scalar
 from polhode.taylor.backend.integrator_pool import Idle
 from polhode.taylor.backend.step_outcomes import ending
@@ -275,10 +276,10 @@ class Integrator:
         if self.watcher is not None:
             self.watcher.counts_from(self.offset, self.heyoka)
 
-    def _rows(self, parts: list[Rows]) -> Rows:
+    def _rows(self, parts: Sequence[Rows]) -> Rows:
         if self.number.flat:
             return joined(parts, self.number) if parts else self.state[None][:0]
-        return [numbers(row, self.number) for part in parts for row in part.tolist()]
+        return [numbers(row, self.number) for part in parts for row in part]
 
     def _exactly(self, value: HeyokaNumber) -> Fraction:
         return as_fraction(value, self.number)

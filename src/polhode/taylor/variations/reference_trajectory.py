@@ -12,8 +12,7 @@ from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import EXTENDED, QUAD, NumberType
-from polhode.numbers.rows import Doubles
-from polhode.numbers.scalars import Row
+from polhode.numbers.rows import Doubles, Rows
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 from polhode.taylor.integrator.build import build
@@ -36,7 +35,7 @@ class Leader:
             holding = (kind for kind in (*ready, QUAD) if kind.most_digits >= needed)
             self._number = next(holding, None) or number_types.mp(2 * needed)
             self._run = build(self._plain, self._number)
-        rows: Sequence[Row] = []
+        rows: Rows = []
         while len(rows) == 0:
             rows, _ = self._run.chunk([Fraction(time)], defaults.of(self._number).chunk)
         return six([exactly(x) for x in rows[0]])
