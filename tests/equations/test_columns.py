@@ -179,6 +179,7 @@ def test_a_reference_gives_the_speed_to_the_last_digit(name, digits, capsys):
         assert abs(exactly(x) - Fraction(text)) < 10 * Fraction(10) ** -digits
 
 
+@pytest.mark.slow
 def test_a_reference_of_either_kind_gives_the_speed(scene):
     """A proven enclosure's midpoints, and two integrations, judge a run's speed, too."""
     run = polhode.integrate(scene, at=[0, 1])
@@ -304,6 +305,7 @@ def test_every_row_of_the_table_is_whole():
     assert not {*COLUMNS} & {"scene", "number", "bits", "columns", "times", "states", "events"}
     for word, found in COLUMNS.items():
         assert found.meaning
+        assert found.how in ("integrated", "derived")
         if found.how == "derived":
             needs = {*found.needs} - {"state"}
             assert all(COLUMNS[need].how == "integrated" for need in needs)
