@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import ast
+import importlib
 import inspect
 import os
 import re
 import subprocess
 import sys
 import tomllib
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -44,6 +47,70 @@ def test_contributing_prints_the_enforced_layers():
     assert len(rows) == len(enforced)
     for (_, rooms), layer in zip(rows, enforced, strict=True):
         assert set(re.findall(r"`(\w+)/?`", rooms)) == layer
+
+
+def test_contributing_prints_the_rooms_within_rooms():
+    """Each inner package with the first line of its docstring; families and studies say theirs."""
+    told = dict(
+        re.findall(r"^\| `(\w+/\w+)/` \| (.*?) \|$", (TOP / "CONTRIBUTING.md").read_text(), re.M)
+    )
+    source = TOP / "src/polhode"
+    families = {*importlib.import_module("polhode.scenes.vocabulary").REFERENCES}
+    found = {}
+    for init in source.glob("*/*/__init__.py"):
+        room = init.parent.relative_to(source)
+        if room.parts[0] != "studies" and room.name.replace("_", "-") not in families:
+            found[room.as_posix()] = (
+                ast.get_docstring(ast.parse(init.read_text())).splitlines()[0].rstrip(".")
+            )
+    assert told == found
+
+
+#: Files in a folder, at most: where a room is fuller, it has rooms of its own.
+CROWD = {"taylor": 12, "judging": 12, "runs": 12, "dynamics": 12}
+CROWDED = 21
+
+
+def test_no_folder_is_crowded():
+    source = TOP / "src/polhode"
+    for folder in [source, *(f for f in source.rglob("*") if f.is_dir())]:
+        files = [f for f in folder.glob("*.py") if f.name != "__init__.py"]
+        assert len(files) <= CROWD.get(
+            folder.relative_to(source).parts[0] if folder != source else "", CROWDED
+        ), folder
+
+
+#: How often ``Any`` stands in each package, at most: scalars of formulas, JSON, heyoka's things.
+#: The numbers only ever fall.
+ANY = {
+    "checks": 13,
+    "closed_forms": 1876,
+    "common": 33,
+    "dynamics": 113,
+    "enclosures": 227,
+    "equations": 9,
+    "figures": 165,
+    "judging": 134,
+    "numbers": 74,
+    "output": 116,
+    "peers": 65,
+    "refined": 215,
+    "runs": 98,
+    "scenes": 112,
+    "studies": 356,
+    "taylor": 99,
+    "verbs": 30,
+}
+
+
+def test_any_only_ever_becomes_rarer():
+    found = Counter(
+        f.relative_to(TOP / "src/polhode").parts[0]
+        for f in (TOP / "src/polhode").rglob("*.py")
+        for _ in re.findall(r"\bAny\b", f.read_text())
+    )
+    assert {k: n for k, n in found.items() if n > ANY.get(k, 0)} == {}
+    assert {k: n for k, n in ANY.items() if found[k] < n - 40} == {}, "lower the numbers in ANY"
 
 
 def signatures() -> Iterator[tuple[str, object]]:

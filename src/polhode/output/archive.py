@@ -245,7 +245,7 @@ def _parts(scene: Scene) -> dict[str, int]:
 def _texts(rows: Given, number: NumberType) -> npt.NDArray[np.str_]:
     """Rows as decimal strings that round-trip, empty where undefined; shape (n, columns)."""
     if len(rows) == 0:
-        return np.empty(np.shape(rows), dtype=np.str_)
+        return np.empty(rows.shape if isinstance(rows, np.ndarray) else (0,), dtype=np.str_)
     kept = [["" if x is None else x for x in row] for row in strings(rows, number)]
     return np.array(kept, dtype=np.str_)
 

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from polhode.common.html_page import Page
-    from polhode.numbers.scalars import AnyNumber, Rows, Value
+    from polhode.numbers.rows import Rows
+    from polhode.numbers.scalars import AnyNumber, Value
     from polhode.runs.sweep.ensemble import Ensemble
     from polhode.runs.trajectory import Trajectory
 
