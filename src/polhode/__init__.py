@@ -13,7 +13,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
+from polhode.common.presentation import provide as _provide
+
 if _TYPE_CHECKING:
+    from collections.abc import Callable as _Callable
+
     # `as`: mypy and pyright take these names, and no others, for exported
     from polhode.common.errors import BadInput as BadInput
     from polhode.common.html_page import Page as Page
@@ -132,45 +136,24 @@ _HOMES = {
 __all__ = [*_HOMES]
 
 
-def _provide() -> None:
-    """What results of lower rooms do by higher ones, imported when it is asked for."""
-    from polhode.judging import presentation as judging
-    from polhode.runs import presentation as runs
-    from polhode.scenes import presentation as scenes
+def _presentation(name: str) -> _Callable[[], object]:
+    """Loads what results of lower rooms do by higher ones, see polhode.common.presentation."""
 
-    def of_runs() -> runs.RunPresentation:
-        from polhode.output.presentation import RUNS
+    def load() -> object:
+        from polhode.output import presentation
 
-        return RUNS
+        return getattr(presentation, name)
 
-    def of_ensembles() -> runs.EnsemblePresentation:
-        from polhode.output.presentation import ENSEMBLES
-
-        return ENSEMBLES
-
-    def of_judgements() -> judging.JudgementPresentation:
-        from polhode.output.presentation import JUDGEMENTS
-
-        return JUDGEMENTS
-
-    def of_scenes() -> scenes.ScenePresentation:
-        from polhode.output.presentation import SCENES
-
-        return SCENES
-
-    def reevaluation() -> runs.Reevaluation:
-        from polhode.runs import reevaluate
-
-        return reevaluate
-
-    runs.RUNS.provide(of_runs)
-    runs.ENSEMBLES.provide(of_ensembles)
-    runs.REEVALUATION.provide(reevaluation)
-    judging.JUDGEMENTS.provide(of_judgements)
-    scenes.SCENES.provide(of_scenes)
+    return load
 
 
-_provide()
+_provide(
+    scenes=_presentation("SCENES"),
+    runs=_presentation("RUNS"),
+    reevaluation=_presentation("REEVALUATION"),
+    ensembles=_presentation("ENSEMBLES"),
+    judgements=_presentation("JUDGEMENTS"),
+)
 
 
 def __getattr__(name: str) -> object:

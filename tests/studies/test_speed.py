@@ -476,7 +476,7 @@ def test_of_the_right_hand_sides_of_scipy_one_is_compiled_on_the_short_motion_al
 
 
 def test_a_peers_process_imports_nothing_else_of_polhode():
-    """But for what ``import polhode`` itself brings: protocols, and no code."""
+    """But for what ``import polhode`` itself brings: a table of what to load when asked."""
     code = (
         "import sys, polhode; package = {*sys.modules}; "
         "import polhode.peers.bare_heyoka, polhode.peers.cyrk, polhode.peers.scipy_python; "

@@ -1,9 +1,9 @@
 """What a result does by rooms above its own: figures, files, tables of other packages.
 
 A trajectory lies on a lower floor than what draws and writes it, and imports none of that.  Its
-room says in a protocol what it asks for, and holds a slot for it; the package itself, which Python
-imports before any room of it, fills the slots (``polhode/__init__.py``), and mypy checks that what
-is put in keeps the protocol.
+room says in a protocol what it asks for, and has a slot for it, by a word; the package itself,
+which Python imports before any room of it, says where each word's object comes from
+(``polhode/__init__.py``), and ``output/presentation.py`` declares each as keeping the protocol.
 """
 
 from __future__ import annotations
@@ -13,19 +13,21 @@ from typing import Generic, TypeVar
 
 P = TypeVar("P")
 
+_LOADERS: dict[str, Callable[[], object]] = {}
+
 
 class Slot(Generic[P]):
     """A place for an object of a higher room, which is loaded when it is asked for."""
 
-    def __init__(self) -> None:
-        self._load: Callable[[], P] | None = None
-
-    def provide(self, load: Callable[[], P]) -> None:
-        """Say where the object comes from; nothing is imported yet."""
-        self._load = load
+    def __init__(self, word: str) -> None:
+        self.word = word
 
     def get(self) -> P:
-        """The object; raises RuntimeError where nobody provided it."""
-        if self._load is None:
-            raise RuntimeError("nothing was provided here: import polhode first")
-        return self._load()
+        """The object."""
+        found: P = _LOADERS[self.word]()  # type: ignore[assignment]
+        return found
+
+
+def provide(**loaders: Callable[[], object]) -> None:
+    """Say where the object of each word comes from; nothing is imported yet."""
+    _LOADERS.update(loaders)

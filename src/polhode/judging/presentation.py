@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol, TypeVar
 
-from polhode.common.presentation import Slot
-
-if TYPE_CHECKING:
-    from polhode.judging.score.judgement import Judgement
+J_contra = TypeVar("J_contra", contravariant=True)
 
 
-class JudgementPresentation(Protocol):
+class JudgementPresentation(Protocol[J_contra]):
     """A judgement shown."""
 
-    def html(self, judgement: Judgement, /) -> str:
+    def html(self, judgement: J_contra, /) -> str:
         """What a notebook shows of it."""
         ...
-
-
-JUDGEMENTS: Slot[JudgementPresentation] = Slot()

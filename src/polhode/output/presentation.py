@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     from polhode.common.html_page import Page
     from polhode.judging.presentation import JudgementPresentation
     from polhode.judging.score.judgement import Judgement
-    from polhode.numbers.scalars import AnyNumber
-    from polhode.runs.presentation import EnsemblePresentation, RunPresentation
+    from polhode.numbers.rows import Rows
+    from polhode.numbers.scalars import AnyNumber, Value
+    from polhode.runs.presentation import EnsemblePresentation, Reevaluation, RunPresentation
     from polhode.runs.sweep.ensemble import Ensemble
     from polhode.runs.trajectory import Trajectory
     from polhode.scenes.presentation import ScenePresentation
@@ -90,7 +91,15 @@ class _Runs:
         archive.save(run, path)
 
 
-SCENES: Final[ScenePresentation] = _Scenes()
-JUDGEMENTS: Final[JudgementPresentation] = _Judgements()
-ENSEMBLES: Final[EnsemblePresentation] = _Ensembles()
-RUNS: Final[RunPresentation] = _Runs()
+class _Reevaluation:
+    def at_times(self, run: Trajectory, what: str, t: Value, /) -> Rows:
+        from polhode.runs import reevaluate
+
+        return reevaluate.at_times(run, what, t)
+
+
+SCENES: Final[ScenePresentation[Scene]] = _Scenes()
+JUDGEMENTS: Final[JudgementPresentation[Judgement]] = _Judgements()
+ENSEMBLES: Final[EnsemblePresentation[Ensemble]] = _Ensembles()
+RUNS: Final[RunPresentation[Trajectory]] = _Runs()
+REEVALUATION: Final[Reevaluation[Trajectory]] = _Reevaluation()

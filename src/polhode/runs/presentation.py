@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
-
-from polhode.common.presentation import Slot
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,64 +16,59 @@ if TYPE_CHECKING:
     from polhode.common.html_page import Page
     from polhode.numbers.rows import Rows
     from polhode.numbers.scalars import AnyNumber, Value
-    from polhode.runs.sweep.ensemble import Ensemble
-    from polhode.runs.trajectory import Trajectory
+
+R_contra = TypeVar("R_contra", contravariant=True)
 
 
-class EnsemblePresentation(Protocol):
+class EnsemblePresentation(Protocol[R_contra]):
     """An ensemble shown, and as tables of other packages."""
 
-    def html(self, found: Ensemble, /) -> str:
+    def html(self, found: R_contra, /) -> str:
         """What a notebook shows of it."""
         ...
 
-    def to_pandas(self, found: Ensemble, /) -> pd.DataFrame:
+    def to_pandas(self, found: R_contra, /) -> pd.DataFrame:
         """A row a member and time."""
         ...
 
-    def to_xarray(self, found: Ensemble, /) -> xr.Dataset:
+    def to_xarray(self, found: R_contra, /) -> xr.Dataset:
         """A variable a column, along member and time."""
         ...
 
 
-class RunPresentation(Protocol):
+class RunPresentation(Protocol[R_contra]):
     """A trajectory shown, drawn, saved, and as tables of other packages."""
 
-    def html(self, run: Trajectory, /) -> str:
+    def html(self, run: R_contra, /) -> str:
         """What a notebook shows of it."""
         ...
 
-    def to_pandas(self, run: Trajectory, /) -> pd.DataFrame:
+    def to_pandas(self, run: R_contra, /) -> pd.DataFrame:
         """A row a time."""
         ...
 
-    def to_xarray(self, run: Trajectory, /) -> xr.Dataset:
+    def to_xarray(self, run: R_contra, /) -> xr.Dataset:
         """A variable a column, along time."""
         ...
 
     def plot(
-        self, run: Trajectory, what: str, axes: object, end: AnyNumber | None, /
+        self, run: R_contra, what: str, axes: object, end: AnyNumber | None, /
     ) -> Axes | npt.NDArray[np.object_]:
         """Draw a figure of it: the axes drawn into."""
         ...
 
-    def view(self, run: Trajectory, end: AnyNumber | None, /) -> Page:
+    def view(self, run: R_contra, end: AnyNumber | None, /) -> Page:
         """A page on which it moves."""
         ...
 
-    def save(self, run: Trajectory, path: str | Path, /) -> None:
+    def save(self, run: R_contra, path: str | Path, /) -> None:
         """Write it to a file that loads again."""
         ...
 
 
-class Reevaluation(Protocol):
+class Reevaluation(Protocol[R_contra]):
     """A trajectory made once more: what makes one is above it, too."""
 
-    def at_times(self, run: Trajectory, what: str, t: Value, /) -> Rows:
+    def at_times(self, run: R_contra, what: str, t: Value, /) -> Rows:
         """Angles or attitude at time t, or rows of them."""
         ...
-
-
-RUNS: Slot[RunPresentation] = Slot()
-ENSEMBLES: Slot[EnsemblePresentation] = Slot()
-REEVALUATION: Slot[Reevaluation] = Slot()

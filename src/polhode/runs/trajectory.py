@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
 from polhode.common.cached_property import cached_property
+from polhode.common.presentation import Slot
 from polhode.common.value_semantics import ByValue
 from polhode.equations.column import derived, derived_words
 from polhode.equations.form import equations
@@ -19,8 +20,8 @@ from polhode.numbers.decimals import decimal_in_full, shown, strings
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Columns, Given, Rows, States, part_of
 from polhode.numbers.scalars import AnyNumber, Row, Value
-from polhode.runs import presentation
 from polhode.runs.error_estimate import Expected, by_errors, expected
+from polhode.runs.presentation import Reevaluation, RunPresentation
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS, Several, Single
 
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
     from polhode.common.html_page import Page
 
 _TORUS = 4  # integrals that fix the torus of an integrable top with gamma
+
+_PRESENTATION: Slot[RunPresentation[Trajectory]] = Slot("runs")
+_REEVALUATION: Slot[Reevaluation[Trajectory]] = Slot("reevaluation")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -99,7 +103,7 @@ class Trajectory(ByValue):
         )
 
     def _repr_html_(self) -> str:
-        return presentation.RUNS.get().html(self)
+        return _PRESENTATION.get().html(self)
 
     @property
     def t(self) -> npt.NDArray[np.float64]:
@@ -110,11 +114,11 @@ class Trajectory(ByValue):
 
     def attitude_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Rows:
         """The quaternion q0 q1 q2 q3 at time t, or rows of it: the run made once more."""
-        return presentation.REEVALUATION.get().at_times(self, "attitude", t)
+        return _REEVALUATION.get().at_times(self, "attitude", t)
 
     def angles_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Rows:
         """psi, theta, phi at time t, or rows of them: the run made once more."""
-        return presentation.REEVALUATION.get().at_times(self, "angles", t)
+        return _REEVALUATION.get().at_times(self, "angles", t)
 
     @overload
     def plot(
@@ -130,23 +134,23 @@ class Trajectory(ByValue):
         self, what: str = "angles", axes: object = None, *, end: AnyNumber | None = None
     ) -> Axes | npt.NDArray[np.object_]:
         """Draw a figure with matplotlib, see :func:`polhode.plot`; the axes drawn into."""
-        return presentation.RUNS.get().plot(self, what, axes, end)
+        return _PRESENTATION.get().plot(self, what, axes, end)
 
     def view(self, *, end: AnyNumber | None = None) -> Page:
         """The motion as a page that moves, see :func:`polhode.view`."""
-        return presentation.RUNS.get().view(self, end)
+        return _PRESENTATION.get().view(self, end)
 
     def to_pandas(self) -> pd.DataFrame:
         """A pandas DataFrame: a row a time, index t (extra ``polhode[frames]``)."""
-        return presentation.RUNS.get().to_pandas(self)
+        return _PRESENTATION.get().to_pandas(self)
 
     def to_xarray(self) -> xr.Dataset:
         """An xarray Dataset along t (extra ``polhode[frames]``)."""
-        return presentation.RUNS.get().to_xarray(self)
+        return _PRESENTATION.get().to_xarray(self)
 
     def save(self, path: str | Path) -> None:
         """Write the run to a file .npz, which :func:`polhode.load_run` reads again."""
-        presentation.RUNS.get().save(self, path)
+        _PRESENTATION.get().save(self, path)
 
     @property
     def seconds(self) -> Mapping[str, float]:

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol, TypeVar
 
-from polhode.common.presentation import Slot
-
-if TYPE_CHECKING:
-    from polhode.scenes.scene import Scene
+S_contra = TypeVar("S_contra", contravariant=True)
 
 
-class ScenePresentation(Protocol):
+class ScenePresentation(Protocol[S_contra]):
     """A scene shown."""
 
-    def html(self, scene: Scene, /) -> str:
+    def html(self, scene: S_contra, /) -> str:
         """What a notebook shows of it."""
         ...
-
-
-SCENES: Slot[ScenePresentation] = Slot()

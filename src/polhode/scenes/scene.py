@@ -14,15 +14,18 @@ from typing import Any, NamedTuple
 from polhode.common.arguments import each, of_kind
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, nearest
+from polhode.common.presentation import Slot
 from polhode.numbers import exact
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.scalars import AnyNumber
-from polhode.scenes import presentation
 from polhode.scenes.body import Body, Vector, dot, exact_vector, scaled
 from polhode.scenes.event import Event, check_event
+from polhode.scenes.presentation import ScenePresentation
 from polhode.scenes.vocabulary import COLUMNS, FORMS, STATE
+
+_PRESENTATION: Slot[ScenePresentation[Scene]] = Slot("scenes")
 
 
 class Published(NamedTuple):
@@ -171,7 +174,7 @@ class Scene:
         return f"<Scene {self.name}: moments {moments}{until}>"
 
     def _repr_html_(self) -> str:
-        return presentation.SCENES.get().html(self)
+        return _PRESENTATION.get().html(self)
 
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)

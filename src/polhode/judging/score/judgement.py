@@ -8,16 +8,17 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.cached_property import cached_property
+from polhode.common.presentation import Slot
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.common.value_semantics import ByValue
 from polhode.equations.integrals import Drift
-from polhode.judging import presentation
 from polhode.judging.conditioning.conditioning import Conditioning, conditioning
 from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.error_budget import between, is_lost, limit
 from polhode.judging.diagnosis.omega_only import OmegaAlone, omega_alone
+from polhode.judging.presentation import JudgementPresentation
 from polhode.judging.references.reference import by_sign
 from polhode.judging.score.report_text import SHOWN, table, together
 from polhode.judging.score.score import AnyReference, HeldAgainst
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 
 FOLLOWED = 400  # times at which what rounding does to the motion is followed
 MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
+
+_PRESENTATION: Slot[JudgementPresentation[Judgement]] = Slot("judgements")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -263,7 +266,7 @@ class Judgement(ByValue):
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        return presentation.JUDGEMENTS.get().html(self)
+        return _PRESENTATION.get().html(self)
 
     def __repr__(self) -> str:
         told = f"{self.worst:.2f} correct digits" if self.digits else "no state judged"

@@ -8,13 +8,14 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from polhode.common.cached_property import cached_property
+from polhode.common.presentation import Slot
 from polhode.equations.column import derived_stack, of_state_alone
 from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.numbers.decimals import shown
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Rows, Stack
 from polhode.numbers.scalars import Value
-from polhode.runs import presentation
+from polhode.runs.presentation import EnsemblePresentation
 from polhode.runs.sweep.endings import Ended
 from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
 from polhode.runs.trajectory import Trajectory
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import pandas as pd
     import xarray as xr
+
+_PRESENTATION: Slot[EnsemblePresentation[Ensemble]] = Slot("ensembles")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -97,7 +100,7 @@ class Ensemble(Ended):
         )
 
     def _repr_html_(self) -> str:
-        return presentation.ENSEMBLES.get().html(self)
+        return _PRESENTATION.get().html(self)
 
     @property
     def t(self) -> npt.NDArray[np.float64]:
@@ -108,11 +111,11 @@ class Ensemble(Ended):
 
     def to_xarray(self) -> xr.Dataset:
         """An xarray Dataset along member and t (extra ``polhode[frames]``)."""
-        return presentation.ENSEMBLES.get().to_xarray(self)
+        return _PRESENTATION.get().to_xarray(self)
 
     def to_pandas(self) -> pd.DataFrame:
         """A pandas DataFrame: a row a member and time (extra ``polhode[frames]``)."""
-        return presentation.ENSEMBLES.get().to_pandas(self)
+        return _PRESENTATION.get().to_pandas(self)
 
     def _errors(self, index: int) -> tuple[float | None, ...] | None:
         return self.told.get(index % len(self))
