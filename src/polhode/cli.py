@@ -9,7 +9,9 @@ from __future__ import annotations
 import argparse
 import gc
 import re
+import signal
 import sys
+import threading
 from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
@@ -75,7 +77,18 @@ class _Parser(argparse.ArgumentParser):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one verb; the exit code."""
+    """Run one verb; the exit code.  A caller's handlers of signals are what they were before."""
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        return _main(arguments)
+    finally:
+        if arguments is not None and threading.current_thread() is threading.main_thread():
+            for number, handler in handlers.items():
+                if signal.getsignal(number) is heard:
+                    signal.signal(number, handler)
+
+
+def _main(arguments: Sequence[str] | None) -> int:
     try:
         try:
             terminal.prepare()

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import signal
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 
+import numpy as np
 import pytest
 
 from polhode.common.locks import Lock, Place
@@ -83,3 +85,18 @@ def test_in_a_forked_child_nobody_holds_a_lock():
     done.set()
     holder.join()
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+def test_an_interrupt_at_the_end_of_a_block_gives_back_what_it_held():
+    """Heard where the block is left, after a step of C; the exception is kept, as consoles do."""
+    lock, large = Lock(Place.STORE), np.ones((700, 700), dtype=int)
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.05)
+        with pytest.raises(KeyboardInterrupt) as kept, lock.held():
+            large = large @ large  # half a second in which no signal is heard
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert free(lock)
+    assert kept.traceback

@@ -166,3 +166,10 @@ def test_the_verb_tells_them(tmp_path, capsys):
     printed = capsys.readouterr()
     assert printed.out.splitlines()[0].split() == ["orbit", "crossing", "t", "l", "L/G", "digits"]
     assert "digits or more are to be expected of every crossing" in printed.err
+
+
+def test_crossings_soon_after_the_start_are_not_told_of_what_comes_later():
+    """On a high level a unit of time holds thousands of turns; two crossings lose nothing."""
+    found = polhode.section("general/asymmetric-regular", h="1e10", f=0, grid=(2, 2), crossings=2)
+    assert np.nanmax(found.times) < 1e-3
+    assert np.nanmin(found.digits) > 15.4

@@ -100,7 +100,10 @@ def row(end: int, factor: float | None, name: str = "CyRK VERN8") -> dict:
     return benchmark_grid.cell_row(benchmark_grid.Cell("euler", end, 11), marks, {})
 
 
-CLOSEST = "polhode is ahead of every program tried but heyoka, its own engine, wherever it arrives"
+CLOSEST = (
+    "polhode is ahead of every program tried but heyoka, its own engine, in every cell where it "
+    "arrives"
+)
 
 
 def test_what_stands_is_told_of_long_accurate_runs_alone():

@@ -68,3 +68,6 @@ def test_a_lane_that_is_lost_leaves_the_others_alone():
     assert np.array_equal(ta.state[0, [0, 2]], alone.state[0, [0, 2]])
     lost = hy.taylor_adaptive_batch([(x, x * x)], np.array([[1.0, 2.0]]))
     assert step_blocks.until(lost, [10.0, 20.0]).outcomes == [Outcome.NON_FINITE] * 2
+    ta = hy.taylor_adaptive_batch([(x, x * x)], np.array([[-1.0, np.nan, 2.0]]))
+    assert step_blocks.until(ta, [10.0, 0.0, -3.0]).outcomes == [END, Outcome.NON_FINITE, END]
+    assert np.array_equal(ta.state[0, [0, 2]], alone.state[0, [0, 2]])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import resource
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -266,3 +267,9 @@ def test_a_title_turns_no_line_around() -> None:
 def test_a_tab_and_a_line_end_are_no_commands() -> None:
     assert terminal.printable("a\nb") == "a\nb"
     assert terminal.printable("a\x1b[31m\u202eb") == "a?[31m?b"
+
+
+def test_a_callers_handlers_of_signals_are_put_back(capsys):
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    assert cli.main(["about"]) == 0
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before

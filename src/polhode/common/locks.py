@@ -14,9 +14,10 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from enum import IntEnum
-from weakref import WeakSet
+from functools import partial
+from weakref import ReferenceType, WeakSet, ref
 
 
 class Place(IntEnum):
@@ -31,7 +32,9 @@ class Held:
     """``with Held(steps):`` runs a generator to its one yield, and on to its end afterwards.
 
     Ctrl-C or an alarm may raise between any two steps of Python.  What the generator holds it
-    gives back however it ends: by an exception inside, or because nobody knows it any more.
+    gives back however it ends: by an exception inside, or because nobody knows it any more.  An
+    exception at the entry of what leaves the block keeps that frame alive with its traceback, as
+    long as somebody keeps the exception: so the frame must not know the generator.
     """
 
     __slots__ = ("_steps",)
@@ -46,8 +49,28 @@ class Held:
             self._steps.close()
             raise
 
-    def __exit__(self, *fault: object) -> None:
-        self._steps.close()
+    @property
+    def __exit__(self) -> Callable[..., None]:
+        """What leaves the block: ``with`` looks it up before the block and drops it with it."""
+        return _Leave(self._steps)
+
+
+class _Leave(partial[None]):
+    """Ends a generator that its own call refers to weakly; it is alive as long as this is."""
+
+    __slots__ = ("steps",)
+    steps: Generator[None, None, None]
+
+    def __new__(cls, steps: Generator[None, None, None]) -> _Leave:
+        leave = super().__new__(cls, _leave, ref(steps))
+        leave.steps = steps
+        return leave
+
+
+def _leave(known: ReferenceType[Generator[None, None, None]], *fault: object) -> None:
+    steps = known()
+    if steps is not None:
+        steps.close()
 
 
 class Lock:

@@ -150,4 +150,6 @@ def _refuse_still(on: Surface, state: Doubles) -> None:
 def is_still(on: Surface, state: Doubles, within: float = STILL) -> bool:
     """Whether a state is a permanent rotation: no rate but zero."""
     scale = on.scale(state)
-    return bool(np.max(np.abs(on.rates(state) / scale)) < within * max(1e-300, float(scale[0])))
+    with np.errstate(all="ignore"):  # a body at rest has no scale of omega: nan, and no rotation
+        rate = np.max(np.abs(on.rates(state) / scale))
+    return bool(rate < within * max(1e-300, float(scale[0])))

@@ -54,13 +54,16 @@ def digits(scene: Scene, starts: Any, times: Any, workers: int | None = None) ->
     unit = 4.0**scene.time_unit
     torque = unit * np.array([to_double(x) for x in scene.body.axes.components(scene.body.torque)])
     groups = [orbits[first : first + LANES] for first in range(0, len(orbits), LANES)]
-    jobs = []
+    jobs, spans = [], []
     for group in groups:
-        many, looks = (len(group), 1), math.ceil(last[group].max() / LOOK)
+        # no further than the last crossing: on a high level a whole look holds millions of turns
+        span = min(LOOK, float(last[group].max()))
+        spans.append(span)
+        many, looks = (len(group), 1), math.ceil(last[group].max() / span)
         bodies = np.tile(moments, many), np.tile(torque, many)
         first = tangents_of(starts[group], *bodies, alike=True)
         coefficients = np.tile(np.array([*k.values()]), many)
-        end, early = looks * LOOK, tuple(range(2, looks, 2))
+        end, early = looks * span, tuple(range(2, looks, 2))
         jobs.append(
             tangent_batches.TangentJob(
                 tuple(k), coefficients, starts[group], first, end, looks, None, early, LOST
@@ -70,12 +73,12 @@ def digits(scene: Scene, starts: Any, times: Any, workers: int | None = None) ->
     results, interrupted = carried_out(tangent_batches.solve, jobs, sizes, workers)
     if interrupted:
         raise KeyboardInterrupt
-    for group, result in zip(groups, results, strict=True):
+    for group, span, result in zip(groups, spans, results, strict=True):
         assert result is not None
         least = np.minimum.accumulate(np.where(np.isfinite(result.sizes), result.sizes, np.inf), 1)
         grown = np.where(np.isfinite(result.sizes), result.sizes - least, LOST)
         grown = np.maximum.accumulate(grown, axis=1)
-        looks = np.ceil(np.where(made[group], times[group], 0.0) / LOOK).astype(int)
+        looks = np.ceil(np.where(made[group], times[group], 0.0) / span).astype(int)
         at = np.take_along_axis(grown, looks, axis=1)
         right = np.clip((LOST - at) / math.log(10), 0.0, DOUBLE.most_digits)
         found[group] = np.where(made[group], right, np.nan)

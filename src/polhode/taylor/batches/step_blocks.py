@@ -57,6 +57,8 @@ def until(
             lost |= failed
             if lost.all():
                 break
+            if not np.isfinite(ta.time).all():  # of a state that is nan from the start on
+                ta.set_time(np.where(np.isfinite(ta.time), ta.time, before).tolist())
             for values in (ta.state, ta.pars):  # idles where another lane stands
                 values[:, lost] = values[:, [int(np.argmin(lost))]]
             ahead[lost] = ta.time[lost]

@@ -89,7 +89,7 @@ def stands(cells: Sequence[caveats.Told]) -> str:
     if not found:
         return "No run here is long and accurate enough to compare."
     won = sum(map(ahead, found))
-    where = "wherever" if won == len(found) else f"in {won} of {len(found)} cells where"
+    where = "in every cell where" if won == len(found) else f"in {won} of {len(found)} cells where"
     text = (
         f"From t = {LONG} on and to {ACCURATE:g} digits and more polhode is ahead of every program "
         f"tried but heyoka, its own engine, {where} it arrives itself from nearly every start"
