@@ -13,6 +13,7 @@ from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.expression import number
 from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes.body import OWN_AXES, Body, Matrix, UnphysicalBody, Vector, cross, diagonal, dot
+from polhode.scenes.shapes import Part
 
 small = st.integers(-6, 6)
 entries = st.fractions(min_value=-3, max_value=3, max_denominator=12)
@@ -295,3 +296,10 @@ def test_numbers_of_any_kind_are_taken_exactly():
             Body.of_moments([1, 1, wrong])
     with pytest.raises(BadInput):
         Scene(body, omega=(0, 0, 1), gamma=(0.6, 0, 0.8))  # doubles are not of length 1
+
+
+def test_axes_that_no_rule_tells_apart_are_refused() -> None:
+    """A huge flat cone a little off an axis: the products of inertia are beyond all bits."""
+    cone = Part("cone", "1e-300", radius="1e4000", height="1e150", at=[0, "1e-300", "1e300"])
+    with pytest.raises(UnphysicalBody, match="a matrix whose axes 4096 bits tell apart"):
+        Body.of_parts([cone], g=1)

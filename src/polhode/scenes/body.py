@@ -301,9 +301,10 @@ def _eigenvector(inertia: Matrix, moment: Exact) -> Vector:
 
 def _right_handed(first: Vector, second: Vector) -> PrincipalAxes:
     third = cross(first, second)
-    return PrincipalAxes(
-        (first, second, third), (dot(first, first), dot(second, second), dot(third, third))
-    )
+    squares = dot(first, first), dot(second, second), dot(third, third)
+    if any(sign(square) == 0 for square in squares):  # by the rule for *equal*
+        raise UnphysicalBody(f"a matrix whose axes {exact.EQUAL_BITS} bits tell apart")
+    return PrincipalAxes((first, second, third), squares)
 
 
 def _rational_if_so(inertia: Matrix, moment: Exact) -> Exact:
