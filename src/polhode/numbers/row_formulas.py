@@ -81,6 +81,8 @@ def _at_once(
     import numpy as np
 
     count = len(parts[0])
+    if count == 0:  # a run that reached none of its times: rows that may have no width either
+        return np.empty((0, width))
     columns = [
         column
         for part in parts
