@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+import importlib
 import os
 import signal
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import mpmath
 import pytest
@@ -56,31 +60,56 @@ def little_optimised() -> Iterator[None]:
     """Outside CI, code in the wider types is compiled unoptimised: the same bits, sooner.
 
     An x87 or library operation has no faster form.  Doubles are left alone: theirs are contracted.
+    Quad is never optimised, by polhode's own choice.
     """
     from polhode.taylor.backend import heyoka_numbers
 
     with pytest.MonkeyPatch.context() as patch:
-        for name in () if "CI" in os.environ else ("extended", "quad", "mp"):
+        for name in () if "CI" in os.environ else ("extended", "mp"):
             options = heyoka_numbers._TYPES[name]
             patch.setitem(heyoka_numbers._TYPES, name, lambda n, o=options: o(n) | {"opt_level": 0})
         yield
 
 
 @pytest.hookimpl(tryfirst=True)
+def pytest_collection(session: pytest.Session) -> None:
+    """Each worker begins with its share of the files, whose compiled form the others then find.
+
+    Where all were to begin with the first file, each of them would compile every file for itself.
+    """
+    worker = getattr(session.config, "workerinput", None)
+    if worker is None or session.config.args_source is not pytest.Config.ArgsSource.TESTPATHS:
+        return
+    number, count = int(worker["workerid"].removeprefix("gw")), worker["workercount"]
+    for path in sorted(Path(__file__).parent.rglob("test_*.py"))[number::count]:
+        sys.path[:0] = [] if str(path.parent) in sys.path else [str(path.parent)]
+        with contextlib.suppress(Exception, pytest.skip.Exception):  # met again by pytest
+            importlib.import_module(path.stem)
+
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """``sample(n, first=k)``: n cases of the test, evenly spread from the k-th, are fast.
 
-    The others are slow.  What takes longest comes first, so that nobody waits for it at the end.
+    The others are slow, or with ``slow=m`` m of them, evenly spread too, and what is left runs by
+    hand.  Of a slow test with ``rest="campaign"`` n cases are slow, the others run by hand.  What
+    takes longest comes first, so that nobody waits for it at the end.
     """
     items.sort(key=lambda item: item.get_closest_marker("longest") is None)
     cases: dict[str, list[pytest.Item]] = {}
     for item in items:
-        if item.get_closest_marker("sample") and not item.get_closest_marker("slow"):
+        mark = item.get_closest_marker("sample")
+        if mark and ("rest" in mark.kwargs or not item.get_closest_marker("slow")):
             cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
     for those in cases.values():
         mark = those[0].get_closest_marker("sample")
         count, first = mark.args[0], mark.kwargs.get("first", 0)
         kept = {(first + len(those) * k // count) % len(those) for k in range(count)}
-        for k, item in enumerate(those):
-            if k not in kept and len(those) > count:
-                item.add_marker(pytest.mark.slow)
+        others = [item for k, item in enumerate(those) if k not in kept]
+        rest = mark.kwargs.get("rest", "slow")
+        slow = len(others) if rest == "slow" else 0
+        slow = min(slow, mark.kwargs.get("slow", slow))
+        sampled = {len(others) * k // slow for k in range(slow)}
+        for k, item in enumerate(others):
+            item.own_markers = [one for one in item.own_markers if one.name != "slow"]
+            item.add_marker("slow" if k in sampled else "campaign")

@@ -82,6 +82,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.sample(16)
 @pytest.mark.parametrize(
     ("topic", "kind", "text", "printed"),
     [

@@ -62,6 +62,8 @@ if _TYPE_CHECKING:
     from polhode.motion.outcomes import Outcome as Outcome
     from polhode.motion.outcomes import Projection as Projection
     from polhode.output.archive import load_run as load_run
+    from polhode.runs.propagator import Propagator as Propagator
+    from polhode.runs.propagator import propagator as propagator
     from polhode.runs.sweep.ensemble import Ensemble as Ensemble
     from polhode.runs.sweep.integrate_many import integrate_many as integrate_many
     from polhode.runs.trajectory import Trajectory as Trajectory
@@ -97,6 +99,7 @@ _HOMES = {
     "Page": "common.html_page",
     "Part": "scenes.shapes",
     "Projection": "motion.outcomes",
+    "Propagator": "runs.propagator",
     "Published": "scenes.scene",
     "Reductions": "dynamics.observables.reduce_many",
     "Reference": "judging.references.reference",
@@ -125,6 +128,7 @@ _HOMES = {
     "orbit_family": "dynamics.periodic_orbits.families",
     "orbit_search": "dynamics.periodic_orbits.search",
     "plot": "figures.drawing",
+    "propagator": "runs.propagator",
     "reduce_many": "dynamics.observables.reduce_many",
     "reference": "judging.references.reference",
     "rolling": "judging.rolling_cones",

@@ -91,13 +91,15 @@ def test_a_corrupted_equation_of_the_lagrange_top_fails(which, monkeypatch):
     assert not report.passed
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_whole_library_passes():
+    """What ``polhode check`` says, which CI runs: once is enough, for minutes that it takes."""
     found = regression.check(workers=2)
     failed = [report.scene.name for report in found if report.passed is not True]
     assert not failed
 
 
+@pytest.mark.slow
 def test_without_a_band_nothing_passes_or_fails_and_lost_digits_are_words(tmp_path, capsys):
     path = tmp_path / "own.toml"
     text = (library.folder() / "euler" / "separatrix.toml").read_text()
@@ -120,6 +122,7 @@ def test_a_case_passes(name):
     assert next(regression.check([name])).passed
 
 
+@pytest.mark.slow
 def test_cases_shared_by_processes_give_the_same_reports():
     names = ["euler/rest", "euler/sphere", "staude/stable"]
     one, two = ([*regression.check(names, ["double"], workers=n)] for n in (1, 2))
@@ -143,7 +146,7 @@ def exact_numbers() -> dict[str, object]:
     return top.EulerTop(scene.body.moments, scene.omega, scene.gamma)._numbers
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("which", sorted(exact_numbers()))
 def test_each_corrupted_number_of_the_closed_form_fails(which, monkeypatch):
     """Every exact number that the Euler top's closed form uses, changed by 1e-20 of itself."""

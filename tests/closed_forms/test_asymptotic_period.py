@@ -2,7 +2,7 @@
 
 import pytest
 
-from polhode.closed_forms.winding.asymptotic_period import Repeating, Settled
+from polhode.closed_forms._winding.asymptotic_period import Repeating, Settled
 from polhode.numbers.mpmath_context import mpf, mpmath
 
 PERIOD, ADVANCE = mpf(3), mpf("0.7")

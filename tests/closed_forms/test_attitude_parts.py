@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from polhode.closed_forms.engine import azimuth_quadrature
-from polhode.closed_forms.engine.azimuth_quadrature import Azimuth
-from polhode.closed_forms.engine.periodic_attitude import OneOrbit
+from polhode.closed_forms._engine import azimuth_quadrature
+from polhode.closed_forms._engine.azimuth_quadrature import Azimuth
+from polhode.closed_forms._engine.periodic_attitude import OneOrbit
 from polhode.closed_forms.functions.quaternion import of_matrix, product
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared.closed_form_checks import rotation

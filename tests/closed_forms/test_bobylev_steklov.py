@@ -85,19 +85,20 @@ def test_values_of_the_sheet():
     assert abs(other[2] - mpf("3.761408392609563")) < 1e-15
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", MOTIONS)
 def test_two_precisions_agree(name):
     checks.check_two_precisions(BobylevSteklov, start(name))
 
 
-@pytest.mark.sample(1, first=1)
+@pytest.mark.sample(1, first=1, slow=2)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_equations_hold(name):
     checks.check_equations(BobylevSteklov, start(name))
 
 
-@pytest.mark.sample(2, first=2)
+@pytest.mark.sample(2, first=2, slow=2)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_independent_integration(name):
     checks.check_taylor(BobylevSteklov, start(name))

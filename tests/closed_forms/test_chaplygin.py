@@ -63,12 +63,14 @@ def test_values_of_the_sheet():
     assert abs(row[5] - mpf(".4482654728809499")) < 1e-16
 
 
-@pytest.mark.sample(1, first=1)
+@pytest.mark.slow
+@pytest.mark.sample(2, first=1, rest="campaign")
 @pytest.mark.parametrize("name", MOTIONS)
 def test_two_precisions_agree(name):
     checks.check_two_precisions(Chaplygin, MOTIONS[name])
 
 
+@pytest.mark.slow
 def test_equations_hold():
     checks.check_equations(Chaplygin, SHEET)
 

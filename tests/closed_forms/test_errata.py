@@ -230,6 +230,7 @@ ENTRIES = {
 }
 
 
+@pytest.mark.sample(50)
 @pytest.mark.parametrize("entry", ENTRIES)
 @pytest.mark.parametrize("seed", range(COUNT))
 def test_the_right_form_holds_and_the_printed_form_fails(entry, seed):

@@ -15,10 +15,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from polhode.closed_forms._winding import euler_angles as euler_angles
 from polhode.closed_forms.euler import attitude as euler_attitude
 from polhode.closed_forms.euler import motion
 from polhode.closed_forms.euler.top import EulerTop
-from polhode.closed_forms.winding import euler_angles as euler_angles
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import series
@@ -35,6 +35,7 @@ from shared.closed_form_checks import (
     rotation,
     unwound,
 )
+from shared.examples import examples
 
 F = Fraction
 PSI = F(7, 10)
@@ -166,7 +167,7 @@ def test_attitude_carries_the_vertical_and_starts_with_psi(name):
         assert abs(angles[0][2] - mpmath.atan2(number(GAMMA[0]), number(GAMMA[1]))) < mpf(10) ** -50
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(4, slow=5)
 @pytest.mark.parametrize("name", MOVING)
 def test_independent_integration_agrees(name):
     moments, omega, _ = MOTIONS[name]
@@ -230,6 +231,7 @@ def test_every_order_of_moments_and_every_sign(order):
             assert mpf(10) ** -32 < distance([state], top.at([F(3, 2)], 20)) < mpf(10) ** -20
 
 
+@pytest.mark.slow
 def test_every_pattern_of_zeros_on_and_off_the_separatrix():
     for order in itertools.permutations((F(3, 2), F(2), F(3))):
         for omega in itertools.product((F(0), F(-2, 5), F(4, 5)), repeat=3):
@@ -246,7 +248,7 @@ difference = st.one_of(st.integers(-9, 9).map(lambda n: F(n, 20)), signed)
 
 
 @pytest.mark.slow
-@settings(max_examples=120, deadline=None, derandomize=True)
+@settings(max_examples=examples(120), deadline=None, derandomize=True)
 @given(
     st.tuples(difference, difference, difference),
     st.tuples(component, component, component),
@@ -329,7 +331,7 @@ def test_invariants_at_1e12(name):
     assert max(drift) < mpf(10) ** -49
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(4, slow=4)
 @pytest.mark.parametrize("name", MOVING)
 def test_quaternion_never_changes_sign(name):
     """Samples so close that the quaternion moves by less than 0.2."""
@@ -355,7 +357,8 @@ def test_psi_and_phi_count_their_turns(name, end):
     assert abs(phi - mpmath.atan2(12, 15) - more_phi) < 1e-12
 
 
-@pytest.mark.sample(1, first=1)
+@pytest.mark.slow
+@pytest.mark.sample(2, first=1, rest="campaign")
 @pytest.mark.parametrize("name", ["around C", "around A", "separatrix", "oblate", "sphere"])
 def test_psi_is_the_integral_of_its_rate(name):
     moments, omega, _ = MOTIONS[name]
@@ -371,7 +374,7 @@ def along_momentum(name, sign=1):
     return top_of.__wrapped__(name, tuple(x / size for x in G))  # irrational ones have no hash
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(2, slow=3)
 @pytest.mark.parametrize("name", ["around C", "around A", "separatrix", "prolate", "turning point"])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_psi_about_the_momentum_is_closed(name, sign, monkeypatch):
@@ -435,6 +438,7 @@ def straddling():
     )
 
 
+@pytest.mark.slow
 def test_psi_about_another_axis_is_counted_up_to_a_limit(monkeypatch):
     """Where its turns are not known (:mod:`test_euler_turns` holds them to the counted ones)."""
     monkeypatch.setattr(euler_attitude.EulerAttitude, "arguments", lambda *_: None)

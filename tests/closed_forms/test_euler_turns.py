@@ -10,12 +10,12 @@ from fractions import Fraction
 
 import pytest
 
+from polhode.closed_forms._winding.argument_of_sum import Sum, Turning
 from polhode.closed_forms.euler import turns
 from polhode.closed_forms.euler.attitude import EulerAttitude
 from polhode.closed_forms.euler.crossings import crossings
 from polhode.closed_forms.euler.top import EulerTop
 from polhode.closed_forms.functions.jacobi import MP, jacobi
-from polhode.closed_forms.winding.argument_of_sum import Sum, Turning
 from polhode.numbers.exact import sqrt
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared.closed_form_checks import rational_axes
@@ -97,7 +97,7 @@ def agrees(seed, monkeypatch):
     return closed(top, times) and off(top.angles(times, 15), counted(top, times, monkeypatch)) == 0
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(4, slow=8)
 @pytest.mark.parametrize("seed", range(40))
 def test_random_motions(seed, monkeypatch):
     assert agrees(seed, monkeypatch)

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from polhode.closed_forms import families
-from polhode.closed_forms.engine.misfit import Misfit
-from polhode.closed_forms.engine.principal_scene import in_principal_axes
+from polhode.closed_forms._engine.misfit import Misfit
+from polhode.closed_forms._engine.principal_scene import in_principal_axes
 from polhode.closed_forms.families import FAMILIES, Family, closed_form, closed_forms
 from polhode.common.errors import BadInput
 from polhode.judging.references.reference import reference

@@ -5,6 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from polhode.closed_forms._winding import torus_line_integral
 from polhode.closed_forms.functions import fourier
 from polhode.closed_forms.functions.chebyshev_panels import Panels
 from polhode.closed_forms.functions.fourier import (
@@ -15,7 +16,6 @@ from polhode.closed_forms.functions.fourier import (
     transform,
     waves,
 )
-from polhode.closed_forms.winding import torus_line_integral
 from polhode.numbers.mpmath_context import mpf, mpmath
 
 
@@ -84,7 +84,8 @@ def test_too_many_terms():
         cosines(lambda x: [abs(mpmath.cos(x))], most=128)
 
 
-@pytest.mark.sample(1, first=1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("second", ["sqrt 2", "resonance", "near resonance"])
 def test_integral_along_a_line_on_a_torus(second):
     """W = cos((al - be)/2)/(3 + cos al + cos be), h = g = 1/2: slow where the rates are equal."""

@@ -62,7 +62,8 @@ def test_values_of_the_sheet():
     assert abs(row[5] - mpf("-.7625633663978228")) < 1e-16
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", MOTIONS)
 def test_two_precisions_agree(name):
     checks.check_two_precisions(Goryachev, MOTIONS[name])
@@ -80,7 +81,8 @@ def test_independent_integration(name):
     checks.check_taylor(Goryachev, MOTIONS[name])
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", ["sheet", "other signs"])
 def test_axes_renamed_reflected_and_turned(name):
     checks.check_names_and_axes(Goryachev, MOTIONS[name])
@@ -112,6 +114,7 @@ def member(rng):
             continue
 
 
+@pytest.mark.slow
 def test_random_members():
     checks.check_random(Goryachev, member, range(30))
 

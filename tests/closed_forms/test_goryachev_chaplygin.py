@@ -13,7 +13,7 @@ from fractions import Fraction
 import pytest
 
 from polhode.closed_forms import families
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.functions import fourier
 from polhode.closed_forms.goryachev_chaplygin import (
     abel_integrals,
@@ -201,7 +201,8 @@ CORRUPTIONS = {
 }
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", CORRUPTIONS)
 def test_a_corrupted_formula_fails(name, monkeypatch):
     where, what, change = CORRUPTIONS[name]
@@ -327,7 +328,7 @@ def test_the_same_motion_in_other_units_of_time(unit):
         assert checks.largest(row, back) < mpf("1e-20") * 4
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("name", ["low", "libration", "standing pi"])
 def test_angles_are_continuous(name):
     found = top(*named(name))

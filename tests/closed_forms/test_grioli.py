@@ -150,6 +150,7 @@ def member(rng):
     )
 
 
+@pytest.mark.slow
 def test_random_members():
     checks.check_random(Grioli, member, range(30))
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from polhode.closed_forms import families
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.hess import axes, conditions, explicit, general, series
 from polhode.closed_forms.hess.doubles import DoubleGeneral
@@ -93,7 +93,7 @@ def off(start, times=TIMES, digits=40, attitudes=False):
     return checks.off(top, start, times, digits, attitudes)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_every_regime_agrees_with_a_taylor_run_state_and_attitude(name):
     regime, found = MOTIONS[name][2], top(*named(name)).regime
@@ -112,7 +112,7 @@ def test_published_states_to_50_digits():
     checks.check_stored(top, "hess-appelrot")
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_two_precisions_agree_far_away(name):
     found = top(*named(name))
@@ -158,6 +158,7 @@ def random_members_agree(seeds, time, digits, least, attitudes=False):
         assert LEAST < error < mpf(10) ** -least, (seed, mpmath.nstr(error, 3))
 
 
+@pytest.mark.slow
 def test_random_members_agree_with_a_taylor_run():
     random_members_agree(range(6), F(3, 4), 25, 22)
 
@@ -290,6 +291,7 @@ def test_a_general_motion_that_tends_to_none_has_the_two_frequencies_told():
     checks.check_frequencies(top, start, ("nutation", "turning"))
 
 
+@pytest.mark.slow
 def test_a_general_motion_that_tends_to_a_periodic_one_has_the_frequency_of_gamma1_along_r0():
     found = top(*named("general"))
     assert list(found.frequencies(30)) == ["nutation"]
@@ -305,6 +307,7 @@ def test_a_general_motion_that_tends_to_a_periodic_one_has_the_frequency_of_gamm
         assert min(abs(x - begin) for x in parts) > 1e-6
 
 
+@pytest.mark.slow
 def test_show_tells_what_a_scene_is_near_to_and_where_it_tends():
     near = described(library.load("hard/near-hess"))["near"]
     assert len(near) == 1

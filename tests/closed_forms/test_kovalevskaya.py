@@ -154,7 +154,7 @@ def test_each_type_against_an_independent_integration(name):
     assert in_band(distance(top.at(back, 45), true_rows(*GENERIC[name], back, 47)), 45)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, slow=3)
 @pytest.mark.parametrize("name", BRANCH_POINTS)
 def test_starts_on_and_near_branch_points(name):
     omega, gamma, regime = BRANCH_POINTS[name]
@@ -164,7 +164,7 @@ def test_starts_on_and_near_branch_points(name):
     assert in_band(distance(top.at(times, 45), true_rows(omega, gamma, times, 47)), 45)
 
 
-@pytest.mark.sample(5)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", SPECIAL)
 def test_one_frequency_motions(name):
     omega, gamma, regime = SPECIAL[name]
@@ -213,7 +213,7 @@ def test_asymptotic_motion_says_how_far_it_goes():
     assert in_band(distance(one, other), 20)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, slow=3)
 @pytest.mark.parametrize("gap", [3, 10, 20])
 @pytest.mark.parametrize("name", ["isolated node", "node reached", "Delaunay", "hanging"])
 def test_next_to_a_degenerate_motion(name, gap):
@@ -226,7 +226,7 @@ def test_next_to_a_degenerate_motion(name, gap):
     assert in_band(error, 45, 20 + gap)
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2, slow=3)
 @pytest.mark.parametrize("time", [10**4, 10**12])
 @pytest.mark.parametrize("name", GENERIC)
 def test_two_precisions_and_the_integrals_at_long_times(name, time):
@@ -279,7 +279,7 @@ RATIONAL = ((F(1), F(2), F(2)), (F(2), F(-2), F(1)), (F(2), F(1), F(-2)))
 IRRATIONAL = ((F(1), F(1), F(0)), (F(-1), F(1), F(0)), (F(0), F(0), F(1)))
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(2, slow=4)
 @pytest.mark.parametrize("third", range(3))
 @pytest.mark.parametrize("torque", [("3/5", "4/5"), (1, 1), (0, "-3/2"), (-2, "1/3")])
 def test_labellings_and_centres(third, torque):
@@ -345,7 +345,7 @@ def test_special_regimes_are_told_exactly_where_n_is_irrational():
     assert moved.regime in GENERIC
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", GENERIC)
 def test_frequencies_are_those_of_the_periods_of_the_curve(name):
     """From real integrals between branch points; the variables come back together.
@@ -483,6 +483,7 @@ def test_attitude_and_angles(name):
             assert abs(mpmath.sin(theta) * mpmath.sin(phi) - row[3]) < mpf(10) ** -25
 
 
+@pytest.mark.slow
 def test_attitude_from_a_pole():
     """gamma along axis 3 at t = 0, where psi + phi = 7/10 is all that is known."""
     omega, gamma = (1, "-1/2", "4/5"), (0, 0, 1)
@@ -532,7 +533,8 @@ def test_attitude_of_what_is_or_becomes_a_permanent_rotation(name):
         assert abs(after - before - grown) < mpf("1e-20")
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", DEGENERATE)
 def test_attitude_on_a_degenerate_curve(name):
     for time in (F(4), F(-3)):
@@ -541,6 +543,7 @@ def test_attitude_on_a_degenerate_curve(name):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("name", ["isolated node", "double root of S"])
 def test_a_degenerate_motion_turns_as_counted_by_panels(name):
     """The first passes poles, where psi and phi jump by pi: counted upwards by both."""
@@ -564,6 +567,7 @@ def test_far_attitudes_on_a_degenerate_curve():
     assert mpf("1e-50") < distance(one, other) < mpf("1e-20")
 
 
+@pytest.mark.slow
 def test_turns_about_another_axis_than_the_tops_are_counted():
     omega, gamma = (fractions(row) for row in GENERIC["ee-e+"])
     moments, torque, omega, gamma = (
@@ -643,6 +647,7 @@ def test_motion_with_and_without_flint():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("seed", range(4))
 def test_sweep_of_starts_with_zeros_and_equal_values(seed):
     """75 starts a seed at 30 digits; the values repeat and vanish often."""
@@ -693,7 +698,8 @@ def test_images_of_complex_points_are_integrals(name, ends):
             assert abs(other[k] - one[k] - grown) < mpf("1e-40")
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", GENERIC)
 def test_attitude_of_every_type_as_theta_quotients(name):
     omega, gamma = map(fractions, GENERIC[name])
@@ -714,6 +720,7 @@ def test_attitude_of_every_type_as_theta_quotients(name):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("name", ["-e+ (complex pair)", "ee-e+"])
 def test_theta_quotients_agree_with_the_panels(name):
     top = top_of(*GENERIC[name])
@@ -727,6 +734,7 @@ def test_theta_quotients_agree_with_the_panels(name):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", GENERIC)
 def test_far_attitudes_agree_at_two_precisions_and_their_turns_with_counting(name):
     top = top_of(*GENERIC[name])
@@ -743,6 +751,7 @@ def test_far_attitudes_agree_at_two_precisions_and_their_turns_with_counting(nam
     assert abs(phi_1 - phi - grown[1]) < mpf("1e-11")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
@@ -784,6 +793,7 @@ def test_a_corrupted_attitude_has_no_certificate(name, monkeypatch):
         top_of.__wrapped__(*GENERIC["ee-e+"]).attitude([F(2)], 30)
 
 
+@pytest.mark.slow
 def test_angles_where_branch_points_pinch_a_cycle():
     """They asked for 7e13 nodes, and never ended."""
     scene = replace(polhode.load("hard/near-axial-pendulum"), outputs=("angles",)).at((1,))

@@ -84,6 +84,7 @@ def test_either_side_of_a_zero_is_told(gap):
     assert abs(abs(grown[0] - grown[1]) - 2 * np.pi) < 1e-4
 
 
+@pytest.mark.slow
 def test_a_way_through_a_zero_is_refused():
     z, way = (mpc("0.1", "0.2"), mpc("-0.3", "0.1")), (mpc("0.4"), mpc("0.3", "0.1"))
     with mpmath.workprec(100):
@@ -109,13 +110,14 @@ def test_real_periods_are_those_of_the_cycles(name):
         assert abs(a * d - b * c) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
         "hard/near-bobylev-steklov",
-        pytest.param("hard/near-axial-pendulum", marks=pytest.mark.slow),
-        pytest.param("hard/near-quasi-periodic", marks=pytest.mark.slow),
-        pytest.param("hard/near-appelrot", marks=pytest.mark.slow),
+        "hard/near-axial-pendulum",
+        "hard/near-quasi-periodic",
+        "hard/near-appelrot",
     ],
 )
 def test_next_to_a_degenerate_motion_turns_are_those_of_a_run(name):
@@ -125,16 +127,23 @@ def test_next_to_a_degenerate_motion_turns_are_those_of_a_run(name):
         assert max(abs(x - exactly(y)) for x, y in zip(row, other, strict=True)) < 1e-18
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", THROUGH_POLES)
-def test_turns_through_poles_are_the_counted_ones(name):
+@pytest.mark.parametrize(
+    ("name", "time"),
+    [
+        pytest.param(
+            name, time, marks=pytest.mark.campaign if k % 2 == (time > 0) else pytest.mark.slow
+        )
+        for k, name in enumerate(THROUGH_POLES)
+        for time in (5.5, -6.5)
+    ],
+)
+def test_turns_through_poles_are_the_counted_ones(name, time):
     top = top_of(THROUGH_POLES[name])
     assert regimes.passes_poles(top._start)
     attitudes = top._attitudes
-    for time in (mpf(11) / 2, -mpf(13) / 2):
-        with mpmath.workprec(128):
-            found, counted = attitudes._turns(128, time), attitudes._tallied(time)
-            assert max(abs(a - b) for a, b in zip(found, counted, strict=True)) < 1e-6
+    with mpmath.workprec(128):
+        found, counted = attitudes._turns(128, mpf(time)), attitudes._tallied(mpf(time))
+        assert max(abs(a - b) for a, b in zip(found, counted, strict=True)) < 1e-6
 
 
 def test_the_axis_passes_poles_on_one_side():

@@ -33,6 +33,7 @@ from shared.closed_form_checks import (
     residuals,
     rotation,
 )
+from shared.examples import examples
 from shared.lagrange_motions import (
     CONSTANT,
     GAMMA,
@@ -122,7 +123,7 @@ def test_equations_are_satisfied(name):
     assert max(errors) == 0 if name in CONSTANT else max(errors) > mpf(10) ** -185
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, slow=8)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_independent_integration_agrees(name):
     moments, torque, omega, gamma = motion(name)
@@ -160,7 +161,7 @@ def test_stored_values(case):
             assert abs(mpf(psi) - row[0]) < mpf(10) ** -49
 
 
-@pytest.mark.sample(5)
+@pytest.mark.sample(5, slow=5)
 @pytest.mark.parametrize("name", ["nutation", "upper pole", "homoclinic", "cusped"])
 @pytest.mark.parametrize("field", ["rate", "v0", "al", "bt", "xi"])
 def test_a_coefficient_off_by_1e_20_is_seen(name, field, monkeypatch):
@@ -214,7 +215,8 @@ def test_every_labelling_and_every_sign(axis, side):
         assert mpf(10) ** -32 < distance(taylor, closed) < mpf(10) ** -20
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize(
     "name", ["nutation", "upper pole", "cusped", "first axis", "homoclinic", "sphere"]
 )
@@ -275,7 +277,7 @@ def verticals(draw):
 
 
 @pytest.mark.slow
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=examples(100), deadline=None, derandomize=True)
 @given(
     st.integers(0, 2),
     st.one_of(st.integers(1, 20).map(lambda n: F(n, 10)), signed.map(lambda x: 1 + x)),
@@ -376,6 +378,7 @@ def test_the_name_does_not_depend_on_the_side_of_the_axis():
             assert abs(x - (y if i % 3 == 0 else -y)) < mpf(10) ** -40
 
 
+@pytest.mark.slow
 def test_close_to_the_vertical_nothing_is_lost():
     """gamma within 1e-200 of the axis of a stable sleeper: the tilt keeps its leading digits."""
     moments, torque = (F(1), F(1), F(4, 5)), (F(0), F(0), F(1))

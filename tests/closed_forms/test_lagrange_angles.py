@@ -5,9 +5,9 @@ from fractions import Fraction
 
 import pytest
 
+from polhode.closed_forms._winding import euler_angles as euler_angles
 from polhode.closed_forms.lagrange.attitude import LagrangeAttitude
 from polhode.closed_forms.lagrange.top import LagrangeTop
-from polhode.closed_forms.winding import euler_angles as euler_angles
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import series
@@ -57,7 +57,7 @@ def test_angles_are_those_of_the_attitude(name):
             assert abs(angles[0][2] - phi) < mpf(10) ** -50
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, slow=8)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_quaternion_never_changes_sign(name):
     """Samples so close that the quaternion moves by less than 0.2."""
@@ -140,6 +140,7 @@ def test_about_an_axis_near_that_of_symmetry_too(name, quaternion, monkeypatch):
     assert distance(top.angles(far, 30), top.angles(far, 50)) < mpf(10) ** -30
 
 
+@pytest.mark.slow
 def test_an_axis_that_is_upright_only_where_theta_turns_is_not_counted_either(monkeypatch):
     """The two terms are of one size there; rounding does not decide."""
     top, gamma = turned_by("cusped", (3, 0, 1, 0))
@@ -153,6 +154,7 @@ def test_an_axis_that_is_upright_only_where_theta_turns_is_not_counted_either(mo
         assert abs(phi - phi0 - more_phi) < 1e-12
 
 
+@pytest.mark.slow
 def test_from_a_pole_towards_the_cut_one_branch_at_any_time_and_precision():
     """(psi - phi)/2 starts pi beyond (psi + phi)/2, counted as +pi whatever the digits asked."""
     top, _ = turned_by("cusped", (3, 0, 1, 0))
@@ -241,7 +243,8 @@ def exact_period(top):
     return exact.binary(int(period.man), int(period.exp)), period
 
 
-@pytest.mark.sample(2)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize(
     "name", ["nutation", "looping", "cusped", "spherical pendulum", "near cusp 1e-15", "needle"]
 )
@@ -304,6 +307,7 @@ def test_frequencies_of_uniform_motions():
     assert abs(limit["proper rotation"] - 3) < mpf(10) ** -20
 
 
+@pytest.mark.slow
 def test_bruels_cardona_arnold_top():
     """Bruels, Cardona, Arnold, Mech. Mach. Theory 48 (2012) 121: the figures recomputed.
 
@@ -378,6 +382,7 @@ def test_curtis_steady_precession(root, regime, rpm):
         assert abs(top.frequencies(30)["proper rotation"] * 30 / mpmath.pi - 1000) < mpf(10) ** -26
 
 
+@pytest.mark.slow
 def test_the_same_start_near_and_at_the_lower_pole():
     """pi - theta = 2e-30 at the start: psi and phi keep their digits and their turns."""
     top = LagrangeTop(

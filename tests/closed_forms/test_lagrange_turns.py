@@ -4,10 +4,10 @@ from fractions import Fraction
 
 import pytest
 
+from polhode.closed_forms._winding.argument_of_sum import Sum, Turning
 from polhode.closed_forms.lagrange import turns
 from polhode.closed_forms.lagrange.attitude import LagrangeAttitude
 from polhode.closed_forms.lagrange.top import LagrangeTop
-from polhode.closed_forms.winding.argument_of_sum import Sum, Turning
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared.closed_form_checks import distance, in_scene, rational_axes
 from shared.lagrange_motions import PSI, motion
@@ -53,6 +53,7 @@ def test_turns_are_those_counted(name, axes, monkeypatch):
     assert distance(top.angles(TIMES, 15), counted(top, TIMES, monkeypatch)) == 0
 
 
+@pytest.mark.slow
 def test_the_motions_above_are_of_the_kind_that_was_counted():
     found = [alternating(turned(name, axes)) for name in NUTATING for axes in AXES]
     assert sum(found) >= 9

@@ -81,12 +81,14 @@ def test_values_of_the_sheet():
     assert abs(row[5] - mpf(".6458252802607802")) < 1e-16
 
 
-@pytest.mark.sample(1, first=1)
+@pytest.mark.slow
+@pytest.mark.sample(2, first=1, rest="campaign")
 @pytest.mark.parametrize("name", MOTIONS)
 def test_two_precisions_agree(name):
     checks.check_two_precisions(NKowalewski, MOTIONS[name])
 
 
+@pytest.mark.slow
 def test_equations_hold():
     checks.check_equations(NKowalewski, SHEET)
 
@@ -113,6 +115,7 @@ def test_period(name):
     checks.check_period(NKowalewski, MOTIONS[name])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["sheet", "B = 2C"])
 def test_membership(name):
     checks.check_membership(NKowalewski, MOTIONS[name])
@@ -130,7 +133,12 @@ def member(rng):
 
 
 def test_random_members():
-    checks.check_random(NKowalewski, member, range(30))
+    checks.check_random(NKowalewski, member, range(6))
+
+
+@pytest.mark.slow
+def test_24_random_members():
+    checks.check_random(NKowalewski, member, range(6, 30))
 
 
 @pytest.mark.campaign
@@ -138,6 +146,7 @@ def test_300_random_members():
     checks.check_random(NKowalewski, member, range(100, 400))
 
 
+@pytest.mark.slow
 def test_a_corrupted_formula_fails(monkeypatch):
     checks.check_corrupted(NKowalewski, SHEET, monkeypatch)
 

@@ -34,6 +34,7 @@ from shared.closed_form_checks import (
     unwound,
 )
 from shared.closed_form_checks import distance as gap
+from shared.examples import examples
 
 F = Fraction
 fits = belongs(conditions.fits)
@@ -196,7 +197,7 @@ def test_equations_are_satisfied(name):
     assert error > mpf(10) ** -185 if name in MOVING else error < mpf(10) ** -195
 
 
-@pytest.mark.sample(5)
+@pytest.mark.sample(5, slow=4)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_independent_integration_agrees(name):
     moments, torque, omega, gamma = data(name)
@@ -226,6 +227,7 @@ def test_stored_values():
     assert mpf(10) ** -58 < distance(stored, top.at(fractions(case["times"]), 50)) < mpf(10) ** -49
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("axis", range(3))
 def test_every_axis_and_every_sign(axis):
     """One body turned so that it swings about each axis, in all quadrants and both senses."""
@@ -443,7 +445,8 @@ plain = st.integers(-30, 30).map(lambda n: F(n, 10))
 component = st.one_of(plain, plain, signed)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@pytest.mark.slow
+@settings(max_examples=examples(60), deadline=None, derandomize=True)
 @given(
     st.integers(0, 2),
     st.tuples(*[st.integers(10, 19).map(lambda n: F(n, 10))] * 3),
@@ -481,7 +484,8 @@ def irrational_axes():
     return ((c, s * u, s * v), (-s, c * u, c * v), (F(0), -v, u))
 
 
-@pytest.mark.sample(2)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize(
     "name", ["libration", "rotation", "separatrix", "released", "around axis 3"]
 )

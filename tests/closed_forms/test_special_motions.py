@@ -48,6 +48,7 @@ def test_a_case_near_a_special_motion_is_told_so(case):
     assert low < float(missed.off) < high
 
 
+@pytest.mark.sample(10)
 @pytest.mark.parametrize(
     "case",
     [
@@ -126,6 +127,7 @@ MOVED = {
 }
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", MOVED)
 def test_the_amount_grows_as_the_distance_and_no_more_is_told_far_off(name):
     motion, moved = MOVED[name]

@@ -60,7 +60,8 @@ def test_values_of_the_sheet():
     assert abs(row[5] - mpf("-.006065180345662112")) < 1e-18
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", ["sheet", "A < B", "from q = 0", "from p = 0"])
 def test_two_precisions_agree(name):
     checks.check_two_precisions(Steklov, MOTIONS[name][0])
@@ -78,7 +79,8 @@ def test_independent_integration(name):
     checks.check_taylor(Steklov, MOTIONS[name][0], times=(3,))
 
 
-@pytest.mark.sample(1, first=1)
+@pytest.mark.slow
+@pytest.mark.sample(2, first=1, rest="campaign")
 @pytest.mark.parametrize("name", ["sheet", "A < B"])
 def test_axes_renamed_reflected_and_turned(name):
     checks.check_names_and_axes(Steklov, MOTIONS[name][0])
@@ -99,7 +101,8 @@ def test_membership(name):
     checks.check_membership(Steklov, MOTIONS[name][0])
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", ["sheet", "from p = 0"])
 def test_angles_through_the_poles(name):
     """Axis 1 renamed to 3: it meets the vertical exactly, at the start too, again and again."""
@@ -137,6 +140,7 @@ def member(rng):
     return start(A, B, C, F(rng.randint(1, 50), 10), F(rng.randint(0, 100), 100), sides)
 
 
+@pytest.mark.slow
 def test_random_members():
     assert checks.check_random(Steklov, member, range(30)) == {LOWER, UPPER}
 

@@ -9,14 +9,14 @@ from fractions import Fraction
 
 import pytest
 
+from polhode.closed_forms._winding import argument_of_sum
+from polhode.closed_forms._winding import euler_angles as euler_angles
 from polhode.closed_forms.euler.attitude import EulerAttitude
 from polhode.closed_forms.euler.top import EulerTop
 from polhode.closed_forms.lagrange import attitude as lagrange_attitude
 from polhode.closed_forms.lagrange.attitude import LagrangeAttitude
 from polhode.closed_forms.lagrange.motion import Nutating
 from polhode.closed_forms.lagrange.top import LagrangeTop
-from polhode.closed_forms.winding import argument_of_sum
-from polhode.closed_forms.winding import euler_angles as euler_angles
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared.closed_form_checks import in_scene
@@ -103,7 +103,7 @@ def nothing_counted(monkeypatch):
     monkeypatch.setattr(euler_angles, "growth", never)
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(3, slow=8)
 @pytest.mark.parametrize("name", MOTIONS)
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.usefixtures("nothing_counted")

@@ -12,13 +12,13 @@ import pytest
 from test_goryachev_chaplygin import named as goryachev_start
 from test_hess import named as hess_start
 
+from polhode.closed_forms._winding import floor_sums
 from polhode.closed_forms.goryachev_chaplygin import top as goryachev_top
 from polhode.closed_forms.goryachev_chaplygin.attitude import poles
 from polhode.closed_forms.goryachev_chaplygin.attitude import turn_counting as torus_turns
 from polhode.closed_forms.goryachev_chaplygin.top import GoryachevChaplyginTop
 from polhode.closed_forms.hess import turns as period_turns
 from polhode.closed_forms.hess.top import HessTop
-from polhode.closed_forms.winding import floor_sums
 from polhode.numbers.mpmath_context import mpf, mpmath
 
 F = Fraction
@@ -132,6 +132,7 @@ def test_parts_of_a_long_way_make_the_whole(family, name):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize(
     ("family", "name", "times"),
     [(GoryachevChaplyginTop, "low", [10**5, -(10**5)]), (HessTop, "slow", [2 * 10**4, -(10**4)])],

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import gc
+import json
 import os
 import signal
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 
+import flint
 import numpy as np
 import pytest
 
 from polhode.common.locks import Lock, Place
+from polhode.numbers.flint_context import ctx
+from polhode.numbers.mpmath_context import mpmath
+from polhode.taylor.backend.process_settings import Meanwhile
 
 
 def free(lock: Lock) -> bool:
@@ -66,6 +72,44 @@ def test_what_another_thread_holds_is_its_own_matter():
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="a system without fork")
+@pytest.mark.parametrize("own", [False, True])
+def test_a_forked_child_has_no_precision_of_another_thread(own):
+    """Of a thread that computes in the parent; that of the one that forks stays."""
+    ready, done = threading.Event(), threading.Event()
+    found = flint.ctx.prec, mpmath.prec, mpmath.dps
+
+    def compute() -> None:
+        with ctx.workprec(777), ctx.workprec(888), mpmath.workprec(1000):
+            ready.set()
+            done.wait(60)
+
+    def told() -> list[int]:
+        read, write = os.pipe()
+        child = os.fork()
+        if child == 0:
+            os.write(write, json.dumps([flint.ctx.prec, mpmath.prec, mpmath.dps]).encode())
+            os._exit(0)
+        os.waitpid(child, 0)
+        os.close(write)
+        with open(read) as pipe:
+            return json.load(pipe)
+
+    if own:
+        with ctx.workprec(777), ctx.workprec(888), mpmath.workprec(1000):
+            assert told()[:2] == [888, 1000]
+    else:
+        thread = threading.Thread(target=compute)
+        thread.start()
+        ready.wait(60)
+        try:
+            assert told() == [*found]
+        finally:
+            done.set()
+            thread.join()
+    assert (flint.ctx.prec, mpmath.prec, mpmath.dps) == found
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="a system without fork")
 def test_in_a_forked_child_nobody_holds_a_lock():
     locks = [Lock(place) for place in Place]
     ready, done = threading.Event(), threading.Event()
@@ -100,3 +144,62 @@ def test_an_interrupt_at_the_end_of_a_block_gives_back_what_it_held():
         signal.signal(signal.SIGALRM, before)
     assert free(lock)
     assert kept.traceback
+
+
+class Setting:
+    """One for the whole process."""
+
+    value = 5
+
+    def meanwhile(self) -> Meanwhile[int]:
+        return Meanwhile(lambda: self.value, self.write, 1)
+
+    def write(self, value: int) -> None:
+        self.value = value
+
+
+def abandon(setting: Setting, changed: Meanwhile[int]) -> None:
+    """A block whose end nobody reaches, in a circle that a garbage collection finds."""
+    block = changed()
+    block.__enter__()
+    circle = [block]
+    circle.append(circle)
+    del block
+    assert setting.value == 1
+
+
+@pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
+@pytest.mark.parametrize("place", Place)
+def test_a_setting_is_put_back_by_a_garbage_collection_under_any_lock(place):
+    setting = Setting()
+    changed = setting.meanwhile()
+    gc.disable()
+    try:
+        abandon(setting, changed)
+        with Lock(place).held():
+            gc.collect()
+    finally:
+        gc.enable()
+    assert setting.value == 5
+
+
+def test_a_setting_is_put_back_by_who_collects_while_it_is_written():
+    """The lock of the setting itself is held then: whoever holds it looks again."""
+    setting = Setting()
+    changed = setting.meanwhile()
+    write = setting.write
+
+    def collecting(value: int) -> None:
+        write(value)
+        gc.collect()
+
+    gc.disable()
+    try:
+        setting.write = collecting
+        changed = setting.meanwhile()
+        abandon(setting, changed)
+        with changed():
+            assert setting.value == 1
+    finally:
+        gc.enable()
+    assert setting.value == 5

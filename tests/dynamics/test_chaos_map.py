@@ -19,6 +19,7 @@ GENERIC = polhode.load("general/asymmetric-chaotic")
 LEVEL = {"h": 3, "f": Fraction(1, 2)}
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "case",
     [

@@ -47,6 +47,7 @@ def refused(capsys, *words: str) -> str:
 # -- expressions with a pole ----------------------------------------------------------------------
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("by", ["1/q", "sqrt(q+1)"])
 def test_a_pole_or_a_root_on_the_way_is_one_line(capsys, by):
     words = ("section", REGULAR, "--by", by, "--grid", "2x2", "--crossings", "300", "-o", "x.npz")
@@ -171,6 +172,10 @@ def test_a_first_crossing_beyond_a_pole_is_left_to_a_run():
             "section R --h 1e300 --f 0 --grid 2x2 --crossings 2",
             "h = 1.0000000000000000e+300: expected of a size that doubles have room for",
         ),
+        ("section R --h 1e60 --f 0", "h = 1.0000000000000000e+60: expected of a size that doubles"),
+        ("map R --h 1e60 --f 0", "h = 1.0000000000000000e+60: expected of a size that doubles"),
+        ("orbit R --search 2x2 --h 1e60 --f 0", "h = 1.0000000000000000e+60: expected of a size"),
+        ("levels R --h=-1e308:1e308 -o l.svg", "--h = -1e308:1e308: expected A:B, two numbers"),
         ("section R --h 1e400 --f 0", "h = 1.0000000000000000e+400: expected of a size"),
         ("section euler/prolate --h 1e-130 --f 0", "h = 1.0000000000000000e-130: expected of a"),
         ("orbit R --period 1e-300", "period = 1e-300: expected one near 0.89 or longer"),
@@ -184,6 +189,30 @@ def test_what_is_too_large_or_too_small_is_one_line(capsys, words, said):
     assert said in refused(capsys, *words.replace("R", REGULAR, 1).split())
 
 
+@pytest.mark.parametrize(
+    ("words", "least", "most"),
+    [
+        ("section R --grid 999x999 --crossings 1000000", 850_000, 988_799),
+        ("section R --by height --grid 999x999 --crossings 1000000", 850_000, 998_001),
+        ("map R --grid 1000x1000 --end 1000", 850_000, 990_781),
+    ],
+)
+def test_a_large_grid_is_refused_before_its_states_are_found(
+    capsys, monkeypatch, words, least, most
+):
+    asked = []
+    for name in ("momentum_states", "height_states"):
+        find = getattr(coordinates, name)
+        monkeypatch.setattr(
+            coordinates, name, lambda on, *of, find=find: asked.append(len(of[0])) or find(on, *of)
+        )
+    said = refused(capsys, *words.replace("R", REGULAR, 1).split())
+    told = re.search(r"= more than (\d+) (orbits|motions) .* in all; a coarser grid", said)
+    assert told, said
+    assert least < int(told[1]) < most
+    assert 0 < sum(asked) <= 10_000
+
+
 def test_what_is_refused_for_its_size_says_the_largest_that_works(monkeypatch):
     monkeypatch.setattr(memory, "MOST_BYTES", 12_000)
     with pytest.raises(polhode.BadInput, match="2 orbits to 16 crossings: expected at most 30 "):
@@ -194,10 +223,22 @@ def test_what_is_refused_for_its_size_says_the_largest_that_works(monkeypatch):
 
 
 def test_energies_at_the_edge_of_doubles_are_cut_or_refused():
-    found = polhode.section(REGULAR, h=10**60, f=0, starts=[[1, 0.2]], crossings=2)
-    assert found.times.shape == (1, 2)
+    """Beyond, the powers of w in a Taylor step overflow: "not finite", and no crossing."""
+    found = polhode.section(REGULAR, h=10**30, f=0, starts=[[1.5, 0.5]], crossings=2)
+    assert found.complete
+    with pytest.raises(polhode.BadInput, match=r"h = 1.0+e\+31: .* from 2e-30 to 2e\+30"):
+        polhode.section(REGULAR, h=10**31, f=0, starts=[[1.5, 0.5]], crossings=2)
 
 
+def test_a_level_far_slower_than_the_scene_is_looked_at_as_often():
+    """Looks at its tangent by the level's own rate; a ten-thousandth took minutes."""
+    kept = {"f": 0, "starts": [[1, 0.2]], "crossings": 3}
+    found, slow = (polhode.section("euler/prolate", h=h, **kept) for h in (1, "1e-20"))
+    assert slow.times == pytest.approx(1e10 * found.times, rel=1e-12)
+    assert slow.digits == pytest.approx(found.digits, abs=1.2)
+
+
+@pytest.mark.slow
 def test_no_orbit_closes_sooner_than_the_surface_says():
     """Of a fast free body the bound is met within its constant: a period of 2 pi over |w|."""
     orbit = polhode.orbit("grioli/precession", digits=10)

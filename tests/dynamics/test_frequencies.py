@@ -44,6 +44,7 @@ def test_the_error_is_never_too_small():
     assert max(ratios) <= 1
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("case", "signals"),
     [

@@ -55,6 +55,7 @@ def test_nothing_has_no_lines():
     assert polhode.frequencies("lagrange/nutation", of=["r"], end=30).lines["r"] == ()
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("case", "end"),
     [
@@ -74,6 +75,7 @@ def test_an_error_of_a_top_is_covered_and_not_by_much(case, end):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(25, rest="campaign")
 @pytest.mark.parametrize("end", ["200", "-200", "333.3", "-157", "1000", "-1000"])
 @pytest.mark.parametrize(
     "case",

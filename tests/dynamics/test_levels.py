@@ -6,6 +6,7 @@ import json
 from collections import deque
 from fractions import Fraction
 
+import mpmath
 import numpy as np
 import pytest
 from flint import arb
@@ -21,6 +22,7 @@ from polhode.scenes.body import Body
 BODIES = {
     "generic": ((2, "3/2", 1), ("3/10", "1/5", "1/2")),
     "one plane": ((2, "3/2", 1), ("3/10", 0, "1/2")),
+    "one plane, tilted alike": ((2, 3, 4), (1, 0, 1)),
     "one axis": ((2, "3/2", "6/5"), (0, 1, 0)),
     "kovalevskaya": ((2, 2, 1), (1, 0, 0)),
     "symmetric, off its axis": ((2, 2, 3), (1, 0, "1/2")),
@@ -170,6 +172,7 @@ def region_on_a_grid(known, h, f):
     return tuple(sorted(parts(label != k)[1] for k in range(1, count + 1)))
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     ("name", "f"),
     [
@@ -283,3 +286,15 @@ def test_levels_as_figure_and_arrays(tmp_path, capsys):
 def test_levels_refuses(arguments, message, capsys):
     assert main(["levels", *arguments]) == 2
     assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("f", ["1e3", "1e16", "1e18", "1e19", "1e30", "1e40"])
+def test_a_symmetric_body_has_three_critical_energies_at_any_f(f):
+    """f^2 - 1 and f^2 + 1 at the poles, and W(u) = f^2/(2 - u^2) + u where its slope is zero."""
+    with mpmath.workdps(200):
+        big = mpmath.mpf(f) ** 2
+        u = mpmath.findroot(lambda u: 2 * u * big / (2 - u * u) ** 2 + 1, -2 / big)
+        right = [big / (2 - u * u) + u, big - 1, big + 1]
+    found = polhode.levels("lagrange/nutation").regions(f)
+    assert [energy for energy, _ in found] == [float(x) for x in right]
+    assert [region for _, region in found] == [(2,), (1,), (0,)]

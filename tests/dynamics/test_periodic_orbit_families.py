@@ -37,6 +37,7 @@ def test_a_family_passes_its_fold(family):
     assert abs(first.period - last.period) > 0.1  # another orbit of the same level
 
 
+@pytest.mark.slow
 def test_residues_grow_like_a_square_root_beyond_a_fold(family):
     """Four times as far in h, twice the residue, in the mean of the branches: R = 0 at the turn."""
     after = family.bifurcations[-1].after

@@ -9,11 +9,11 @@ import pytest
 from mpmath import MPContext
 
 import polhode
-from polhode.dynamics.periodic_orbits import high_precision, newton_shooting
+from polhode.dynamics.periodic_orbits import azimuth_advance, high_precision, newton_shooting
 from polhode.dynamics.periodic_orbits import orbit as periodic_orbit
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.newton_shooting import at_level, bordered
-from polhode.dynamics.periodic_orbits.recurrences import Return
+from polhode.dynamics.periodic_orbits.recurrences import Return, near_returns
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import exactly
 from shared import plain_taylor
@@ -95,6 +95,16 @@ def test_another_orbit_of_griolis_whose_residue_is_known():
     assert abs(value(mp, found.residue) - known) < found.residue_error < 1e-28
     exact = 2 * mp.pi * mp.mpf("2.5") ** 0.25
     assert abs(value(mp, found.period) / exact - 1) < 1e-30
+
+
+def test_returns_are_found_between_the_looks():
+    """By the parabola through three squared distances; looks are 0.05 radians apart."""
+    on = Surface(GRIOLI, GRIOLI.integrals.energy, GRIOLI.integrals.area)
+    returns = near_returns(on, np.array([float(x) for x in on.exact_start]), 3)
+    assert len(returns.found) == 3
+    for k, found in enumerate(returns.found, 1):
+        assert 1e-9 < abs(found.time * float(on.unit) / (2 * np.pi * k) - 1) < 1e-6
+        assert found.distance < 1e-3
 
 
 def gamma_of(scene, digits):
@@ -188,7 +198,7 @@ def test_steady_precession_of_a_symmetric_top(u):
     assert found.turns is None  # which closes after 35 and 142 periods: too many to be looked for
 
 
-@pytest.mark.sample(1, first=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", ["0.3", "1.5"])
 def test_swings_of_a_pendulum(rate):
     """Beside a swing about axis 3 the other three unknowns are linear: p, q, gamma3, by RK4.
@@ -298,6 +308,7 @@ def test_action_changes_by_period_and_by_the_advance_of_psi():
     assert abs(by_f / (-2 * mp.pi) - 1) < 1e-13
 
 
+@pytest.mark.slow
 def test_in_turned_axes_and_in_other_units():
     """The same orbit of the same body: its axes turned; time three times as fast, mass fivefold."""
     turned = polhode.orbit("grioli/turned-axes", digits=20)
@@ -429,3 +440,14 @@ def test_digits_are_measured_from_the_decimals_that_are_written():
     told = high_precision._written(chord, wrong, fine.time, fine.number, 20, 1)
     assert 0.1e-12 < told.error < 10e-12
     assert fine.error < 1e-21
+
+
+@pytest.mark.parametrize("turn", ["1", "-2", "3"])
+def test_psi_of_a_motion_about_the_vertical_is_the_attitude_s(turn):
+    """A sleeping top, of which psi alone has no meaning: its whole turns are not told."""
+    asleep = polhode.top(
+        moments=[2, 2, 1], centre=[0, 0, 1], weight=1, omega=[0, 0, turn], gamma=[0, 0, 1], end=1
+    )
+    found = azimuth_advance.advance(asleep, number_types.DOUBLE)
+    assert not found.whole
+    assert float(found.psi) == pytest.approx(float(turn), abs=1e-13)

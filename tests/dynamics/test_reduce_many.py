@@ -60,7 +60,8 @@ def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned)
         assert found[name].dtype == states.dtype
 
 
-@pytest.mark.sample(2, first=1)
+@pytest.mark.slow
+@pytest.mark.sample(2, first=3, rest="campaign")
 @pytest.mark.parametrize("end", ["11", "-11"])
 @pytest.mark.parametrize("turned", [False, True])
 def test_first_events_are_the_first_of_each_run(end, turned, monkeypatch):
@@ -99,6 +100,7 @@ def test_a_zero_at_the_start_is_no_event():
     assert abs(float(event.times[0]) - found["t of first back"][14]) < 16 * EPS * 9
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("lost", [1, 2])
 def test_a_crossing_that_lanes_lose_is_found_by_a_run_of_its_own(lost, monkeypatch):
     """heyoka's first and second crossing of each lane dropped: the signs at the ends tell."""
@@ -120,18 +122,22 @@ def test_a_crossing_that_lanes_lose_is_found_by_a_run_of_its_own(lost, monkeypat
     batch_first_crossings._mine.__dict__.clear()
     singles = []
     alone = module.solve.__globals__["integrate"]
-    monkeypatch.setitem(
-        module.solve.__globals__,
-        "integrate",
-        lambda *a, **k: singles.append(1) or alone(*a, **k),
-    )
+
+    def single(*a, **k):
+        singles.append(alone(*a, **k))
+        return singles[-1]
+
+    monkeypatch.setitem(module.solve.__globals__, "integrate", single)
     found = polhode.reduce_many(scene, VARIED, "first level", workers=1)["t of first level"]
     batch_first_crossings._compiled.cache_clear()
     assert seen
     assert singles
     assert np.allclose(found, true, rtol=0, atol=100 * EPS, equal_nan=True)
+    stopped = [run for run in singles if run.outcome is Outcome.STOPPED_AT_EVENT]
+    assert len(stopped) == sum(bool(run.events[0].times) for run in singles) > 0
 
 
+@pytest.mark.slow
 def test_exponents_are_those_of_lyapunov():
     """Regular motions: two tangents alike part by rounding, which grows as they do."""
     scene = heavy("200")
@@ -167,6 +173,7 @@ def test_a_member_that_fails_has_no_numbers_and_harms_no_neighbour():
         assert found[name][0] == alone[name][0] or np.isnan(alone[name][0])
 
 
+@pytest.mark.slow
 def test_no_more_states_are_held_than_a_job_has(monkeypatch):
     monkeypatch.setattr(module, "MOST_AT_ONCE", 1 << 16)
     scene = heavy("2").at([k / 1000 for k in range(2001)])
@@ -241,6 +248,18 @@ def test_what_cannot_be_kept_is_refused_in_one_line(keep, number, said):
         polhode.reduce_many(scene, VARIED, keep, number=number)
     assert said in str(told.value)
     assert "\n" not in str(told.value)
+
+
+def test_nothing_is_told_of_no_time_at_all():
+    said = r"^heavy.toml: at = 0: expected a time other than 0, for lyapunov$"
+    with pytest.raises(polhode.BadInput, match=said):
+        polhode.reduce_many(heavy("9"), VARIED, "lyapunov", at=[0])
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_expression_is_tried_where_no_component_vanishes():
+    found = polhode.reduce_many(heavy("2"), {"start.omega[3]": [1]}, "largest 1/gamma3")
+    assert found["largest 1/gamma3"] == pytest.approx([7 / 6], rel=EPS)
 
 
 def test_progress_counts_members_and_may_be_a_bar(capsys):

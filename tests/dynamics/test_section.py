@@ -13,6 +13,7 @@ import polhode
 from polhode.cli import main
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.dynamics.sections import coordinates as geometry
+from polhode.output import sections as output
 from polhode.scenes import scene_file
 
 EPS = 2.0**-52
@@ -144,6 +145,7 @@ def spread(values):
     return float(np.max(np.max(values, axis=1) - np.min(values, axis=1)))
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("case", "level", "low", "high"),  # in eps
     [
@@ -281,6 +283,7 @@ def test_kept_jobs_are_read(tmp_path, monkeypatch):
     assert (polhode.section(GENERIC, **asked).states == plain.states).all()
 
 
+@pytest.mark.slow
 def test_an_expression_in_turned_axes_and_other_units():
     """The same motion in axes turned by 90 degrees about the third, in a unit of 1024 seconds."""
     turned = scene_file.parse(
@@ -376,3 +379,20 @@ def test_no_two_commands_share_a_folder(tmp_path):
         assert again.load(1) is None
     with pytest.raises(polhode.BadInput, match="the jobs of this very command"):
         JobCheckpoint(tmp_path / "jobs", "map", "key")
+
+
+def test_an_interrupted_section_ends_without_digits():
+    """They take as long as the section: whoever interrupts does not wait for them."""
+
+    def stop(fraction, done):
+        raise KeyboardInterrupt
+
+    found = polhode.section(
+        "general/asymmetric-chaotic", grid=(6, 6), crossings=20, workers=1, progress=stop
+    )
+    assert found.interrupted
+    assert np.isnan(found.digits).all()
+    assert found.digits.shape == found.times.shape
+    told = output.of_section(found)
+    assert {x for row in told["digits"] for x in row} <= {None}
+    json.dumps(told, allow_nan=False)

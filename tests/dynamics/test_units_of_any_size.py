@@ -36,6 +36,7 @@ def _no_warnings():
         yield
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("inertia", "rate"), UNITS)
 def test_a_section_is_to_the_bit_that_in_other_units(inertia, rate):
     plain = polhode.section(scene(), grid=(2, 2), crossings=2)
@@ -46,6 +47,7 @@ def test_a_section_is_to_the_bit_that_in_other_units(inertia, rate):
     assert np.array_equal(found.times * float(rate), plain.times)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("inertia", "rate"), UNITS)
 def test_a_map_and_frequencies_are_those_in_other_units(inertia, rate):
     plain, found = (

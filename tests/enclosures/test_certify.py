@@ -35,7 +35,7 @@ def _inside(found: Any, rows: Any) -> bool:
     )
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("digits", [8, 15, 30, 60])
 def test_the_digits_asked_for_are_proven_and_not_many_more(digits: int) -> None:
     scene = top()
@@ -119,6 +119,7 @@ def test_units_of_any_size_cost_no_digit(power: int) -> None:
     assert found.noise == pytest.approx(plain.noise, abs=2)
 
 
+@pytest.mark.slow
 def test_chaos_is_answered_and_grows_no_faster_than_its_exponent() -> None:
     scene = top(omega=("0.3", "0.2", "1.1"))
     found = polhode.certify(scene, at=[60, 120], digits=15)
@@ -127,6 +128,7 @@ def test_chaos_is_answered_and_grows_no_faster_than_its_exponent() -> None:
     assert _inside(found, trials.truth(scene, [60, 120], 260))
 
 
+@pytest.mark.slow
 def test_the_integrals_make_the_radii_smaller_and_keep_the_truth() -> None:
     scene = top()
     motion = fixed_point_problem.motion(scene)

@@ -156,6 +156,8 @@ def test_numbers_beyond_the_doubles_are_refused() -> None:
     value = fmpz_poly([1 << 100])(fmpz(1) << 128)
     with pytest.raises(Refused):
         kronecker_substitution.unpacked([value], 1, 2, np.array([1000]))
+    (last,) = kronecker_substitution.unpacked([fmpz(1)], 1, 2, np.array([1023]))
+    assert last[0] == 2.0**1023
     (small,) = kronecker_substitution.unpacked([fmpz(5)], 1, 2, np.array([1000]))
     assert small[0] == 5 * 2.0**1000
 

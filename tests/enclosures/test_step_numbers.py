@@ -47,6 +47,7 @@ def _worst(windows: Any, rng: random.Random, each: int) -> dict[str, float]:
     return worst
 
 
+@pytest.mark.slow
 def test_no_number_of_a_step_is_below_its_exact_value() -> None:
     rng = random.Random(1)
     worst = _worst(_windows(rng, trials.KINDS[:5], (60, 126)), rng, 1)

@@ -98,6 +98,7 @@ def test_a_dropped_term_is_noticed(term: str) -> None:
     assert max(found) > 1.0
 
 
+@pytest.mark.slow
 def test_the_ratios_are_those_of_a_sharp_proof() -> None:
     assert statistics.median(terms.start_box()) > 0.3
 

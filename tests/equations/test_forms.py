@@ -54,7 +54,7 @@ def same(one: polhode.Trajectory, other: polhode.Trajectory) -> float:
     return worst_digits(one.states, other.states, other.scene, other.number.most_digits)
 
 
-@pytest.mark.sample(5)
+@pytest.mark.sample(3, slow=6)
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("name", OTHERS)
 def test_every_form_gives_38_of_40_digits_at_t_10(name, motion, trusted):
@@ -65,6 +65,7 @@ def test_every_form_gives_38_of_40_digits_at_t_10(name, motion, trusted):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(3, rest="campaign")
 @pytest.mark.parametrize(
     "case",
     [
@@ -96,7 +97,8 @@ def test_backward_runs_agree(name):
     assert 31 <= same(one, polhode.integrate(TURNED, "quad", at=[-3])) <= 34.1
 
 
-@pytest.mark.sample(2)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("number", ["double", "extended"])
 @pytest.mark.parametrize("name", ["momentum", "lagrangian", "omega-only"])
 def test_states_are_read_out_in_more_precision_than_the_run_has(name, number):
@@ -138,7 +140,7 @@ def test_the_general_form_of_a_body_turned_rationally_gives_the_turned_states():
     assert 0 < worst < 1e-39
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(3, slow=5)
 @pytest.mark.parametrize("name", FORMS)
 @pytest.mark.parametrize("exponent", [-40, 7])
 def test_scaling_by_powers_of_two_changes_no_bit(name, exponent):
@@ -147,7 +149,7 @@ def test_scaling_by_powers_of_two_changes_no_bit(name, exponent):
     assert same_bits(polhode.integrate(scene), polhode.integrate(other), exponent)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1, slow=4)
 @pytest.mark.parametrize("name", OTHERS)
 def test_angles_attitude_and_events_are_those_of_the_principal_form(name):
     events = (
@@ -178,7 +180,7 @@ def swinging_over(form: str) -> Scene:
     return Scene(body, (3, 0, 0), (0, F(3, 5), F(4, 5)), form=form)
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1, first=2)
 @pytest.mark.parametrize("number", ["double", "quad"])
 @pytest.mark.parametrize("name", IN_ANGLES)
 def test_a_pole_passed_is_an_outcome_that_names_the_form_to_use_instead(name, number):
@@ -197,19 +199,20 @@ def test_a_pole_passed_is_an_outcome_that_names_the_form_to_use_instead(name, nu
     assert lost < run.number.most_digits / 4 + 1.5
 
 
-def test_a_momentum_that_comes_to_lie_along_the_centre_is_an_outcome():
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.parametrize("name", ["omega-only", "momentum-only"])
+def test_a_momentum_that_comes_to_lie_along_the_centre_is_an_outcome(name):
     """Iw starts across r0 and is turned onto it by the weight: w along r0 is hit exactly."""
     body = Body.of_moments((1, 1, 1), (0, 0, 1), 1)
     scene = Scene(body, (0, 1, 1), (0, F(3, 5), F(4, 5)))  # G' = gamma x r0 = (3/5, 0, 0)
-    for name in ("omega-only", "momentum-only"):
-        away = polhode.integrate(replace(scene, form=name), at=[3])
-        assert away.outcome.done  # passes by at a distance
+    away = polhode.integrate(replace(scene, form=name), at=[3])
+    assert away.outcome.done  # passes by at a distance
     body = Body.of_moments((2, 2, 1), (0, 0, 1), 1)
     swing = Scene(body, (F(1, 2), 0, 0), (0, F(3, 5), F(-4, 5)))  # p = 0 at each turning point
-    for name in ("omega-only", "momentum-only"):
-        run = polhode.integrate(replace(swing, form=name), at=[10])
-        assert run.outcome is Outcome.SINGULAR
-        assert name in run.cause
+    run = polhode.integrate(replace(swing, form=name), at=[10])
+    assert run.outcome is Outcome.SINGULAR
+    assert name in run.cause
 
 
 def test_a_start_too_near_for_a_type_is_an_outcome_and_a_wider_type_runs():
@@ -285,6 +288,7 @@ def test_every_cross_check_passes(capsys):
     }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["quaternion", "hamiltonian", "momentum"])
 def test_a_run_is_callable_between_its_times_in_any_form(name, monkeypatch):
     """The states of the output times again, and those between them, across corrections of |q|."""

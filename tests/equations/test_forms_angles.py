@@ -22,6 +22,7 @@ from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from shared import form_trials as trials
 from shared import series
+from shared.examples import examples
 from shared.form_integrals import form_integrals
 from shared.form_trials import MP, STEP, WORKING, close, derivative, numbers, scenes
 from shared.motions import asymmetric
@@ -30,8 +31,7 @@ F = Fraction
 SMALL = mpf(10) ** -12
 FORMS = {"lagrangian": lagrangian, "hamiltonian": hamiltonian, "routhian": routhian}
 KINDS = ["any", "A = B", "A = C", "B = C", "A = B = C"]
-slow = pytest.mark.slow
-few = settings(max_examples=12, deadline=None)
+few = settings(max_examples=examples(12), deadline=None)
 
 
 #: A regular motion of an asymmetric body, away from the poles (sin theta > 0.3).
@@ -90,6 +90,7 @@ def slope(function, point, i, step=SMALL):
     return total / (60 * step)
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", FORMS)
 @given(data=st.data())
@@ -141,10 +142,10 @@ def test_hamiltons_equations_hold_for_the_hamiltonian(scene):
         assert close(rates[3:], [-slope(energy, values, i) for i in range(3)])
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", KINDS)
 @given(data=st.data())
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=examples(6), deadline=None)
 def test_rouths_equations_hold_for_the_routhian(kind, data):
     """d/dt dR/dq' - dR/dq = 0 for R = L - f psi', f held, psi' solved from f = dL/dpsi'."""
     with mpmath.workdps(WORKING):
@@ -309,11 +310,9 @@ REGULAR = {
 }
 
 
-@pytest.mark.sample(1)
-@pytest.mark.parametrize(
-    "motion",
-    [motion if motion == "asymmetric" else pytest.param(motion, marks=slow) for motion in REGULAR],
-)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.parametrize("motion", REGULAR)
 @pytest.mark.parametrize("name", FORMS)
 def test_forty_digits_give_the_principal_motion_to_38(name, motion):
     scene, times = REGULAR[motion], [5, 10]
@@ -358,6 +357,7 @@ def test_double_loses_the_digits_of_the_miss_in_passing_a_pole(name):
         assert max(abs(mpf(a) - b) for a, b in zip(plain, exact, strict=True)) < 16 * mpf(2) ** -52
 
 
+@pytest.mark.slow
 def test_the_routhian_of_a_symmetric_body_pays_for_a_pole_in_steps_alone():
     """f is given and psi not integrated: nothing is lost, but the steps grow with log(miss)."""
     wide, near = (in_double(routhian, passing(F(1, 10**n))) for n in (1, 8))
@@ -365,6 +365,7 @@ def test_the_routhian_of_a_symmetric_body_pays_for_a_pole_in_steps_alone():
     assert near[1] > 3 * wide[1]
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("name", FORMS)
 def test_distance_is_the_squared_sine_of_theta(name):
     scene = passing(F(1, 10**3))
@@ -419,7 +420,8 @@ def test_nothing_that_vanishes_is_compiled():
 # As a scene asks for it.
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", FORMS)
 def test_a_turned_body_gives_the_states_of_the_principal_form(name):
     found = trials.both_runs(name)
@@ -427,6 +429,7 @@ def test_a_turned_body_gives_the_states_of_the_principal_form(name):
     assert (found[0] != found[1]).any()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", FORMS)
 def test_a_run_that_meets_the_pole_says_so(name):
     scene = replace(passing(F(1, 10**8)), times=(F(1, 8), F(1)), form=name)
@@ -446,6 +449,8 @@ def test_angles_and_attitude_come_out_as_in_the_principal_form(name):
         assert max(abs(a - b) for x, y in rows for a, b in zip(x, y, strict=True)) < 256 * 2**-52
 
 
+@pytest.mark.slow
+@pytest.mark.sample(2, first=1, rest="campaign")
 @pytest.mark.parametrize("name", ["lagrangian", "hamiltonian"])
 def test_the_forms_own_psi_is_that_of_the_scene(name):
     """In principal axes the integrated precession is the psi that the output integrates."""

@@ -17,14 +17,16 @@ from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes.body import Body, cross, dot
 from polhode.scenes.scene import Scene
 from shared import form_trials as trials
+from shared.examples import examples
 from shared.form_trials import MP, WORKING, close, numbers, scenes
 
 F = Fraction
 NAMES = ("general", "inertia-axes", "principal", "momentum", "gyration-axes", "quaternion")
 CENTRED = ("inertia-axes", "gyration-axes")
-few = settings(max_examples=12, deadline=None)
+few = settings(max_examples=examples(12), deadline=None)
 
 
+@pytest.mark.sample(7)
 @pytest.mark.parametrize("kind", ["any", "A = B", "A = B = C"])
 @pytest.mark.parametrize("name", NAMES)
 @given(data=st.data())

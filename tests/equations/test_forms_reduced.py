@@ -20,6 +20,7 @@ from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from shared import form_trials as trials
 from shared import series
+from shared.examples import examples
 from shared.form_integrals import form_integrals
 from shared.form_trials import MP, WORKING, close, cross, dot, numbers, scenes
 from shared.motions import ASYMMETRIC, asymmetric
@@ -27,7 +28,7 @@ from shared.motions import ASYMMETRIC, asymmetric
 F = Fraction
 FORMS = {"omega-only": omega_only, "momentum-only": momentum_only}
 BITS = mp(WORKING).bits
-few = settings(max_examples=25, deadline=None)
+few = settings(max_examples=examples(25), deadline=None)
 REGULAR = asymmetric(8)
 
 
@@ -47,6 +48,7 @@ def taken(kind, scene):
     return form
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("kind", ["any", "A = B", "A = B = C"])
 @pytest.mark.parametrize("name", FORMS)
 @given(data=st.data())
@@ -259,7 +261,8 @@ def test_a_run_that_meets_the_singular_set_says_so(name):
     assert len(run.states) == 0
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", FORMS)
 def test_a_turned_body_gives_the_states_of_the_principal_form(name):
     found = trials.both_runs(name)

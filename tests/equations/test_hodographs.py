@@ -20,6 +20,7 @@ from polhode.numbers import number_types, row_formulas
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
+from shared.examples import examples
 
 NUMBERS = ("double", "extended", "quad", "mp")
 TOPS = ("euler/largest-axis", "lagrange/turned-axes", "kovalevskaya/generic", "pendulum/librating")
@@ -47,7 +48,7 @@ def exact_rotation(q, v):
 # -- the space vector ---------------------------------------------------------------------------
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(
     st.tuples(*[COMPONENT] * 4).filter(lambda q: max(map(abs, q)) > 1e-3),
     st.tuples(*[COMPONENT] * 3),
@@ -102,7 +103,7 @@ def test_the_body_hodograph_is_the_states_own_numbers():
 # -- rolling ------------------------------------------------------------------------------------
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(3, slow=4)
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("name", TOPS)
 def test_the_hodographs_roll_on_each_other(name, number):
@@ -164,7 +165,7 @@ def test_omega_rate_is_the_form_that_is_integrated():
 # -- classic facts ------------------------------------------------------------------------------
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("name", ["euler/largest-axis", "euler/separatrix", "euler/turned-axes"])
 def test_the_herpolhode_lies_in_the_invariable_plane(name, number):

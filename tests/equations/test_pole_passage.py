@@ -36,6 +36,7 @@ STARTS = {
 SLOW = {"released"}
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     "name", [pytest.param(x, marks=[pytest.mark.slow] * (x in SLOW)) for x in STARTS]
 )

@@ -112,6 +112,7 @@ def test_angles_break_where_a_motion_goes_through_a_pole(tmp_path):
     assert not np.isnan(figure.curve("theta")).any()
 
 
+@pytest.mark.slow
 def test_plan_and_elevation_have_one_scale_and_hold_the_motion(tmp_path):
     figure = Figure(plotted(tmp_path, "kovalevskaya/generic", "--what", "hodographs"))
     assert figure.panels == 4
@@ -165,7 +166,8 @@ def test_cusps_and_loops_of_the_apex_stand_on_the_sphere(tmp_path, name):
     assert sharpest > 2.5 if name.endswith("cusped") else sharpest < 0.6
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("number", ["double", "quad"])
 def test_the_error_shown_is_the_error_found(tmp_path, number):
     figure = Figure(plotted(tmp_path, TOP, "--what", "error", "--number", number))

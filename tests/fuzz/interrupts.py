@@ -53,6 +53,9 @@ WORKS = {
     "compare": "compare given.csv given.toml",
     "sweep": "sweep R --vary start.omega[3]=1:4:100000 -o x.npz",
     "sweep-fast": "sweep R --vary start.omega[3]=1e5,1 --at 1e4 --max-steps 100000000000",
+    "sweep-thin": "sweep thin.toml --vary start.omega[3]=1,2,3 --at 1e5 --max-steps 100000000000",
+    "sweep-thin-rows": "sweep thin.toml --vary start.omega[3]=1,2 --at 1,2,3e5 --number extended"
+    " --max-steps 100000000000",
     "sweep-lyapunov": "sweep R --vary start.omega[3]=1,2 --at 1e7 --keep lyapunov",
     "plot": "plot R --what error --end 1e4 -o x.svg",
     "plot-integrals": "plot R --what integrals --end 1e8 -o x.png",
@@ -80,6 +83,7 @@ _NAMES = {"R": "general/asymmetric-regular", "C": "general/asymmetric-chaotic"}
 LEFT = re.compile(r"x\.npz\.parts(/.*)?|out(/[\w.-]+\.parts.*)?")
 SWEPT = re.compile(r"x\.npz")
 SAID = re.compile(r"(polhode: [^\n]+\n|[\w/.-]+: [^\n]+\n)*")
+_OURS = ("given.", "thin.")
 _GIVEN = """
 schema = 1
 [body]
@@ -92,6 +96,17 @@ omega = [1, 0.2, 1]
 [run]
 end = 3000
 samples = 3001
+"""
+#: A body that is a million times faster about one axis than its start says.
+_THIN = """
+schema = 1
+[body]
+moments = ["4.264e-7", 1, 1]
+centre = [0.3, 0.2, 1]
+weight = "6.641e5"
+[start]
+gamma = ["3/5", 0, "4/5"]
+omega = ["7.3e-5", 0.38, "3.7e-5"]
 """
 
 
@@ -121,7 +136,7 @@ def trial(work: str, moment: float, by: int, group: bool) -> Trial:
         os.close(heard)
         last = time.monotonic() + HANGS
         while process.poll() is None and _cpu(process.pid) < moment and time.monotonic() < last:
-            time.sleep(0.01)
+            time.sleep(0.02)
         before, began = _cpu(process.pid), time.monotonic()
         if process.returncode is None:
             (os.killpg if group else os.kill)(process.pid, by)
@@ -166,13 +181,20 @@ def _ended(process: subprocess.Popen[bytes], last: float) -> tuple[int | None, f
     return code, used.ru_utime + used.ru_stime
 
 
-def _cpu(pid: int) -> float:
-    """Processor time so far, of the process and the children that it has waited for."""
-    try:
-        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    except OSError:
-        return 0.0
-    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
+def _cpu(group: int) -> float:
+    """Processor time so far, of all processes of the group and the children they waited for.
+
+    Work that waits for its workers uses none itself: its signal would come when it has hung.
+    """
+    ticks = 0
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = path.read_text().rpartition(")")[2].split()
+        except OSError:
+            continue  # it ended meanwhile
+        if int(fields[2]) == group:
+            ticks += sum(map(int, fields[11:15]))
+    return ticks / os.sysconf("SC_CLK_TCK")
 
 
 def _alive(group: int) -> bool:
@@ -187,7 +209,7 @@ def _alive(group: int) -> bool:
 
 
 def _left() -> list[str]:
-    return [str(path) for path in Path().rglob("*") if not path.name.startswith("given.")]
+    return [str(path) for path in Path().rglob("*") if not path.name.startswith(_OURS)]
 
 
 def _may_stay(work: str, path: str) -> bool:
@@ -203,6 +225,8 @@ def sampled(work: str, moments: int, seed: int = 0) -> tuple[Counter[str], list[
         by, group = random.choice([signal.SIGINT, signal.SIGTERM]), random.random() < 0.3
         moment = longest * random.random()
         with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+            if "thin" in work:
+                Path("thin.toml").write_text(_THIN)
             if work == "compare":
                 Path("given.toml").write_text(_GIVEN)
                 given = [sys.executable, "-m", "polhode", "run", "given.toml", "-o", "given.csv"]

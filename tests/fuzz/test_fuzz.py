@@ -22,8 +22,8 @@ from polhode.runs.sweep import results
 from polhode.taylor.integrator.stepping import Integrator
 from shared.commands import STEPPING
 
-FAST = {"scene": 600, "call": 1300, "table": 50, "command": 50}
-FAST |= {"archive": 40, "toml": 80, "body": 80, "event": 20, "kept": 20}
+FAST = {"scene": 250, "call": 500, "table": 25, "command": 25}
+FAST |= {"archive": 20, "toml": 40, "body": 40, "event": 10, "kept": 10}
 FAST |= {"units": 5, "wide": 5, "dynamic": 10, "film": 3, "proof": 3}
 MANY = {"scene": 6000, "call": 6000, "table": 1000, "command": 1000}
 MANY |= {"archive": 1000, "toml": 2000, "body": 2000, "event": 500, "kept": 500}

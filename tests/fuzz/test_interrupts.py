@@ -22,7 +22,7 @@ WORKS = [*interrupts.WORKS]
 @pytest.mark.skipif(sys.platform != "linux", reason="processor time is read from /proc")
 @pytest.mark.parametrize("work", ["run", "sweep", "section", "map", "levels", "study"])
 def test_a_signal_is_obeyed(work):
-    _, faults = interrupts.sampled(work, 2, 1)
+    _, faults = interrupts.sampled(work, 1, 1)
     assert not faults
 
 

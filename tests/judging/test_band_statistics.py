@@ -100,25 +100,16 @@ def share(count: Counter) -> float:
     return count[0] / count.total()
 
 
-@pytest.mark.parametrize(
-    ("kinds", "starts", "least", "apart"),
-    [
-        (("kovalevskaya", "any"), 4, 0.82, 0.3),
-        pytest.param(KINDS, 8, 0.84, 0.2, marks=pytest.mark.slow),
-    ],
-)
-def test_of_a_few_tops_nine_in_ten_runs_end_in_the_band(kinds, starts, least, apart):
-    """Starts of one body a kind, which is compiled once; what one start does leans together.
-
-    ``apart``: the largest share of any type's runs on one side of the band.
-    """
-    scenes = [(kind, top(kind, k, 0)) for kind in kinds for k in range(starts)]
+@pytest.mark.slow
+def test_of_a_few_tops_nine_in_ten_runs_end_in_the_band():
+    """Starts of one body a kind, which is compiled once; what one start does leans together."""
+    scenes = [(kind, top(kind, k, 0)) for kind in KINDS for k in range(8)]
     found = [place for kind, scene in scenes for place in places(kind, scene, (20, 60))]
     (all_in_all,) = counted(found).values()
-    assert all_in_all.total() == len(kinds) * starts * 12
-    assert least <= share(all_in_all) <= 0.97
+    assert all_in_all.total() == len(KINDS) * 8 * 12
+    assert 0.84 <= share(all_in_all) <= 0.97
     for of, count in counted(found, "number", "projected").items():
-        assert max(count[-1], count[1]) <= apart * count.total(), of
+        assert max(count[-1], count[1]) <= 0.2 * count.total(), of
 
 
 @pytest.mark.campaign

@@ -63,6 +63,8 @@ def of(names):
         ("psi_deg", Column("psi", True)),
         ("theta (degrees)", Column("theta", True)),
         ("gamma_y", Column("gamma2")),
+        ("gx", Column("gamma1")),
+        ("g3", Column("gamma3")),
         ("q0", Column("q0")),
         ("psi_old", Column(None)),
         ("deg", Column(None)),

@@ -69,6 +69,13 @@ def test_the_first_answer_comes_before_the_rows_are_read(tmp_path, monkeypatch, 
         assert told == []
 
 
+def test_bytes_that_are_no_text_are_refused(tmp_path):
+    path = tmp_path / "x.csv"
+    path.write_bytes(b"t,p\n0,\xff\n")
+    with pytest.raises(BadInput, match=r"file: expected a readable CSV file \(not a CSV text\)"):
+        polhode.compare(path, "euler/attitude")
+
+
 def test_a_first_answer_of_a_few_rows(tmp_path):
     scene, told = written(tmp_path / "x.csv", 1200), []
     found = polhode.compare(

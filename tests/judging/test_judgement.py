@@ -13,6 +13,8 @@ import polhode
 from polhode import cli
 from polhode.equations import integrals
 from polhode.judging import correct_digits as correct_digits
+from polhode.judging.conditioning.rounding_errors import Band
+from polhode.judging.diagnosis import error_budget
 from polhode.judging.references.reference import Reference
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.tables.candidate import of_table
@@ -69,6 +71,12 @@ def test_the_scale_of_a_body_at_rest_is_the_pendulums_rate_then_one():
     zero = [[mpmath.mpf(0)] * 6]
     assert correct_digits.rate_scale(zero, heavy, 80) == mpmath.mpf(3) / 2
     assert correct_digits.rate_scale(zero, free, 80) == 1
+
+
+def test_a_row_of_another_length_is_not_judged_by_what_it_has():
+    true = [[mpmath.mpf(k) for k in range(6)]]
+    with pytest.raises(ValueError, match="longer than"):
+        correct_digits.errors([[0, 1, 2]], true, 1, 80)
 
 
 def test_a_state_that_is_not_finite_has_no_digits():
@@ -206,6 +214,7 @@ def test_two_precisions_says_how_far_it_agrees_on_a_chaotic_motion():
     assert 25 <= truth.agreement < 60
 
 
+@pytest.mark.slow
 def test_two_precisions_are_raised_until_they_agree(monkeypatch):
     """To t = 300 the motion takes some 15 digits: the first pair of runs has too few."""
     from polhode.judging.references import two_precisions
@@ -394,6 +403,9 @@ def test_the_attitude_of_a_run_is_judged_with_either_sign_of_the_quaternion(tmp_
     half = run.attitude.copy()
     half[len(half) // 2 :] *= -1
     assert polhode.compare(replace(run, attitude=half)).parts["attitude"] == 0
+    few = polhode.integrate(scene.at([1, 2, 3]))  # judged one by one
+    turned = polhode.compare(replace(few, attitude=-few.attitude))
+    assert turned.parts["attitude"] == polhode.compare(few).parts["attitude"] > 13
 
 
 def test_whether_the_digits_asked_for_were_reached_is_told():
@@ -503,3 +515,16 @@ def test_a_runs_file_is_judged_as_the_run(tmp_path, number):
     assert found.digits == own.digits
     path.write_text(path.read_text().rstrip() + "1" * 9 + "\n")
     assert polhode.compare(path, "lagrange/nutation").subject.number.name == "mp"
+
+
+def test_of_a_run_that_reached_no_time_no_digits_are_expected():
+    run = polhode.integrate("lagrange/nutation", at=[1, 2], max_steps=2)
+    assert (run.times, run.expected.digits) == ((), ())
+    assert run.expected.lost_after is None
+
+
+def test_what_is_expected_is_told_as_a_band_or_as_unknown():
+    band = Band(11.26, 12.0, 13.04)
+    assert error_budget.shown_expected(band) == "11.3-13.0"
+    assert error_budget.shown_expected(band._replace(least=0.0, most=0.0)) == "none"
+    assert error_budget.shown_expected(None) == "unknown"

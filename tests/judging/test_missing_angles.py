@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.judging.dense_reference.columns import in_panels
+from polhode.judging._dense_reference.columns import in_panels
 from polhode.judging.references.reference import rows
 from polhode.judging.score import score
 
@@ -61,7 +61,7 @@ def test_panels_tell_theta_where_they_do_not_tell_psi():
                 assert abs((found.angles[which][k] - x).hi) < 1e-19
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 def test_right_angles_are_judged_to_the_last(asked, homoclinic):
     scene, table = homoclinic
     found = judged(scene, table)
@@ -83,8 +83,10 @@ def test_angles_of_no_digits_are_not_asked_for_again(asked, homoclinic):
     assert sum(asked) <= 32
 
 
+@pytest.mark.slow
+@pytest.mark.filterwarnings("error")
 def test_cells_that_are_empty_are_not_asked_for(asked):
-    """A sleeping top has no psi and phi at all."""
+    """A sleeping top has no psi and phi at all; it divides nothing by nothing."""
     scene = polhode.load("lagrange/sleeping-stable").at([Fraction(k, 8) for k in range(COUNT)])
     columns = {"t": [float(t) for t in scene.times], "psi": [None] * COUNT, "theta": [0.0] * COUNT}
     found = polhode.compare(columns, scene)
@@ -94,6 +96,7 @@ def test_cells_that_are_empty_are_not_asked_for(asked):
     assert asked == []
 
 
+@pytest.mark.slow
 def test_theta_is_judged_where_psi_is_no_number():
     scene = polhode.load("lagrange/from-the-pole").at([Fraction(k, 50) for k in range(450)])
     true = polhode.reference(scene).angles(scene.times, 17)

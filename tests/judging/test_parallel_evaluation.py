@@ -8,8 +8,8 @@ from fractions import Fraction
 import pytest
 
 import polhode
-from polhode.judging.dense_reference import parallel_evaluation
-from polhode.judging.dense_reference.parallel_evaluation import asked_by
+from polhode.judging._dense_reference import parallel_evaluation
+from polhode.judging._dense_reference.parallel_evaluation import asked_by
 from shared.motions import heavy
 
 
@@ -35,6 +35,7 @@ def test_the_same_rows_to_the_bit(question, monkeypatch):
     assert calls == [2]
 
 
+@pytest.mark.slow
 def test_the_same_digits_of_a_judgement(monkeypatch):
     scene = polhode.load("bobylev-steklov/dn").at([k / 2 for k in range(30)])
     run = polhode.integrate(scene)

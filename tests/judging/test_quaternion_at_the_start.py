@@ -42,12 +42,14 @@ def scene(body: dict, start: dict):
     return polhode.top(**body, **start, omega=omega, end=1, samples=2, outputs=["attitude"])
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(("start", "expected"), STARTS, ids=str)
 def test_runs_and_references_agree_where_q0_is_0(start, expected):
     check("lagrange", start, expected, ("double",))
 
 
 @pytest.mark.slow
+@pytest.mark.sample(13, rest="campaign")
 @pytest.mark.parametrize("body", [*BODIES])
 @pytest.mark.parametrize(("start", "expected"), STARTS, ids=str)
 def test_every_number_type_and_body_agrees_where_q0_is_0(body, start, expected):
@@ -65,7 +67,8 @@ def check(body: str, start: dict, expected: str, numbers: tuple[str, ...]) -> No
     assert {name: signs(row) for name, row in found.items()} == dict.fromkeys(found, expected)
 
 
-@pytest.mark.parametrize("body", ["lagrange", pytest.param("general", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("body", ["lagrange", "general"])
 def test_the_sign_stays_that_of_the_start(body):
     """Later on, refined runs, enclosures and dense output have no sign of their own."""
     made = scene(BODIES[body], {"angles": ["-pi/2", 1, "-pi/2"]})

@@ -156,6 +156,7 @@ def put_back(x: list[F], wanted: list[F], unit: float) -> list[F]:
     return [a + F(c) / 2**60 for a, c in zip(x, scaled, strict=True)]
 
 
+@pytest.mark.slow
 def test_a_projection_takes_its_part_of_the_inputs_error():
     """A rounded start, put back onto the exact scene's level once on the way, against the scene.
 

@@ -70,6 +70,7 @@ def answer(name: str, digits: int) -> list[Any]:
     return [x._mpf_ for row in rows for x in row]
 
 
+@pytest.mark.slow
 def test_threads_of_mixed_precision_answer_as_one_does():
     """Of 8 threads 4 answers in 72 were wrong, and the caller's precision was left changed."""
     asked = questions()

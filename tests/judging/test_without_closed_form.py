@@ -9,23 +9,17 @@ from pathlib import Path
 
 import pytest
 
-from polhode.closed_forms.families import FAMILIES, closed_form
 from polhode.enclosures.certify import certify
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.runs.integrate import integrate
-from polhode.scenes import library
+from polhode.scenes import catalogue, library
 from shared import plain_taylor
 
 DIGITS = 40
 BITS = 240  # of the scene's numbers where they are irrational
 ANGLE = 16  # how far each motion is followed, in radians
-#: The folder of a family holds what has that closed form: see ``checks/test_regression.py``.
-FAMILY = {family.name for family in FAMILIES}
-CASES = [
-    name
-    for name in library.names()
-    if name.partition("/")[0] not in FAMILY and closed_form(library.load(name)) is None
-]
+#: What each case is judged against stands in the catalogue, which ``verbs/test_list.py`` holds to.
+CASES = [name for name, case in catalogue.known().items() if case.reference == "certified"]
 QUICK = ("general/asymmetric-chaotic",)
 
 
@@ -70,6 +64,7 @@ def test_motions_without_a_closed_form_are_those_of_the_plain_series(name):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(5, rest="campaign")
 @pytest.mark.parametrize("name", [name for name in CASES if name not in QUICK])
 def test_every_other_motion_without_a_closed_form(name):
     check(name)

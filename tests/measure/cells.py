@@ -1,8 +1,9 @@
 """Plain runs and sweeps beside bare heyoka and CyRK: python tests/measure/cells.py [PART...]
 
-Parts: runs, digits, sweeps.  Processor time in one process, in turn, each job a few times in a row,
-the least of many.  A ratio on a busy machine is worth less than it looks: a run of a millisecond
-shares the processor's caches with whoever else is there.  Nothing here passes or fails.
+Parts: runs, propagator, digits, sweeps.  Processor time in one process, in turn, each job a few
+times in a row, the least of many.  A ratio on a busy machine is worth less than it looks: a run of
+a millisecond shares the processor's caches with whoever else is there.  Nothing here passes or
+fails.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from polhode.equations.forms import principal
 from polhode.numbers.conversion import to_double
 from polhode.peers.field import TERMS, returning
 from polhode.runs.sweep import plan as sweep_plan
-from polhode.scenes.scene import even_times
+from polhode.scenes.output_times import even_times
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.batches import batch_integrator
 from polhode.taylor.batches import jobs as batch_jobs
@@ -131,6 +132,55 @@ def runs() -> None:
         print(line, flush=True)
 
 
+def propagator() -> None:
+    ends = (1.0, 10.0, 100.0, 1000.0)
+    print("\nA prepared propagator, a new start each call: bare heyoka in µs, and times as long")
+    print(f"{'':14s}" + "".join(f"{f't = {end:g}':>18s}" for end in ends))
+    for name, case in TOPS.items():
+        scene = plain(case, even_times(Fraction(1), 2))
+        state, variables = start(scene), hy.make_vars("p", "q", "r", "g1", "g2", "g3")
+        rates = returning(constants(scene))(*variables)
+        ta = hy.taylor_adaptive(list(zip(variables, rates, strict=True)), state)
+        given, go = np.array(state), polhode.propagator(in_principal_axes(scene))
+        line = f"{name:14s}"
+        for end in ends:
+            several = range(max(1, int(1000 / end)))  # calls between two looks at the clock
+
+            def by_hand(
+                end: float = end, ta: Any = ta, given: Any = given, several: range = several
+            ) -> None:
+                for _ in several:
+                    ta.time = 0.0
+                    ta.state[:] = given
+                    ta.propagate_until(end)
+                    ta.state.copy()
+
+            def ours(
+                end: float = end, go: Any = go, given: Any = given, several: range = several
+            ) -> None:
+                for _ in several:
+                    go(given, t=end)
+
+            one, two = least([by_hand, ours], 1)
+            line += f"{1e6 * one / len(several):12.1f} {two / one:5.2f}"
+        print(line, flush=True)
+
+
+def in_principal_axes(scene: polhode.Scene) -> polhode.Scene:
+    """The same motion, whose state is then the one given to heyoka by hand."""
+    if scene.body.axes.trivial:
+        return scene
+    axes = scene.body.axes
+    return polhode.top(
+        moments=scene.body.moments,
+        centre=axes.components(scene.body.centre),
+        weight=scene.body.weight,
+        omega=axes.components(scene.omega),
+        gamma=axes.components(scene.gamma),
+        end=1,
+    )
+
+
 def digits() -> None:
     print("\nt = 1000, 1001 outputs: polhode's time over CyRK's (DOP853, VERN8) for so many digits")
     print(f"{'':14s}" + "".join(f"{k:>8d}" for k in range(6, 14)))
@@ -218,6 +268,6 @@ def sweeps() -> None:
 
 
 if __name__ == "__main__":
-    for part in (runs, digits, sweeps):
+    for part in (runs, propagator, digits, sweeps):
         if part.__name__ in sys.argv[1:] or len(sys.argv) == 1:
             part()

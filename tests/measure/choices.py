@@ -33,7 +33,7 @@ from polhode.judging.correct_digits import rate_scale
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
 from polhode.runs.methods.taylor import Run
-from polhode.runs.problem.problem import asked, setup
+from polhode.runs.problem.problem import problem
 from polhode.runs.sweep import plan as sweep_plan
 from polhode.scenes import library, scene_file
 from polhode.studies.long_run import rows as long_run
@@ -110,8 +110,8 @@ def tolerances() -> None:
     scenes = [heavy(1000, f"1.{k}1") for k in range(7)]
     true = []
     for scene in scenes:
-        made = setup(scene, number_types.QUAD, inputs=number_types.DOUBLE)
-        true.append(Run(made).to(asked(scene, number_types.QUAD))[1][-1])
+        made = problem(scene, number_types.QUAD, inputs=number_types.DOUBLE)
+        true.append(Run(made).to(made.schedule(scene))[1][-1])
     rows = []
     for name, tol in [
         ("eps/1000", number_types.DOUBLE.eps / 1000),
@@ -125,8 +125,8 @@ def tolerances() -> None:
     ]:
         best, errors = float("inf"), []
         for scene, exact in [*zip(scenes, true, strict=True), *[(scenes[0], true[0])] * 14]:
-            run = Run(setup(scene, number_types.DOUBLE, tol))
-            row = run.to(asked(scene, number_types.DOUBLE))[1][-1]
+            run = Run(problem(scene, number_types.DOUBLE, tol))
+            row = run.to(run.problem.schedule(scene))[1][-1]
             pairs = zip(row, exact, strict=True)
             errors.append(max(abs(float(exactly(a) - exactly(b))) for a, b in pairs))
             if scene is scenes[0]:

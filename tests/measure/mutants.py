@@ -52,7 +52,7 @@ ROOMS = {
     "numbers": ("numbers", "scenes", "judging", "equations"),
     "equations": ("equations", "runs", "taylor"),
     "taylor": ("taylor", "runs", "judging"),
-    "judging": ("judging", "checks", "verbs"),
+    "judging": ("judging", "checks", "verbs", "equations", "output"),
     "closed_forms": ("closed_forms", "checks"),
     "refined": ("refined", "runs"),
     "enclosures": ("enclosures", "judging"),

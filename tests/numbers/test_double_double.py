@@ -15,6 +15,7 @@ from polhode.numbers.double_double import Pairs
 from polhode.numbers.exact import sqrt
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rationals import Rationals, of_fractions
+from shared.examples import examples
 
 HIGH = mpmath.MPContext()
 HIGH.prec = 400
@@ -28,7 +29,7 @@ def exactly(x: Rationals) -> list[Fraction]:
     return [Fraction(a, b) for a, b in zip(tops, bottoms, strict=True)]
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=examples(30))
 @given(RATIONALS, st.fractions(-9, 9, max_denominator=10**20))
 def test_arrays_of_rationals_are_exact(values, other):
     x = of_fractions(values)

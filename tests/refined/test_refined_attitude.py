@@ -127,6 +127,7 @@ def test_a_motion_through_a_pole_takes_heyokas_steps():
     assert attitude.method == "refined"
 
 
+@pytest.mark.slow
 def test_events_beside_the_outputs_change_nothing():
     scene = polhode.load("lagrange/nutation")
     with_events = replace(scene, events=(polhode.Event("nutation"),))

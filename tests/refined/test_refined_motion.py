@@ -12,9 +12,9 @@ import pytest
 import polhode
 from polhode.common.errors import BadInput
 from polhode.numbers.conversion import exactly
-from polhode.refined import double_run, self_test
+from polhode.refined import double_run, refinement, self_test
 from polhode.refined.compiled_field import Kernels, kernels
-from polhode.refined.errors import CannotRefine
+from polhode.refined.errors import CannotRefine, TooFarOff
 from polhode.refined.refinement import QUAD, Accuracy, accuracy, refine
 from polhode.scenes import library
 from polhode.scenes.body import Body
@@ -376,3 +376,24 @@ def test_threads_do_not_disturb_each_other():
         together = list(pool.map(lambda scene: run(scene, 20).states, scenes * 3))
     assert together == alone * 3
     assert heyoka.get_nthreads() == before
+
+
+def test_a_block_of_one_interval_is_one(monkeypatch):
+    """As many as are still near the run in double: one is enough, none is not."""
+    scene = polhode.load("euler/flat")
+    solve, good = refinement.solve, [1]
+    whole = run(scene, 9)
+
+    def astray(*arguments):
+        if good:
+            raise TooFarOff(good.pop())
+        return solve(*arguments)
+
+    monkeypatch.setattr(refinement, "solve", astray)
+    found = run(scene, 9)
+    assert not good
+    assert found.estimate.errors[-1].max() < 1e-32
+    assert max(distance(found, whole)) < 1e-32
+    good.append(0)
+    with pytest.raises(CannotRefine, match="within one interval"):
+        run(scene, 9)

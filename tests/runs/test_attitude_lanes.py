@@ -12,9 +12,9 @@ import polhode
 from polhode.equations import quaternion_products
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE
+from polhode.runs._observers import attitude_lanes
 from polhode.runs.integrate import integrate
-from polhode.runs.observers import attitude_lanes
-from polhode.runs.problem.problem import asked, setup
+from polhode.runs.problem.problem import problem
 from polhode.taylor.batches.attitude_lanes import Turning
 from shared.policies import change_policy
 
@@ -41,7 +41,7 @@ def together(monkeypatch, *arguments, **options):
         return integrate(*arguments, **options)
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1, slow=3)
 @pytest.mark.parametrize("times", TIMES)
 @pytest.mark.parametrize("name", ["kovalevskaya/generic", "lagrange/turned-axes"])
 def test_states_are_those_of_a_plain_run_to_the_bit(name, times):
@@ -64,7 +64,7 @@ def test_states_are_those_of_a_plain_run_to_the_bit(name, times):
         assert len(getattr(one, wanted)) == len(alone.states)
 
 
-@pytest.mark.sample(3, first=1)
+@pytest.mark.sample(1, first=5)
 @pytest.mark.parametrize("times", TIMES)
 @pytest.mark.parametrize("name", ["euler/largest-axis", "lagrange/nutation"])
 def test_attitude_and_angles_are_as_good_as_those_of_one_system(name, times, monkeypatch):
@@ -100,7 +100,7 @@ def test_a_scene_asked_at_other_times_is_read_at_those():
 
 def test_short_runs_and_what_has_events_or_a_pole_at_the_start_are_one_system():
     def fits(what, number=DOUBLE):
-        return attitude_lanes.fits(setup(what, number), asked(what, number))
+        return attitude_lanes.fits(problem(what, number), problem(what, number).schedule(what))
 
     name = "kovalevskaya/generic"
     assert fits(scene(name, [100]))

@@ -15,9 +15,9 @@ from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
 from polhode.numbers.gauss_lobatto import enough
 from polhode.numbers.number_types import EXTENDED
+from polhode.runs._observers import attitude_quadrature, panel_splitting
 from polhode.runs.integrate import integrate
-from polhode.runs.observers import attitude_quadrature, panel_splitting
-from polhode.runs.problem.problem import asked, setup
+from polhode.runs.problem.problem import problem
 from shared.policies import change_policy
 
 pytestmark = pytest.mark.skipif(
@@ -33,6 +33,11 @@ TIMES = {
     "backward": [-1, -33, -65],
     "grid": [Fraction(k) for k in range(61)],
 }
+
+
+def planned(scene, number, **options):
+    ready = problem(scene, number, **options)
+    return attitude_quadrature.plan(ready, ready.schedule(scene))
 
 
 def scene(name, at, outputs=BOTH):
@@ -73,11 +78,12 @@ def settled(what):
     return run
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("times", TIMES)
 @pytest.mark.parametrize("name", ["kovalevskaya/generic", "lagrange/turned-axes"])
 def test_states_are_those_of_a_plain_run_to_the_bit(name, times):
     what = scene(name, TIMES[times])
-    assert attitude_quadrature.plan(what, setup(what, EXTENDED), asked(what, EXTENDED)) is not None
+    assert planned(what, EXTENDED) is not None
     along = integrate(what, "extended")
     alone = integrate(scene(name, TIMES[times], ()), "extended")
     assert np.array_equal(along.states, alone.states)
@@ -91,6 +97,7 @@ def test_states_are_those_of_a_plain_run_to_the_bit(name, times):
         assert len(getattr(one, wanted)) == len(alone.states)
 
 
+@pytest.mark.sample(2, slow=4)
 @pytest.mark.parametrize("times", TIMES)
 @pytest.mark.parametrize("name", ["euler/largest-axis", "lagrange/turned-axes", "goryachev/motion"])
 def test_attitude_and_angles_are_as_good_as_those_of_one_system(name, times, monkeypatch):
@@ -109,6 +116,7 @@ def test_attitude_and_angles_are_as_good_as_those_of_one_system(name, times, mon
     assert np.abs(vertical - mine.states[:, 3:]).max() <= 64 * EPS
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("name", "end"),
     [
@@ -167,10 +175,7 @@ def test_panels_with_too_few_nodes_are_split(monkeypatch):
 
 def test_what_is_integrated_as_one_system():
     def fits(what, number=EXTENDED, **options):
-        return (
-            attitude_quadrature.plan(what, setup(what, number, **options), asked(what, number))
-            is not None
-        )
+        return planned(what, number, **options) is not None
 
     name = "kovalevskaya/generic"
     assert fits(scene(name, [100]))

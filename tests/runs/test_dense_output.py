@@ -112,6 +112,7 @@ def test_many_chunks(monkeypatch):
     assert len(run.dense._kept) < 4
 
 
+@pytest.mark.slow
 def test_units_of_time_and_turned_axes():
     turned = (
         "schema = 1\n[body]\ninertia = [[3, 0.5, 0.1], [0.5, 2.5, 0], [0.1, 0, 4]]\n"

@@ -23,6 +23,7 @@ from polhode.numbers.conversion import exactly
 from polhode.runs.sweep import plan as sweep_plan
 from polhode.scenes import scene_file, vary
 from polhode.taylor.batches import batch_integrator
+from shared.examples import examples
 from shared.motions import heavy, heavy_file
 from shared.policies import change_policy
 
@@ -38,7 +39,7 @@ def ulps(a, b, number) -> float:
 # -- each member is its own run -------------------------------------------------------------------
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1, slow=3)
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("end", ["9", "-9"])
 def test_members_are_the_runs_of_their_scenes(number, end):
@@ -78,6 +79,7 @@ def test_members_are_as_right_as_their_closed_forms_say():
         assert abs(judged.worst - single.worst) < 1.3
 
 
+@pytest.mark.slow
 def test_units_and_turned_axes_of_each_member():
     """Members with their own principal axes and units of time, states in the scene's axes."""
     scene = scene_file.parse(
@@ -107,7 +109,7 @@ def test_a_free_body_without_gamma():
         assert ulps(member.states, single.states, single.number) < 16
 
 
-@settings(deadline=None, max_examples=10)
+@settings(deadline=None, max_examples=examples(10))
 @given(
     st.lists(st.fractions(-3, 3, max_denominator=99), min_size=1, max_size=19),
     st.integers(1, 5),
@@ -365,6 +367,7 @@ class Deadly(Executor):
         return self.pool.submit(die_once, self.mark, fn, *args, **kwargs)
 
 
+@pytest.mark.slow
 def test_a_worker_that_dies_costs_no_result(tmp_path):
     here = polhode.integrate_many(heavy(), GIVEN)
     with spawned() as pool:

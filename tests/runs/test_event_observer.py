@@ -12,8 +12,8 @@ import pytest
 
 import polhode
 from polhode.motion.outcomes import Outcome
+from polhode.runs._observers import events as event_observer
 from polhode.runs.integrate import integrate
-from polhode.runs.observers import events as event_observer
 from polhode.scenes import library
 from polhode.scenes.event import Event
 from polhode.taylor.events import dense_search, hermite_roots
@@ -58,6 +58,7 @@ def alike(one, other, unit, slack=16):
         assert grazing or abs(float(s - t)) <= slack * EPS * max(abs(float(t)), float(unit))
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize(
     ("name", "end", "texts"),
     [
@@ -194,7 +195,8 @@ def test_a_zero_at_the_start_is_no_event(monkeypatch):
             assert min(abs(t) for t in one.times) > 0.1
 
 
-@pytest.mark.sample(1, first=1)
+@pytest.mark.slow
+@pytest.mark.sample(2, first=1, rest="campaign")
 @pytest.mark.parametrize("steps", [1000, 1001, 1777])
 def test_a_step_limit_leaves_the_events_up_to_it(steps, monkeypatch):
     scene = watched("kovalevskaya/generic", [1000], "q", "gamma3")
@@ -229,6 +231,7 @@ def test_an_interrupted_run_tells_the_events_up_to_where_it_came(monkeypatch):
     assert run.events[0].times[:-1] == tuple(told[:-1])
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "event",
     [
@@ -244,6 +247,7 @@ def test_what_may_end_a_run_or_needs_the_time_or_has_a_pole_is_met_on_the_way(ev
     assert integrate(scene).outcome is Outcome.REACHED_END
 
 
+@pytest.mark.slow
 def test_short_runs_other_types_and_tolerances_are_as_before(monkeypatch):
     monkeypatch.setattr(event_observer, "rows", None)
     integrate(watched("euler/largest-axis", [100], "q"))
@@ -254,6 +258,7 @@ def test_short_runs_other_types_and_tolerances_are_as_before(monkeypatch):
         integrate(watched("euler/largest-axis", [300], "q"))
 
 
+@pytest.mark.slow
 def test_expressions_too_fast_for_knots_are_met_on_the_way(monkeypatch):
     scene = watched("bobylev-steklov/asymptotic", [600], "cos(20*q) - gamma3")
     run = integrate(scene, project=False)

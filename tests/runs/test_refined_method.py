@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
 import polhode
@@ -97,7 +98,7 @@ def test_the_state_at_any_time():
     times = [Fraction(t) for t in ("250", "1/3", "0", "299.5", "140")]
     dense = replace(run, times=tuple(times), states=run(times))
     assert max(errors(dense)) < max(run.errors)
-    assert run("250") == run([250])[0]
+    assert run("250") == run([250])[0] == run(np.array(250))
     with pytest.raises(BadInput, match="a time from 0 to 300"):
         run(301)
     back = polhode.integrate("euler/backward", "quad", at=[-30], method="refined")
@@ -135,6 +136,7 @@ def test_digits_asked_for_are_digits_had():
     assert max(errors(run)) < 1e-31
 
 
+@pytest.mark.slow
 def test_where_no_estimate_can_be_had_a_second_run_tells_the_error():
     scene = polhode.load("hard/chaotic-long").at([30, 330])
     run = polhode.integrate(scene, "quad")
@@ -156,6 +158,7 @@ def test_no_errors_from_where_two_runs_have_parted():
     assert run.errors[1] is None
 
 
+@pytest.mark.slow
 def test_sweeps_that_stall_are_made_with_more_limbs():
     scene = polhode.load("hard/dzhanibekov-1e-12").at([300])
     with pytest.raises(Stalled):
@@ -235,6 +238,8 @@ def test_what_is_worth_refining():
     near, far = (polhode.load(SCENE).at((Fraction(t),)) for t in (30, 110))
     assert not refined_method.worth_it(near, number_types.QUAD)
     assert refined_method.worth_it(near, number_types.QUAD, loaded=True)
+    assert refined_method.worth_it(near, number_types.mp(34), loaded=True)
+    assert not refined_method.worth_it(near, number_types.mp(35), loaded=True), "a limb more"
     assert not refined_method.worth_it(near, number_types.mp(), loaded=True)
     assert refined_method.worth_it(far, number_types.mp())
     assert refined_motion.MOST_DIGITS >= 130

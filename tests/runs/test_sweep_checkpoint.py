@@ -90,6 +90,16 @@ def test_an_interrupted_sweep_goes_on_and_ends_as_an_undisturbed_one(number, tmp
     assert not folder.exists()
 
 
+def test_what_a_resumed_sweep_adds_is_kept_though_it_was_quick(tmp_path, monkeypatch):
+    """It ends before a part is due: what it did goes into a last one, beside those there."""
+    folder = tmp_path / "parts"
+    assert interrupted_sweep(folder, 2).interrupted
+    monkeypatch.setattr(sweep_checkpoint, "EVERY", 1e9)
+    whole = swept(folder)
+    monkeypatch.setattr(batch_integrator, "solve", None)  # nothing is left to do
+    assert alike(swept(folder), whole)
+
+
 def test_several_interruptions_are_one_sweep(tmp_path):
     whole, folder = swept(None), tmp_path / "parts"
     for _ in range(2):

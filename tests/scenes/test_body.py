@@ -14,6 +14,7 @@ from polhode.numbers.expression import number
 from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes.body import OWN_AXES, Body, Matrix, UnphysicalBody, Vector, cross, diagonal, dot
 from polhode.scenes.shapes import Part
+from shared.examples import examples
 
 small = st.integers(-6, 6)
 entries = st.fractions(min_value=-3, max_value=3, max_denominator=12)
@@ -75,7 +76,7 @@ def assert_principal(body: Body) -> None:
     assert all(x == y for x, y in zip(cross(rows[0], rows[1]), rows[2], strict=True))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(three_moments(), rotations())
 def test_rational_moments_are_found_exactly_after_any_rotation(
     moments: Vector, rotation: Matrix
@@ -86,7 +87,7 @@ def test_rational_moments_are_found_exactly_after_any_rotation(
     assert_principal(body)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(three_moments(), rotations())
 def test_equal_moments_are_recognised_and_the_axis_of_symmetry_is_the_third(
     moments: Vector, rotation: Matrix
@@ -100,7 +101,7 @@ def test_equal_moments_are_recognised_and_the_axis_of_symmetry_is_the_third(
     assert_principal(body)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(three_moments(), rotations(), st.integers(0, 2), entries)
 def test_a_centre_on_an_axis_is_recognised_exactly(
     moments: Vector, rotation: Matrix, axis: int, height: Fraction
@@ -118,7 +119,7 @@ def test_a_centre_on_an_axis_is_recognised_exactly(
     assert moment == moments[axis]
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(rotations(), entries, entries)
 def test_with_two_equal_moments_the_second_axis_is_across_the_centre(
     rotation: Matrix, x: Fraction, z: Fraction
@@ -133,7 +134,7 @@ def test_with_two_equal_moments_the_second_axis_is_across_the_centre(
     assert abs(found[2]) == abs(z)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(st.lists(entries, min_size=6, max_size=6))
 def test_any_symmetric_matrix_has_axes_or_is_refused(six: list[Fraction]) -> None:
     a, b, c, d, e, f = six
@@ -241,7 +242,7 @@ def test_what_no_body_has_is_refused(rows: tuple, reason: str) -> None:
         Body((a, b, c), (ZERO, ZERO, ZERO), ZERO)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(rotations())
 def test_a_flat_body_is_accepted_in_any_axes(rotation: Matrix) -> None:
     flat = vector("1/3", "2/7", "13/21")
@@ -253,7 +254,7 @@ def test_a_flat_body_of_irrational_moments_is_accepted() -> None:
     Body(diagonal(vector("sqrt(2)", "sqrt(3)", "sqrt(5+2*sqrt(6))")), (ZERO, ZERO, ZERO), ZERO)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(three_moments(), rotations(), st.tuples(entries, entries, entries))
 def test_momentum_and_omega_are_inverse(moments: Vector, rotation: Matrix, w: Vector) -> None:
     body = Body(turned(moments, rotation), (ZERO, ZERO, ZERO), ZERO)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
+import pickle
 from dataclasses import replace
 from fractions import Fraction
 
@@ -34,6 +36,29 @@ def test_floats_arrays_and_fractions_are_taken_exactly():
     assert "# the doubles 0.3 in full" in polhode.as_toml(scene)
     assert scene.body.weight == Fraction(0.1) != Fraction(1, 10)
     assert polhode.top(**FREE, end=np.array(3.0)).times == (0, 3)
+
+
+ODD = [5e-324, 1.7e308, 2.0**-1074 * 3, 1e22, 0.1, -1e-300, 123456789.123456789]
+MOVED = [
+    {"omega": np.array([0.1, 2, 3]), "gamma": [0, 0, 1], "psi": np.float32(0.3), "end": 3},
+    {"momentum": (1, Fraction(1, 3), "sqrt(2)"), "quaternion": [1, 0, 2, 0], "normalise": True},
+    {"angles": ["pi/3", 1, mpmath.mpf("0.1")], "rates": [0, 0.5, np.longdouble("0.1")], "at": [1]},
+    {"gamma": [0, 1, 0], "h": 3.25, "f": "1/3", "sign": "+", "at": np.linspace(0, 1, 4)[1:]},
+    {"omega": ODD[:3], "gamma": [1, 0, 0], "end": 1e5, "samples": np.int64(5)},
+    {"omega": ODD[3:6], "gamma": [1, 0, 0], "end": 2, "events": [polhode.Event("section:p-1/2")]},
+    {"omega": ODD[1:4], "gamma": [1, 0, 0], "end": 2, "outputs": ("angles",), "form": "principal"},
+    {"omega": [0, 0, 1], "gamma": [1, 0, 0], "title": "one\ntwo", "name": "x"},
+    {"omega": [0, 0, 1], "gamma": [1, 0, 0], "reference": "certified"},
+]
+
+
+@pytest.mark.parametrize("start", MOVED, ids=range(len(MOVED)))
+def test_the_text_of_a_scene_from_numbers_gives_it_back_to_the_bit(start):
+    scene = polhode.top(moments=[1, 2, 2.3], centre=[0.1, 0, 0.2], weight=2.5, **start)
+    assert scene_file.parse(scene.source, scene.name) == scene
+    assert pickle.loads(pickle.dumps(scene)) == scene == copy.deepcopy(scene)
+    written = polhode.top(moments=[1, 2, 2.3], centre=[0.1, 0, 0.2], weight=2.5, **start)
+    assert written == scene  # before its text is made
 
 
 def test_a_run_in_double_of_doubles_loses_nothing_by_rounding_its_inputs():
@@ -339,3 +364,36 @@ def test_a_default_given_is_as_if_left_out(section, key):
 def test_no_other_key_is(section):
     with pytest.raises(polhode.BadInput, match=r"one of the keys|a table"):
         scene_with(section, "nonsense", 1)
+
+
+def test_a_scene_says_what_it_was_given_whatever_becomes_of_that():
+    moments, omega = [1, 2, 2.5], np.array([0.5, 1, 0])
+    event = {"name": "turn", "zero": "p"}
+    scene = polhode.top(
+        moments=moments, omega=omega, gamma=[0, 0, 1], at=(k for k in (1, 2)), events=[event]
+    )
+    moments[0], event["zero"] = 9, "q"
+    omega += 1
+    assert scene_file.parse(scene.source, "top") == scene
+    assert scene.times == (1, 2)
+
+
+def test_a_fault_of_times_that_are_used_up_is_told_all_the_same():
+    with pytest.raises(polhode.BadInput, match=r"run.at\[2\] = 1: expected times of one sign"):
+        polhode.top(**FREE, at=(k for k in (2, 1)))
+
+
+@pytest.mark.parametrize("title", ["\U0001f600 Zhukovski\u012d \\ud83d", "\x7f \t", np.str_("a")])
+def test_every_title_is_read_as_it_was_given(title):
+    scene = polhode.top(**FREE, title=title)
+    assert (scene.title, type(scene.title)) == (title, str)
+    assert scene_file.parse(scene.source, "top") == scene
+    assert polhode.as_toml(replace(scene, psi=1)).count(chr(10)) > 5
+
+
+@pytest.mark.parametrize(
+    ("title", "said"), [("\ud800", "expected TOML"), ("x" * 20_000, "lines of at most 10000")]
+)
+def test_a_title_that_no_file_can_hold_is_refused_at_once(title, said):
+    with pytest.raises(polhode.BadInput, match=said):
+        polhode.top(**FREE, title=title)

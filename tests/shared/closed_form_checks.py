@@ -3,7 +3,7 @@
 import itertools
 from fractions import Fraction
 
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 

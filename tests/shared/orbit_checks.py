@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from polhode.closed_forms.engine.normal_form import shortfall
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.normal_form import shortfall
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.numbers import exact
 from polhode.numbers.expression import number as parsed
 from polhode.numbers.mpmath_context import mpf, mpmath

@@ -12,6 +12,7 @@ import numpy as np
 
 import polhode
 from polhode.numbers.exact import Irrational
+from polhode.scenes.output_times import OutputTimes
 
 GENERAL = "general/asymmetric-regular"
 
@@ -39,7 +40,7 @@ def bits(value: Any) -> Any:
         return value.shape, flat.tobytes() if plain else [bits(x) for x in flat]
     if isinstance(value, dict):
         return [(key, bits(x)) for key, x in value.items()]
-    if isinstance(value, (list, tuple)):
+    if isinstance(value, (list, tuple, OutputTimes)):
         return [bits(x) for x in value]
     if dataclasses.is_dataclass(value):
         names = [f.name for f in dataclasses.fields(value) if f.compare]

@@ -55,6 +55,7 @@ def finds(command: str, name: str, rows: list[tuple[str, ...]]) -> bool:
     return any(wanted(*row) for row in rows)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", [name for name in report.STUDIES if name != "gallery"])
 def test_every_row_has_a_command_that_finds_it(name):
     rows = labels(name)

@@ -17,6 +17,7 @@ from polhode.studies.row_filter import Only
 COMMITTED = Path(__file__).parents[2] / "reports"
 
 
+@pytest.mark.slow
 def test_a_section_row_has_its_curve_and_its_spread():
     found = rows.rows(True, None, Only(("section Kovalevskaya",)))
     (row,) = found["sections"]
@@ -35,6 +36,7 @@ def test_a_section_row_has_its_curve_and_its_spread():
     assert inside > 0.9 * row["orbits"] * rows.SHOWN
 
 
+@pytest.mark.slow
 def test_a_levels_row_is_what_levels_says():
     found = rows.rows(False, None, Only(("levels asymmetric",)))
     (row,) = found["levels"]

@@ -10,7 +10,7 @@ import pytest
 from polhode.common.errors import BadInput
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE
-from polhode.scenes.scene import even_times
+from polhode.scenes.output_times import even_times
 from polhode.studies import ensembles, report
 from polhode.studies.page.blocks import Text, markdown
 from polhode.studies.peer_processes import plain_scene, run_all
@@ -213,6 +213,7 @@ def test_part_of_a_study_is_printed_and_is_the_committed_row():
         report.part("published", ["no such row"])
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", report.STUDIES)
 def test_every_study_can_make_a_row_alone(name):
     """A study that is asked for a row that it has not runs nothing and says so."""

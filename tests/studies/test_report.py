@@ -123,6 +123,7 @@ def test_differences_are_seen():
     assert differences({"cases": [row("c", 3.0)]}, before)
 
 
+@pytest.mark.slow
 def test_a_study_is_deterministic():
     one, two = (accuracy._case(library.load("euler/separatrix")) for _ in range(2))
     assert one == two

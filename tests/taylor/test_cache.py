@@ -123,6 +123,7 @@ def test_about_says_what_is_wrong_with_the_cache(home):
     assert line("/proc/polhode").startswith("cache     none, every run compiles again (")
 
 
+@pytest.mark.slow
 def test_a_sweep_with_a_bad_cache(home, tmp_path):
     folder, _ = home
     fill(tmp_path / "cache", folder / "good", "garbage")

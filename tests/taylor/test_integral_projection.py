@@ -48,7 +48,7 @@ def chaplygin(order: tuple[int, int, int] = (0, 1, 2)) -> polhode.Scene:
 # -- the integrals ----------------------------------------------------------------------------
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("scene", "onto"),
     [
@@ -115,6 +115,7 @@ def test_a_correction_that_is_no_rounding_is_not_made(monkeypatch):
     assert np.allclose(run.states, polhode.integrate(scene, project=False).states, 0, 1e-12)
 
 
+@pytest.mark.slow
 def test_the_spin_of_a_symmetric_body_is_exact_on_average():
     """r' is 0: without memory of what was rounded off, r = 1.1 would be wrong all along."""
     scene = replace(
@@ -136,6 +137,7 @@ LOSES = {"steklov/upper": 0.55}
 
 
 @pytest.mark.slow
+@pytest.mark.sample(30, rest="campaign")
 @pytest.mark.parametrize("name", library.names())
 def test_no_case_loses_digits(name):
     scene = polhode.load(name)
@@ -309,11 +311,13 @@ def crossed(scene, monkeypatch, honest=True) -> list[int]:
     return counts
 
 
+@pytest.mark.slow
 def test_a_zero_where_a_correction_would_jump_over_it_is_reported_once(monkeypatch):
     scene = polhode.load("kovalevskaya/generic").at((Fraction(600),))
     assert set(crossed(scene, monkeypatch)) == {1}
 
 
+@pytest.mark.slow
 def test_without_waiting_a_zero_is_lost_or_doubled(monkeypatch):
     """So the test above has teeth."""
     scene = polhode.load("kovalevskaya/generic").at((Fraction(600),))

@@ -12,11 +12,11 @@ import pytest
 import polhode
 from polhode.numbers.exact import exact
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
-from polhode.runs.problem.problem import setup
+from polhode.runs.problem.problem import problem
 from polhode.scenes.event import Event
 from polhode.taylor.backend.integrator_pool import Idle
 from polhode.taylor.batches import batch_integrator, jobs
-from polhode.taylor.integrator import stepping
+from polhode.taylor.integrator import compiled, stepping
 from polhode.taylor.integrator.specification import FIRST_KEPT, built
 from shared.policies import change_policy
 
@@ -44,7 +44,7 @@ def products(ta) -> int:
 @pytest.mark.parametrize(("name", "kept", "left"), TOPS)
 @pytest.mark.parametrize("number", [DOUBLE, EXTENDED, QUAD], ids=lambda x: x.name)
 def test_what_the_equations_keep_is_multiplied_as_a_number(name, kept, left, number):
-    made = built(setup(plain(name, 1), number).blueprint, None, None)
+    made = built(problem(plain(name, 1), number).blueprint, None, None)
     assert made.kept == kept
     assert products(made.heyoka) == left
 
@@ -52,13 +52,13 @@ def test_what_the_equations_keep_is_multiplied_as_a_number(name, kept, left, num
 @pytest.fixture
 def told(monkeypatch) -> list:
     """At each advance, what the rates take the kept variables for, and what these are."""
-    monkeypatch.setattr(stepping, "_IDLE", Idle())
+    monkeypatch.setattr(compiled, "_IDLE", Idle())
     seen: list = []
     onwards = stepping.Integrator._onwards
 
     def spied(self, *arguments):
-        there = [self.state[i] for i in self._built.kept]
-        seen.append((list(self._parameters[FIRST_KEPT:]), there))
+        there = [self.state[column] for _, column in self.compiled.kept]
+        seen.append((list(self.heyoka.pars[FIRST_KEPT:]), there))
         return onwards(self, *arguments)
 
     monkeypatch.setattr(stepping.Integrator, "_onwards", spied)
@@ -81,12 +81,12 @@ def test_the_rates_go_with_every_change_of_the_state(told, monkeypatch):
 
 
 def test_another_spin_in_an_idle_integrator_has_the_bits_of_a_new_one(monkeypatch):
-    monkeypatch.setattr(stepping, "_IDLE", Idle())
+    monkeypatch.setattr(compiled, "_IDLE", Idle())
     scene = plain("lagrange/nutation", 100)
     other = replace(scene, omega=(*scene.omega[:2], exact("4.3")))
     polhode.integrate(scene)
     idle = polhode.integrate(other)
-    stepping._IDLE = Idle()
+    compiled._IDLE = Idle()
     assert np.array_equal(idle.states, polhode.integrate(other).states)
 
 
@@ -119,7 +119,7 @@ def test_each_lane_has_its_own_spin():
 def test_what_no_rate_asks_for_is_no_parameter():
     """A sphere turning freely, without gamma: nothing changes, one by one and in lanes."""
     scene = replace(plain("euler/sphere", 3), gamma=None)
-    made = built(setup(scene, DOUBLE).blueprint, None, None)
+    made = built(problem(scene, DOUBLE).blueprint, None, None)
     assert (made.kept, len(made.heyoka.pars)) == ((), 0)
     events = (Event("alarm", "t - 1"),)
     run = polhode.integrate(replace(scene, events=events))

@@ -44,6 +44,7 @@ def test_its_version(capsys):
     assert capsys.readouterr().out.strip() == f"polhode {polhode.__version__}"
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize(
     ("command", "meant"),
     [

@@ -138,6 +138,7 @@ def test_a_pipe_that_stays_silent_is_refused(capsys, monkeypatch):
         os.close(handle)
 
 
+@pytest.mark.slow
 def test_a_scene_and_a_table_may_come_through_pipes():
     shell = "polhode run <(cat top.toml) -o - | polhode compare /dev/stdin <(cat top.toml)"
     path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
@@ -189,6 +190,7 @@ def test_a_fault_of_the_system_is_not_blamed_on_stdout(capsys, monkeypatch):
     assert err == "polhode: cases: expected to do its work (Too many open files)\n"
 
 
+@pytest.mark.slow
 def test_a_title_takes_any_character_and_commands_no_terminal():
     title = 'title = "Grüße \\u001b[31m\\u0007 τ"\n'
     Path("odd.toml").write_text(TOP.replace("[body]", title + "[body]"), encoding="utf-8")

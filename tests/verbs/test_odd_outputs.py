@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 import resource
 import signal
 import subprocess
@@ -243,6 +244,42 @@ def test_results_hold_no_folder_that_the_scene_was_read_from(capsys, tmp_path: P
 def test_a_file_that_cannot_be_read_is_named_with_its_folder(capsys, tmp_path: Path) -> None:
     Path("top.toml").write_text("schema = 3")
     assert str(tmp_path / "top.toml") in refusal(capsys, "run", str(tmp_path / "top.toml"))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "{top}", "--at", "x"],
+        ["reference", "{top}", "--digits", "99999"],
+        ["show", "{level}"],
+        ["levels", "{free}"],
+        ["orbit", "{top}", "--period", "-1"],
+        ["map", "{top}", "--tol", "2"],
+        ["frequencies", "{top}", "--of", "x"],
+        ["sweep", "{top}", "--vary", "start.omega[3]=1:2:3", "--keep", "x", "-o", "x.npz"],
+        ["sweep", "{top}", "--vary", "body.moments[1]=1,-1", "-o", "x.npz"],
+        ["plot", "{top}", "--what", "omega", "--end", "0", "-o", "x.svg"],
+        ["compare", "{table}", "{free}"],
+    ],
+    ids=" ".join,
+)
+def test_a_fault_names_a_file_as_it_was_given(capsys, tmp_path: Path, words: list[str]) -> None:
+    """Its folder, too, which results leave out."""
+    Path("free.toml").write_text(free_file("at = [0, 1]").replace("gamma", "#gamma"))
+    Path("level.toml").write_text(free_file("at = [0, -1, 0]"))
+    Path("table.csv").write_text("t,psi\n0,1\n")
+    names = {"top": "top.toml", "free": "free.toml", "level": "level.toml", "table": "table.csv"}
+    paths = {word: str(tmp_path / name) for word, name in names.items()}
+    said = refusal(capsys, *(word.format_map(paths) for word in words))
+    assert any(said.startswith(f"polhode: {path}") for path in paths.values()), said
+
+
+def test_a_fault_of_a_library_call_names_the_path_wherever_the_scene_went(tmp_path: Path) -> None:
+    scene = pickle.loads(pickle.dumps(polhode.load(str(tmp_path / "top.toml"))))
+    assert scene.name == "top.toml"
+    with pytest.raises(BadInput) as fault:
+        polhode.integrate(scene, max_steps=0)
+    assert fault.value.source == str(tmp_path / "top.toml")
 
 
 def test_a_relative_path_stays_as_it_was_given() -> None:

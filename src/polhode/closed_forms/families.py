@@ -13,9 +13,10 @@ from functools import cache
 from importlib import import_module
 from typing import Any, NamedTuple, Protocol
 
-from polhode.closed_forms.engine.misfit import Misfit
-from polhode.closed_forms.engine.principal_scene import PrincipalScene, in_principal_axes
+from polhode.closed_forms._engine.misfit import Misfit
+from polhode.closed_forms._engine.principal_scene import PrincipalScene, in_principal_axes
 from polhode.numbers.exact import Exact
+from polhode.numbers.scalars import Real
 from polhode.scenes.body import Vector
 from polhode.scenes.scene import Scene
 
@@ -37,29 +38,29 @@ class ClosedForm(Protocol):
         """The kind of motion, decided once by exact arithmetic."""
         ...
 
-    def at(self, times: Sequence[Exact], digits: int) -> list[list[Any]]:
+    def at(self, times: Sequence[Exact], digits: int) -> list[list[Real]]:
         """Rows p q r [gamma1 gamma2 gamma3], one a time.
 
         The error is below 10^-digits: of w relative to its largest modulus, of gamma absolute.
         """
         ...
 
-    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[Any]]:
+    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[Real]]:
         """Rows q0 q1 q2 q3: the unit quaternion body -> space (z up), scalar first.
 
         q0 >= 0 at t = 0 (the first component that is not 0 is positive), then continuous in time.
         """
         ...
 
-    def angles(self, times: Sequence[Exact], digits: int) -> list[list[Any]]:
+    def angles(self, times: Sequence[Exact], digits: int) -> list[list[Real | None]]:
         """Rows psi theta phi in radians, continuous in time; psi and phi None at a pole."""
         ...
 
-    def period(self, digits: int) -> Any | None:
+    def period(self, digits: int) -> Real | None:
         """The period of w in the body, in the scene's unit of time; None where there is none."""
         ...
 
-    def frequencies(self, digits: int) -> dict[str, Any]:
+    def frequencies(self, digits: int) -> dict[str, Real]:
         """The motion's frequencies, radians per unit of time, by name."""
         ...
 
@@ -78,7 +79,7 @@ class Maker(Protocol):
         moments: Vector,
         torque: Vector,
         omega: Vector,
-        gamma: Any,  # a Vector; None for a torque-free body of which only omega is asked
+        gamma: Vector | None,  # None for a torque-free body of which only omega is asked
         psi: Exact,
         axes: Rows | None,
     ) -> ClosedForm:

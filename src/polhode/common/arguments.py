@@ -39,13 +39,13 @@ def cells(source: str, value: Any, most: int) -> tuple[int, int]:
     return rows, columns
 
 
-def steps(source: str, value: Any) -> int:
+def steps(source: str, value: object) -> int:
     """A limit on steps; one beyond what can be counted is none."""
     return min(whole(source, "max_steps", value, 1), MOST_STEPS)
 
 
 def each(
-    source: str, key: str, values: Any, read: Callable[[Any], T], expected: str
+    source: str, key: str, values: object, read: Callable[[Any], T], expected: str
 ) -> tuple[T, ...]:
     """Each of some values read, such as the times ``at``; what ``read`` refuses is named.
 
@@ -67,7 +67,7 @@ def each(
 
 
 def of_kind(
-    source: str, key: str, value: Any, kinds: type | tuple[type, ...], expected: str
+    source: str, key: str, value: object, kinds: type | tuple[type, ...], expected: str
 ) -> None:
     """Refuse a value that is of none of some classes."""
     if not isinstance(value, kinds):

@@ -12,11 +12,18 @@ import hashlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, BinaryIO, Self, TypeAlias
 
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import is_stream, make_folder, npz, read_npz, write_whole
 from polhode.common.provenance import versions
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+#: A piece's arrays by name.
+Arrays: TypeAlias = "dict[str, npt.NDArray[np.generic]]"
 
 MANIFEST = "manifest.json"
 _CHECKSUM = "checksum"  # of a piece, among its arrays
@@ -38,15 +45,15 @@ class Checkpoint:
     def __init__(self, folder: Path, manifest: Mapping[str, str], words: tuple[str, str]) -> None:
         self.folder, self._words = folder, words
         self._manifest = {**manifest, "versions": {name: versions()[name] for name in _SAME}}
-        self._lock: Any = None
+        self._lock: BinaryIO | None = None
         if folder.exists():
             self._check()
             self._hold()
 
-    def read(self, path: Path) -> dict[str, Any] | None:
+    def read(self, path: Path) -> Arrays | None:
         """A piece's arrays; None where it is not there or not as it was written: made again."""
         try:
-            found: dict[str, Any] = dict(read_npz(path))
+            found = dict(read_npz(path))
         except FileNotFoundError:
             return None
         except (OSError, ValueError):
@@ -57,7 +64,7 @@ class Checkpoint:
             return None
         return found
 
-    def write(self, name: str, arrays: Mapping[str, Any]) -> None:
+    def write(self, name: str, arrays: Mapping[str, npt.ArrayLike]) -> None:
         """One more piece, whole, or BadInput, and no empty folder where it is the first."""
         import numpy as np
 
@@ -99,7 +106,7 @@ class Checkpoint:
         with contextlib.suppress(OSError):  # somebody else's files, which stay
             self.folder.rmdir()
 
-    def _checksum(self, name: str, arrays: Mapping[str, Any]) -> str:
+    def _checksum(self, name: str, arrays: Arrays) -> str:
         """Of a piece by name: it is no other, of no other work, and its arrays are as written."""
         import numpy as np
 
@@ -148,11 +155,11 @@ class JobCheckpoint(Checkpoint):
         digest = hashlib.sha256(key.encode()).hexdigest()
         super().__init__(folder, {"jobs of": f"polhode {what}", "key": digest}, ("jobs", "command"))
 
-    def load(self, job: int) -> dict[str, Any] | None:
+    def load(self, job: int) -> Arrays | None:
         """A finished job's arrays; None where it is not there, or cannot be read."""
         return self.read(self._path(job))
 
-    def save(self, job: int, arrays: Mapping[str, Any]) -> None:
+    def save(self, job: int, arrays: Mapping[str, npt.ArrayLike]) -> None:
         """Keep a finished job, whole; raises BadInput where that cannot be."""
         self.write(self._path(job).name, arrays)
 

@@ -6,6 +6,26 @@ from __future__ import annotations
 UNREADABLE = (ValueError, RecursionError)
 
 
+class FileName(str):
+    """What results call a file, and ``given``: what its user called it, for a line of an error."""
+
+    __slots__ = ("given",)
+    given: str
+
+    def __new__(cls, name: str, given: str) -> FileName:
+        """A name and what was given."""
+        made = super().__new__(cls, name)
+        made.given = given
+        return made
+
+    def __reduce__(self) -> tuple[type, tuple[str, str]]:
+        return type(self), (str(self), self.given)
+
+    def with_more(self, text: str) -> FileName:
+        """Both with a text after them."""
+        return FileName(self + text, self.given + text)
+
+
 class BadInput(ValueError):
     """Input that cannot be used: where it stands, the value met, and what was expected.
 
@@ -19,6 +39,7 @@ class BadInput(ValueError):
     """
 
     def __init__(self, source: str, key: str, value: object, expected: str) -> None:
+        source = source.given if isinstance(source, FileName) else source
         self.source, self.key, self.value, self.expected = source, key, value, expected
         shown = "" if value is None else f" = {_short(value)}"
         where = f"{_short(source, 200)}: {_short(key, 80)}"

@@ -15,7 +15,7 @@ from concurrent.futures import (
     ThreadPoolExecutor,
 )
 from queue import SimpleQueue
-from typing import Any, TypeVar
+from typing import TypeVar, cast
 
 from polhode.common.progress import Stop
 from polhode.common.worker_processes import Crew, Died
@@ -110,10 +110,11 @@ def elsewhere(
     """
     futures: dict[Future[T], int] = {}
     lost: dict[int, BaseException] = {}
+    solved = cast("Callable[[bytes], T]", _solved)  # the bytes hold ``solve``
     try:
         for k, job in enumerate(jobs):
             try:
-                futures[executor.submit(_solved, pickle.dumps((solve, job)))] = k
+                futures[executor.submit(solved, pickle.dumps((solve, job)))] = k
             except RuntimeError as fault:  # broken or shut down already: BrokenExecutor is one
                 lost[k] = fault
         _collect(futures, ready, lost)
@@ -128,7 +129,7 @@ def elsewhere(
     return True, sorted(lost)
 
 
-def _solved(packed: bytes) -> Any:
+def _solved(packed: bytes) -> object:
     """The result of a job that came as bytes."""
     solve, job = pickle.loads(packed)
     return solve(job)

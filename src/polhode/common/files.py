@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.errors import BadInput, StdoutFault
+from polhode.common.errors import BadInput, FileName, StdoutFault
 from polhode.common.interrupts import delayed
 
 if TYPE_CHECKING:
@@ -186,9 +186,10 @@ def make_folder(folder: Path) -> None:
 def called(path: Path) -> str:
     """What results call a file: its path as it was given, of an absolute one the name alone.
 
-    Results are passed on, and whose folders they were made in is nobody's business.
+    Results are passed on, and whose folders they were made in is nobody's business.  A line of an
+    error has the whole path: see :class:`FileName`.
     """
-    return path.name if path.is_absolute() and path.name else str(path)
+    return FileName(path.name, str(path)) if path.is_absolute() and path.name else str(path)
 
 
 def is_stream(path: Path) -> bool:

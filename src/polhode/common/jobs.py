@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from typing import Any, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from polhode.common import executors
-from polhode.common.checkpoint import JobCheckpoint
+from polhode.common.checkpoint import Arrays, JobCheckpoint
 from polhode.common.progress import Progress, Stop
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
 
 J = TypeVar("J")
 J_contra = TypeVar("J_contra", contravariant=True)
@@ -31,8 +34,8 @@ def carried_out(
     count: int | None = None,
     executor: Executor | None = None,
     kept: JobCheckpoint | None = None,
-    packed: Callable[[T], dict[str, Any]] | None = None,
-    unpacked: Callable[[dict[str, Any]], T] | None = None,
+    packed: Callable[[T], Mapping[str, npt.ArrayLike]] | None = None,
+    unpacked: Callable[[Arrays], T] | None = None,
     progress: Progress | None = None,
     processes: bool = False,
 ) -> tuple[list[T | None], bool]:

@@ -7,7 +7,6 @@ import os
 import platform
 import sys
 from functools import cache, lru_cache
-from typing import Any
 
 __version__ = "0.1.0"
 
@@ -60,6 +59,6 @@ def digest(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def provenance(source: str) -> dict[str, Any]:
+def provenance(source: str) -> dict[str, object]:
     """Versions, processor and the fingerprint of the scene's text."""
     return {"versions": versions(), "cpu": cpu(), "case": digest(source)}

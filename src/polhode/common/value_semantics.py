@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar, cast
 
 T = TypeVar("T")
 
@@ -24,16 +24,16 @@ class ByValue:
         names = [f.name for f in fields(self) if f.compare]  # type: ignore[arg-type]
         return all(same(getattr(self, name), getattr(other, name)) for name in names)
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         """The fields alone: what was computed from them is computed again."""
         return {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
 
-    def __setstate__(self, state: Mapping[str, Any]) -> None:
+    def __setstate__(self, state: Mapping[str, object]) -> None:
         for name, value in state.items():
             object.__setattr__(self, name, value)
 
 
-def same(one: Any, other: Any) -> bool:
+def same(one: object, other: object) -> bool:
     """Whether two values are equal; arrays, lists and mappings by their elements, nan as itself."""
     if one is other:
         return True
@@ -41,12 +41,13 @@ def same(one: Any, other: Any) -> bool:
         return one == other or (one != one and other != other)
     if hasattr(one, "dtype") or hasattr(other, "dtype"):
         return _same_arrays(one, other)
-    if isinstance(one, (list, tuple)):
+    if isinstance(one, (list, tuple)) and isinstance(other, (list, tuple)):
         alike = type(one) is type(other) and len(one) == len(other)
         return alike and all(map(same, one, other))
     if isinstance(one, Mapping):
-        alike = isinstance(other, Mapping) and one.keys() == other.keys()
-        return alike and all(same(one[key], other[key]) for key in one)
+        if not isinstance(other, Mapping) or one.keys() != other.keys():
+            return False
+        return all(same(one[key], other[key]) for key in one)
     return bool(one == other) or (one != one and other != other)
 
 
@@ -60,13 +61,18 @@ def may_wait(name: str) -> Callable[[type[T]], type[T]]:
     return decorated
 
 
+def waiting(make: Callable[[], T]) -> T:
+    """A function as the value of a field that may wait; to the field's type it is what it makes."""
+    return cast(T, make)
+
+
 class _Waiting:
     """A field that is a value, or a function without arguments that makes it."""
 
     def __init__(self, name: str) -> None:
         self._name = name
 
-    def __get__(self, instance: object, _: type | None = None) -> Any:
+    def __get__(self, instance: object, _: type | None = None) -> object:
         if instance is None:
             return self
         found = vars(instance)[self._name]
@@ -74,7 +80,7 @@ class _Waiting:
             vars(instance)[self._name] = found = found()
         return found
 
-    def __set__(self, instance: object, value: Any) -> None:
+    def __set__(self, instance: object, value: object) -> None:
         vars(instance)[self._name] = value
 
 

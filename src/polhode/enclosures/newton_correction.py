@@ -6,15 +6,16 @@ Not trusted: what it finds wrong costs digits or a refusal.  All steps are treat
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
+
+from polhode.numbers.rows import Doubles
 
 LEAST_TERM = 2.0**-48  # the last coefficient of a matrix V is smaller, if the degree allows
 _FEWEST = 8
 
 
-def matrices(a: Any) -> Any:
+def matrices(a: Doubles) -> Doubles:
     """V with V' = A V, V(0) = I, to the degree at which it ends, at most that of A.
 
     ``a``: (W, p + 1, 6, 6).  Returns (W, m + 1, 6, 6).
@@ -35,7 +36,7 @@ def matrices(a: Any) -> Any:
     return np.ascontiguousarray(found[:, : degree + 1])
 
 
-def correction(a: Any, defects: Any, v: Any, gaps: Any) -> Any:
+def correction(a: Doubles, defects: Doubles, v: Doubles, gaps: Doubles) -> Doubles:
     """e with e' = A e - d on every step, and without jumps from step to step.
 
     ``defects``: (W, K, 6); ``gaps``: the jumps of the polynomials, (W, 6).  Returns (W, p + 1, 6).
@@ -51,7 +52,7 @@ def correction(a: Any, defects: Any, v: Any, gaps: Any) -> Any:
     return found
 
 
-def forced(a: Any, defects: Any, start: Any) -> Any:
+def forced(a: Doubles, defects: Doubles, start: Doubles) -> Doubles:
     """e with e' = A e - d and e(0) = ``start`` on every step, each by itself: (W, p + 1, n).
 
     ``a``: (W, p + 1, n, n); ``defects``: (W, K, n), zero from K on.
@@ -69,7 +70,7 @@ def forced(a: Any, defects: Any, start: Any) -> Any:
     return np.ascontiguousarray(turned.reshape(steps, count, rows)[:, ::-1])
 
 
-def size(values: Any, noise: int) -> int:
+def size(values: Doubles, noise: int) -> int:
     """The exponent of two just above the largest of values in units of 2**-noise."""
     largest = float(np.max(np.abs(values)))
     if not math.isfinite(largest):
@@ -77,7 +78,7 @@ def size(values: Any, noise: int) -> int:
     return math.frexp(largest)[1] - noise if largest else -(10**6)
 
 
-def _flat(a: Any) -> Any:
+def _flat(a: Doubles) -> Doubles:
     """The coefficients of A side by side, (W, n, n (p + 1))."""
     steps, count, rows = a.shape[:3]
     return np.ascontiguousarray(a.transpose(0, 2, 1, 3)).reshape(steps, rows, rows * count)

@@ -62,7 +62,7 @@ class Proof:
     ``outcome``: REACHED_END; TIME_LIMIT or INTERRUPTED where the rows are those up to ``end``.
     """
 
-    rows: list[list[Any]]
+    rows: list[list[arb]]
     steps: int
     end: State
     outcome: Outcome = Outcome.REACHED_END
@@ -70,7 +70,7 @@ class Proof:
 
 def run(
     problem: Problem,
-    times: Sequence[Any],
+    times: Sequence[arb],
     integrals: Sequence[integral_contraction.Integral] = (),
     untrusted: Untrusted = HONEST,
     progress: Progress | None = None,
@@ -84,7 +84,7 @@ def run(
     the attitude.
     """
     state = zonotope.beginning(problem)
-    rows: list[list[Any]] = []
+    rows: list[list[arb]] = []
     end = _last_tick(times)
     most = _WIDEST if problem.noise <= 150 else 48
     wide, pace, steps = _FIRST, 0.1, 0
@@ -145,7 +145,7 @@ def _window(
     raise Refused("the corrections do not converge")
 
 
-def _last_tick(times: Sequence[Any]) -> int:
+def _last_tick(times: Sequence[arb]) -> int:
     """The first point of the grid that is not before the last time."""
     if not times:
         return 0

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from polhode.scenes.scene import Scene
 
 #: Rows as decimal strings.
-Texts = list[list[str | None]]
+Texts = Sequence[Sequence[str | None]]
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,11 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, ClassVar
 
+from polhode.common.recent import Recent
 from polhode.numbers.scalars import Functions, Scalar
 
 if TYPE_CHECKING:
@@ -63,27 +63,14 @@ class Form(ABC):
 
 def equations(scene: Scene) -> Form:
     """The equations of a scene in the form that it asks for; raises BadInput where it has none."""
-    return _equations(_Same(scene))
+    return _kept.get(scene.identity, scene.form, lambda: _made(scene))
 
 
-class _Same:
-    """A scene as itself, not by its value: a key that costs no look at its numbers."""
-
-    __slots__ = ("scene",)
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-
-    def __hash__(self) -> int:
-        return id(self.scene)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and self.scene is other.scene
+_kept: Recent[Form] = Recent(2)  # a run asks several times
 
 
-@lru_cache(maxsize=8)  # a run asks several times; a form holds its scene, so there are only a few
-def _equations(this: _Same) -> Form:
-    found: Form = _module(this.scene.form).for_scene(this.scene)
+def _made(scene: Scene) -> Form:
+    found: Form = _module(scene.form).for_scene(scene.apart())
     return found
 
 

@@ -19,8 +19,8 @@ from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType, extended_here
 from polhode.numbers.row_formulas import GUARD_BITS, mapped
-from polhode.numbers.rows import Columns, Given, Rows, part_of
-from polhode.numbers.scalars import Functions, Row, Scalar
+from polhode.numbers.rows import Columns, Given, GivenRow, Rows, part_of
+from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.body import cross, dot
 
 
@@ -50,9 +50,10 @@ def in_space(attitude: Given, vectors: Given, number: NumberType) -> Columns:
     return mapped(formula, (attitude, vectors), {}, number, 3)
 
 
-def turned(quaternion: Row, vector: Row) -> list[Scalar]:
+def turned(quaternion: GivenRow, vector: GivenRow) -> list[Scalar]:
     """R(q) v of one quaternion of any length, or of columns of them."""
-    q0, axis = quaternion[0], (quaternion[1], quaternion[2], quaternion[3])
+    q0: Scalar = quaternion[0]
+    axis: Scalar = (quaternion[1], quaternion[2], quaternion[3])
     square = q0 * q0 + dot(axis, axis)
     half: Scalar = cross(axis, (vector[0], vector[1], vector[2]))
     across = cross(axis, half)

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -26,8 +26,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.rows import Rows
-from polhode.numbers.scalars import Row, Scalar, combination
+from polhode.numbers.rows import Flat, Rows
+from polhode.numbers.scalars import Scalar, combination
 from polhode.scenes import classification
 from polhode.scenes.body import Vector, dot, scaled
 from polhode.scenes.scene import Scene
@@ -259,7 +259,7 @@ def _named(scene: Scene, values: list[float]) -> Drift:
 
 
 def _departures(
-    scene: Scene, states: Sequence[Row], number: Callable[[Exact], Scalar]
+    scene: Scene, states: Iterable[Sequence[Scalar] | Flat], number: Callable[[Exact], Scalar]
 ) -> list[list[Scalar]]:
     """Relative departures of the integrals at each state (or at columns of states)."""
     found = first_integrals(scene)
@@ -270,7 +270,7 @@ def _departures(
     axes = scene.body.axes
     turn = None if axes.trivial else [[number(x) for x in row] for row in axes.rows]
 
-    def principal(vector: Sequence[Scalar]) -> list[Scalar]:
+    def principal(vector: Sequence[Scalar] | Flat) -> list[Scalar]:
         return list(vector) if turn is None else [_dot(row, vector) for row in turn]
 
     zero = number(ZERO)
@@ -318,5 +318,5 @@ def _square(vector: Sequence[Exact]) -> Exact:
     return exact.exact(sum((x * x for x in vector), ZERO))
 
 
-def _dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
+def _dot(a: Sequence[Scalar], b: Sequence[Scalar] | Flat) -> Scalar:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

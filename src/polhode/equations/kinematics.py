@@ -16,7 +16,8 @@ from typing import NamedTuple
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import ONE, Exact, sign
-from polhode.numbers.scalars import Scalar, Value, combination
+from polhode.numbers.rows import GivenRow
+from polhode.numbers.scalars import Scalar, combination
 from polhode.scenes.body import PrincipalAxes, Vector
 
 
@@ -115,14 +116,14 @@ def angles_off_the_pole(
 class AngleFunctions(NamedTuple):
     """What angles take of numbers of one kind: numpy's arrays, or mpmath's numbers."""
 
-    hypot: Callable[[Value, Value], Value]
-    atan2: Callable[[Value, Value], Value]
-    pi: Value
-    rint: Callable[[Value], Value]
-    where: Callable[[Value, int, int], Value]  # one of two by a condition
+    hypot: Callable[[Scalar, Scalar], Scalar]
+    atan2: Callable[[Scalar, Scalar], Scalar]
+    pi: Scalar
+    rint: Callable[[Scalar], Scalar]
+    where: Callable[[Scalar, int, int], Scalar]  # one of two by a condition
 
 
-def angles(gamma: Sequence[Value], psi_and_phi: Sequence[Value], fn: AngleFunctions) -> list[Value]:
+def angles(gamma: Sequence[Scalar], psi_and_phi: GivenRow, fn: AngleFunctions) -> list[Scalar]:
     """psi theta phi: theta and phi from gamma, phi on the integrated one's branch.
 
     A motion that passes exactly through a pole turns phi by pi against the integrated one: psi then

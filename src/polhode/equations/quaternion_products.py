@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from polhode.numbers.rows import Array, GivenRow
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import cross, dot
 
 
-def product(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
+def product(a: GivenRow, b: GivenRow) -> list[Scalar]:
     """The quaternion a ⊗ b: first b's turn, then a's."""
     a0, a1, a2, a3 = a
     b0, b1, b2, b3 = b
@@ -49,7 +50,9 @@ def upright(
     return [x / length for x in found]
 
 
-def of_matrix(m: Sequence[Sequence[Scalar]], root: Callable[[Scalar], Scalar]) -> list[Scalar]:
+def of_matrix(
+    m: Array | Sequence[Sequence[Scalar]], root: Callable[[Scalar], Scalar]
+) -> list[Scalar]:
     """A quaternion of length one of the turn v -> m v."""
     (a, b, c), (d, e, f), (g, h, i) = m
     rows = [  # 4 q_i q_j; that of the largest component is the most accurate

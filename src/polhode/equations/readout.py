@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.cached_property import cached_property
@@ -10,8 +10,8 @@ from polhode.equations.form import equations
 from polhode.equations.kinematics import AngleFunctions, angles
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Extendeds, Flat, Given, Rows, flat
-from polhode.numbers.scalars import Row, Value, of_extended, of_mpmath
+from polhode.numbers.rows import Extendeds, Flat, Gapped, Given, GivenRow, Rows, flat
+from polhode.numbers.scalars import Scalar, of_extended, of_mpmath
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE
 
@@ -59,7 +59,7 @@ class Readout:
             return self._kept(rows)[:, first : first + 4].copy()
         return self._kept([])
 
-    def angles(self, rows: Given) -> list[list[Value | None]] | None:
+    def angles(self, rows: Given) -> Gapped | None:
         """psi theta phi, if asked for; psi and phi None at a pole."""
         if "angles" not in self.scene.modelled:
             return None
@@ -80,21 +80,19 @@ class Readout:
                 row[0] = row[2] = None
         return found
 
-    def _flat_angles(self, states: Flat, integrated: Flat | int) -> list[list[Value | None]]:
+    def _flat_angles(self, states: Flat, integrated: Flat | int) -> Gapped:
         """psi theta phi beside states and integrated psi and phi, all rows at once."""
         import numpy as np
 
         pi = 4 * np.arctan(np.ones(1, dtype=self._kind))[0]
         fn = AngleFunctions(np.hypot, np.arctan2, pi, np.rint, np.where)
         turned = np.zeros((len(states), 2), dtype=self._kind) + integrated
-        found: list[list[Value | None]] = np.stack(
-            angles([*states[:, 3:].T], [*turned.T], fn), axis=1
-        ).tolist()
+        found: Gapped = np.stack(angles([*states[:, 3:].T], [*turned.T], fn), axis=1).tolist()
         for k in np.flatnonzero((states[:, 3] == 0) & (states[:, 4] == 0)).tolist():
             found[k][0] = found[k][2] = None
         return found
 
-    def _angles(self, states: Rows, integrated: list[Row]) -> list[list[Value | None]]:
+    def _angles(self, states: Rows, integrated: Sequence[GivenRow]) -> Gapped:
         """The same above extended."""
         from polhode.numbers.mpmath_context import mpmath, ordinary, own
 
@@ -103,7 +101,7 @@ class Readout:
         )
         with mpmath.workprec(self.number.bits):
             pairs = zip(own(states), own(integrated), strict=True)
-            found: list[list[Value | None]] = ordinary([angles(s[3:], w, fn) for s, w in pairs])
+            found: Gapped = ordinary([angles(s[3:], w, fn) for s, w in pairs])
             return found
 
     @property
@@ -128,7 +126,7 @@ class Readout:
         wide = [[to_extended(exactly(x)) for x in row] for row in self._vectors(rows)]
         return self._kept(wide).reshape(len(rows), self.columns)
 
-    def _vectors(self, rows: Given) -> list[list[Value]]:
+    def _vectors(self, rows: Given) -> list[list[Scalar]]:
         """Rows of omega and gamma in scene axes and the run's unit, rounded once at the end."""
         from polhode.numbers.mpmath_context import mpmath
 
@@ -141,7 +139,7 @@ class Readout:
             ]
         return self._turned(found, bits)
 
-    def _turned(self, found: Sequence[Sequence[Row]], bits: int) -> list[list[Value]]:
+    def _turned(self, found: Iterable[Iterable[Sequence[Scalar]]], bits: int) -> list[list[Scalar]]:
         """Pairs of omega and gamma, one after the other, turned and rounded to the run's type."""
         from polhode.numbers.mpmath_context import mpmath
 
@@ -178,7 +176,7 @@ class Readout:
         return np.hstack(vectors).astype(self._kind)
 
     @cached_property
-    def _extended(self) -> dict[str, Value]:
+    def _extended(self) -> dict[str, Scalar]:
         """The form's coefficients in extended."""
         return {name: to_extended(x) for name, x in self.form.coefficients.items()}
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from polhode.figures.canvas.canvas import BODY, TIME, panels, remark
 from polhode.figures.canvas.curve_sampling import Samples
+from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import ANGLES
 
 LABELS = {"psi": "ψ (rad)", "theta": "θ (rad)", "phi": "φ (rad)"}
@@ -35,7 +36,7 @@ def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
     return figure
 
 
-def broken(t: Any, angle: Any) -> tuple[Any, Any]:
+def broken(t: Doubles, angle: Doubles) -> tuple[Doubles, Doubles]:
     """A curve with a gap at each jump by a multiple of pi: where a motion goes through a pole."""
     steps = np.abs(np.diff(angle))
     usual = np.nanmedian(steps) if np.isfinite(steps).any() else 0.0

@@ -16,6 +16,7 @@ from polhode.figures.canvas.canvas import BODY, HIDDEN, SPACE, panels
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.canvas.globe import facing_most
 from polhode.numbers.conversion import to_double
+from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 from polhode.scenes.vocabulary import SPACE as SPACE_COLUMNS
 
@@ -38,7 +39,7 @@ def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
     return _poinsot(plt, found, omega, space, axes)
 
 
-def _views(plt: Any, omega: Any, space: Any, axes: Any) -> Any:
+def _views(plt: Any, omega: Doubles, space: Doubles, axes: Any) -> Any:
     figure, made = panels(plt, axes, 2, 2, figsize=(6.4, 6.2))
     size = _largest(omega)
     for column, title, points, names, colour in (
@@ -55,7 +56,7 @@ def _views(plt: Any, omega: Any, space: Any, axes: Any) -> Any:
     return figure
 
 
-def _poinsot(plt: Any, found: Samples, omega: Any, space: Any, axes: Any) -> Any:
+def _poinsot(plt: Any, found: Samples, omega: Doubles, space: Doubles, axes: Any) -> Any:
     scene = found.scene
     assert scene is not None
     body = scene.body
@@ -83,7 +84,7 @@ def _poinsot(plt: Any, found: Samples, omega: Any, space: Any, axes: Any) -> Any
     return figure
 
 
-def invariable_plane(found: Samples, space: Any, momentum: Any) -> tuple[Any, Any]:
+def invariable_plane(found: Samples, space: Doubles, momentum: Doubles) -> tuple[Doubles, Doubles]:
     """Two unit vectors across G in space: right-handed with G, the first one horizontal.
 
     ``momentum``: G in the body at the start.
@@ -99,13 +100,13 @@ def invariable_plane(found: Samples, space: Any, momentum: Any) -> tuple[Any, An
     return across, np.cross(upward, across)
 
 
-def _flat(axes: Any, x: Any, y: Any, size: float, colour: str, name: str) -> None:
+def _flat(axes: Any, x: Doubles, y: Doubles, size: float, colour: str, name: str) -> None:
     """A plane curve with a dot at its start, in a square; ``size``: the largest |w|."""
     axes.plot(x, y, color=colour, gid=name)
     axes.plot(x[:1], y[:1], "o", color=colour, ms=2.6)
     span = max(np.ptp(x), np.ptp(y))
     if span <= 1e-9 * size:  # a point, not its rounding
-        span = size
+        span = np.float64(size)
     half = 0.54 * float(span) or 1.0
     for values, limits in ((x, axes.set_xlim), (y, axes.set_ylim)):
         middle = float(np.max(values) + np.min(values)) / 2
@@ -113,5 +114,5 @@ def _flat(axes: Any, x: Any, y: Any, size: float, colour: str, name: str) -> Non
     axes.set_aspect("equal")
 
 
-def _largest(omega: Any) -> float:
+def _largest(omega: Doubles) -> float:
     return float(np.max(np.linalg.norm(omega, axis=1)))

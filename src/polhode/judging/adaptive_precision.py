@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple, TypedDict, Unpack, overload
 
 from polhode.common.arguments import steps, whole
 from polhode.common.errors import BadInput
@@ -15,8 +15,8 @@ from polhode.common.text_tables import few
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
 from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NumberType, wider
-from polhode.numbers.rows import Given
-from polhode.numbers.scalars import AnyNumber
+from polhode.numbers.rows import Doubles, Extendeds, Given
+from polhode.numbers.scalars import AnyNumber, Real
 from polhode.runs import integrate as runs
 from polhode.runs.problem.options import choose_number
 from polhode.runs.trajectory import Trajectory
@@ -31,6 +31,58 @@ MOST_CHECKED = 20  # output times at which a run is checked
 CLOSED_FORM, SECOND_RUN, EXPECTED = "closed form", "second run", "expected error"
 
 
+class _Options(TypedDict, total=False):
+    """What a call gives beside scene, number type and digits, which decide the type of states."""
+
+    at: Iterable[AnyNumber] | None
+    tol: AnyNumber | None
+    max_steps: int | None
+    inputs: NumberType | None
+    project: bool | int | None
+    method: str
+    progress: Progress | bool | None
+
+
+@overload
+def integrate(
+    scene: Scene | str | Path,
+    number: None = None,
+    *,
+    digits: None = None,
+    **options: Unpack[_Options],
+) -> Trajectory[Doubles]: ...
+@overload
+def integrate(
+    scene: Scene | str | Path,
+    number: Literal["double"],
+    *,
+    digits: int | None = None,
+    **options: Unpack[_Options],
+) -> Trajectory[Doubles]: ...
+@overload
+def integrate(
+    scene: Scene | str | Path,
+    number: Literal["extended"],
+    *,
+    digits: int | None = None,
+    **options: Unpack[_Options],
+) -> Trajectory[Extendeds]: ...
+@overload
+def integrate(
+    scene: Scene | str | Path,
+    number: Literal["quad", "mp"],
+    *,
+    digits: int | None = None,
+    **options: Unpack[_Options],
+) -> Trajectory[list[list[Real]]]: ...
+@overload
+def integrate(
+    scene: Scene | str | Path,
+    number: str | NumberType | None = None,
+    *,
+    digits: int | None = None,
+    **options: Unpack[_Options],
+) -> Trajectory: ...
 def integrate(
     scene: Scene | str | Path,
     number: str | NumberType | None = None,

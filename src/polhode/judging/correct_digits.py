@@ -8,16 +8,16 @@ and (max-norm error of gamma).
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import sign
 from polhode.numbers.rows import Given
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.scene import Scene
 
 
-def rate_scale(rows: Given, scene: Scene, bits: int) -> Any:
+def rate_scale(rows: Given, scene: Scene, bits: int) -> Scalar:
     """What errors of w are relative to: the largest |w| of the reference, as mpf."""
     from polhode.numbers.mpmath_context import mpmath
 
@@ -29,7 +29,7 @@ def rate_scale(rows: Given, scene: Scene, bits: int) -> Any:
         return to_mpf(exact.sqrt(fallback), bits) if sign(fallback) else mpmath.mpf(1)
 
 
-def errors(states: Given, reference: Given, scale: Any, bits: int) -> list[Any]:
+def errors(states: Given, reference: Given, scale: Scalar, bits: int) -> list[Scalar]:
     """For each time the larger of the scaled errors of w and of gamma, as mpf.
 
     ``states``: rows as long as those of ``reference``; an entry None is not judged.
@@ -49,7 +49,7 @@ def errors(states: Given, reference: Given, scale: Any, bits: int) -> list[Any]:
         return found
 
 
-def digits_of(error: Any, cap: float) -> float:
+def digits_of(error: Scalar, cap: float) -> float:
     """-log10 of an error, never more than ``cap`` and never less than 0."""
     from polhode.numbers.mpmath_context import mpmath
 
@@ -61,7 +61,7 @@ def digits_of(error: Any, cap: float) -> float:
         return min(cap, max(0.0, -float(mpmath.log10(error))))
 
 
-def worst_digits(states: Given, reference: Any, scene: Scene, cap: float) -> float:
+def worst_digits(states: Given, reference: Given, scene: Scene, cap: float) -> float:
     """The fewest correct digits over all rows."""
     bits = math.ceil(cap * math.log2(10)) + 64
     scale = rate_scale(reference, scene, bits)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from bisect import bisect_right
+from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
 
@@ -120,13 +121,26 @@ class EventTimes(ByValue):
         first = f", the first at t = {shown(self.times[0])}" if self.times else ""
         return f"<EventTimes of {self.name}: {len(self.times)}{first}>"
 
+    def until(self, last: Fraction) -> EventTimes:
+        """Those that are not beyond a time."""
+        count = bisect_right(self.times, abs(last), key=abs)
+        if count == len(self.times):
+            return self
+        return replace(
+            self,
+            times=self.times[:count],
+            states=self.states[:count],
+            grazing=self.grazing[:count],
+        )
+
     def time_strings(self) -> list[str]:
         """The times, every digit."""
         return [decimal_in_full(t) for t in self.times]
 
 
-@dataclass(frozen=True)
-class Projection:
+@may_wait("onto")
+@dataclass(frozen=True, eq=False)
+class Projection(ByValue):
     """What putting a run back on its first integrals took.
 
     ``onto``: the integrals' names.  ``every``: steps between two corrections.  ``largest`` and

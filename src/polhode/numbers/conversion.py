@@ -6,23 +6,26 @@ import math
 from collections.abc import Sequence
 from fractions import Fraction
 from operator import index
-from typing import Any
+from typing import Any, TypeVar
 
 from polhode.common.errors import plain
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, Number
 from polhode.numbers.expression import number
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Flat, Rows, flat
-from polhode.numbers.scalars import Value
+from polhode.numbers.rows import Numbers, Rows, flat
+from polhode.numbers.scalars import Scalar
+
+#: Rows of a run's numbers, or numbers in a row.
+N = TypeVar("N", Rows, Numbers)
 
 
-def mpf_row(row: Sequence[Value], bits: int) -> list[Value]:
+def mpf_row(row: Sequence[Scalar], bits: int) -> list[Scalar]:
     """The binary numbers of so many bits nearest to each of a row."""
     return [to_mpf(exactly(x), bits) for x in row]
 
 
-def number_value(x: Number, number: NumberType) -> Value:
+def number_value(x: Number, number: NumberType) -> Scalar:
     """The number nearest to x of the kind that a trajectory holds: float, longdouble or mpf."""
     if number.name == "double":
         return to_double(x)
@@ -33,7 +36,7 @@ def number_value(x: Number, number: NumberType) -> Value:
     return ordinary(to_mpf(x, number.bits))
 
 
-def joined(parts: Sequence[Rows], number: NumberType) -> Rows:
+def joined(parts: Sequence[N], number: NumberType) -> N:
     """Several parts' rows, or numbers, in one: an array, or a list above extended."""
     if not number.flat:
         return [row for part in parts for row in part]
@@ -41,8 +44,7 @@ def joined(parts: Sequence[Rows], number: NumberType) -> Rows:
 
     if len(parts) == 1:
         return parts[0]
-    found: Flat = np.concatenate([flat(part) for part in parts])
-    return found
+    return np.concatenate([flat(part) for part in parts])
 
 
 def to_double(x: Number) -> float:
@@ -55,7 +57,7 @@ def to_double(x: Number) -> float:
         return math.inf
 
 
-def to_extended(x: Number) -> Value:
+def to_extended(x: Number) -> Scalar:
     """The nearest 80-bit number, as numpy.longdouble."""
     import numpy as np
 
@@ -65,7 +67,7 @@ def to_extended(x: Number) -> Value:
     return -value if mantissa < 0 else value
 
 
-def to_mpf(x: Number, bits: int) -> Value:
+def to_mpf(x: Number, bits: int) -> Scalar:
     """The nearest binary number of so many bits, to be computed with: polhode's own mpf."""
     from mpmath import libmp
 
@@ -96,7 +98,7 @@ def exactly(value: Any) -> Fraction:
         raise ValueError("not a finite number") from None
 
 
-def exact_number(value: Any) -> Exact:
+def exact_number(value: object) -> Exact:
     """A number given in Python, taken exactly, a float as the binary number that it is.
 
     ``value``: int, Fraction, Irrational, float, numpy or mpmath number, or a string holding an

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import decimal
 import math
+from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
+from typing import overload
 
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import Exact, Irrational, Number
 from polhode.numbers.number_types import LOG10_2, NumberType
-from polhode.numbers.rows import Given
-from polhode.numbers.scalars import Value
+from polhode.numbers.rows import Given, Rows
+from polhode.numbers.scalars import Scalar
 
 
-def strings(rows: Given, number: NumberType) -> list[list[Any]]:
+@overload
+def strings(rows: Rows, number: NumberType) -> list[list[str]]: ...
+@overload
+def strings(rows: Given, number: NumberType) -> list[list[str | None]]: ...
+def strings(rows: Given, number: NumberType) -> Sequence[Sequence[str | None]]:
     """Rows of numbers of one type as decimal strings that round-trip; None stays None."""
     digits = number.printed_digits
     if number.name == "double":
@@ -25,7 +30,7 @@ def strings(rows: Given, number: NumberType) -> list[list[Any]]:
     ]
 
 
-def _double_string(x: Value) -> str | None:
+def _double_string(x: Scalar) -> str | None:
     if x is None:
         return None
     return f"{float(x):#.17g}" if x else "0"

@@ -20,7 +20,8 @@ import numpy as np
 from polhode.numbers import exact, rationals
 from polhode.numbers.exact import Irrational, Number
 from polhode.numbers.rationals import Rationals
-from polhode.numbers.scalars import Functions
+from polhode.numbers.rows import Places
+from polhode.numbers.scalars import Functions, Scalar
 
 BITS = 100  # that a short formula keeps of the 106
 _SPLITTER = 134217729.0  # 2**27 + 1
@@ -33,11 +34,11 @@ class Pairs:
     __slots__ = ("hi", "lo")
     __array_ufunc__ = None  # numpy's arrays and scalars leave mixed operations to this class
 
-    def __init__(self, hi: Any, lo: Any = 0.0) -> None:
-        self.hi: Any = hi
-        self.lo: Any = lo
+    def __init__(self, hi: Any, lo: Scalar = 0.0) -> None:
+        self.hi: Scalar = hi
+        self.lo: Scalar = lo
 
-    def __add__(self, other: Any) -> Pairs:
+    def __add__(self, other: Scalar) -> Pairs:
         b = pairs(other)
         s, e = _two_sum(self.hi, b.hi)
         t, f = _two_sum(self.lo, b.lo)
@@ -49,20 +50,20 @@ class Pairs:
     def __neg__(self) -> Pairs:
         return Pairs(-self.hi, -self.lo)
 
-    def __sub__(self, other: Any) -> Pairs:
+    def __sub__(self, other: Scalar) -> Pairs:
         return self + -pairs(other)
 
-    def __rsub__(self, other: Any) -> Pairs:
+    def __rsub__(self, other: Scalar) -> Pairs:
         return (-self).__add__(other)
 
-    def __mul__(self, other: Any) -> Pairs:
+    def __mul__(self, other: Scalar) -> Pairs:
         b = pairs(other)
         p, e = _two_product(self.hi, b.hi)
         return Pairs(*_quick(p, e + (self.hi * b.lo + self.lo * b.hi)))
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Pairs:
+    def __truediv__(self, other: Scalar) -> Pairs:
         b = pairs(other)
         first = self.hi / b.hi
         rest = self - b * first
@@ -70,7 +71,7 @@ class Pairs:
         third = (rest - b * second).hi / b.hi
         return Pairs(*_quick(first, second)).__add__(third)
 
-    def __rtruediv__(self, other: Any) -> Pairs:
+    def __rtruediv__(self, other: Scalar) -> Pairs:
         return pairs(other).__truediv__(self)
 
     def __pow__(self, times: int) -> Pairs:
@@ -88,16 +89,16 @@ class Pairs:
         sign = np.where(self.hi < 0, -1.0, 1.0)
         return Pairs(sign * self.hi, sign * self.lo)
 
-    def __getitem__(self, index: Any) -> Pairs:
+    def __getitem__(self, index: Places) -> Pairs:
         return Pairs(self.hi[index], self.lo[index])
 
     @property
-    def doubles(self) -> Any:
+    def doubles(self) -> Scalar:
         """The nearest doubles."""
         return self.hi + self.lo
 
 
-def pairs(x: Any) -> Pairs:
+def pairs(x: Scalar) -> Pairs:
     """A number of any kind, or an array of doubles, as pairs."""
     if isinstance(x, Pairs):
         return x
@@ -237,18 +238,18 @@ def _where(which: Any, a: Pairs, b: Pairs) -> Pairs:
     return Pairs(np.where(which, a.hi, b.hi), np.where(which, a.lo, b.lo))
 
 
-def _two_sum(a: Any, b: Any) -> tuple[Any, Any]:
+def _two_sum(a: Any, b: Scalar) -> tuple[Scalar, Scalar]:
     s = a + b
     v = s - a
     return s, (a - (s - v)) + (b - v)
 
 
-def _quick(a: Any, b: Any) -> tuple[Any, Any]:
+def _quick(a: Any, b: Scalar) -> tuple[Scalar, Scalar]:
     s = a + b
     return s, b - (s - a)
 
 
-def _two_product(a: Any, b: Any) -> tuple[Any, Any]:
+def _two_product(a: Any, b: Scalar) -> tuple[Scalar, Scalar]:
     p = a * b
     t = _SPLITTER * a
     a1 = t - (t - a)

@@ -16,7 +16,7 @@ import math
 from collections.abc import Callable, Iterable
 from fractions import Fraction
 from functools import partial
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from polhode.numbers import interval_rules
 from polhode.numbers.interval_rules import Interval
@@ -334,7 +334,7 @@ def _rounded_rational(x: Fraction, bits: int) -> tuple[int, int]:
     return (quotient if x > 0 else -quotient), exponent
 
 
-def _rounded_raw(raw: Any, bits: int) -> tuple[int, int] | None:
+def _rounded_raw(raw: interval_rules.Raw, bits: int) -> tuple[int, int] | None:
     negative, mantissa, exponent, _ = raw
     if mantissa == 0:
         return (0, 0) if exponent == 0 else None  # libmp's zero, else infinite

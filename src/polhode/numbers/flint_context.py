@@ -8,23 +8,33 @@ proven stays so) and may cost digits.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Generator
+from threading import get_ident
 
 import flint
 
 from polhode.common.locks import Held
 from polhode.numbers.mpmath_context import PRECISION
 
+_outer = 0, 0  # the thread that is inside, and the precision that it found
+
 
 def _holding(bits: int) -> Generator[None, None, None]:
     """The lock and so many bits, as long as this generator lives."""
+    global _outer
     with PRECISION.held():
         before = flint.ctx.prec
+        outermost = _outer[0] != get_ident()
+        if outermost:
+            _outer = get_ident(), before
         try:
             flint.ctx.prec = bits
             yield
         finally:
             flint.ctx.prec = before
+            if outermost:
+                _outer = 0, 0
 
 
 class _Context:
@@ -37,3 +47,16 @@ class _Context:
 
 #: To be imported in place of flint's own ``ctx``.
 ctx = _Context()
+
+
+def _forget() -> None:
+    """In a forked child: the precision of another thread, which computes in the parent, is gone."""
+    global _outer
+    thread, before = _outer
+    if thread not in (0, get_ident()):
+        flint.ctx.prec = before
+        _outer = 0, 0
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forget)

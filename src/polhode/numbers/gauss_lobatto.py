@@ -10,9 +10,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
+
+from polhode.numbers.rows import Extendeds
+from polhode.numbers.scalars import Scalar
 
 _ROUNDS = 8  # Newton's, from Chebyshev's points
 
@@ -26,10 +28,10 @@ class Lobatto:
     zeros).  ``gap``: the widest between nodes.
     """
 
-    nodes: Any
-    weights: Any
-    slopes: Any
-    last: Any
+    nodes: Extendeds
+    weights: Extendeds
+    slopes: Extendeds
+    last: Extendeds
     gap: float
 
 
@@ -37,7 +39,7 @@ class Lobatto:
 def lobatto(count: int) -> Lobatto:
     """The rule of so many nodes, at least two."""
     n = count - 1
-    x: Any = -np.cos(np.pi * np.arange(count) / n).astype(np.longdouble)
+    x: Scalar = -np.cos(np.pi * np.arange(count) / n).astype(np.longdouble)
     for _ in range(_ROUNDS):
         p = _legendre(x, n)
         x = x - (x * p[n] - p[n - 1]) / (count * p[n])
@@ -61,7 +63,7 @@ def lobatto(count: int) -> Lobatto:
     return Lobatto((1 + x) / 2, weights, (2 * slopes).T, last, float(np.diff(x).max()) / 2)
 
 
-def _legendre(x: Any, most: int) -> Any:
+def _legendre(x: Extendeds, most: int) -> Extendeds:
     found = [np.ones_like(x), x]
     for k in range(2, most + 1):
         found.append(((2 * k - 1) * x * found[-1] - (k - 1) * found[-2]) / k)

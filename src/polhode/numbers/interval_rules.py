@@ -5,10 +5,14 @@ Functions of a module, so that a number that holds one can be pickled.
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
+from types import ModuleType
+from typing import TypeAlias
 
-#: An interval of mpmath.libmp: two raw binary numbers, low and high.
-Interval: TypeAlias = tuple[Any, Any]
+#: A binary number of mpmath.libmp: sign, mantissa, exponent, bits of the mantissa.
+Raw: TypeAlias = tuple[int, int, int, int]
+
+#: An interval: low and high.
+Interval: TypeAlias = tuple[Raw, Raw]
 
 
 def negative(prec: int, a: Interval) -> Interval:
@@ -84,14 +88,16 @@ def integer_power_of(n: int, prec: int, a: Interval) -> Interval:
     return found
 
 
-def _not_below_zero(low: Any) -> Any:
+def _not_below_zero(low: Raw) -> Raw:
     """The lower end of an enclosure of what cannot be negative."""
     lib = libmp()
-    return lib.fzero if lib.mpf_sign(low) < 0 else low
+    zero: Raw = lib.fzero
+    return zero if lib.mpf_sign(low) < 0 else low
 
 
-def libmp() -> Any:
+def libmp() -> ModuleType:
     """mpmath's own arithmetic; only irrational data pay for this import."""
     from mpmath import libmp as found
 
-    return found
+    library: ModuleType = found
+    return library

@@ -9,8 +9,10 @@ turns, each at the precision that it asked for.  What leaves polhode is made :fu
 
 from __future__ import annotations
 
+import os
 from collections.abc import Generator, Mapping
-from typing import TYPE_CHECKING, Any
+from threading import get_ident
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from mpmath import libmp
 from mpmath.ctx_mp import MPContext
@@ -36,6 +38,7 @@ class _Private(MPContext):  # type: ignore[misc]
 
     def __init__(self) -> None:
         super().__init__()
+        self._outer = 0, 0, 0  # the thread that is inside, and the precision that it found
         self.mpf.__reduce__ = lambda x: (_real, (plain(x._mpf_),))  # mpmath's own would round
         self.mpc.__reduce__ = lambda x: (_pair, tuple(map(plain, x._mpc_)))
 
@@ -43,12 +46,25 @@ class _Private(MPContext):  # type: ignore[misc]
         """The lock and so many bits, as long as this generator lives."""
         with PRECISION.held():
             before, digits = self._prec, self._dps
+            outermost = self._outer[0] != get_ident()
+            if outermost:
+                self._outer = get_ident(), before, digits
             try:
                 self.prec = bits
                 yield
-            finally:  # without a call, where Ctrl-C could come between: three plain assignments
+            finally:  # without a call, where Ctrl-C could come between: plain assignments
                 self._prec_rounding[0] = self._prec = before
                 self._dps = digits
+                if outermost:
+                    self._outer = 0, 0, 0
+
+    def forget(self) -> None:
+        """In a forked child: another thread's precision, which computes in the parent, is gone."""
+        thread, before, digits = self._outer
+        if thread not in (0, get_ident()):
+            self._prec_rounding[0] = self._prec = before
+            self._dps = digits
+            self._outer = 0, 0, 0
 
     def workprec(self, bits: int) -> Held:
         """``with mpmath.workprec(bits)``: so many bits, and no other thread, until its end."""
@@ -66,6 +82,11 @@ class _Private(MPContext):  # type: ignore[misc]
 #: To be imported in place of the package ``mpmath``.
 mpmath: Any = _Private()
 
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=mpmath.forget)
+
+T = TypeVar("T")
+
 if not TYPE_CHECKING:
     mpf, mpc = mpmath.mpf, mpmath.mpc
 
@@ -79,21 +100,27 @@ def _pair(*raw: Raw) -> mpc:
     return mpmath.make_mpc(raw)
 
 
-def ordinary(value: Any) -> Any:
+def ordinary(value: T) -> T:
     """A value with its mpf and mpc, in lists, tuples and dicts too, as those of plain mpmath."""
+    found: Any = value
     if (raw := getattr(value, "_mpf_", None)) is not None:
-        return real(raw)
-    if (parts := getattr(value, "_mpc_", None)) is not None:
-        return pair(*parts)
-    if type(value) in (list, tuple):
-        return type(value)(map(ordinary, value))
-    if isinstance(value, Mapping):
-        return {name: ordinary(x) for name, x in value.items()}
-    return value
+        found = real(raw)
+    elif (parts := getattr(value, "_mpc_", None)) is not None:
+        found = pair(*parts)
+    elif type(value) in (list, tuple):
+        found = type(found)(map(ordinary, found))
+    elif isinstance(value, Mapping):
+        found = {name: ordinary(x) for name, x in value.items()}
+    same: T = found
+    return same
 
 
-def own(value: Any) -> Any:
+def own(value: T) -> T:
     """The way back: a number, or rows of them, to be computed with here; exact."""
+    found: Any = value
     if (raw := getattr(value, "_mpf_", None)) is not None:
-        return mpmath.make_mpf(raw)
-    return type(value)(map(own, value)) if type(value) in (list, tuple) else value
+        found = mpmath.make_mpf(raw)
+    elif type(value) in (list, tuple):
+        found = type(found)(map(own, found))
+    same: T = found
+    return same

@@ -14,6 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Places
+from polhode.numbers.scalars import Scalar
 
 Booleans: TypeAlias = npt.NDArray[np.bool_]
 
@@ -24,10 +26,10 @@ class Rationals:
     __slots__ = ("bottom", "top")
     __array_ufunc__ = None
 
-    def __init__(self, top: Any, bottom: Any) -> None:
+    def __init__(self, top: Any, bottom: Scalar) -> None:
         self.top, self.bottom = top, bottom
 
-    def __add__(self, other: Any) -> Rationals:
+    def __add__(self, other: Scalar) -> Rationals:
         b = rationals(other)
         if self.bottom is b.bottom:
             return Rationals(self.top + b.top, b.bottom)
@@ -38,28 +40,28 @@ class Rationals:
     def __neg__(self) -> Rationals:
         return Rationals(-self.top, self.bottom)
 
-    def __sub__(self, other: Any) -> Rationals:
+    def __sub__(self, other: Scalar) -> Rationals:
         return self + -rationals(other)
 
-    def __rsub__(self, other: Any) -> Rationals:
+    def __rsub__(self, other: Scalar) -> Rationals:
         return (-self).__add__(other)
 
-    def __mul__(self, other: Any) -> Rationals:
+    def __mul__(self, other: Scalar) -> Rationals:
         b = rationals(other)
         return Rationals(self.top * b.top, self.bottom * b.bottom)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Rationals:
+    def __truediv__(self, other: Scalar) -> Rationals:
         """By numbers that are not 0."""
         b = rationals(other)
         side = _sign(b.top)
         return Rationals(self.top * b.bottom * side, self.bottom * b.top * side)
 
-    def __rtruediv__(self, other: Any) -> Rationals:
+    def __rtruediv__(self, other: Scalar) -> Rationals:
         return rationals(other).__truediv__(self)
 
-    def __getitem__(self, index: Any) -> Rationals:
+    def __getitem__(self, index: Places) -> Rationals:
         """Some of the elements, where it is an array of them."""
         top, bottom = (
             x[index] if isinstance(x, np.ndarray) else x for x in (self.top, self.bottom)
@@ -84,11 +86,11 @@ class Rationals:
         return [number.rounded(Fraction(a, b)) for a, b in zip(tops, bottoms, strict=True)]
 
 
-def _sign(x: Any) -> Any:
+def _sign(x: Scalar) -> Scalar:
     return np.sign(x) if isinstance(x, np.ndarray) else (x > 0) - (x < 0)
 
 
-def rationals(x: Any) -> Rationals:
+def rationals(x: Scalar) -> Rationals:
     """A rational, or an array of them, as one."""
     if isinstance(x, Rationals):
         return x

@@ -10,7 +10,7 @@ from polhode.numbers.conversion import exactly, mpf_row, number_value, to_extend
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType, extended_here
 from polhode.numbers.rows import Columns, Doubles, Gapped, Given, Stack
-from polhode.numbers.scalars import Functions, Row, Scalar, of_extended, of_mpmath
+from polhode.numbers.scalars import Functions, Scalar, of_extended, of_mpmath
 
 #: What a row of numbers is made into: a function of the row, of coefficients by name and of the
 #: scalar's own functions, written once for any scalar.
@@ -128,7 +128,7 @@ def _row_by_row(
 
 
 def _value(
-    formula: RowFormula, row: Row, k: Mapping[str, Scalar], fn: Functions, bits: int
+    formula: RowFormula, row: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions, bits: int
 ) -> list[Fraction] | None:
     """A formula of one row; None where it has no finite real value."""
     try:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, TypeGuard
 
 from polhode.numbers.scalars import Real, Scalar
 
@@ -11,14 +11,29 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    from polhode.numbers.number_types import NumberType
+
 Doubles: TypeAlias = "npt.NDArray[np.float64]"
 Extendeds: TypeAlias = "npt.NDArray[np.longdouble]"
 Complexes: TypeAlias = "npt.NDArray[np.complex128]"
 LongComplexes: TypeAlias = "npt.NDArray[np.clongdouble]"
 Integers: TypeAlias = "npt.NDArray[np.integer]"
+Booleans: TypeAlias = "npt.NDArray[np.bool_]"
+Indices: TypeAlias = "npt.NDArray[np.intp]"
+Objects: TypeAlias = "npt.NDArray[np.object_]"
+
+#: What picks elements of an array.
+Place: TypeAlias = "int | slice | Integers | Booleans | list[int] | None"
+Places: TypeAlias = "Place | tuple[Place, ...]"
 
 #: Rows that numpy holds: an array (rows, columns).
 Flat: TypeAlias = "Doubles | Extendeds"
+
+#: An array of numbers as heyoka takes them: of its own kinds above extended.
+Array: TypeAlias = "Flat | npt.NDArray[np.generic]"
+
+#: One row.
+Row: TypeAlias = "Flat | list[Real]"
 
 #: Several rows of one number type: an array of doubles or of extended, lists of mpf above.
 Rows: TypeAlias = "Flat | list[list[Real]]"
@@ -27,11 +42,17 @@ Rows: TypeAlias = "Flat | list[list[Real]]"
 States: TypeAlias = Rows
 
 #: Rows to be read alone, of numbers of any kind.
-Given: TypeAlias = "Flat | Sequence[Sequence[Scalar | None]]"
+Given: TypeAlias = "Flat | Sequence[Sequence[Scalar | None] | Array]"
+
+#: Numbers of one type in a row, heyoka's or exact ones too: an array, or a list.
+Numbers: TypeAlias = "Array | list[Scalar]"
+
+#: One row to be read alone.
+GivenRow: TypeAlias = "Array | Sequence[Scalar]"
 
 #: Rows of several members of a sweep: an array (members, times, columns), of objects above
 #: extended.
-Stack: TypeAlias = "Doubles | Extendeds | npt.NDArray[np.object_]"
+Stack: TypeAlias = "Flat | Objects"
 
 #: Rows with gaps: None where there is no number.
 Gapped: TypeAlias = "list[list[Real | None]]"
@@ -40,14 +61,23 @@ Gapped: TypeAlias = "list[list[Real | None]]"
 Columns: TypeAlias = "Flat | Gapped"
 
 
-def flat(rows: Rows) -> Flat:
+#: A row of angles or attitude read once more, or a list of them.
+Reread: TypeAlias = "Row | list[Row] | list[Real | None] | Gapped"
+
+
+def is_flat(rows: Rows | Numbers) -> TypeGuard[Flat]:
+    """Whether rows, or numbers in a row, are of a type that numpy holds."""
+    return not isinstance(rows, list)
+
+
+def flat(rows: Rows | Numbers) -> Flat:
     """Rows of a type that numpy holds, as the array that they are."""
-    assert not isinstance(rows, list)
+    assert is_flat(rows)
     return rows
 
 
-def doubles(rows: Rows | Stack) -> Doubles:
-    """Rows of doubles as the array that they are."""
+def doubles(rows: Rows | Numbers | list[list[Scalar]]) -> Doubles:
+    """Rows of doubles, or doubles in a row, as the array that they are."""
     import numpy as np
 
     return np.asarray(rows, dtype=np.float64)
@@ -64,3 +94,12 @@ def beside(first: Flat, more: Flat) -> Flat:
 def part_of(rows: Rows, columns: slice) -> Rows:
     """Some of the columns."""
     return [row[columns] for row in rows] if isinstance(rows, list) else rows[:, columns]
+
+
+def kind_of(number: NumberType) -> npt.DTypeLike:
+    """The kind of numpy's arrays of a number type: objects above extended."""
+    import numpy as np
+
+    if number.name == "double":
+        return np.float64
+    return np.longdouble if number.name == "extended" else np.object_

@@ -13,9 +13,6 @@ from polhode.numbers import exact
 #: heyoka bring none along.
 Scalar: TypeAlias = Any
 
-#: A number as a trajectory holds it: float, numpy.longdouble, or mpf above extended.
-Value: TypeAlias = Any
-
 #: A number as a user may give it: int, Fraction, float, Decimal, numpy's and mpmath's, all taken
 #: exactly; or a text that holds an expression.
 AnyNumber: TypeAlias = SupportsFloat | str
@@ -45,8 +42,11 @@ class Real(Protocol):
     def __ge__(self, other: Real | float, /) -> bool: ...
 
 
-#: A row of such numbers, or of heyoka's: an ndarray, or a list above extended.
-Row: TypeAlias = Any
+def numbers_given(t: object) -> tuple[list[object], bool]:
+    """What was given as one number or several: a list of them, and whether it was several."""
+    if isinstance(t, (str, bytes)) or not isinstance(t, Iterable) or getattr(t, "ndim", 1) == 0:
+        return [t], False  # an array of no dimension is a number
+    return list(t), True
 
 
 class Functions(NamedTuple):

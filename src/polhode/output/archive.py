@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import warnings
-from dataclasses import replace
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -21,7 +22,8 @@ from polhode.numbers import expression
 from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import decimal_in_full, strings
 from polhode.numbers.number_types import LEAST_MP_BITS, NAMES, NumberType, named
-from polhode.numbers.rows import Given
+from polhode.numbers.rows import Given, Row, Rows
+from polhode.numbers.scalars import AnyNumber
 from polhode.output.json_results import as_json
 from polhode.runs import integrate as runs
 from polhode.runs.trajectory import Trajectory
@@ -56,7 +58,7 @@ def save(run: Trajectory, path: str | Path) -> None:
         "method": run.method,
         "correct_digits": run.correct_digits,
         "checked_by": run.checked_by,
-        "projection": None if run.projection is None else vars(run.projection),
+        "projection": None if run.projection is None else asdict(run.projection),
         "events": [{"name": e.name, "complete": e.complete} for e in run.events],
         "provenance": dict(run.provenance),
     }
@@ -111,9 +113,9 @@ def load_run(path: str | Path) -> Trajectory:
 def _run(held: _Held, about: dict[str, Any], scene: Scene) -> Trajectory:
     number, outcome = _number(about), Outcome(about["outcome"])
     times = _times(held, "times")
-    asked = tuple(number.rounded(t) for t in scene.times)
+    asked = scene.output_times.rounded(number)
     ends = outcome is Outcome.REACHED_END
-    if times != asked[: len(asked) if ends else len(times)]:
+    if asked[: len(asked) if ends else len(times)] != times:
         raise ValueError("times: not those of the scene")
     rows = {
         name: _numbers(held, name, number, (len(times), width))
@@ -201,18 +203,22 @@ def _told(about: dict[str, Any], key: str, *kinds: type | None) -> Any:
     return value
 
 
+#: A run's dense output.
+At: TypeAlias = "Callable[[AnyNumber | Iterable[AnyNumber]], Row | Rows]"
+
+
 class _Again:
     """A loaded run's states at any time: the run made once more when it is first asked."""
 
     def __init__(self, run: Trajectory) -> None:
         self.run = run
-        self.made: Any = None
+        self.made: At | None = None
 
-    def __call__(self, t: Any) -> Any:
+    def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> Row | Rows:
         return self.dense(t)
 
     @property
-    def dense(self) -> Any:
+    def dense(self) -> At:
         """The dense output of the run made once more."""
         if self.made is None:
             run = self.run
@@ -232,6 +238,7 @@ class _Again:
                     "one in the file in its last digits",
                     stacklevel=4,
                 )
+            assert again.dense is not None
             self.made = again.dense
         return self.made
 

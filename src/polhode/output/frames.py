@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.numbers.conversion import to_double
-from polhode.numbers.rows import Given
+from polhode.numbers.rows import Given, Stack, kind_of
 from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
     from polhode.runs.sweep.ensemble import Ensemble
     from polhode.runs.trajectory import Trajectory
 
 
-def columns(run: Trajectory) -> dict[str, Any]:
+def columns(run: Trajectory) -> dict[str, Stack]:
     """A run's columns by name: numbers of its type (mpf in arrays of objects), nan undefined."""
     parts: list[tuple[tuple[str, ...], Given]] = [(run.columns, run.states)]
     parts += [(COLUMNS[word].names, rows) for word, rows in run.outputs.items()]
-    kind: Any = {"double": np.float64, "extended": np.longdouble}.get(run.number.name, object)
+    kind = kind_of(run.number)
     found = {}
     for names, rows in parts:
         for k, name in enumerate(names):
@@ -32,7 +36,7 @@ def columns(run: Trajectory) -> dict[str, Any]:
     return found
 
 
-def of_run_pandas(run: Trajectory) -> Any:
+def of_run_pandas(run: Trajectory) -> pd.DataFrame:
     """A DataFrame: a row a time, its index t in doubles."""
     pandas = _needed("pandas")
     index = pandas.Index(run.t, name="t")
@@ -41,14 +45,17 @@ def of_run_pandas(run: Trajectory) -> Any:
     return found
 
 
-def of_run_xarray(run: Trajectory) -> Any:
+def of_run_xarray(run: Trajectory) -> xr.Dataset:
     """A Dataset: a variable a column along t, in doubles."""
     xarray = _needed("xarray")
     data = {name: ("t", values) for name, values in columns(run).items()}
-    return xarray.Dataset(data, {"t": run.t}, _about(run) | {"outcome": run.outcome.value})
+    dataset: xr.Dataset = xarray.Dataset(
+        data, {"t": run.t}, _about(run) | {"outcome": run.outcome.value}
+    )
+    return dataset
 
 
-def of_ensemble_xarray(found: Ensemble) -> Any:
+def of_ensemble_xarray(found: Ensemble) -> xr.Dataset:
     """A Dataset: a variable a column along member and t; what is varied, outcomes and steps."""
     xarray = _needed("xarray")
     parts = [(found.columns, found.states)]
@@ -64,21 +71,24 @@ def of_ensemble_xarray(found: Ensemble) -> Any:
     data["steps"] = ("member", list(found.steps))
     t = [to_double(t) for t in found.times]
     coordinates = {"member": np.arange(1, len(found) + 1), "t": t}
-    return xarray.Dataset(data, coordinates, _about(found)).set_coords(list(found.varied.keys))
+    made: xr.Dataset = xarray.Dataset(data, coordinates, _about(found)).set_coords(
+        list(found.varied.keys)
+    )
+    return made
 
 
-def of_ensemble_pandas(found: Ensemble) -> Any:
+def of_ensemble_pandas(found: Ensemble) -> pd.DataFrame:
     """A DataFrame: a row a member and time, indexed by both; what is varied in columns."""
     dataset = of_ensemble_xarray(found).drop_vars(["outcome", "steps"])
     outputs = [name for word in found.outputs for name in COLUMNS[word].names]
     return dataset.to_dataframe()[[*found.varied.keys, *found.columns, *outputs]]
 
 
-def _about(found: Any) -> dict[str, Any]:
+def _about(found: Trajectory | Ensemble) -> dict[str, object]:
     return {"scene": found.scene.name, "number": found.number.name, "bits": found.number.bits}
 
 
-def _needed(package: str) -> Any:
+def _needed(package: str) -> ModuleType:
     try:
         return import_module(package)
     except ImportError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from polhode.dynamics.frequencies.frequencies import Frequencies
@@ -38,7 +39,7 @@ def _phase(amplitude: complex) -> float:
     return cmath.phase(amplitude)
 
 
-def words(combination: Any) -> str:
+def words(combination: Mapping[str, int]) -> str:
     """An integer combination as text."""
     return " ".join(
         f"{'-' if k < 0 else '+'} {'' if abs(k) == 1 else f'{abs(k)} '}{name}"

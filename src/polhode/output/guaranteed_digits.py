@@ -8,15 +8,18 @@ more, by what the smallest components lack; what has no digit in common at two p
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from polhode.numbers import number_types
+from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpmath, ordinary, own
+from polhode.numbers.scalars import Scalar
 
 _SPARE = 4  # digits beyond the last printed one: the last is then right to 0.5001 of its unit
 
 
-def right_rows(ask: Callable[[Any, int], Any], times: Sequence[Any], printed: int) -> Any:
+def right_rows(
+    ask: Callable[[Sequence[Exact], int], list[list[Scalar]]], times: Sequence[Exact], printed: int
+) -> list[list[Scalar]]:
     """The rows of a closed form at the times, each component to so many digits of its own.
 
     ``ask``: its question, of times and digits.  None in a row stays None.
@@ -33,7 +36,7 @@ def right_rows(ask: Callable[[Any, int], Any], times: Sequence[Any], printed: in
     ]
 
 
-def _lacking(rows: Any, digits: int) -> int:
+def _lacking(rows: list[list[Scalar]], digits: int) -> int:
     """The digits that the smallest component lacks, as far as twice the digits asked for."""
     sizes = [mpmath.mag(x) for row in rows for x in row if x]
     if not sizes:
@@ -42,7 +45,7 @@ def _lacking(rows: Any, digits: int) -> int:
     return min(2 * digits, int(bits * number_types.LOG10_2) + 1) if bits > 3 else 0
 
 
-def _zero_or(coarse: Any, fine: Any, digits: int) -> Any:
+def _zero_or(coarse: Scalar, fine: Scalar, digits: int) -> Scalar:
     """The finer value; 0 where it is below what was asked for first and shares no digit with it."""
     if not fine or not coarse:
         return fine

@@ -16,6 +16,7 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_in_full, in_full, is_decimal, strings
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Real
 from polhode.output.guaranteed_digits import right_rows
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.classification import kind_of_body
@@ -212,14 +213,14 @@ def held_times(scene: Scene, times: Sequence[Exact], digits: int) -> list[Exact]
     return [t if is_decimal(t) else fine.rounded(t) for t in times]
 
 
-def as_json(value: Any) -> str:
+def as_json(value: object) -> str:
     """JSON text, ASCII: a line for each key of an object and for each row of a table."""
     from json import dumps
 
     return _json(value, 0, partial(dumps, ensure_ascii=True, allow_nan=False)) + "\n"
 
 
-def _json(value: Any, depth: int, dumps: Callable[[Any], str]) -> str:
+def _json(value: object, depth: int, dumps: Callable[[object], str]) -> str:
     inner, outer = "\n" + " " * (depth + 1), "\n" + " " * depth
     if isinstance(value, dict) and value:
         lines = [f"{dumps(str(k))}: {_json(v, depth + 1, dumps)}" for k, v in value.items()]
@@ -230,10 +231,10 @@ def _json(value: Any, depth: int, dumps: Callable[[Any], str]) -> str:
     return dumps(value)
 
 
-def frequencies(reference: Any, digits: int = 17) -> dict[str, str | None]:
+def frequencies(reference: Reference, digits: int = 17) -> dict[str, str | None]:
     """Period and frequencies of a reference as decimal strings."""
     number = NumberType("mp", number_types.bits_for(digits))
-    found: dict[str, Any] = {"period": reference.period, **reference.frequencies}
+    found: dict[str, Real | None] = {"period": reference.period, **reference.frequencies}
     return {
         name: None if value is None else strings([[value]], number)[0][0]
         for name, value in found.items()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -111,5 +112,5 @@ def _curves(run: Trajectory) -> str:
     return f'<svg xmlns="http://www.w3.org/2000/svg" {size}>{lines}</svg>'
 
 
-def _points(x: Any, y: Any) -> str:
+def _points(x: Iterable[float], y: Iterable[float]) -> str:
     return " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))

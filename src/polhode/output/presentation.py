@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -15,8 +16,8 @@ if TYPE_CHECKING:
     from polhode.common.html_page import Page
     from polhode.judging.presentation import JudgementPresentation
     from polhode.judging.score.judgement import Judgement
-    from polhode.numbers.rows import Rows
-    from polhode.numbers.scalars import AnyNumber, Value
+    from polhode.numbers.rows import Reread
+    from polhode.numbers.scalars import AnyNumber
     from polhode.runs.presentation import EnsemblePresentation, Reevaluation, RunPresentation
     from polhode.runs.sweep.ensemble import Ensemble
     from polhode.runs.trajectory import Trajectory
@@ -92,7 +93,7 @@ class _Runs:
 
 
 class _Reevaluation:
-    def at_times(self, run: Trajectory, what: str, t: Value, /) -> Rows:
+    def at_times(self, run: Trajectory, what: str, t: AnyNumber | Iterable[AnyNumber], /) -> Reread:
         from polhode.runs import reevaluate
 
         return reevaluate.at_times(run, what, t)

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from polhode.dynamics.sections.section import Section
 from polhode.numbers.decimals import shown
 from polhode.output import json_results
 
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
 
 def of_section(found: Section) -> dict[str, Any]:
     """The object that ``section --json`` prints: a list an orbit, as long as it has crossings."""
 
-    def rows(array: Any) -> list[Any]:
+    def rows(array: npt.NDArray[np.generic]) -> list[list[float]]:
         return [row[:n].tolist() for row, n in zip(array, found.counts, strict=True)]
 
     return {
@@ -24,7 +28,7 @@ def of_section(found: Section) -> dict[str, Any]:
         "times": rows(found.times),
         "rests": rows(found.rests),
         "states": rows(found.states),
-        "digits": [[round(x, 2) for x in row] for row in rows(found.digits)],
+        "digits": [[None if x != x else round(x, 2) for x in row] for row in rows(found.digits)],
         "none_left_from": [n or None for n in found.none_left_from.tolist()],
         "outcomes": list(found.outcomes),
         "provenance": dict(found.provenance),

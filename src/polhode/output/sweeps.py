@@ -20,6 +20,9 @@ from polhode.output import csv_tables, json_results
 from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
     from polhode.runs.sweep.ensemble import Ensemble
     from polhode.scenes.vary import Grid
 
@@ -96,12 +99,10 @@ def arrays(found: Ensemble) -> dict[str, Any]:
     import numpy as np
 
     flat = found.number.flat
-    times: Any = [decimal_in_full(t) for t in found.times]
-    if flat:
-        kind = found.states.dtype.type
-        times = [kind(t) for t in times]
+    kind = found.states.dtype.type if flat else str
+    times = [kind(decimal_in_full(t)) for t in found.times]
 
-    def held(rows: Stack) -> Any:
+    def held(rows: Stack) -> npt.NDArray[np.generic]:
         if flat:
             return rows
         written = [
@@ -166,7 +167,7 @@ def values(varied: Grid) -> Iterator[list[str]]:
     yield from map(list, itertools.product(*([value_text(x) for x in c] for c in rows.columns)))
 
 
-def spread(varied: Grid, read: Callable[[Exact], Any]) -> Any:
+def spread(varied: Grid, read: Callable[[Exact], object]) -> npt.NDArray[np.generic]:
     """What is varied as an array (members, keys), each different value read once."""
     import numpy as np
 
@@ -180,7 +181,7 @@ def spread(varied: Grid, read: Callable[[Exact], Any]) -> Any:
     )
 
 
-def _texts(times: Any) -> Any:
+def _texts(times: Stack) -> npt.NDArray[np.generic]:
     """Times with all digits, each different one written once."""
     import numpy as np
 
@@ -209,6 +210,6 @@ def _columns(found: Ensemble) -> list[str]:
 
 def _written(found: Ensemble, k: int) -> list[list[str]]:
     """All columns of a member as far as it came, empty where there is no number."""
-    parts = [strings(found.rows(k), found.number)]
+    parts: list[Sequence[Sequence[str | None]]] = [strings(found.rows(k), found.number)]
     parts += [strings(found.output(word, k), found.number) for word in found.outputs]
     return [[x or "" for row in rows for x in row] for rows in zip(*parts, strict=True)]

@@ -12,11 +12,12 @@ about zero are counted in double, from node to node, with more points where the 
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from polhode.equations.kinematics import starting_attitude
+from polhode.numbers.rows import Booleans, Complexes, Doubles, Integers
 from polhode.refined.attitude_correction import QUATERNION, Turns, times
 from polhode.refined.errors import CannotRefine
 from polhode.refined.scaled_problem import rational
@@ -47,7 +48,7 @@ class Following:
         self._windings = np.zeros(2)
 
     def advance(
-        self, found: Turns, chain: int, starts: Any, nodes: Any, lengths: Any
+        self, found: Turns, chain: int, starts: Integers, nodes: Doubles, lengths: Doubles
     ) -> list[Attitude]:
         """Go on over a block's chain; the attitudes at its outputs.
 
@@ -92,7 +93,14 @@ def frame(scene: Scene, bits: int) -> list[list[Fraction]]:
     return [[columns[j][i] for j in range(QUATERNION)] for i in range(QUATERNION)]
 
 
-def windings(matrix: Any, begin: Any, inside: Any, ends: Any, nodes: Any, lengths: Any) -> Any:
+def windings(
+    matrix: Doubles,
+    begin: Doubles,
+    inside: Doubles,
+    ends: Doubles,
+    nodes: Doubles,
+    lengths: Doubles,
+) -> Doubles:
     """By how much the arguments of q0 + i q3 and q1 + i q2 grow over each interval, (2, N).
 
     ``begin``: Q at the starts (N, 4); ``inside``, ``ends``: T at the nodes (4, M, N) and at the
@@ -110,13 +118,16 @@ def windings(matrix: Any, begin: Any, inside: Any, ends: Any, nodes: Any, length
     for c, gap, i in np.argwhere(near).tolist():
         one = _OnePath(frames[i], at[:-1], path[:, :-1, i], float(lengths[i]), c)
         wound[c, gap, i] = one.winding(at[gap], at[gap + 1])
-    return wound.sum(axis=1)
+    found: Doubles = wound.sum(axis=1)
+    return found
 
 
 class _OnePath:
     """q0 + i q3 or q1 + i q2 along one interval, at any of its times, from the nodes."""
 
-    def __init__(self, matrix: Any, at: Any, path: Any, length: float, which: int) -> None:
+    def __init__(
+        self, matrix: Doubles, at: Doubles, path: Doubles, length: float, which: int
+    ) -> None:
         self._matrix, self._at, self._path = matrix, at, path
         self._length, self._which = length, which
         differences = at[:, None] - at
@@ -138,7 +149,7 @@ class _OnePath:
                 total += self.winding(at[i], at[i + 1])
         return total
 
-    def _points(self, at: Any) -> Any:
+    def _points(self, at: Doubles) -> Complexes:
         """By the barycentric formula."""
         off = at[:, None] - self._at
         hit = off == 0
@@ -147,10 +158,11 @@ class _OnePath:
         shares[hit.any(axis=1)] = 0.0
         shares[hit] = 1.0
         t = (self._path @ shares.T) / shares.sum(axis=1)
-        return _pair(self._matrix @ t)[self._which]
+        found: Complexes = _pair(self._matrix @ t)[self._which]
+        return found
 
 
-def _clear(a: Any, b: Any, apart: Any) -> Any:
+def _clear(a: Complexes, b: Complexes, apart: Doubles) -> Booleans:
     """Whether zero is away from the path between points, as their straight line is: then the
     angle between them is how far the path winds."""
     step = b - a
@@ -160,12 +172,12 @@ def _clear(a: Any, b: Any, apart: Any) -> Any:
     return np.abs(a + along * step) > _BENDING * apart**2 + _NEAREST
 
 
-def _pair(q: Any) -> Any:
+def _pair(q: Doubles) -> Complexes:
     """q0 + i q3 and q1 + i q2."""
     return np.stack([q[0] + 1j * q[3], q[1] + 1j * q[2]])
 
 
-def _left(q: Any) -> Any:
+def _left(q: Doubles) -> Doubles:
     """The matrices of T -> q ⊗ T, (N, 4, 4)."""
     a, b, c, d = q.T
     rows = [[a, -b, -c, -d], [b, a, -d, c], [c, d, a, -b], [d, -c, b, a]]

@@ -13,11 +13,12 @@ not made any more, the end's is r_end + ½ sum_j b_j H (r_j ⊗ w_j) ⊗ T_j^-1 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from polhode.numbers.rows import Doubles, GivenRow
+from polhode.numbers.scalars import Scalar
 from polhode.refined.collocation_tables import Tables
 from polhode.refined.compiled_field import FIELD_SHIFT
 from polhode.refined.deferred_correction import Constants, iterated
@@ -35,10 +36,10 @@ class Turns(NamedTuple):
     in double, (4, M, N)."""
 
     ends: list[list[int]]
-    path: Any
+    path: Doubles
 
 
-def turns(constants: Constants, stages: Any, lengths: Any, largest_tail: float) -> Turns:
+def turns(constants: Constants, stages: Doubles, lengths: Doubles, largest_tail: float) -> Turns:
     """T along N intervals: stages (6, L, M, N) and lengths (L, N) in limbs.
 
     Raises TooLong for intervals with too few nodes for it, or CannotRefine.
@@ -71,7 +72,7 @@ def turns(constants: Constants, stages: Any, lengths: Any, largest_tail: float) 
             return Turns([[limbs.integer(x) for x in row] for row in whole], t)
         rest = np.zeros_like(t)
 
-        def correct(r: Any = r, rest: Any = rest) -> None:
+        def correct(r: Doubles = r, rest: Doubles = rest) -> None:
             np.matmul(tables.integrals, spun(r + rest, omega), out=rest)
 
         iterated(correct, rest[:, -2:], _STAGES * size)
@@ -80,8 +81,8 @@ def turns(constants: Constants, stages: Any, lengths: Any, largest_tail: float) 
 
 
 def _defects(
-    limbs: Limbs, tables: Tables, t: Any, end: Any, omega: Any, lengths: Any
-) -> tuple[Any, Any, Any]:
+    limbs: Limbs, tables: Tables, t: Doubles, end: Doubles, omega: Doubles, lengths: Doubles
+) -> tuple[Doubles, Doubles, Doubles]:
     """r at the nodes (4, M, N) and at the ends (4, N), and the last Legendre coefficients (N,)."""
     levels = tables.integrated(_field(limbs, t, omega, lengths))
     nodes = t.shape[2]
@@ -97,7 +98,7 @@ def _defects(
     return r, r_end, tables.last_coefficients(levels)
 
 
-def _field(kind: Limbs, t: Any, omega: Any, lengths: Any) -> Any:
+def _field(kind: Limbs, t: Doubles, omega: Doubles, lengths: Doubles) -> Doubles:
     """H T ⊗ w in limbs (4, L, M, N); |T|, |w| <= 1 and H |w| <= 4, as the kernels' field has it."""
     q, w = ([list(x) for x in part] for part in (t, omega))
     minus = [-x for x in q[1]], [-x for x in q[2]], [-x for x in q[3]]
@@ -112,7 +113,7 @@ def _field(kind: Limbs, t: Any, omega: Any, lengths: Any) -> Any:
     return np.array([product(length, rate.limbs(kind)).limbs(shifted) for rate in rates])
 
 
-def spun(q: Any, omega: Any) -> Any:
+def spun(q: Doubles, omega: Doubles) -> Doubles:
     """q ⊗ (0, w)."""
     p, y, r = omega
     found = np.empty_like(q)
@@ -123,7 +124,7 @@ def spun(q: Any, omega: Any) -> Any:
     return found
 
 
-def times(a: Sequence[Any], b: Sequence[Any]) -> Any:
+def times(a: GivenRow, b: GivenRow) -> Scalar:
     """The product of quaternions, of arrays of them, or of lists of integers."""
     found = [
         a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
@@ -134,6 +135,6 @@ def times(a: Sequence[Any], b: Sequence[Any]) -> Any:
     return np.array(found) if isinstance(a, np.ndarray) else found
 
 
-def conjugate(q: Any) -> Any:
+def conjugate(q: Doubles) -> Doubles:
     """The inverse of a unit quaternion."""
     return np.concatenate([q[:1], -q[1:]])

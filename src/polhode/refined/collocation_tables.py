@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from polhode.numbers.rows import Doubles
 from polhode.refined.compiled_field import FIELD_SHIFT
 from polhode.refined.expansions import Limbs
 from polhode.refined.gauss_legendre import Gauss, gauss
@@ -32,16 +33,16 @@ class Tables:
     nodes from those at the fine ones, (Mc, M).
     """
 
-    nodes: Any
-    weights: Any
-    integrals: Any
-    levels: tuple[Any, ...]
-    tail: Any
-    coarse: Any
-    fine: Any
-    thinned: Any
+    nodes: Doubles
+    weights: Doubles
+    integrals: Doubles
+    levels: tuple[Doubles, ...]
+    tail: Doubles
+    coarse: Doubles
+    fine: Doubles
+    thinned: Doubles
 
-    def integrated(self, field: Any, count: int | None = None) -> list[Any]:
+    def integrated(self, field: Doubles, count: int | None = None) -> list[Doubles]:
         """All rows times H f: field (6, L, M, N) in limbs -> levels 2 to L, tail: (6, M + 3, N).
 
         Rows 0 to M - 1: from the interval's start to a node; M: to its end; M + 1 and M + 2: the
@@ -61,12 +62,13 @@ class Tables:
         return found
 
     @staticmethod
-    def last_coefficients(levels: list[Any]) -> Any:
+    def last_coefficients(levels: list[Doubles]) -> Doubles:
         """The larger of the last two Legendre coefficients of H f, over all components, (N,)."""
         rows = levels[-1][:, -2:].copy()
         for level in reversed(levels[:-1]):
             rows += level[:, -2:]
-        return np.abs(rows).max(axis=(0, 1)) * 2.0**_SMALLER
+        found: Doubles = np.abs(rows).max(axis=(0, 1)) * 2.0**_SMALLER
+        return found
 
 
 @cache
@@ -108,7 +110,7 @@ def tables(limbs: Limbs, count: int) -> Tables:
     )
 
 
-def _check(split: Any, limbs: Limbs) -> None:
+def _check(split: Doubles, limbs: Limbs) -> None:
     """Refuse a table whose products could be inexact: sums of absolute values above 2**53 units."""
     for total in range(2, limbs.count + 1):
         bound = 0.0
@@ -121,7 +123,7 @@ def _check(split: Any, limbs: Limbs) -> None:
             raise ValueError(f"{split.shape[1]} nodes are too many for limbs of {limbs.width} bits")
 
 
-def _middle(table: Gauss, coarse: Gauss) -> tuple[Any, Any, Any]:
+def _middle(table: Gauss, coarse: Gauss) -> tuple[Doubles, Doubles, Doubles]:
     """Integrals from the middle over coarse nodes, at coarse and fine ones; and interpolation."""
     scale = 2.0**-table.bits
     x, fine_p = _doubles(table.nodes, scale), _doubles(table.legendre, scale)
@@ -129,7 +131,7 @@ def _middle(table: Gauss, coarse: Gauss) -> tuple[Any, Any, Any]:
     b, bc = _doubles(table.weights, scale), _doubles(coarse.weights, scale)
     n = len(xc)
 
-    def integrals(points: Any, p: Any) -> Any:
+    def integrals(points: Doubles, p: Doubles) -> Doubles:
         d = p[:, 2 : n + 1] - p[:, : n - 1]  # D_k, k = 1 ... n - 1
         zero = _at_zero(n)
         d = d - (zero[2 : n + 1] - zero[: n - 1])
@@ -143,13 +145,13 @@ def _middle(table: Gauss, coarse: Gauss) -> tuple[Any, Any, Any]:
     return integrals(xc, coarse_p), integrals(*everywhere), thinned
 
 
-def _doubles(values: Any, scale: float) -> Any:
+def _doubles(values: Any, scale: float) -> Doubles:
     if isinstance(values[0], tuple):
         return np.array([[float(x) * scale for x in row] for row in values])
     return np.array([float(x) * scale for x in values])
 
 
-def _legendre(x: Any, count: int) -> Any:
+def _legendre(x: Doubles, count: int) -> Doubles:
     """P_0 ... P_{count-1} at points, a row a point."""
     found = [np.ones_like(x), x]
     for k in range(1, count - 1):
@@ -157,6 +159,7 @@ def _legendre(x: Any, count: int) -> Any:
     return np.stack(found[:count], axis=1)
 
 
-def _at_zero(count: int) -> Any:
+def _at_zero(count: int) -> Doubles:
     """P_0(0) ... P_count(0)."""
-    return _legendre(np.zeros(1), count + 1)[0]
+    found: Doubles = _legendre(np.zeros(1), count + 1)[0]
+    return found

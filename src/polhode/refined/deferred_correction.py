@@ -19,10 +19,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from polhode.numbers.rows import Doubles, Integers
 from polhode.refined.collocation_tables import LARGEST_FIELD, Tables
 from polhode.refined.compiled_field import COEFFICIENTS, VARIABLES, Kernels
 from polhode.refined.errors import CannotRefine, Stalled, TooFarOff, TooLong
@@ -49,7 +49,7 @@ class Constants:
     limbs: Limbs
     kernels: Kernels
     tables: Tables
-    coefficients: Any
+    coefficients: Doubles
     target: float
     sweeps: int
 
@@ -63,12 +63,12 @@ class Intervals:
     K of them are a chain.  ``guess``: stages (6, M, N) in double; ``lengths``: limbs (L, N) of H.
     """
 
-    states: Any
+    states: Doubles
     known: int
-    starts: Any
+    starts: Integers
     chain: int
-    guess: Any
-    lengths: Any
+    guess: Doubles
+    lengths: Doubles
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,13 +80,13 @@ class Solved:
     ``stages``: limbs (6, L, M, N), where they were asked for.
     """
 
-    states: Any
-    drift: Any
-    unfinished: Any
-    tails: Any
-    transitions: Any
+    states: Doubles
+    drift: Doubles
+    unfinished: Doubles
+    tails: Doubles
+    transitions: Doubles
     sweeps: int
-    stages: Any = None
+    stages: Doubles | None = None
 
 
 def solve(constants: Constants, work: Intervals, with_stages: bool = False) -> Solved:
@@ -97,7 +97,8 @@ def solve(constants: Constants, work: Intervals, with_stages: bool = False) -> S
     Raises TooFarOff, TooLong or CannotRefine.
     """
     sweep = _Sweep(constants, work)
-    first = drift = None
+    first: float | None = None
+    drift: Doubles = np.empty(0)
     before, enough = _GUESS, 1.0
     for count in range(1, constants.sweeps + 1):
         levels = _levels(constants, before, before * min(1.0, enough + sweep.change) * _RELATIVE)
@@ -150,7 +151,7 @@ def _enough(largest: float, relative: float, target: float) -> float:
     return min(_COARSE, math.pow(needed, 1 / sweeps))
 
 
-def _check_drift(errors: Any, work: Intervals) -> None:
+def _check_drift(errors: Doubles, work: Intervals) -> None:
     far = errors[work.known : work.known + work.chain]
     if not np.isfinite(errors).all() or errors.max(initial=0.0) > _FAR:
         off = ~(far < _NEAR)
@@ -189,7 +190,7 @@ class _Sweep:
         plain[COEFFICIENTS] = self.lengths
         self._plain = plain.reshape(COEFFICIENTS + 1, -1)
 
-    def _transitions(self, guess: Any) -> None:
+    def _transitions(self, guess: Doubles) -> None:
         """Y - 1 on the coarse nodes by Picard's iteration, then everywhere."""
         tables, n = self.constants.tables, self.count
         coarse, costate = len(tables.coarse), self.constants.kernels.costate
@@ -217,7 +218,7 @@ class _Sweep:
         self.transitions = self._back @ start
         self._chain = Chain(self.transitions[: self.work.chain])
 
-    def defects(self, count: int) -> tuple[Any, Any, Any]:
+    def defects(self, count: int) -> tuple[Doubles, Doubles, Doubles]:
         """r at the stages (6, M, N), at the ends (6, N), and the last Legendre coefficients (N,).
 
         The large parts cancel first: each partial sum is as short as what is left of it.
@@ -245,14 +246,14 @@ class _Sweep:
                 r_end += levels[i][:, m]
         return r, r_end, tables.last_coefficients(levels)
 
-    def _check_field(self, field: Any) -> None:
+    def _check_field(self, field: Doubles) -> None:
         largest = np.abs(field[:, 0]).max(axis=(0, 1))
         if not (largest <= LARGEST_FIELD).all():
             if not np.isfinite(largest).all():
                 raise CannotRefine("a stage became infinite")
             raise TooLong(largest > LARGEST_FIELD)
 
-    def ends(self, defect: Any, end_defect: Any) -> Any:
+    def ends(self, defect: Doubles, end_defect: Doubles) -> Doubles:
         """e at every slot, (6, slots)."""
         gather = self._gather
         gather[VARIABLES : 2 * VARIABLES] = defect.reshape(VARIABLES, -1)
@@ -268,11 +269,11 @@ class _Sweep:
         e[work.known + chain :] = (self.transitions[chain:] @ begin)[:, :, 0] + delta[chain:]
         return e.T
 
-    def move_ends(self, e: Any) -> None:
+    def move_ends(self, e: Doubles) -> None:
         """Add e to the states at the ends."""
         self.constants.limbs.adjust(self.states.swapaxes(0, 1), e)
 
-    def move_stages(self, defect: Any, e: Any, enough: float) -> None:
+    def move_stages(self, defect: Doubles, e: Doubles, enough: float) -> None:
         """Add the corrections E to the stages, by Picard's iteration of E - (r + e) from 0."""
         shape = (VARIABLES, self.nodes, self.count)
         source = self._push[VARIABLES : 2 * VARIABLES].reshape(shape)
@@ -289,7 +290,7 @@ class _Sweep:
         self.constants.limbs.adjust(self.stages.swapaxes(0, 1), source + rest)
 
 
-def iterated(turn: Callable[[], None], values: Any, enough: float) -> float:
+def iterated(turn: Callable[[], None], values: Doubles, enough: float) -> float:
     """Take turns until one changes ``values`` by no more than that; its change.
 
     ``values``: where changes are largest, farthest from where the integrals begin.

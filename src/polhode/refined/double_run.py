@@ -11,6 +11,7 @@ import heyoka as hy
 import numpy as np
 
 from polhode.equations.forms import principal
+from polhode.numbers.rows import Doubles
 from polhode.refined.collocation_tables import LARGEST_FIELD
 from polhode.refined.errors import CannotRefine
 from polhode.refined.event_candidates import Candidates, Place
@@ -18,6 +19,7 @@ from polhode.refined.expansions import rounded
 from polhode.refined.scaled_problem import Problem, in_unit
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
 from polhode.taylor.backend.integrator_pool import Idle
+from polhode.taylor.backend.types import HeyokaIntegrator
 
 STEPS = 8000  # of a base; its polynomials take a kilobyte a step
 _LOOKS, _PER_LOOK = 24, 20  # at the first steps, to guess the unit of time
@@ -27,7 +29,7 @@ _LONGEST_INTERVAL = 16.0
 _STRETCH = 1.15  # an interval may be that much longer than its shortest step would have it
 _NEIGHBOUR = 1.5  # and a step that much longer than the shortest of a neighbouring group
 
-_IDLE = Idle(most=4)
+_IDLE: Idle[HeyokaIntegrator] = Idle(most=4)
 _KEY = "base"
 
 
@@ -44,13 +46,13 @@ class Base:
 
     unit: int
     origin: Fraction
-    edges: Any
+    edges: Doubles
     final: bool
     polynomials: Any
     steps: int
     places: tuple[Place, ...] = ()
 
-    def states(self, times: Any) -> Any:
+    def states(self, times: Doubles) -> Doubles:
         """States (6, ...) at an array of times."""
         flat = self.polynomials(times.reshape(-1))
         return np.ascontiguousarray(flat.T).reshape(6, *times.shape)
@@ -154,7 +156,7 @@ def _run(
     return Base(unit, origin, edges, final, polynomials, len(times) - 1), float(speeds.max())
 
 
-def intervals(times: Any, speeds: Any, weight: float, m: int, cut: bool) -> Any:
+def intervals(times: Doubles, speeds: Doubles, weight: float, m: int, cut: bool) -> Doubles:
     """Edges of intervals of about m steps each, from the steps' times and |w| there.
 
     An interval holds no more than its shortest step allows, nor than keeps |H f| below 4.
@@ -180,6 +182,7 @@ def intervals(times: Any, speeds: Any, weight: float, m: int, cut: bool) -> Any:
     return np.unique(on_grid(np.append(edges, times[-1])))
 
 
-def on_grid(times: Any) -> Any:
+def on_grid(times: Doubles) -> Doubles:
     """Times as multiples of 2**-36, exact in double and in two limbs."""
-    return rounded(times, _GRID)
+    found: Doubles = rounded(times, _GRID)
+    return found

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+
+from polhode.numbers.scalars import Scalar
 
 
 @dataclass(frozen=True, slots=True)
 class Dual:
     """A value and its derivative by time, numbers of any one kind."""
 
-    value: Any
-    rate: Any
+    value: Scalar
+    rate: Scalar
 
     def __add__(self, other: Dual) -> Dual:
         return Dual(self.value + other.value, self.rate + other.rate)

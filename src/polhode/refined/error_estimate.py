@@ -10,9 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+
+from polhode.numbers.rows import Doubles
 
 #: Of the ends' error to the square of the stages' last Legendre coefficients: measured 1e-6 to
 #: 1e-5 over all the motions of the tests.
@@ -29,8 +31,8 @@ class Stretch:
     """Successive intervals: transitions (K, 6, 6) in the scene's unit of time, errors ``made``
     (K,) in the base's own, in which w is ``scale`` times smaller."""
 
-    transitions: Any
-    made: Any
+    transitions: Doubles
+    made: Doubles
     scale: float
 
 
@@ -39,7 +41,7 @@ class Side:
     """The interval to an output time, from the edge of that index, counted over the whole run."""
 
     edge: int
-    transition: Any
+    transition: Doubles
     made: float
     scale: float
 
@@ -50,11 +52,11 @@ class Estimate(NamedTuple):
     Errors are infinite where kappa is too large for any estimate.
     """
 
-    errors: Any
-    kappa: Any
+    errors: Doubles
+    kappa: Doubles
 
 
-def made(unfinished: Any, tails: Any) -> Any:
+def made(unfinished: Doubles, tails: Doubles) -> Doubles:
     """The error that an interval adds, but for rounding."""
     return unfinished + DISCRETISATION * tails * tails
 
@@ -101,7 +103,7 @@ def _estimate(stretches: Sequence[Stretch], sides: Sequence[Side], rounding: flo
     return Estimate(errors, kappa)
 
 
-def _begin(sides: Sequence[Side], begun: int, edge: int, carried: Any) -> int:
+def _begin(sides: Sequence[Side], begun: int, edge: int, carried: Doubles) -> int:
     """Enter the outputs whose side begins at this edge or later; the first one that is in."""
     while begun and sides[begun - 1].edge >= edge:
         begun -= 1
@@ -109,7 +111,7 @@ def _begin(sides: Sequence[Side], begun: int, edge: int, carried: Any) -> int:
     return begun
 
 
-def _reach(carried: Any, scale: float) -> Any:
+def _reach(carried: Doubles, scale: float) -> Doubles:
     """What an error of size 1, in a unit in which w is ``scale`` times smaller, becomes: w, gamma.
 
     ``carried``: (..., 6, 6); the result (..., 2).

@@ -17,6 +17,7 @@ import numpy as np
 
 from polhode.equations.forms import principal
 from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.rows import Doubles
 from polhode.refined.errors import CannotRefine
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
@@ -124,7 +125,7 @@ class Candidates:
         values, _ = self._at(expression, polynomials, np.array(polynomials.times))
         return bool((np.abs(values) <= _STILL * expression.size).all())
 
-    def _nearer(self, expression: _Expression, polynomials: Any, times: Any) -> list[float]:
+    def _nearer(self, expression: _Expression, polynomials: Any, times: Doubles) -> list[float]:
         last = polynomials.times[-1]
         for _ in range(_ROUNDS if len(times) else 0):
             value, slope = self._at(expression, polynomials, times)
@@ -134,7 +135,9 @@ class Candidates:
             times = np.clip(np.where(near, times - step, times), 0.0, last)
         return times.tolist() if len(times) else []
 
-    def _at(self, expression: _Expression, polynomials: Any, times: Any) -> tuple[Any, Any]:
+    def _at(
+        self, expression: _Expression, polynomials: Any, times: Doubles
+    ) -> tuple[Doubles, Doubles]:
         """Values and rates at times on the clock."""
         speed, rate, origin = self._clock
         given = np.empty((6 + _PARAMETERS + 1, len(times)))

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from polhode.numbers import expression
 from polhode.numbers.conversion import to_mpf
@@ -21,6 +21,7 @@ from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Scalar
 from polhode.refined.dual_numbers import Dual
 from polhode.refined.errors import CannotRefine
 from polhode.refined.event_candidates import Candidates
@@ -30,6 +31,9 @@ from polhode.scenes.scene import Scene
 from polhode.taylor.events.magnitudes import middle_axis, sign_at_start, size_of
 from polhode.taylor.events.root_refinement import Mark, Place, is_start, polished, sorted_out
 from polhode.taylor.events.thresholds import Limits
+
+if TYPE_CHECKING:
+    from polhode.refined.double_run import Base
 
 _GUARD = 32  # bits beyond the run's type
 _ALIKE = Fraction(1, 1 << 28)  # within it two zeros of one slope are one, found twice
@@ -61,7 +65,7 @@ class Search:
         functions = {"sin": self._sine, "cos": self._cosine}
         self._algebra = Algebra(lambda x: Dual(self._typed(x), self._typed(0)), functions)
 
-    def refuse_what_never_moves(self, now: Any) -> None:
+    def refuse_what_never_moves(self, now: Base) -> None:
         """Raise CannotRefine for an event that starts at zero and stays there along a base."""
         for k, before in enumerate(self.start):
             if before == 0 and self.candidates.still(now.polynomials, k):
@@ -75,7 +79,7 @@ class Search:
     def _look(self, time: Fraction, series: Series, k: int, extremum: bool) -> None:
         event, limits = self.scene.events[k], self._limits[k]
 
-        def at(ago: Any) -> tuple[Any, Any]:
+        def at(ago: Scalar) -> tuple[Scalar, Scalar]:
             return self._value(event, time, series, ago)
 
         zero = limits.zero
@@ -85,7 +89,7 @@ class Search:
             if place is not None:
                 self._mark(k, time, series, place)
 
-    def _beside(self, at: Any, limits: Limits) -> list[Any]:
+    def _beside(self, at: Any, limits: Limits) -> list[Scalar]:
         """Where the zeros beside an extremum at about 0 are, if there are any."""
         by, when = limits.nearby, limits.zero
         for _ in range(3):
@@ -122,7 +126,9 @@ class Search:
             found.append(([m for m in marks if event.counts(m.slope)], complete))
         return found
 
-    def _value(self, event: Event, time: Fraction, series: Series, ago: Any) -> tuple[Any, Any]:
+    def _value(
+        self, event: Event, time: Fraction, series: Series, ago: Scalar
+    ) -> tuple[Scalar, Scalar]:
         state = series.at(self._ahead(series, ago))
         pairs = zip(state, series.rates(state), strict=True)
         scale = -series.bits
@@ -152,10 +158,10 @@ class Search:
             for j in range(3)
         ]
 
-    def _ahead(self, series: Series, ago: Any) -> int:
+    def _ahead(self, series: Series, ago: Scalar) -> int:
         return int(mpmath.floor(mpmath.ldexp(ago, series.bits)))
 
-    def _typed(self, x: Exact | int) -> Any:
+    def _typed(self, x: Exact | int) -> Scalar:
         exact = Fraction(x) if isinstance(x, int) else x
         return to_mpf(exact, self._bits)
 
@@ -166,7 +172,7 @@ class Search:
         return Dual(mpmath.cos(x.value), -mpmath.sin(x.value) * x.rate)
 
 
-def _exactly(x: Any) -> Fraction:
+def _exactly(x: Scalar) -> Fraction:
     """The exact value of a number of mpmath's."""
     negative, mantissa, exponent, _ = x._mpf_
     size = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)

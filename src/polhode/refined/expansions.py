@@ -20,6 +20,8 @@ from typing import Any
 
 import numpy as np
 
+from polhode.numbers.rows import Doubles
+
 _LAST = 54  # bits kept of the last limb: at most half a unit of the one before, so 53 of its own
 
 
@@ -76,11 +78,11 @@ class Limbs:
         unit = 2.0**self.finest
         return sum([int(x * unit) for x in limbs])
 
-    def renormalised(self, x: Any) -> Any:
+    def renormalised(self, x: Doubles) -> Doubles:
         """Numbers of which adjustments have made the limbs too long, (n, L), as they should be."""
         return np.array([self.split_integer(self.integer(row)) for row in x.tolist()])
 
-    def split_doubles(self, x: Any) -> Any:
+    def split_doubles(self, x: Doubles) -> Doubles:
         """The limbs of an array of doubles, exactly, along a new first axis."""
         found, rest = [], x
         for i in range(1, self.count):
@@ -89,7 +91,7 @@ class Limbs:
             found.append(limb)
         return np.stack([*found, rest])
 
-    def adjust(self, x: Any, small: Any) -> None:
+    def adjust(self, x: Doubles, small: Doubles) -> None:
         """Add small doubles, less than a unit of the first limb, to numbers whose limbs are the
         rows of x; in place.  Exact but for the last limb's rounding."""
         rest = x[-1] + small

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from polhode.numbers.rows import Doubles, Integers
 from polhode.refined.deferred_correction import Intervals
 from polhode.refined.double_run import Base, on_grid
 from polhode.refined.expansions import Limbs
@@ -26,10 +27,10 @@ class Block:
     """
 
     base: Base
-    edges: Any
+    edges: Doubles
     clocks: tuple[Fraction, ...]
-    parents: Any
-    state: Any
+    parents: Integers
+    state: Doubles
     limbs: Limbs
 
     @property
@@ -37,7 +38,7 @@ class Block:
         """Intervals of the chain."""
         return len(self.edges) - 1
 
-    def intervals(self, nodes: Any) -> Intervals:
+    def intervals(self, nodes: Doubles) -> Intervals:
         """All intervals with the guesses of the run in double; ``nodes``: c_j."""
         limbs, chain = self.limbs, self.chain
         starts = np.concatenate([np.arange(chain), self.parents])
@@ -72,11 +73,11 @@ class Block:
 
 def cut(
     base: Base,
-    edges: Any,
+    edges: Doubles,
     at: int,
     width: int,
     clocks: Sequence[Fraction],
-    state: Any,
+    state: Doubles,
     limbs: Limbs,
 ) -> Block:
     """The block from the edge ``at``, of so many intervals or as many as the outputs leave room.

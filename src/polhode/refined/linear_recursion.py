@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
+
+from polhode.numbers.rows import Doubles
 
 
 class Chain:
@@ -14,7 +15,7 @@ class Chain:
     All chunks advance together; then their ends are joined, one after the other.
     """
 
-    def __init__(self, transitions: Any) -> None:
+    def __init__(self, transitions: Doubles) -> None:
         count, n, _ = transitions.shape
         self._count = count
         self._long = max(1, math.isqrt(count))
@@ -27,7 +28,7 @@ class Chain:
         for i in range(1, self._long):
             np.matmul(self._steps[:, i], self._products[:, i - 1], out=self._products[:, i])
 
-    def solve(self, sources: Any) -> Any:
+    def solve(self, sources: Doubles) -> Doubles:
         """e_1 ... e_K, (K, 6), from e_0 = 0 and delta_0 ... delta_{K-1}, (K, 6)."""
         n = sources.shape[1]
         delta = np.zeros((self._chunks * self._long, n, 1))

@@ -13,11 +13,11 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
 from polhode.common.progress import Progress
+from polhode.numbers.rows import Doubles
 from polhode.refined.attitude import Attitude, Following
 from polhode.refined.attitude_correction import turns
 from polhode.refined.deferred_correction import Constants, Intervals, Solved, solve
@@ -31,7 +31,7 @@ from polhode.refined.scaled_problem import Problem, in_unit, out_of_unit, proble
 from polhode.refined.self_test import trusted_kernels, trusted_tables
 from polhode.refined.taylor_series import Series
 from polhode.scenes.scene import Scene
-from polhode.taylor.backend.process_settings import one_thread
+from polhode.taylor.backend.process_settings import one_blas_thread, one_thread
 
 STEPS_AN_INTERVAL = 6
 _DRIFT = 2e-11  # of the double run at a block's end, beyond which it restarts there
@@ -128,7 +128,7 @@ class Motion:
             near = ahead if after is None else ahead[: bisect_left(ahead, after)]
             origin, exact = self._marks[index]
             run = _Run(exact, [t - origin for t in near], self._wanted, STEPS_AN_INTERVAL)
-            with one_thread():
+            with one_thread(), one_blas_thread():
                 run.to_the_end(None, None)
             found |= zip(near, run.found, strict=True)
             ahead = ahead[len(near) :]
@@ -156,7 +156,7 @@ def refine(
     backward = times[-1] < 0
     exact = problem(scene, wanted.limbs.finest + 64, backward)
     run = _Run(exact, [abs(t) for t in times], wanted, m, search, following)
-    with one_thread():
+    with one_thread(), one_blas_thread():
         stopped = run.to_the_end(progress, max_steps)
     reached = run.origin if stopped else abs(times[-1])
     if search is not None and search.stop is not None:
@@ -313,7 +313,7 @@ class _Run:
             if redos > _REDOS:
                 raise CannotRefine("a block cannot be refined")
 
-    def _advance(self, now: Base, clock: float, state: Any) -> None:
+    def _advance(self, now: Base, clock: float, state: Doubles) -> None:
         """Go on from an exact state at a time of the base's clock."""
         limbs = self.wanted.limbs
         self._state = out_of_unit([limbs.value(x) for x in state], now.unit)
@@ -325,6 +325,7 @@ class _Run:
         """The attitude over a block, where it is asked for."""
         if self.following is None:
             return
+        assert solved.stages is not None
         found = turns(self._constants, solved.stages, work.lengths, self.wanted.tail)
         nodes, lengths = self._constants.tables.nodes, work.lengths.sum(axis=0)
         self.attitudes += self.following.advance(found, work.chain, work.starts, nodes, lengths)

@@ -10,10 +10,10 @@ from __future__ import annotations
 import random
 from fractions import Fraction
 from functools import cache
-from typing import Any
 
 import numpy as np
 
+from polhode.numbers.rows import Doubles
 from polhode.refined.collocation_tables import LARGEST_FIELD, Tables, tables
 from polhode.refined.compiled_field import COEFFICIENTS, FIELD_SHIFT, VARIABLES, Kernels, kernels
 from polhode.refined.errors import CannotRefine
@@ -91,7 +91,7 @@ def field(x: list[int], k: list[int], one: int) -> list[int]:
     return found
 
 
-def _columns(limbs: Limbs, rows: list[list[int]]) -> Any:
+def _columns(limbs: Limbs, rows: list[list[int]]) -> Doubles:
     """Integers in units of 2**-finest as limbs, the limbs of a row one below the other."""
     split = np.array([[limbs.split_integer(x) for x in row] for row in rows])
     return np.ascontiguousarray(split.transpose(0, 2, 1).reshape(-1, len(rows[0])))
@@ -114,7 +114,7 @@ def products_are_exact(table: Tables, limbs: Limbs, seed: int = 1) -> bool:
     )
 
 
-def exact_product(row: Any, field: Any, limbs: Limbs) -> int:
+def exact_product(row: Doubles, field: Doubles, limbs: Limbs) -> int:
     """A row of ``Tables.levels`` times the limbs (L, M) of a field, in units of its level."""
     nodes = field.shape[1]
     top = len(row) // nodes  # limbs A_top ... A_1 against F_1 ... F_top

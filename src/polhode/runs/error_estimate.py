@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Doubles, Rows
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 
@@ -36,7 +37,7 @@ def expected(
     tolerance: float,
     steps: int,
     times: Sequence[Fraction],
-    states: Any,
+    states: Rows,
     every: int = 0,
 ) -> Expected:
     """What a run of so many steps at this tolerance is expected to have; see Expected.
@@ -67,7 +68,7 @@ def expected(
 
 
 def by_errors(
-    errors: Sequence[float | None], number: NumberType, times: Sequence[Fraction], states: Any
+    errors: Sequence[float | None], number: NumberType, times: Sequence[Fraction], states: Rows
 ) -> Expected:
     """What a refined run is expected to have: by its own estimates, None for no digit left."""
     held = number.most_digits
@@ -86,7 +87,7 @@ def by_errors(
     return Expected(digits, below[0], below[1])
 
 
-def _leading(scene: Scene, times: Sequence[Fraction], states: Any) -> dict[float, Any]:
+def _leading(scene: Scene, times: Sequence[Fraction], states: Rows) -> dict[float, Doubles]:
     """The states of a run as what leads a tangent; empty where they are too far apart."""
     import numpy as np
 
@@ -95,7 +96,7 @@ def _leading(scene: Scene, times: Sequence[Fraction], states: Any) -> dict[float
 
     unit = Fraction(2) ** scene.time_unit
     turn = np.array([[to_double(x) for x in row] for row in scene.body.axes.rows])
-    found: dict[float, Any] = {}
+    found: dict[float, Doubles] = {}
     before = 0.0
     for t, row in zip(times, states, strict=True):
         here = to_double(t / unit)

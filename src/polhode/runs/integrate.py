@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import cast
 
-from polhode.common.arguments import steps, whole
+from polhode.common.arguments import steps
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.provenance import provenance
@@ -17,17 +17,17 @@ from polhode.equations.readout import Readout
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Rows
+from polhode.numbers.scalars import AnyNumber
+from polhode.runs._observers import attitude_lanes
+from polhode.runs._observers import events as event_observer
 from polhode.runs.methods import refined as refined_method
 from polhode.runs.methods.dense_output import Dense
 from polhode.runs.methods.taylor import Run
-from polhode.runs.observers import attitude_lanes
-from polhode.runs.observers import events as event_observer
-from polhode.runs.problem.options import choose_number, rounded_tolerance
-from polhode.runs.problem.problem import Asked, Setup, asked, bare, setup
+from polhode.runs.problem.options import cadence, choose_number, rounded_tolerance
+from polhode.runs.problem.problem import Problem, Schedule, problem
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.taylor.backend import defaults
 
 _LOG = logging.getLogger("polhode")
 
@@ -37,8 +37,8 @@ def integrate(
     number: str | NumberType | None = None,
     *,
     digits: int | None = None,
-    at: Sequence[Any] | None = None,
-    tol: Any = None,
+    at: Sequence[AnyNumber] | None = None,
+    tol: AnyNumber | None = None,
     max_steps: int | None = None,
     inputs: NumberType | None = None,
     project: bool | int | None = None,
@@ -73,8 +73,9 @@ def integrate(
         scene = scene.at(at)
     chosen = choose_number(scene, number, digits)
     tolerance = rounded_tolerance(scene, chosen, tol)
-    times = asked(scene, chosen)
-    every = None if inputs is not None else _cadence(scene, chosen, tolerance, project)
+    ready = problem(scene, chosen, tolerance, inputs)
+    times = ready.schedule(scene)
+    every = None if inputs is not None else cadence(scene, chosen, tolerance, project)
     if max_steps is not None:
         max_steps = steps(scene.name, max_steps)
     refined, failed = _refined(
@@ -82,18 +83,17 @@ def integrate(
     )
     if refined is not None:
         return refined
-    made = setup(scene, chosen, tolerance, inputs)
-    run, outcome, rows = _stepped(scene, made, times, max_steps, every, progress)
+    run, outcome, rows = _stepped(scene, ready, times, max_steps, every, progress)
     _LOG.info(
         "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
         *(scene.name, chosen.name, chosen.bits, outcome.value, run.steps),
         *(run.seconds, run.build_seconds),
     )
-    read = made.read
+    read = ready.read
     return Trajectory(
         scene=scene,
         number=chosen,
-        times=tuple(times.exact[: len(rows)]),
+        times=times.exact[: len(rows)],
         states=read.states(rows),
         attitude=read.attitude(rows),
         angles=read.angles(rows),
@@ -104,43 +104,43 @@ def integrate(
         reached=run.reached,
         tolerance=float(tolerance or chosen.eps),
         digits=digits,
-        provenance={
-            **provenance(scene.text),
-            "seconds": {"build": run.build_seconds, "run": run.seconds - run.build_seconds},
-            **failed,
-        },
+        provenance=_made_of(
+            scene,
+            {"build": run.build_seconds, "run": run.seconds - run.build_seconds},
+            failed,
+        ),
         dense=Dense(run),
     )
 
 
 def _stepped(
     scene: Scene,
-    made: Setup,
-    times: Asked,
+    ready: Problem,
+    times: Schedule,
     max_steps: int | None,
     every: int | None,
     progress: Progress | None,
 ) -> tuple[Run, Outcome, Rows]:
     """A run, how it ended, and its rows: the state's, then quaternion, psi and phi."""
-    if event_observer.fits(made, times):
-        run = Run(bare(made), max_steps, every)
-        seen = event_observer.rows(run, scene, made, times, progress)
+    if event_observer.fits(ready, times):
+        run = Run(ready.bare, max_steps, every)
+        seen = event_observer.rows(run, scene, ready, times, progress)
         if seen is not None:
             return run, *seen
     found = None
-    if attitude_lanes.fits(made, times):
-        run = Run(bare(made), max_steps, every)
-        found = attitude_lanes.rows(run, made, attitude_lanes.plan(scene, made, times), progress)
-    elif made.number.name == "extended":
-        from polhode.runs.observers import attitude_quadrature
+    if attitude_lanes.fits(ready, times):
+        run = Run(ready.bare, max_steps, every)
+        found = attitude_lanes.rows(run, ready, attitude_lanes.plan(ready, times), progress)
+    elif ready.number.name == "extended":
+        from polhode.runs._observers import attitude_quadrature
 
-        wanted = attitude_quadrature.plan(scene, made, times)
+        wanted = attitude_quadrature.plan(ready, times)
         if wanted is not None:
-            run = Run(bare(made), max_steps, every)
-            found = attitude_quadrature.rows(run, made, wanted, progress)
+            run = Run(ready.bare, max_steps, every)
+            found = attitude_quadrature.rows(run, ready, wanted, progress)
     if found is not None:
         return run, *found
-    run = Run(made, max_steps, every)
+    run = Run(ready, max_steps, every, scene)
     return run, *run.to(times, progress)
 
 
@@ -198,22 +198,19 @@ def _refined(
         reached=found.reached,
         tolerance=float(number.eps),
         digits=digits,
-        provenance={**provenance(scene.text), "seconds": {"build": 0.0, "run": seconds}, **turned},
+        provenance=_made_of(scene, {"build": 0.0, "run": seconds}, turned),
         dense=found.dense,
         method="refined",
         errors=found.errors,
     ), {}
 
 
-def _cadence(
-    scene: Scene, number: NumberType, tolerance: Fraction | None, project: bool | int | None
-) -> int | None:
-    """Steps between two corrections of the run, None for none."""
-    if project is not None and not isinstance(project, bool):
-        project = whole(scene.name, "project", project, 1)
-    if project is None:
-        full = tolerance is None or tolerance <= number.eps
-        project = full and defaults.of(number).projected
-    if scene.form != "principal" or project is False:
-        return None
-    return defaults.of(number).project_every if project is True else project
+def _made_of(
+    scene: Scene, seconds: Mapping[str, float], more: Mapping[str, str]
+) -> Mapping[str, object]:
+    """A trajectory's provenance, made when it is asked for: it takes as long as a short run."""
+
+    def found() -> dict[str, object]:
+        return {**provenance(scene.text), "seconds": seconds, **more}
+
+    return cast(Mapping[str, object], found)

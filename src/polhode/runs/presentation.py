@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 if TYPE_CHECKING:
@@ -14,8 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from polhode.common.html_page import Page
-    from polhode.numbers.rows import Rows
-    from polhode.numbers.scalars import AnyNumber, Value
+    from polhode.numbers.rows import Reread
+    from polhode.numbers.scalars import AnyNumber
 
 R_contra = TypeVar("R_contra", contravariant=True)
 
@@ -69,6 +70,6 @@ class RunPresentation(Protocol[R_contra]):
 class Reevaluation(Protocol[R_contra]):
     """A trajectory made once more: what makes one is above it, too."""
 
-    def at_times(self, run: R_contra, what: str, t: Value, /) -> Rows:
+    def at_times(self, run: R_contra, what: str, t: AnyNumber | Iterable[AnyNumber], /) -> Reread:
         """Angles or attitude at time t, or rows of them."""
         ...

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
 
 from polhode.common.errors import BadInput, plain
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, binary, rounded, sign
-from polhode.numbers.rows import Rows
+from polhode.numbers.rows import Reread
+from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.runs.integrate import integrate, undisturbed
 from polhode.runs.trajectory import Trajectory
 
 NEAR = 400  # bits to which times are told apart
 
 
-def at_times(run: Trajectory, what: str, t: Any) -> Rows:
+def at_times(run: Trajectory, what: str, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
     """Angles or attitude at time t, or rows of them; raises BadInput beyond what was reached.
 
     psi and phi count whole turns from the start on, so they are integrated from there.
@@ -25,9 +25,8 @@ def at_times(run: Trajectory, what: str, t: Any) -> Rows:
     scene = run.scene
     if scene.gamma is None:
         raise BadInput(scene.name, "start.gamma", None, f"given, for {what}")
-    several = isinstance(t, Iterable) and not isinstance(t, (str, bytes))
-    several = several and getattr(t, "ndim", 1) > 0
-    asked = [_time(run, x) for x in (t if several else [t])]
+    given, several = numbers_given(t)
+    asked = [_time(run, x) for x in given]
     if not asked:
         return []
     near = [abs(binary(*rounded(x, NEAR))) for x in asked]
@@ -55,7 +54,7 @@ def at_times(run: Trajectory, what: str, t: Any) -> Rows:
     return found if several else found[0]
 
 
-def _time(run: Trajectory, t: Any) -> Exact:
+def _time(run: Trajectory, t: object) -> Exact:
     reach = f"a time from 0 to {shown(run.reached)}, what the run reached"
     try:
         exact = exact_number(t)

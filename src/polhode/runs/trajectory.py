@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Generic, SupportsFloat, overload
 
 from polhode.common.cached_property import cached_property
 from polhode.common.presentation import Slot
-from polhode.common.value_semantics import ByValue
+from polhode.common.value_semantics import ByValue, may_wait
 from polhode.equations.column import derived, derived_words
 from polhode.equations.form import equations
 from polhode.equations.hodographs import Hodographs
@@ -18,10 +18,11 @@ from polhode.equations.integrals import Drift, drift
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers.decimals import decimal_in_full, shown, strings
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Columns, Given, Rows, States, part_of
-from polhode.numbers.scalars import AnyNumber, Row, Value
+from polhode.numbers.rows import Columns, Flat, Given, Reread, Row, Rows, States, part_of
+from polhode.numbers.scalars import AnyNumber, Real
 from polhode.runs.error_estimate import Expected, by_errors, expected
 from polhode.runs.presentation import Reevaluation, RunPresentation
+from polhode.scenes.output_times import OutputTimes
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS, Several, Single
 
@@ -31,8 +32,17 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
+    from typing_extensions import TypeVar  # whose variables have defaults
 
     from polhode.common.html_page import Page
+
+    #: The type of a run's states: by its number type, any of them where that is not known.
+    S_co = TypeVar("S_co", bound=States, default=States, covariant=True)
+    F = TypeVar("F", bound=Flat)
+else:
+    from typing import TypeVar
+
+    S_co = TypeVar("S_co", covariant=True)
 
 _TORUS = 4  # integrals that fix the torus of an integrable top with gamma
 
@@ -40,8 +50,9 @@ _PRESENTATION: Slot[RunPresentation[Trajectory]] = Slot("runs")
 _REEVALUATION: Slot[Reevaluation[Trajectory]] = Slot("reevaluation")
 
 
+@may_wait("provenance")
 @dataclass(frozen=True, eq=False, repr=False)
-class Trajectory(ByValue):
+class Trajectory(ByValue, Generic[S_co]):
     """States of a scene at its output times, in body axes, as numbers of one type.
 
     >>> import polhode
@@ -65,15 +76,15 @@ class Trajectory(ByValue):
 
     scene: Scene
     number: NumberType
-    times: tuple[Fraction, ...]
-    states: States
+    times: Sequence[Fraction]
+    states: S_co
     outcome: Outcome
     steps: int
     reached: Fraction
     tolerance: float
     digits: int | None = None
-    attitude: Rows | None = None
-    angles: Sequence[Sequence[Value | None]] | None = None
+    attitude: S_co | None = None
+    angles: Sequence[Sequence[Real | None]] | None = None
     events: tuple[EventTimes, ...] = ()
     projection: Projection | None = None
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
@@ -85,6 +96,20 @@ class Trajectory(ByValue):
     correct_digits: float | None = None
     checked_by: str = ""
 
+    @overload
+    def __call__(self: Trajectory[F], t: AnyNumber | Iterable[AnyNumber]) -> F: ...
+    @overload
+    def __call__(  # type: ignore[overload-overlap]  # a text is one number
+        self: Trajectory[list[list[Real]]], t: str
+    ) -> list[Real]: ...
+    @overload
+    def __call__(
+        self: Trajectory[list[list[Real]]], t: Iterable[AnyNumber]
+    ) -> list[list[Real]]: ...
+    @overload
+    def __call__(self: Trajectory[list[list[Real]]], t: SupportsFloat) -> list[Real]: ...
+    @overload
+    def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> Row | Rows: ...
     def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> Row | Rows:
         """The state at time t, or the states at several times.
 
@@ -110,13 +135,27 @@ class Trajectory(ByValue):
         """The times as doubles, the nearest ones."""
         import numpy as np
 
+        if isinstance(self.times, OutputTimes):
+            return self.times.doubles()
         return np.array([float(t) for t in self.times])
 
-    def attitude_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Rows:
+    @overload
+    def attitude_at(self, t: str) -> Row: ...  # type: ignore[overload-overlap]
+    @overload
+    def attitude_at(self, t: Iterable[AnyNumber]) -> list[Row]: ...
+    @overload
+    def attitude_at(self, t: SupportsFloat) -> Row: ...
+    def attitude_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
         """The quaternion q0 q1 q2 q3 at time t, or rows of it: the run made once more."""
         return _REEVALUATION.get().at_times(self, "attitude", t)
 
-    def angles_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Rows:
+    @overload
+    def angles_at(self, t: str) -> list[Real | None]: ...  # type: ignore[overload-overlap]
+    @overload
+    def angles_at(self, t: Iterable[AnyNumber]) -> list[list[Real | None]]: ...
+    @overload
+    def angles_at(self, t: SupportsFloat) -> list[Real | None]: ...
+    def angles_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
         """psi, theta, phi at time t, or rows of them: the run made once more."""
         return _REEVALUATION.get().at_times(self, "angles", t)
 

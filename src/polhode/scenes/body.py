@@ -11,7 +11,6 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.cached_property import cached_property
@@ -28,7 +27,7 @@ Matrix = tuple[Vector, Vector, Vector]
 IDENTITY: Matrix = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
 
 
-def exact_vector(values: Any, source: str = "Body", key: str = "vector") -> Vector:
+def exact_vector(values: object, source: str = "Body", key: str = "vector") -> Vector:
     """Three numbers of any kind, taken exactly; raises BadInput."""
     numbers = each(source, key, values, exact_number, "three numbers")
     if len(numbers) != 3:

@@ -206,7 +206,7 @@ def _turn(reading: Reading, table: Mapping[str, Any], body: Body) -> Turn | None
     return Turn(gamma if square == 1 else scaled(1 / exact.sqrt(square), gamma), psi)
 
 
-def _square(reading: Reading, key: str, given: Any, square: Exact, normalise: bool) -> Exact:
+def _square(reading: Reading, key: str, given: object, square: Exact, normalise: bool) -> Exact:
     """The squared length of a unit vector, 1 or anything above 0 that may be normalised."""
     shown = as_written(given)
     if square != 1 and not normalise:
@@ -243,7 +243,7 @@ def _of_rates(turn: Turn, rates: Vector) -> Vector:
     )
 
 
-def _of_quaternion(reading: Reading, given: Any, normalise: bool) -> Turn:
+def _of_quaternion(reading: Reading, given: object, normalise: bool) -> Turn:
     """Gamma is the third row of R, and psi the direction of its third column.
 
     R is quadratic in the quaternion: it is divided by the squared length, no root is drawn.

@@ -47,5 +47,5 @@ def _lift_any(_: Exact) -> _Any:
     return _ANY
 
 
-def _same(argument: Any) -> Any:
+def _same(argument: object) -> Any:
     return argument

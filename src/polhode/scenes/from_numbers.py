@@ -11,7 +11,7 @@ from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import keys, scene_file
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
-from polhode.scenes.scene_text import written
+from polhode.scenes.scene_text import as_read, owned, written
 from polhode.scenes.shapes import Part
 
 
@@ -86,10 +86,15 @@ def top(
     data["events"] = [_event(name, k, event) for k, event in enumerate(data["events"])]
     if samples is not None and isinstance(samples, float):
         raise BadInput(name, "run.samples", samples, "a whole number")
-    return scene_file.parse(written(data, name), name)
+    data = owned(data)  # read once, and written when the caller may have changed or used it up
+    try:
+        return scene_file.of_tables(as_read(data, name), name, lambda: written(data, name))
+    except ValueError:
+        pass
+    return scene_file.parse(written(data, name), name)  # the line of a fault shows its text
 
 
-def _event(name: str, index: int, event: Any) -> Mapping[str, Any]:
+def _event(name: str, index: int, event: object) -> Mapping[str, Any]:
     if isinstance(event, Event):
         return event._asdict() | {"zero": event.zero or None}
     if not isinstance(event, Mapping):

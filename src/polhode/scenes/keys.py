@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
+from functools import cache
 from typing import Any, NamedTuple
 
 from polhode.numbers.number_types import NAMES
@@ -224,7 +225,10 @@ def words(section: str) -> set[str]:
 
 def given(section: str, table: Mapping[str, Any], name: str) -> Any:
     """What a table holds under a key, or the key's default."""
-    if name in table:
-        return table[name]
+    return table[name] if name in table else _default(section, name)
+
+
+@cache
+def _default(section: str, name: str) -> Any:
     (key,) = (key for key in KEYS[section] if key.name == name)
     return tomllib.loads(f"x = {key.default}")["x"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from fnmatch import fnmatchcase
 from pathlib import Path
 
@@ -22,6 +23,23 @@ def names() -> list[str]:
     return sorted(p.relative_to(top).with_suffix("").as_posix() for p in top.rglob("*.toml"))
 
 
+def ships(name: str) -> bool:
+    """Whether a case of exactly this name ships: only the folders on its way are looked into.
+
+    A name is no path: ``./euler/sphere`` is none, nor is ``Euler/sphere`` where a file of that name
+    would open it all the same.
+    """
+    place = folder()
+    for part in f"{name}.toml".split("/"):
+        try:
+            if part not in os.listdir(place):
+                return False
+        except (FileNotFoundError, NotADirectoryError):  # no cases were installed, or a file
+            return False
+        place /= part
+    return True
+
+
 def load(scene: Scene | str | Path) -> Scene:
     """A scene by the name of a case that ships or by a path; a Scene as it is; raises BadInput.
 
@@ -35,7 +53,7 @@ def load(scene: Scene | str | Path) -> Scene:
 
     of_kind("load", "scene", scene, (str, Path), "a Scene, a path, or the name of a case")
     name = str(scene)
-    if name in names():
+    if ships(name):
         return scene_file.read(folder() / f"{name}.toml", name)
     try:
         exists = Path(scene).exists()
@@ -49,7 +67,7 @@ def load(scene: Scene | str | Path) -> Scene:
 
 def path_of(scene: str | Path) -> Path | None:
     """The path that a scene or a trajectory is read from; None for the name of a case."""
-    return None if str(scene) in names() else Path(scene)
+    return None if ships(str(scene)) else Path(scene)
 
 
 def matching(patterns: list[str]) -> list[str]:

@@ -6,15 +6,15 @@ Body axes O xyz, O the fixed point; omega = (p, q, r) and gamma, the upward vert
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field
-from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, nearest
 from polhode.common.presentation import Slot
+from polhode.common.value_semantics import may_wait
 from polhode.numbers import exact
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
@@ -22,6 +22,7 @@ from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes.body import Body, Vector, dot, exact_vector, scaled
 from polhode.scenes.event import Event, check_event
+from polhode.scenes.output_times import OutputTimes, listed_times
 from polhode.scenes.presentation import ScenePresentation
 from polhode.scenes.vocabulary import COLUMNS, FORMS, STATE
 
@@ -81,11 +82,16 @@ class Integrals(NamedTuple):
     area_scale: Exact
 
 
+class _Identity:
+    """Nothing but itself: what is kept of a scene is found by it, and goes when it goes."""
+
+
 #: What a scene keeps that is the same at other times, and what is not.
-_OF_ANY_TIMES = ("kept", "log10_rate", "time_unit", "modelled")
-_OF_TIMES = ("kept_of_times", "text")
+_OF_ANY_TIMES = ("identity", "log10_rate", "time_unit", "modelled")
+_OF_TIMES = ("text",)
 
 
+@may_wait("source")
 @dataclass(frozen=True, repr=False)
 class Scene:
     """What is to be integrated; see the module for frame and symbols.
@@ -109,7 +115,7 @@ class Scene:
     omega: Vector
     gamma: Vector | None = None
     psi: Exact = ZERO
-    times: tuple[Exact, ...] = ()
+    times: Sequence[Exact] = ()
     name: str = "scene"
     title: str = ""
     tags: tuple[str, ...] = ()
@@ -125,8 +131,10 @@ class Scene:
     normalise: InitVar[bool] = False
 
     def __post_init__(self, normalise: bool) -> None:
-        for key in ("name", "title", "form", "reference", "source"):
+        for key in ("name", "title", "form", "reference"):
             of_kind("Scene", key, getattr(self, key), str, "text")
+        if not callable(vars(self)["_source"]):
+            of_kind("Scene", "source", self.source, str, "text")
         for key, kind in _PARTS.items():
             parts = each(
                 self.name, key, getattr(self, key), lambda x: x, f"a list of {kind.__name__}"
@@ -142,8 +150,7 @@ class Scene:
         object.__setattr__(self, "omega", exact_vector(self.omega, self.name, "start.omega"))
         (psi,) = each(self.name, "start.psi", (self.psi,), exact_number, "a number")
         object.__setattr__(self, "psi", psi)
-        times = each(self.name, "run.at", self.times, exact_number, "a list of times")
-        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "times", self._checked_times("run.at", self.times))
         if self.gamma is not None:
             gamma = exact_vector(self.gamma, self.name, "start.gamma")
             square = dot(gamma, gamma)
@@ -161,7 +168,6 @@ class Scene:
                 f"length {shown(exact.sqrt(dot(self.gamma, self.gamma)))}",
                 "a vector of length exactly 1, or normalise = true",
             )
-        self._check_times("run.at", self.times)
         for output in self.outputs:
             if output not in COLUMNS:
                 raise self._bad("run.outputs", output, nearest(output, [*COLUMNS]))
@@ -179,20 +185,21 @@ class Scene:
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)
 
-    def _check_times(self, key: str, times: tuple[Exact, ...]) -> None:
-        expected = "times of one sign, strictly monotone away from 0"
-        before: Exact = ZERO
-        direction = sign(times[-1]) if times else 0
-        for k, t in enumerate(times):
-            ahead = sign(t - before) * direction
-            if ahead < 0 or (ahead == 0 and not (k == 0 and sign(t) == 0)):
-                raise self._bad(f"{key}[{k + 1}]", shown(t), expected)
-            before = t
+    def _checked_times(self, key: str, given: Iterable[AnyNumber]) -> OutputTimes[Exact]:
+        """The times exactly; raises BadInput for what is no number, and where the order is wrong.
+
+        ``key``: of the argument or the scene file that gives them.
+        """
+        times = given if isinstance(given, OutputTimes) else listed_times(self.name, key, given)
+        wrong = times.misplaced()
+        if wrong is not None:
+            expected = "times of one sign, strictly monotone away from 0"
+            raise self._bad(f"run.at[{wrong + 1}]", shown(times[wrong]), expected)
+        return times
 
     def at(self, times: Iterable[AnyNumber]) -> Scene:
         """The same scene, asked for at other times, numbers of any kind; raises BadInput."""
-        asked = each(self.name, "at", times, exact_number, "a list of times")
-        self._check_times("run.at", asked)
+        asked = self._checked_times("at", times)
         for name in _OF_ANY_TIMES:  # made here, so that the next scene like this has them, too
             getattr(self, name)
         found = object.__new__(type(self))
@@ -201,20 +208,19 @@ class Scene:
         return found
 
     @cached_property
-    def kept(self) -> dict[Hashable, Any]:
-        """What its runs begin with, made once: shared by scenes that differ in their times alone.
+    def identity(self) -> object:
+        """An object that this scene shares with those alone that :meth:`at` makes of it."""
+        return _Identity()
 
-        No part of the scene's value, and not pickled with it.
-        """
-        return {}
+    def apart(self) -> Scene:
+        """The same scene with an identity of its own, for who is to live no longer than this."""
+        found = object.__new__(type(self))
+        found.__dict__.update((k, x) for k, x in vars(self).items() if k != "identity")
+        return found
 
-    @cached_property
-    def kept_of_times(self) -> dict[Hashable, Any]:
-        """The same for what depends on the times."""
-        return {}
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: x for name, x in vars(self).items() if not name.startswith("kept")}
+    def __getstate__(self) -> dict[str, object]:
+        found = {name: x for name, x in vars(self).items() if name != "identity"}
+        return found | {"_source": self.source}
 
     @cached_property
     def text(self) -> str:
@@ -222,6 +228,12 @@ class Scene:
         body = self.body
         parts = (body.inertia, body.centre, body.weight, self.omega, self.gamma, self.psi)
         return self.source or repr((parts, self.times))
+
+    @property
+    def output_times(self) -> OutputTimes[Exact]:
+        """The times, which know their doubles all at once."""
+        assert isinstance(self.times, OutputTimes)
+        return self.times
 
     @property
     def end(self) -> Exact:
@@ -296,8 +308,3 @@ class Scene:
     def starts_at_pole(self) -> bool:
         """Whether the third axis is vertical at t = 0, where psi and phi have no meaning."""
         return self.gamma is not None and sign(self.gamma[0]) == 0 == sign(self.gamma[1])
-
-
-def even_times(end: Exact, samples: int) -> tuple[Exact, ...]:
-    """The times end·k/(samples - 1), 0 and end included."""
-    return tuple(end * Fraction(k, samples - 1) for k in range(samples))

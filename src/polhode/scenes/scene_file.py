@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import called, read_whole
@@ -16,7 +16,8 @@ from polhode.numbers.expression import ExpressionError
 from polhode.scenes.body import Body, Vector
 from polhode.scenes.body_and_start import body_of, start_of
 from polhode.scenes.event import Event
-from polhode.scenes.scene import Published, Scene, SectionPlan, even_times
+from polhode.scenes.output_times import even_times
+from polhode.scenes.scene import Published, Scene, SectionPlan
 from polhode.scenes.validation import Literal, Reading, is_int
 from polhode.scenes.vocabulary import (
     DIRECTIONS,
@@ -52,6 +53,11 @@ def parse(text: str, name: str = "scene") -> Scene:
     return _File(name, tables(text, name)).scene(text)
 
 
+def of_tables(data: dict[str, object], name: str, text: Callable[[], str]) -> Scene:
+    """The scene in tables that were never a text; ``text`` writes them where it is wanted."""
+    return _File(name, data).scene(text)
+
+
 def body_and_start(
     data: dict[str, Any], name: str, body: Body | None = None
 ) -> tuple[Body, Vector, Vector | None, Exact]:
@@ -65,12 +71,12 @@ def body_and_start(
     return body, *start_of(reading, reading.table("start"), body)
 
 
-def times_of(run: dict[str, Any], name: str) -> tuple[Exact, ...]:
+def times_of(run: dict[str, Any], name: str) -> Sequence[Exact]:
     """The output times that a table [run] asks for; raises BadInput."""
     return _File(name, {}).times(run)
 
 
-def exact_value(value: Any, key: str, name: str) -> Exact:
+def exact_value(value: object, key: str, name: str) -> Exact:
     """The exact number that a value in a scene file's tables stands for; raises BadInput."""
     return Reading(name, {}).number(key, value)
 
@@ -91,7 +97,7 @@ def tables(text: str, name: str = "scene") -> dict[str, Any]:
 class _File(Reading):
     """A scene file being read."""
 
-    def scene(self, text: str) -> Scene:
+    def scene(self, text: str | Callable[[], str]) -> Scene:
         """The scene of the file with this text."""
         data = self.data
         self.known("", data)
@@ -120,13 +126,13 @@ class _File(Reading):
             published=tuple(self.published(i, p) for i, p in enumerate(self.tables("published"))),
             reference=kind,
             expect=self.expect(self.table("expect", required=False)),
-            source=text,
+            source=cast(str, text),  # a function may wait there
             section=self.section(self.table("section", required=False)),
         )
 
     # -- sections -----------------------------------------------------------------------------
 
-    def times(self, run: Mapping[str, Any]) -> tuple[Exact, ...]:
+    def times(self, run: Mapping[str, Any]) -> Sequence[Exact]:
         """The output times of a table [run]."""
         if "at" in run:
             for other in ("end", "samples"):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeGuard
 
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers.conversion import exact_number
@@ -20,6 +21,9 @@ from polhode.scenes.validation import Literal
 
 _TITLES = ("title", "tags", "cite")
 _OF_TIMES = ("end", "samples", "at")
+
+#: A half of a character that stands alone, which no text in a file can hold.
+_SURROGATE = re.compile("[\ud800-\udfff]")
 
 
 def toml(scene: Scene) -> str:
@@ -73,6 +77,44 @@ def written(data: Mapping[str, Any], name: str) -> str:
     return "\n".join(lines) + "\n"
 
 
+def owned(value: Any) -> Any:
+    """A value for later: lists, arrays and tables copied, which whoever gave them may change."""
+    if isinstance(value, Mapping):
+        return {key: owned(x) for key, x in value.items()}
+    if _several(value):
+        return [owned(x) for x in value]
+    if isinstance(value, (str, bytes)):
+        return value
+    return value[()] if getattr(value, "ndim", None) == 0 else value
+
+
+def as_read(data: Mapping[str, Any], name: str) -> dict[str, object]:
+    """The tables that a reader of :func:`written` gets, without the way over a text.
+
+    What has its default is not left out.  Raises BadInput.
+    """
+    found = {"schema": 1} | _held("", data, name)
+    for section in ("body", "start", "run", "reference"):
+        table = _held(section, data.get(section, {}), name)
+        if section == "body" and data["body"].get("parts"):
+            parts = [_fields(part, name, k) for k, part in enumerate(data["body"]["parts"])]
+            table["parts"] = [_held("body.parts", part, name) for part in parts]
+        found[section] = table
+    found["events"] = [_held("events", event, name) for event in data.get("events", ())]
+    return found
+
+
+def _held(section: str, table: Mapping[str, object], name: str) -> dict[str, object]:
+    found: dict[str, object] = {}
+    for key in keys.KEYS[section]:
+        value = table.get(key.name)
+        if value is None or key.kind in (keys.TABLE, keys.TABLES) or key.name == "schema":
+            continue
+        full = f"{section}.{key.name}".lstrip(".")
+        found[key.name] = _Value(name, full, key.kind in (keys.WORD, keys.WORDS)).held(value)
+    return found
+
+
 def _lines(section: str, table: Mapping[str, Any], name: str) -> Iterable[str]:
     for key in keys.KEYS[section]:
         value = table.get(key.name)
@@ -93,13 +135,13 @@ class _Value:
     def __init__(self, name: str, key: str, words: bool) -> None:
         self.name, self.key, self.words = name, key, words
 
-    def text(self, value: Any) -> str:
+    def text(self, value: object) -> str:
         if type(value).__name__ in ("bool", "bool_"):
             return "true" if value else "false"
         if isinstance(value, Literal):
             return str(value)
         if isinstance(value, str):
-            return json.dumps(value)
+            return _quoted(value)
         if _several(value):
             items = [self.text(x) for x in value]
             many = sum(map(len, items)) > 1000
@@ -107,6 +149,21 @@ class _Value:
         if self.words:
             raise BadInput(self.name, self.key, plain(value), "a text")
         return self.number(value)
+
+    def held(self, value: object) -> object:
+        """What a reader of the text gets."""
+        if isinstance(value, (Literal, bool)):
+            return value
+        if isinstance(value, str):
+            return str(value) if _plain(value) else self._read(value)
+        if type(value) in (int, float) and not self.words:
+            return value if isinstance(value, int) else exact_number(value)
+        if _several(value):
+            return [self.held(x) for x in value]
+        return self._read(value)
+
+    def _read(self, value: object) -> object:
+        return scene_file.tables(f"x = {self.text(value)}", self.name)["x"]
 
     def number(self, value: Any) -> str:
         try:
@@ -119,7 +176,23 @@ class _Value:
         return in_full(x) if is_decimal(x) else json.dumps(in_full(x))
 
 
-def _several(value: Any) -> bool:
+def _plain(text: str) -> bool:
+    """Whether a text is surely read as it was written."""
+    return len(text) < 1000 and (text.isascii() or not _SURROGATE.search(text))
+
+
+def _quoted(text: str) -> str:
+    """A text as TOML writes it: to it JSON's two halves of one character are none."""
+    if text.isascii() or max(text) < "\U00010000":
+        return json.dumps(text)
+    return f'"{"".join(map(_escaped, text))}"'
+
+
+def _escaped(x: str) -> str:
+    return json.dumps(x)[1:-1] if x < "\U00010000" else f"\\U{ord(x):08x}"
+
+
+def _several(value: object) -> TypeGuard[Iterable[object]]:
     """Whether a value is a list of values; an array of no dimension is a number."""
     listed = isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping))
     return listed and getattr(value, "ndim", 1) > 0
@@ -138,7 +211,7 @@ def _short(x: float) -> bool:
     return Fraction(repr(float(x))) == Fraction(float(x))
 
 
-def _fields(part: Any, name: str, index: int) -> Mapping[str, Any]:
+def _fields(part: object, name: str, index: int) -> Mapping[str, Any]:
     """A part's keys: of a Part those that were given; of a mapping its own, all known."""
     if isinstance(part, Part):
         return {key.name: getattr(part, key.name) for key in keys.KEYS["body.parts"]}

@@ -142,20 +142,20 @@ class Part:
         if self.inner is not None and self.radius is not None and self.inner > self.radius:
             raise BadInput("Part", "inner", self.inner, "a radius no larger than radius")
 
-    def _lengths(self, key: str, given: Any) -> Any:
+    def _lengths(self, key: str, given: object) -> Any:
         values = self._vector(key, given) if key in _VECTORS else self._numbers(key, (given,))
         for x in values:
             if sign(x) < 0 or (sign(x) == 0 and key not in _MAY_VANISH):
                 raise BadInput("Part", key, x, "a length above 0")
         return values if key in _VECTORS else values[0]
 
-    def _vector(self, key: str, given: Any) -> Vector:
+    def _vector(self, key: str, given: object) -> Vector:
         values = self._numbers(key, given)
         if len(values) != 3:
             raise BadInput("Part", key, f"{len(values)} numbers", "three numbers")
         return values[0], values[1], values[2]
 
-    def _numbers(self, key: str, given: Any) -> tuple[Exact, ...]:
+    def _numbers(self, key: str, given: object) -> tuple[Exact, ...]:
         return each("Part", key, given, exact_number, "numbers")
 
     @property

@@ -1,8 +1,8 @@
 """The members of a sweep as columns of exact numbers: many at once, and without an object each.
 
 Every member is checked as :class:`polhode.scenes.sweep_scenes.Members` checks it.  What these
-columns cannot tell (an irrational value, a start in angles, principal axes that are not the body's
-own) they leave to the member's scene, and the words of a fault too.
+columns cannot tell (an irrational value, a start in angles, inertia that varies beside principal
+axes that are not the body's own) they leave to the member's scene, and the words of a fault too.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy.typing as npt
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.rationals import Rationals, of_fractions
+from polhode.scenes.body import OWN_AXES, PrincipalAxes
 from polhode.scenes.sweep_scenes import Members
 from polhode.scenes.vary import Spaced
 
@@ -41,8 +42,8 @@ _NONE: Vector = (Fraction(0), Fraction(0), Fraction(0))
 class Block:
     """Members ``first`` to ``last`` (not included) in columns; ``left``: those that are not in it.
 
-    ``moments`` and ``torque`` (Mg r0) in principal axes, which are the body's own; ``omega`` and
-    ``gamma`` at t = 0.
+    ``moments``: the principal ones.  ``torque`` (Mg r0), ``omega`` and ``gamma`` at t = 0 in body
+    axes, which are principal axes where ``axes`` is trivial.
     """
 
     first: int
@@ -52,6 +53,7 @@ class Block:
     torque: Vector
     omega: Vector
     gamma: Vector | None
+    axes: PrincipalAxes = OWN_AXES
 
     def __len__(self) -> int:
         return self.last - self.first
@@ -73,10 +75,11 @@ class Columns:
         scene, start, body = self.members.scene, self.data["start"], self.data["body"]
         known = all(key.partition("[")[0] in _KEYS for key in self.keys)
         plain = "omega" in start and {*start} <= _START and {*body} <= _BODY
-        if not (known and plain and scene.body.axes.trivial):
+        if not (known and plain and self.members.axes_stay):
             return False
+        own = scene.body.moments if scene.body.axes.trivial else ()
         rational = isinstance(scene.body.weight, Fraction) and all(
-            isinstance(x, Fraction) for x in (*scene.body.moments, *scene.body.centre)
+            isinstance(x, Fraction) for x in (*own, *scene.body.centre)
         )
         if any(key.startswith("body.") for key in self.keys) and not rational:
             return False
@@ -131,7 +134,7 @@ class Columns:
         for k in np.flatnonzero(bad & ~left):
             _ = self.members[first + int(k)]  # says what is wrong, if it is
             left[k] = True
-        return Block(first, last, left, moments, torque, omega, gamma)
+        return Block(first, last, left, moments, torque, omega, gamma, scene.body.axes)
 
 
 def _times(a: Column, b: Column) -> Column:

@@ -9,13 +9,15 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any, overload
 
-from polhode.common.errors import BadInput, nearest
+from polhode.common.cached_property import cached_property
+from polhode.common.errors import BadInput, FileName, nearest
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.scenes import keys, scene_file
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.scenes.vary import Grid
+from polhode.scenes.vocabulary import CENTRE
 
 _BODIES = 1024  # that are remembered
 
@@ -63,6 +65,25 @@ class Members(Sequence[Scene]):
     def __setstate__(self, state: tuple[Scene, Grid]) -> None:
         self.__init__(*state)  # type: ignore[misc]
 
+    @cached_property
+    def axes_stay(self) -> bool:
+        """Whether all members have the principal axes of the scene.
+
+        A body of parts, or one whose inertia is given about its centre of mass, turns its axes with
+        nearly every number.  Two equal moments leave a choice, which the centre of mass makes.
+        """
+        body, axes = self.tables["body"], self.scene.body.axes
+        varied = {key.partition("[")[0] for key in self.varied.keys if key.startswith("body.")}
+        varied -= {"body.weight", "body.g"}
+        if not varied:
+            return True
+        if "parts" in body or body.get("about") == CENTRE:
+            return False
+        if not varied <= {"body.moments", "body.mass", "body.centre"}:
+            return False
+        a, b, c = self.scene.body.moments
+        return axes.trivial or "body.centre" not in varied or not (a == b or b == c or c == a)
+
     @property
     def tables(self) -> dict[str, Any]:
         """The tables that are varied, numbers exact, none of them varied yet."""
@@ -109,7 +130,8 @@ class _Reading:
 def label(name: str, varied: Grid, index: int) -> str:
     """How a member is called in messages."""
     row = zip(varied.keys, varied.rows[index], strict=True)
-    return f"{name} member {index + 1} ({', '.join(f'{key} = {shown(x)}' for key, x in row)})"
+    more = f" member {index + 1} ({', '.join(f'{key} = {shown(x)}' for key, x in row)})"
+    return name.with_more(more) if isinstance(name, FileName) else name + more
 
 
 def tables_of(scene: Scene) -> dict[str, Any]:

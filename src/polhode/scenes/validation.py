@@ -59,19 +59,19 @@ class Reading:
         """What a section holds under a key, or the key's default."""
         return keys.given(section, table, name)
 
-    def truth(self, key: str, value: Any) -> bool:
+    def truth(self, key: str, value: object) -> bool:
         """True or false."""
         if not isinstance(value, bool):
             raise self.bad(key, value, "true or false")
         return value
 
-    def word(self, key: str, value: Any) -> str:
+    def word(self, key: str, value: object) -> str:
         """A text."""
         if not isinstance(value, str) or isinstance(value, Literal):
             raise self.bad(key, value, "a string")
         return value
 
-    def words(self, key: str, value: Any) -> tuple[str, ...]:
+    def words(self, key: str, value: object) -> tuple[str, ...]:
         """A list of texts."""
         return tuple(self.word(key, item) for item in self.array(key, value))
 
@@ -114,12 +114,12 @@ class Reading:
             raise self.bad(key, text, f"an expression in {' '.join(names)} ({fault})") from None
 
 
-def is_int(value: Any) -> bool:
+def is_int(value: object) -> bool:
     """Whether a value is a whole number of the file."""
     return isinstance(value, int) and not isinstance(value, bool)
 
 
-def as_written(value: Any, depth: int = 4) -> Any:
+def as_written(value: object, depth: int = 4) -> Any:
     """A TOML value for an error message: as TOML, without quotes around decimals."""
     if isinstance(value, (list, dict)) and depth == 0:
         return "..."
@@ -133,5 +133,5 @@ def as_written(value: Any, depth: int = 4) -> Any:
     return value
 
 
-def _shown(item: Any, depth: int) -> str:
+def _shown(item: object, depth: int) -> str:
     return plain(as_written(item, depth - 1))

@@ -162,7 +162,7 @@ def grid(vary: Vary, name: str) -> Grid:
     return Grid(keys, Rows(columns, product))
 
 
-def _column(key: str, given: Any, name: str) -> Sequence[Exact]:
+def _column(key: str, given: object, name: str) -> Sequence[Exact]:
     if isinstance(given, str):
         return values(given, key, name)
     if not isinstance(given, Iterable):
@@ -173,7 +173,7 @@ def _column(key: str, given: Any, name: str) -> Sequence[Exact]:
     return column
 
 
-def _exact(value: Any, key: str, name: str) -> Exact:
+def _exact(value: object, key: str, name: str) -> Exact:
     try:
         return exact_number(value)
     except ValueError as fault:

@@ -93,11 +93,16 @@ def _say(found: Levels) -> None:
         say("decided for the body's or the level's irrational numbers rounded to 1024 bits")
 
 
+_LARGEST = 1e306  # of what an axis shows
+
+
 def _range(name: str, key: str, text: str) -> tuple[float, float]:
     try:
         first, last = (to_double(expression.number(part)) for part in text.split(":"))
     except (ExpressionError, ValueError):
         raise BadInput(name, key, text, "A:B, two numbers") from None
+    if max(abs(first), abs(last)) > _LARGEST:
+        raise BadInput(name, key, text, f"A:B, two numbers of at most {_LARGEST:g}")
     if not first < last:
         raise BadInput(name, key, text, "A:B with A below B")
     return first, last

@@ -109,7 +109,7 @@ def is_file(name: str) -> bool:
     """Whether a trajectory file is meant: an existing path that is no scene, or a .csv."""
     suffix = Path(name).suffix.lower()
     return suffix == ".csv" or (
-        suffix != ".toml" and name not in library.names() and Path(name).is_file()
+        suffix != ".toml" and not library.ships(name) and Path(name).is_file()
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -96,7 +97,7 @@ def main(options: Namespace) -> int:
     return DONE
 
 
-def _certified(scene: Scene, times: tuple[Exact, ...], options: Namespace) -> int:
+def _certified(scene: Scene, times: Sequence[Exact], options: Namespace) -> int:
     """A proven enclosure, and proven events; on stdout nothing but proven digits."""
     from polhode.enclosures.certify import MAX_STEPS, certify
     from polhode.enclosures.events import certify_events

@@ -119,7 +119,8 @@ def table(found: Any) -> tuple[list[str], list[list[str]]]:
     for orbit, n in enumerate(found.counts):
         for m in range(n):
             numbers = (found.times[orbit, m], found.l[orbit, m], found.ratio[orbit, m])
-            digits = f"{found.digits[orbit, m]:.1f}"
+            right = found.digits[orbit, m]
+            digits = "-" if right != right else f"{right:.1f}"
             rows.append([str(orbit + 1), str(m + 1), *(f"{x:#.15g}" for x in numbers), digits])
     return ["orbit", "crossing", "t", "l", "L/G", "digits"], rows
 

@@ -15,10 +15,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from polhode.closed_forms._winding.winding_number import bisected
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion, product
-from polhode.closed_forms.winding.winding_number import bisected
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -29,19 +30,19 @@ class Asymptotic:
     """
 
     start: Quaternion
-    placed: Callable[[Any], list[Any]]
+    placed: Callable[[Scalar], list[Scalar]]
     determinant: int
-    p: Any
-    nu: Any
-    v0: Any
+    p: Scalar
+    nu: Scalar
+    v0: Scalar
     positive: bool  # s = 1
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         del fn
         return self._seen(self.v0 + self.nu * t, self.p * t / 2) if t else self.start
 
-    def _seen(self, v: Any, turned: Any) -> Quaternion:
+    def _seen(self, v: Scalar, turned: Scalar) -> Quaternion:
         """The attitude at v, with ``turned`` in place of p t/2."""
         w, x, y, z = self._place(self.v0, mpf(0))
         c, *axis = product((w, -x, -y, -z), self._place(v, turned))
@@ -49,7 +50,7 @@ class Asymptotic:
         x, y, z = self.placed((first, second, third))
         return product(self.start, (c, x, y, z))
 
-    def _place(self, v: Any, turned: Any) -> Quaternion:
+    def _place(self, v: Scalar, turned: Scalar) -> Quaternion:
         root = mpmath.sqrt(self.p**2 + self.nu**2)
         phase = mpmath.expj(turned) / root
         al = mpc(self.p, self.nu * mpmath.tanh(v)) * phase
@@ -58,7 +59,7 @@ class Asymptotic:
             bt = -bt
         return al.real, bt.real, bt.imag, al.imag
 
-    def arguments(self, t: Any) -> tuple[Any, Any]:
+    def arguments(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t.
 
         Without their common turn about the vertical the two parameters move at most at sqrt(2) in
@@ -66,10 +67,10 @@ class Asymptotic:
         """
         last = mpmath.prec * mpmath.ln2 / 3
 
-        def moved(v: Any) -> Any:
+        def moved(v: Scalar) -> Scalar:
             return 3 * mpmath.atan(mpmath.sinh(min(max(v, -last), last)))
 
-        def fine(x: Any) -> tuple[Any, Any]:
+        def fine(x: Scalar) -> tuple[Scalar, Scalar]:
             q0, q1, q2, q3 = self._seen(mpmath.asinh(mpmath.tan(x / 3)), mpf(0))
             return mpc(q0, q3), mpc(q1, q2)
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from polhode.closed_forms._engine.misfit import Misfit
+from polhode.closed_forms._engine.normal_form import equal, missing, placed_in, positive
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.bobylev_steklov.conditions import conditions
-from polhode.closed_forms.engine.misfit import Misfit
-from polhode.closed_forms.engine.normal_form import equal, missing, placed_in, positive
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
 
 
 def special(scene: PrincipalScene) -> Iterator[tuple[str, Misfit | None]]:

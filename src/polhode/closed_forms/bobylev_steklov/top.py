@@ -22,16 +22,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms._winding.euler_angles import Attitude
 from polhode.closed_forms.bobylev_steklov.asymptotic import Asymptotic
 from polhode.closed_forms.bobylev_steklov.conditions import conditions
-from polhode.closed_forms.engine.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
 from polhode.closed_forms.functions.quaternion import Quaternion
 from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.winding.euler_angles import Attitude
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, sign, sqrt
 from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.scalars import Scalar
 
 SWINGING = "Bobylev-Steklov, r changes its sign"
 TURNING = "Bobylev-Steklov, r keeps its sign"
@@ -44,27 +45,27 @@ class _Motion:
 
     elliptic: Elliptic
     swinging: bool
-    v0: Any
-    nu: Any
-    scale: Any
-    k: Any
-    p: Any
-    Ga: Any
-    m: Any
+    v0: Scalar
+    nu: Scalar
+    scale: Scalar
+    k: Scalar
+    p: Scalar
+    Ga: Scalar
+    m: Scalar
 
     @property
-    def period(self) -> Any | None:
+    def period(self) -> Scalar | None:
         """Of w and gamma; None where r = sech."""
         if not mpmath.isfinite(self.elliptic.K):
             return None
         return (4 if self.swinging else 2) * self.elliptic.K / self.nu
 
     @property
-    def fastest(self) -> Any:
+    def fastest(self) -> Scalar:
         """The rate of the phase."""
         return self.nu
 
-    def at(self, t: Any) -> tuple[Any, ...]:
+    def at(self, t: Scalar) -> tuple[Scalar, ...]:
         """p, q, r, gamma1, gamma2, gamma3."""
         sn, cn, dn = self.elliptic.at(self.v0 + self.nu * t)
         if self.swinging:
@@ -118,14 +119,14 @@ class BobylevSteklov(OrbitMotion):
             **{name: x[name] for name in ("k", "p", "Ga", "m")},
         )
 
-    def _turning(self, start: Quaternion, rate: Any, bits: int) -> Attitude:
+    def _turning(self, start: Quaternion, rate: Scalar, bits: int) -> Attitude:
         motion = self._made(bits)
         assert isinstance(motion, _Motion)
         if motion.period is not None:
             return super()._turning(start, rate, bits)
         rows = self._scene_axes(bits)
 
-        def placed(v: Any) -> list[Any]:
+        def placed(v: tuple[Scalar, Scalar, Scalar]) -> list[Scalar]:
             return rows.scene(self._axes.axial_back(v))
 
         return Asymptotic(

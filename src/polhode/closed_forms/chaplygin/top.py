@@ -19,14 +19,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
+from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.chaplygin.conditions import coefficients, conditions
-from polhode.closed_forms.engine.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.functions.quadrature_1dof import OneDegree, one_degree
 from polhode.closed_forms.functions.rounding import number
 from polhode.numbers.exact import ONE, ZERO, Exact, power, sign
 from polhode.numbers.mpmath_context import mpf
+from polhode.numbers.scalars import Scalar
 
 REGIME = "Chaplygin 1904"
 
@@ -36,36 +36,36 @@ class _Motion:
     """The orbit at one precision: the moments over the weight, and the coefficients."""
 
     flow: OneDegree
-    moments: tuple[Any, Any, Any]
-    c: Any
-    b2: Any
-    c2: Any
-    B1: Any
-    C1: Any
+    moments: tuple[Scalar, Scalar, Scalar]
+    c: Scalar
+    b2: Scalar
+    c2: Scalar
+    B1: Scalar
+    C1: Scalar
 
     @property
-    def period(self) -> Any:
+    def period(self) -> Scalar:
         """Of w and gamma."""
         return self.flow.period
 
     @property
-    def fastest(self) -> Any:
+    def fastest(self) -> Scalar:
         """The rate of the phase."""
         return self.flow.fastest
 
-    def at(self, t: Any) -> tuple[Any, ...]:
+    def at(self, t: Scalar) -> tuple[Scalar, ...]:
         """p, q, r, gamma1, gamma2, gamma3."""
         return self._state(*self.flow.at(t))
 
-    def clock(self, t: Any) -> Any:
+    def clock(self, t: Scalar) -> Scalar:
         """The angle x of the flow."""
         return self.flow.clock(t)
 
-    def along(self, s: Any) -> tuple[Sequence[Any], Any]:
+    def along(self, s: Scalar) -> tuple[Sequence[Scalar], Scalar]:
         """The state at the angle, and dt/dx."""
         return self._state(*self.flow.along(s)), self.flow.pace(s)
 
-    def _state(self, z: Any, Y: Any, Z: Any) -> tuple[Any, ...]:
+    def _state(self, z: Scalar, Y: Scalar, Z: Scalar) -> tuple[Scalar, ...]:
         (A, B, C), c = self.moments, self.c
         p, q, r = z * z * z, z * Y, z * Z
         two = (A - B) * p * q - C * (B - C) * (self.c2 * p * q + self.C1 * Y / 3) / A

@@ -12,16 +12,16 @@ which :mod:`polhode.closed_forms.euler.turns` knows at any time.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-from polhode.closed_forms.engine.axes import MotionAxes
+from polhode.closed_forms._engine.axes import MotionAxes
+from polhode.closed_forms._winding.winding_number import fine_parameters
 from polhode.closed_forms.euler.motion import EulerMotion, PermanentRotation, Polhode
 from polhode.closed_forms.euler.turns import PolhodeTurns
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion, conjugate, of_matrix, product
-from polhode.closed_forms.winding.winding_number import fine_parameters
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -31,28 +31,28 @@ class EulerAttitude:
     motion: EulerMotion
     axes: MotionAxes
     start: Quaternion
-    cosine: Any  # of the angle between the vertical and G; 0 at rest
+    cosine: Scalar  # of the angle between the vertical and G; 0 at rest
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         c, x, y, z = self.motion.state(t, fn)[1]
         return self.after((c, x, y, z))
 
-    def floats(self, speed: Any) -> EulerAttitude:
+    def floats(self, speed: Scalar) -> EulerAttitude:
         """The same in doubles, time in units of 1/speed."""
         a, b, c, d = (float(x) for x in self.start)
         motion, axes = self.motion.floats(speed), self.axes.mapped(float)
         return EulerAttitude(motion, axes, (a, b, c, d), float(self.cosine))
 
     @property
-    def speed(self) -> Any:
+    def speed(self) -> Scalar:
         """An upper bound of |w| over all time."""
         if isinstance(self.motion, PermanentRotation):
             return 2 * self.motion.half
         return speed_bound(self.motion)
 
     @property
-    def fastest(self) -> Any:
+    def fastest(self) -> Scalar:
         """An upper bound of the rates that the motion is made of."""
         if isinstance(self.motion, PermanentRotation):
             return 2 * self.motion.half
@@ -62,7 +62,7 @@ class EulerAttitude:
     def bend(self) -> None:
         """No bound of the quaternion's second derivative is known here."""
 
-    def arguments(self, t: Any) -> tuple[Any, Any] | None:
+    def arguments(self, t: Scalar) -> tuple[Scalar, Scalar] | None:
         """The growth of arg al and arg bt from time 0 to t, where it is closed; else None.
 
         None for an argument whose parameter is always 0.
@@ -77,7 +77,7 @@ class EulerAttitude:
             )
         return self._turned(t)
 
-    def _turned(self, t: Any) -> tuple[Any, Any] | None:
+    def _turned(self, t: Scalar) -> tuple[Scalar, Scalar] | None:
         """The growth of both arguments along a polhode; None: it is to be counted."""
         begin = mpf(0)
         if not all(fine_parameters(self.start)):  # a pole is left with the arguments' limits
@@ -106,7 +106,7 @@ class EulerAttitude:
 _AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
 
-def speed_bound(motion: Polhode) -> Any:
+def speed_bound(motion: Polhode) -> Scalar:
     """An upper bound of |w| over all time.
 
     The middle axis has the larger amplitude of the two across: no moment exceeds the others' sum.
@@ -114,7 +114,7 @@ def speed_bound(motion: Polhode) -> Any:
     return mpmath.hypot(*motion.omega[1:])
 
 
-def _along_ellipse(one: Any, other: Any, x: Any) -> Any:
+def _along_ellipse(one: Scalar, other: Scalar, x: Scalar) -> Scalar:
     """The growth of arg(one cos x + other sin x) from 0 to x; None where that is always 0.
 
     Through 0 itself the argument jumps by pi, counted upwards away from the start.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Sequence
 
-from polhode.closed_forms.engine.axes import MotionAxes
+from polhode.closed_forms._engine.axes import MotionAxes
 from polhode.closed_forms.euler.regimes import excess
 from polhode.numbers.exact import Exact, sign
 

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from polhode.closed_forms._winding.argument_of_sum import Crossing
 from polhode.closed_forms.functions.jacobi import MP, Jacobi
-from polhode.closed_forms.winding.argument_of_sum import Crossing
 from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.scalars import Scalar
 
 _NOISE = 16  # last bits of a sum that are not trusted
 _STEPS = 200  # of a bracketed Newton iteration
@@ -21,13 +22,13 @@ _POINT = -20  # log2 of the longest part that a touched value may take up
 
 
 class _Node(NamedTuple):
-    u: Any
-    waves: tuple[Any, Any, Any]  # cn, sn, dn
-    above: Any  # the sum less the value; 0 where it is not more than noise
+    u: Scalar
+    waves: tuple[Scalar, Scalar, Scalar]  # cn, sn, dn
+    above: Scalar  # the sum less the value; 0 where it is not more than noise
 
 
 def crossings(
-    elliptic: Jacobi, row: Sequence[Any], value: Any
+    elliptic: Jacobi, row: Sequence[Scalar], value: Scalar
 ) -> tuple[bool, tuple[Crossing, ...]]:
     """Whether row.(cn, sn, dn) >= ``value`` at first, and where in a period that changes.
 
@@ -48,7 +49,7 @@ def crossings(
 
 
 class _Crossings:
-    def __init__(self, elliptic: Jacobi, row: Sequence[Any], value: Any) -> None:
+    def __init__(self, elliptic: Jacobi, row: Sequence[Scalar], value: Scalar) -> None:
         self._elliptic, self._row, self._value = elliptic, row, value
         self.hidden = False  # whether a part of the period lies too near the value to tell
         K = elliptic.K
@@ -85,12 +86,12 @@ class _Crossings:
                 middle = self._node((a.u + b.u) / 2)
                 pending += [(middle, b), (a, middle)]
 
-    def _waves(self, u: Any) -> tuple[Any, Any, Any]:
+    def _waves(self, u: Scalar) -> tuple[Scalar, Scalar, Scalar]:
         waves = self._elliptic.waves(u, MP)
         sn, cn, dn = self._elliptic.functions(waves)
         return (-cn, -sn, dn) if waves.turns % 2 else (cn, sn, dn)
 
-    def _node(self, u: Any) -> _Node:
+    def _node(self, u: Scalar) -> _Node:
         waves = self._waves(u)
         terms = [x * y for x, y in zip(self._row, waves, strict=True)]
         above = sum(terms) - self._value
@@ -119,11 +120,11 @@ class _Crossings:
         return bool(low > 0 or high < 0)
 
     @property
-    def _slopes(self) -> tuple[Any, Any, Any]:
+    def _slopes(self) -> tuple[Scalar, Scalar, Scalar]:
         x, y, z = self._row
         return -x, y, -self._k2 * z
 
-    def _slope(self, waves: tuple[Any, Any, Any]) -> Any:
+    def _slope(self, waves: tuple[Scalar, Scalar, Scalar]) -> Scalar:
         pairs = zip(self._slopes, _PAIRS, strict=True)
         return sum(x * waves[i] * waves[j] for x, (i, j) in pairs)
 

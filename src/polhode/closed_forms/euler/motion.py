@@ -31,6 +31,7 @@ from polhode.closed_forms.functions.jacobi import (
 )
 from polhode.closed_forms.functions.quaternion import AnyVector, Quaternion, product
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -38,10 +39,10 @@ class PermanentRotation:
     """w constant: the body turns uniformly about it (Rodrigues' formula)."""
 
     omega: AnyVector
-    half: Any  # |w|/2
+    half: Scalar  # |w|/2
     axis: AnyVector  # w/|w|, or zero at rest
 
-    def state(self, t: Any, fn: SeriesFunctions) -> tuple[AnyVector, Quaternion]:
+    def state(self, t: Scalar, fn: SeriesFunctions) -> tuple[AnyVector, Quaternion]:
         """w at t, and the turn from time 0 to t as a quaternion continuous in t."""
         c, s = fn.cos_sin(self.half * t)
         x, y, z = self.axis
@@ -59,23 +60,23 @@ class Polhode:
 
     elliptic: Jacobi
     shift: Quotient
-    rate: Any
-    v0: Any
+    rate: Scalar
+    v0: Scalar
     omega: AnyVector  # the amplitudes, with their signs
     momentum: AnyVector  # the same times I/G
-    ellipse: tuple[Any, Any]  # |momentum| 1 and 2 over the larger: no double of it underflows
-    precession: Any  # of axis 3 about G, but for what ``jump`` and ``shift`` add
-    jump: Any  # of psi with every half period 2K
+    ellipse: tuple[Scalar, Scalar]  # |momentum| 1 and 2 over the larger: no double of it underflows
+    precession: Scalar  # of axis 3 about G, but for what ``jump`` and ``shift`` add
+    jump: Scalar  # of psi with every half period 2K
     backward: bool  # the smallest moment is the third: the quotient enters conjugated
     sense: int  # s1 s2
     start: Quaternion = (1, 0, 0, 0)  # inverse of the place at t = 0
 
-    def state(self, t: Any, fn: SeriesFunctions) -> tuple[AnyVector, Quaternion]:
+    def state(self, t: Scalar, fn: SeriesFunctions) -> tuple[AnyVector, Quaternion]:
         """w at t, and the turn from time 0 to t as a quaternion continuous in t."""
         omega, place = self.place(t, fn)
         return omega, product(self.start, place)
 
-    def place(self, t: Any, fn: SeriesFunctions) -> tuple[AnyVector, Quaternion]:
+    def place(self, t: Scalar, fn: SeriesFunctions) -> tuple[AnyVector, Quaternion]:
         """w, and the quaternion body -> space in the space axes whose third is along G.
 
         Euler angles z-y-z: Iw/G = (s1 sin th cos phi, -s1 sin th sin phi, cos th).
@@ -117,7 +118,7 @@ class Polhode:
             cos_th * (psi[1] * phi[0] + psi[0] * phi[1]),
         )
 
-    def angles(self, t: Any) -> tuple[Any, Any]:
+    def angles(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The continuous psi and phi of :meth:`place`, to a constant each."""
         waves = self.elliptic.waves(self.v0 + self.rate * t, MP)
         sn, cn, _ = self.elliptic.functions(waves)
@@ -127,7 +128,7 @@ class Polhode:
         n = waves.turns
         return self.precession * t + self.jump * n + psi, -self.sense * (chi + mpmath.pi * n)
 
-    def floats(self, speed: Any) -> Polhode:
+    def floats(self, speed: Scalar) -> Polhode:
         """The same with Python floats, time in units of 1/speed."""
         return replace(
             self,
@@ -203,12 +204,12 @@ def _shift(n: Mapping[str, Any], elliptic: Jacobi) -> Quotient:
     return quotient(elliptic, b, from_end=True)
 
 
-def _half(x: Any, y: Any, fn: SeriesFunctions) -> tuple[Any, Any]:
+def _half(x: Scalar, y: Scalar, fn: SeriesFunctions) -> tuple[Scalar, Scalar]:
     """(cos, sin) of half the argument of x + i y, x >= 0."""
     modulus = fn.hypot(x, y)
     cos = fn.sqrt((1 + x / modulus) / 2)
     return cos, y / (2 * modulus * cos)
 
 
-def _floats(row: tuple[Any, ...]) -> Any:
+def _floats(row: tuple[Scalar, ...]) -> tuple[Scalar, ...]:
     return tuple(float(x) for x in row)

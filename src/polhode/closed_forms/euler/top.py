@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from polhode.closed_forms.engine.from_attitude import FromAttitude
+from polhode.closed_forms._engine.from_attitude import FromAttitude
 from polhode.closed_forms.euler.attitude import EulerAttitude
 from polhode.closed_forms.euler.axes import numbered_axes
 from polhode.closed_forms.euler.motion import EulerMotion, permanent_rotation, polhode

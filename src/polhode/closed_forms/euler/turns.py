@@ -10,7 +10,7 @@ of the turn from the space axes along G to those along the vertical,
 
     al = a al* - b conj(bt*),    bt = a bt* + b conj(al*),
 
-each the sum of two terms of known arguments (:mod:`polhode.closed_forms.winding.argument_of_sum`).
+each the sum of two terms of known arguments (:mod:`polhode.closed_forms._winding.argument_of_sum`).
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
 
+from polhode.closed_forms._winding.argument_of_sum import Polar, Sum, Terms, Turning
 from polhode.closed_forms.euler.crossings import crossings
 from polhode.closed_forms.euler.motion import Polhode
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.quaternion import AnyVector, Quaternion
-from polhode.closed_forms.winding.argument_of_sum import Polar, Sum, Terms, Turning
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 
 class PolhodeTurns:
@@ -37,7 +37,7 @@ class PolhodeTurns:
     """
 
     def __init__(
-        self, motion: Polhode, left: Quaternion, right: Quaternion, axis: AnyVector, cosine: Any
+        self, motion: Polhode, left: Quaternion, right: Quaternion, axis: AnyVector, cosine: Scalar
     ) -> None:
         self._motion = motion
         # The same as a function of u, without what turns evenly in time.
@@ -53,10 +53,10 @@ class PolhodeTurns:
         if (not a or not b) and (one.vanishes() or two.vanishes()):
             raise ArithmeticError("the third axis passes through the vertical")
 
-        def ahead(u: Any) -> Terms:
+        def ahead(u: Scalar) -> Terms:
             return one.at(u), two.at(u).conjugate()
 
-        def behind(u: Any) -> Terms:
+        def behind(u: Scalar) -> Terms:
             return two.at(u), one.at(u).conjugate()
 
         # (cn, sn, dn) times the row is the cosine of the angle between the axis and G.
@@ -68,12 +68,12 @@ class PolhodeTurns:
         bt = self._sum((a, b), advances[1], behind, back, -cosine)
         self._parts = Turning(al, motion, spins), Turning(bt, motion, spins)
 
-    def growth(self, first: Any, last: Any) -> tuple[Any, Any]:
+    def growth(self, first: Scalar, last: Scalar) -> tuple[Scalar, Scalar]:
         """Of both arguments between two times."""
         al, bt = self._parts
         return al.growth(first, last), bt.growth(first, last)
 
-    def _numbered(self, u: Any) -> Terms:
+    def _numbered(self, u: Scalar) -> Terms:
         """al' and bt' without the even turning."""
         q0, q1, q2, q3 = self._own.place(u, MP)[1]
         psi, phi = self._own.angles(u)
@@ -85,15 +85,15 @@ class PolhodeTurns:
 
     def _sum(
         self,
-        factors: tuple[Any, Any],
-        advances: tuple[Any, Any],
-        terms: Callable[[Any], Terms],
-        row: Any,
-        value: Any,
+        factors: tuple[Scalar, Scalar],
+        advances: tuple[Scalar, Scalar],
+        terms: Callable[[Scalar], Terms],
+        row: tuple[Scalar, Scalar, Scalar],
+        value: Scalar,
     ) -> Sum:
         """The sum of two terms with factors; the first leads where row.(cn, sn, dn) > value."""
 
-        def scaled(u: Any) -> Terms:
+        def scaled(u: Scalar) -> Terms:
             one, two = terms(u)
             return one.times(factors[0]), two.times(factors[1])
 
@@ -101,7 +101,7 @@ class PolhodeTurns:
         return Sum(scaled, advances, 0 if begins else 1, places)
 
 
-def _parameters(q: Quaternion) -> tuple[Any, Any]:
+def _parameters(q: Quaternion) -> tuple[Scalar, Scalar]:
     """al and bt, either 0 where it is but for rounding."""
     tiny = mpmath.ldexp(1, -mpmath.prec // 2)
     al, bt = mpc(q[0], q[3]), mpc(q[1], q[2])

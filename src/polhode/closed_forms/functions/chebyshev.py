@@ -8,37 +8,37 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 from polhode.closed_forms.functions.fourier import WaveSeries, cosines
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 
 @dataclass(frozen=True)
 class Integral:
     """The integral from ``begin`` to anywhere up to ``end``."""
 
-    begin: Any
-    end: Any
+    begin: Scalar
+    end: Scalar
     series: WaveSeries
-    origin: Any  # of the series, at ``begin``
+    origin: Scalar  # of the series, at ``begin``
 
-    def at(self, x: Any) -> Any:
+    def at(self, x: Scalar) -> Scalar:
         """The integral from begin to x."""
         cosine = 1 - 2 * (x - self.begin) / (self.end - self.begin)
         ph = mpmath.acos(max(mpf(-1), min(mpf(1), cosine)))
         return self.series.at(ph) - self.origin
 
 
-def node(begin: Any, end: Any, j: int, count: int) -> Any:
+def node(begin: Scalar, end: Scalar, j: int, count: int) -> Scalar:
     """Where a series of ``count`` samples asks the function, j = 0 ... count/2."""
     return _place(begin, end, mpmath.pi * (mpf(2 * j) / count))
 
 
 def integral(
-    function: Callable[[Any], Any],
-    begin: Any,
-    end: Any,
+    function: Callable[[Scalar], Scalar],
+    begin: Scalar,
+    end: Scalar,
     *,
     first: int = 0,
     most: int,
@@ -55,5 +55,5 @@ def integral(
     return Integral(begin, end, series, series.at(mpf(0)))
 
 
-def _place(begin: Any, end: Any, ph: Any) -> Any:
+def _place(begin: Scalar, end: Scalar, ph: Scalar) -> Scalar:
     return begin + (end - begin) / 2 * (1 - mpmath.cos(ph))

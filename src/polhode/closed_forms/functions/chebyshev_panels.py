@@ -13,6 +13,7 @@ from typing import Any
 from polhode.closed_forms.functions.chebyshev import Integral, integral
 from polhode.closed_forms.functions.fourier import TooManyTerms
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 MOST_PANELS = 20_000
 _NODES = 512  # samples of a panel's circle; beyond it the panel is halved
@@ -22,12 +23,12 @@ _SMALLEST = 1 << 12  # a panel's share of the length asked for
 class Panels:
     """The integral of ``function`` from 0, in panels of ``length`` (a positive number)."""
 
-    def __init__(self, function: Callable[[Any], Any], length: Any) -> None:
+    def __init__(self, function: Callable[[Scalar], Scalar], length: Scalar) -> None:
         self._function, self._length = function, length
         self._known: dict[int, list[Integral]] = {}
         self._sums: dict[int, list[Any]] = {1: [mpf(0)], -1: [mpf(0)]}
 
-    def at(self, t: Any) -> Any:
+    def at(self, t: Scalar) -> Scalar:
         """The integral from 0 to t, at the precision in force when the panels were made."""
         side = 1 if t >= 0 else -1
         n = int(mpmath.floor(abs(t) / self._length))
@@ -47,7 +48,7 @@ class Panels:
             total += side * piece.at(piece.end)
         return total
 
-    def _whole(self, number: int) -> Any:
+    def _whole(self, number: int) -> Scalar:
         side = 1 if number > 0 else -1
         return side * sum(piece.at(piece.end) for piece in self._panel(number))
 
@@ -57,7 +58,7 @@ class Panels:
             side = 1 if number > 0 else -1
             origin = (abs(number) - 1) * self._length
 
-            def value(s: Any) -> Any:
+            def value(s: Scalar) -> Scalar:
                 return self._function(side * (origin + s))
 
             pieces, todo = [], [(mpf(0), self._length)]

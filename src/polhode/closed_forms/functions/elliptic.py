@@ -6,10 +6,10 @@ Parameter m and complement m1 = 1 - m come separately, each with all its digits.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from polhode.closed_forms.functions.jacobi import MP, Jacobi, jacobi
 from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -19,17 +19,17 @@ class Elliptic:
     jacobi: Jacobi
 
     @property
-    def K(self) -> Any:  # noqa: N802
+    def K(self) -> Scalar:  # noqa: N802
         """The quarter period; infinite where m1 = 0."""
         return self.jacobi.K
 
-    def at(self, v: Any) -> tuple[Any, Any, Any]:
+    def at(self, v: Scalar) -> tuple[Scalar, Scalar, Scalar]:
         """sn, cn, dn at v."""
         waves = self.jacobi.waves(v, MP)
         sn, cn, dn = self.jacobi.functions(waves)
         return (-sn, -cn, dn) if waves.turns % 2 else (sn, cn, dn)
 
-    def phase(self, sn: Any, cn: Any, dn: Any) -> Any:
+    def phase(self, sn: Scalar, cn: Scalar, dn: Scalar) -> Scalar:
         """The v in (-2K, 2K] with these values, dn >= 0 (Carlson 1979; DLMF 22.15, 19.25)."""
         v = sn * mpmath.elliprf(cn * cn, dn * dn, 1)
         if cn < 0:
@@ -37,6 +37,6 @@ class Elliptic:
         return v
 
 
-def elliptic(m: Any, m1: Any) -> Elliptic:
+def elliptic(m: Scalar, m1: Scalar) -> Elliptic:
     """The functions of parameter m and complement m1, both >= 0."""
     return Elliptic(jacobi(m, m1))

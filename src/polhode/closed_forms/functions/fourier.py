@@ -17,6 +17,8 @@ import numpy as np
 from mpmath import libmp
 
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.rows import Objects
+from polhode.numbers.scalars import Scalar
 
 _GUARD = 32  # bits of the integers beyond the precision in force
 _LEAST = 16  # samples tried first
@@ -27,7 +29,7 @@ class TooManyTerms(ArithmeticError):
     """A series that does not end within the terms allowed."""
 
 
-def transform(real: Any, imaginary: Any, bits: int) -> tuple[Any, Any]:
+def transform(real: Objects, imaginary: Objects, bits: int) -> tuple[Objects, Objects]:
     """The sums over j of x_j exp(-2 pi i j k/N) along the first axis, N a power of two.
 
     Real and imaginary parts are arrays of integers in units of 2^-bits; so are the answers.
@@ -52,12 +54,12 @@ def transform(real: Any, imaginary: Any, bits: int) -> tuple[Any, Any]:
     return re.reshape(count, *rest), im.reshape(count, *rest)
 
 
-def fixed(x: Any, bits: int) -> int:
+def fixed(x: Scalar, bits: int) -> int:
     """x in units of 2^-bits, to the nearest one."""
     return int(libmp.to_fixed(x._mpf_, bits)) if x else 0
 
 
-def floating(n: int, bits: int) -> Any:
+def floating(n: int, bits: int) -> Scalar:
     """n units of 2^-bits as a number at the precision in force."""
     return mpmath.make_mpf(libmp.from_man_exp(n, -bits, mpmath.prec, "n"))
 
@@ -69,12 +71,12 @@ class Cosines:
     F(x) = a_0 + sum a_k cos(k x) has the integral a_0 x + :meth:`bounded` from 0 to x.
     """
 
-    mean: Any
+    mean: Scalar
     terms: tuple[int, ...]  # a_k/(k scale), k = 1, 2, ...
-    scale: Any
+    scale: Scalar
     bits: int
 
-    def bounded(self, x: Any) -> Any:
+    def bounded(self, x: Scalar) -> Scalar:
         """The sum of a_k sin(k x)/k (Clenshaw 1955)."""
         cos, sin = mpmath.cos_sin(x)
         twice = fixed(cos, self.bits) * 2
@@ -117,7 +119,7 @@ class Doubles:
     mean: float
     terms: tuple[float, ...]
 
-    def bounded(self, x: Any) -> Any:
+    def bounded(self, x: Scalar) -> Scalar:
         """The sum of a_k sin(k x)/k."""
         twice, first, second = 2 * np.cos(x), 0.0, 0.0
         for term in reversed(self.terms):
@@ -129,11 +131,11 @@ class Doubles:
 class OddSines:
     """The sum over m >= 0 of b_m sin((2m + 1) x), bounded."""
 
-    terms: tuple[Any, ...]
-    scale: Any
+    terms: tuple[Scalar, ...]
+    scale: Scalar
     bits: int | None  # None: terms are doubles, and arrays may be asked for
 
-    def at(self, cos: Any, sin: Any) -> Any:
+    def at(self, cos: Scalar, sin: Scalar) -> Scalar:
         """The value from cos x and sin x."""
         if self.bits is None:
             twice, one, two = 2 * (cos - sin) * (cos + sin), 0.0, 0.0
@@ -155,7 +157,7 @@ class OddSines:
 
 
 def cosines(
-    function: Callable[[Any], Sequence[Any]],
+    function: Callable[[Scalar], Sequence[Scalar]],
     first: int = _LEAST,
     most: int = _MOST,
     spoiled: int = 0,
@@ -192,13 +194,13 @@ def cosines(
 class WaveSeries:
     """The integral of a periodic function: mean x + sum of (a_k sin(k x) - b_k cos(k x))/k."""
 
-    mean: Any
+    mean: Scalar
     sines: tuple[Any, ...]  # a_k/(k scale)
-    cosines: tuple[Any, ...]  # -b_k/(k scale)
-    scale: Any
+    cosines: tuple[Scalar, ...]  # -b_k/(k scale)
+    scale: Scalar
     bits: int | None  # None: doubles, and arrays may be asked for
 
-    def at(self, x: Any) -> Any:
+    def at(self, x: Scalar) -> Scalar:
         """The integral, up to a constant."""
         if self.bits is None:
             cos, sin = np.cos(x), np.sin(x)
@@ -231,7 +233,7 @@ class WaveSeries:
         return WaveSeries(float(self.mean), sines, others, 1.0, None)
 
 
-def waves(function: Callable[[Any], Any], most: int = _MOST) -> WaveSeries:
+def waves(function: Callable[[Scalar], Scalar], most: int = _MOST) -> WaveSeries:
     """The series of the integral of a function of period 2 pi, at the precision in force.
 
     Raises TooManyTerms beyond ``most`` samples.
@@ -264,7 +266,7 @@ def waves(function: Callable[[Any], Any], most: int = _MOST) -> WaveSeries:
     )
 
 
-def _series(values: Sequence[Any], bits: int, spoiled: int) -> Cosines | None:
+def _series(values: Sequence[Scalar], bits: int, spoiled: int) -> Cosines | None:
     """One series from the samples on half a turn; None where they are too few."""
     half = len(values) - 1
     scale = mpmath.ldexp(1, max(mpmath.mag(x) for x in values if x)) if any(values) else mpf(1)

@@ -12,13 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from polhode.numbers.exact import Exact
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector
 
 
-def value(polynomial: Sequence[Any], x: Any) -> Any:
+def value(polynomial: Sequence[Scalar], x: Scalar) -> Scalar:
     """The value of a polynomial, coefficients from the constant one up (Horner)."""
     total = polynomial[-1]
     for c in reversed(polynomial[:-1]):
@@ -26,7 +26,7 @@ def value(polynomial: Sequence[Any], x: Any) -> Any:
     return total
 
 
-def slope(polynomial: Sequence[Any]) -> list[Any]:
+def slope(polynomial: Sequence[Scalar]) -> list[Scalar]:
     """The derivative's coefficients."""
     return [n * c for n, c in enumerate(polynomial)][1:]
 
@@ -35,21 +35,21 @@ def slope(polynomial: Sequence[Any]) -> list[Any]:
 class Frame:
     """gamma as polynomials in p, times q and r; any scalars (:func:`frame`)."""
 
-    one: Sequence[Any]
-    two: Sequence[Any]
-    three: Sequence[Any]
-    Q: Sequence[Any]
-    R: Sequence[Any]
+    one: Sequence[Scalar]
+    two: Sequence[Scalar]
+    three: Sequence[Scalar]
+    Q: Sequence[Scalar]
+    R: Sequence[Scalar]
 
-    def gamma(self, p: Any, q: Any, r: Any) -> tuple[Any, Any, Any]:
+    def gamma(self, p: Scalar, q: Scalar, r: Scalar) -> tuple[Scalar, Scalar, Scalar]:
         """gamma1, gamma2, gamma3."""
         return value(self.one, p), q * value(self.two, p), r * value(self.three, p)
 
-    def squares(self, p: Any) -> tuple[Any, Any]:
+    def squares(self, p: Scalar) -> tuple[Scalar, Scalar]:
         """q^2 and r^2."""
         return value(self.Q, p), value(self.R, p)
 
-    def mapped(self, convert: Callable[[Exact], Any]) -> Frame:
+    def mapped(self, convert: Callable[[Exact], Scalar]) -> Frame:
         """The same with its numbers converted."""
         rows = (self.one, self.two, self.three, self.Q, self.R)
         return Frame(*([convert(x) for x in row] for row in rows))

@@ -16,25 +16,26 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from mpmath import libmp
 
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.rows import Doubles
+from polhode.numbers.scalars import Scalar
 
 
 @dataclass(frozen=True)
 class SeriesFunctions:
     """What the series need of one kind of scalar; of a field's see numbers.scalars.Functions."""
 
-    cos_sin: Callable[[Any], tuple[Any, Any]]
-    cosh_sinh: Callable[[Any], tuple[Any, Any]]
-    sqrt: Callable[[Any], Any]
-    hypot: Callable[[Any, Any], Any]
-    nint: Callable[[Any], Any]
+    cos_sin: Callable[[Scalar], tuple[Scalar, Scalar]]
+    cosh_sinh: Callable[[Scalar], tuple[Scalar, Scalar]]
+    sqrt: Callable[[Scalar], Scalar]
+    hypot: Callable[[Scalar, Scalar], Scalar]
+    nint: Callable[[Scalar], Scalar]
 
 
-def _cosh_sinh(x: Any) -> tuple[Any, Any]:
+def _cosh_sinh(x: Scalar) -> tuple[Scalar, Scalar]:
     cosh, sinh = libmp.mpf_cosh_sinh(x._mpf_, mpmath.prec, "n")
     return mpmath.make_mpf(cosh), mpmath.make_mpf(sinh)
 
@@ -49,7 +50,7 @@ def numpy_functions() -> SeriesFunctions:
     """Functions of numpy's arrays of doubles."""
     import numpy as np
 
-    def cosh_sinh(x: Any) -> tuple[Any, Any]:
+    def cosh_sinh(x: Doubles) -> tuple[Doubles, Doubles]:
         x = np.clip(x, -_SATURATED, _SATURATED)
         return np.cosh(x), np.sinh(x)
 
@@ -81,28 +82,28 @@ class Waves:
     ``turns`` is the n of v = 2 K n + v_r.
     """
 
-    turns: Any
-    even_c: Sequence[Any]
-    even_s: Sequence[Any]
-    odd_c: Sequence[Any]
-    odd_s: Sequence[Any]
+    turns: Scalar
+    even_c: Sequence[Scalar]
+    even_s: Sequence[Scalar]
+    odd_c: Sequence[Scalar]
+    odd_s: Sequence[Scalar]
 
 
 @dataclass(frozen=True)
 class Jacobi:
     """sn, cn, dn of one modulus, at the precision in force when it was made (:func:`jacobi`)."""
 
-    K: Any  # quarter period; infinite on the separatrix
-    Kc: Any  # K', the quarter period of the complementary modulus; infinite on the circle
+    K: Scalar  # quarter period; infinite on the separatrix
+    Kc: Scalar  # K', the quarter period of the complementary modulus; infinite on the circle
     complementary: bool  # True: the series run in q'
-    nome: Any  # the one in use
-    scale: Any  # pi/2K or pi/2K'
-    theta: Sequence[Any]  # coefficients of Theta(v), the common denominator
-    sn: Sequence[Any]
-    cn: Sequence[Any]
-    dn: Sequence[Any]
+    nome: Scalar  # the one in use
+    scale: Scalar  # pi/2K or pi/2K'
+    theta: Sequence[Scalar]  # coefficients of Theta(v), the common denominator
+    sn: Sequence[Scalar]
+    cn: Sequence[Scalar]
+    dn: Sequence[Scalar]
 
-    def waves(self, v: Any, fn: SeriesFunctions) -> Waves:
+    def waves(self, v: Scalar, fn: SeriesFunctions) -> Waves:
         """The multiples that every sum at v needs."""
         finite = self.K < _INFINITY
         turns = fn.nint(v / (2 * self.K)) if finite else 0 * fn.nint(v)
@@ -121,7 +122,7 @@ class Jacobi:
             _ladder(-s, s, c2, count),
         )
 
-    def denominator(self, waves: Waves) -> Any:
+    def denominator(self, waves: Waves) -> Scalar:
         """Theta(v_r), to a constant factor."""
         return dot(self.theta, waves.odd_c if self.complementary else waves.even_c)
 
@@ -129,7 +130,7 @@ class Jacobi:
         """The derivatives in v of the multiples; with them every sum gives its derivative."""
         back = self.scale if self.complementary else -self.scale
 
-        def times(factor: Any, row: Sequence[Any], first: int) -> list[Any]:
+        def times(factor: Scalar, row: Sequence[Scalar], first: int) -> list[Scalar]:
             return [factor * (2 * j + first) * x for j, x in enumerate(row)]
 
         return Waves(
@@ -140,7 +141,7 @@ class Jacobi:
             times(self.scale, waves.odd_c, 1),
         )
 
-    def functions(self, waves: Waves) -> tuple[Any, Any, Any]:
+    def functions(self, waves: Waves) -> tuple[Scalar, Scalar, Scalar]:
         """(sn, cn, dn) at v_r, where cn >= 0; at v, sn and cn carry the sign (-1)^n."""
         up = waves.even_c if self.complementary else waves.odd_c
         over = 1 / self.denominator(waves)
@@ -171,13 +172,13 @@ class Quotient:
     For Theta(v - i a) exp(-i rate v) take the conjugate.
     """
 
-    rate: Any
-    jump: Any
+    rate: Scalar
+    jump: Scalar
     odd: bool
-    real: Sequence[Any]
-    imaginary: Sequence[Any]
+    real: Sequence[Scalar]
+    imaginary: Sequence[Scalar]
 
-    def at(self, waves: Waves) -> tuple[Any, Any]:
+    def at(self, waves: Waves) -> tuple[Scalar, Scalar]:
         """(x, y), to a common positive factor."""
         c, s = (waves.odd_c, waves.odd_s) if self.odd else (waves.even_c, waves.even_s)
         return dot(self.real, c), dot(self.imaginary, s)
@@ -196,7 +197,7 @@ class Quotient:
 _INFINITY = float("inf")
 
 
-def jacobi(k2: Any, kc2: Any) -> Jacobi:
+def jacobi(k2: Scalar, kc2: Scalar) -> Jacobi:
     """The functions of parameter k2 = k^2 and complement kc2 = k'^2 (sum 1, both >= 0)."""
     pi, inf = mpmath.pi, mpmath.inf
     quarter = pi / (2 * mpmath.agm(1, mpmath.sqrt(kc2))) if kc2 else inf
@@ -230,7 +231,7 @@ def jacobi(k2: Any, kc2: Any) -> Jacobi:
     )
 
 
-def quotient(j: Jacobi, a: Any, *, from_end: bool = False, shifted: bool = False) -> Quotient:
+def quotient(j: Jacobi, a: Scalar, *, from_end: bool = False, shifted: bool = False) -> Quotient:
     """H for the shift a, or with ``from_end`` for the shift K' - a (for an a known to its digits).
 
     The rate is the one that makes H/Theta a solution of Lame's equation, which the components of a
@@ -249,12 +250,12 @@ def quotient(j: Jacobi, a: Any, *, from_end: bool = False, shifted: bool = False
     odd_c, odd_s = ([s * p[part] for s, p in zip(oblong, odd, strict=True)] for part in (0, 1))
     alternate = [1] * count if shifted else signs
 
-    def slope(over: list[Any], under: list[Any], first: int) -> Any:
+    def slope(over: list[Scalar], under: list[Scalar], first: int) -> Scalar:
         """(over of 1, 3, ... or 2, 4, ...)/under, each side with its signs."""
         top = mpmath.fsum((2 * i + first) * x for i, x in enumerate(over))
         return j.scale * top / mpmath.fsum(under)
 
-    def signed(row: list[Any], by: list[int]) -> list[Any]:
+    def signed(row: list[Scalar], by: list[int]) -> list[Scalar]:
         return [s * x for s, x in zip(by, row, strict=True)]
 
     if not j.complementary:
@@ -281,7 +282,7 @@ def quotient(j: Jacobi, a: Any, *, from_end: bool = False, shifted: bool = False
     return Quotient(rate, jump, True, odd_c, odd_s)
 
 
-def dot(row: Sequence[Any], waves: Sequence[Any]) -> Any:
+def dot(row: Sequence[Scalar], waves: Sequence[Scalar]) -> Scalar:
     """The sum of products; starts at the first, for a numpy array has no zero to start from."""
     total = row[0] * waves[0]
     for a, b in zip(row[1:], waves[1:], strict=True):
@@ -289,7 +290,7 @@ def dot(row: Sequence[Any], waves: Sequence[Any]) -> Any:
     return total
 
 
-def _ladder(before: Any, first: Any, c2: Any, count: int) -> list[Any]:
+def _ladder(before: Scalar, first: Scalar, c2: Scalar, count: int) -> list[Scalar]:
     """first, then x_(j+1) = 2 c2 x_j - x_(j-1), with x_(-1) = before."""
     rungs = [first]
     for _ in range(count - 1):
@@ -298,7 +299,7 @@ def _ladder(before: Any, first: Any, c2: Any, count: int) -> list[Any]:
     return rungs
 
 
-def _terms(nome: Any) -> int:
+def _terms(nome: Scalar) -> int:
     """How many terms reach the precision in force: the worst one left out is nome^(j(j-1))."""
     if nome == 0:
         return 1
@@ -306,9 +307,9 @@ def _terms(nome: Any) -> int:
     return math.ceil((1 + math.sqrt(1 + 4 * (mpmath.prec + 4) / bits)) / 2)
 
 
-def _alternate(row: list[Any]) -> list[Any]:
+def _alternate(row: list[Scalar]) -> list[Scalar]:
     return [-x if j % 2 else x for j, x in enumerate(row)]
 
 
-def _times(factor: Any, row: list[Any]) -> list[Any]:
+def _times(factor: Scalar, row: list[Scalar]) -> list[Scalar]:
     return [factor * x for x in row]

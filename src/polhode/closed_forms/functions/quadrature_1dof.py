@@ -13,12 +13,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from polhode.closed_forms.functions.fourier import Cosines, cosines
 from polhode.closed_forms.functions.gamma_from_omega import value
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _STEP = 0.5  # of Newton's iteration in doubles, at most
 _CLOSE = 1e-12
@@ -29,11 +29,11 @@ _MOST_STEPS = 60
 class _Factor:
     """Q or R between the two zeros: its quotient by those of its zeros that are ends."""
 
-    quotient: Sequence[Any]
+    quotient: Sequence[Scalar]
     low: bool
     high: bool
 
-    def root(self, z: Any, half: Any, sine: Any, cosine: Any) -> Any:
+    def root(self, z: Scalar, half: Scalar, sine: Scalar, cosine: Scalar) -> Scalar:
         """The square root, with the signs of sin x/2 and cos x/2; ``half`` = sqrt(2 D)."""
         found = mpmath.sqrt(value(self.quotient, z))
         if self.low:
@@ -46,44 +46,44 @@ class OneDegree:
     """The motion at the precision in force when it was made (:func:`one_degree`)."""
 
     factors: tuple[_Factor, _Factor]
-    k: Any
-    M: Any
-    D: Any
+    k: Scalar
+    M: Scalar
+    D: Scalar
     signs: tuple[int, int]
     series: Cosines  # of dt/dx
-    x0: Any
+    x0: Scalar
 
     @cached_property
-    def begin(self) -> Any:
+    def begin(self) -> Scalar:
         """t(x0)."""
         return self._time(self.x0)
 
     @property
-    def period(self) -> Any:
+    def period(self) -> Scalar:
         """Of z, y and w: one of z if both ends are zeros of the same polynomial, else two."""
         both = any(factor.low == factor.high for factor in self.factors)
         return (2 if both else 4) * mpmath.pi * self.series.mean
 
     @property
-    def fastest(self) -> Any:
+    def fastest(self) -> Scalar:
         """The mean rate of x."""
         return 1 / self.series.mean
 
-    def at(self, t: Any) -> tuple[Any, Any, Any]:
+    def at(self, t: Scalar) -> tuple[Scalar, Scalar, Scalar]:
         """z, y, w."""
         period = self.period
         time = self.begin + t
         return self.along(self._phase(time - period * mpmath.nint(time / period)))
 
-    def clock(self, t: Any) -> Any:
+    def clock(self, t: Scalar) -> Scalar:
         """x at t, continuous: from x0 at t = 0."""
         return self._phase(self.begin + t)
 
-    def pace(self, x: Any) -> Any:
+    def pace(self, x: Scalar) -> Scalar:
         """dt/dx."""
         return 1 / self._rate(x)
 
-    def along(self, x: Any) -> tuple[Any, Any, Any]:
+    def along(self, x: Scalar) -> tuple[Scalar, Scalar, Scalar]:
         """z, y, w at x."""
         c, (cosine, sine) = mpmath.cos(x), mpmath.cos_sin(x / 2)
         z, half = self.M - self.D * c, mpmath.sqrt(2 * self.D)
@@ -93,10 +93,10 @@ class OneDegree:
         )
         return z, y, w
 
-    def _time(self, x: Any) -> Any:
+    def _time(self, x: Scalar) -> Scalar:
         return self.series.mean * x + self.series.bounded(x)
 
-    def _phase(self, time: Any) -> Any:
+    def _phase(self, time: Scalar) -> Scalar:
         """x at a time, by Newton's iteration: from doubles, which leave out whole turns."""
         turn = 2 * mpmath.pi
         turns = turn * mpmath.nint(time / (turn * self.series.mean))
@@ -131,11 +131,11 @@ class OneDegree:
         found = self.series.doubles()
         return found.mean, [*enumerate(found.terms, 1)][::-1]
 
-    def _rate(self, x: Any) -> Any:
+    def _rate(self, x: Scalar) -> Scalar:
         return _rate(self.factors, self.k, self.M - self.D * mpmath.cos(x))
 
 
-def _rate(factors: Sequence[_Factor], k: Any, z: Any) -> Any:
+def _rate(factors: Sequence[_Factor], k: Scalar, z: Scalar) -> Scalar:
     """x' at z."""
     one, other = (value(factor.quotient, z) for factor in factors)
     if one * other <= 0:
@@ -144,7 +144,7 @@ def _rate(factors: Sequence[_Factor], k: Any, z: Any) -> Any:
 
 
 def one_degree(
-    Q: Sequence[Any], R: Sequence[Any], k: Any, start: tuple[Any, Any, Any]
+    Q: Sequence[Scalar], R: Sequence[Scalar], k: Scalar, start: tuple[Scalar, Scalar, Scalar]
 ) -> OneDegree:
     """The motion from z0, y0, w0 with y0^2 = Q(z0), w0^2 = R(z0), at the precision in force.
 
@@ -180,8 +180,8 @@ def one_degree(
 
 
 def _ends(
-    Q: Sequence[Any], R: Sequence[Any], start: tuple[Any, Any, Any]
-) -> tuple[tuple[Any, int], tuple[Any, int]]:
+    Q: Sequence[Scalar], R: Sequence[Scalar], start: tuple[Scalar, Scalar, Scalar]
+) -> tuple[tuple[Scalar, int], tuple[Scalar, int]]:
     """The zeros next to z0, each with the polynomial it is of (0: Q, 1: R)."""
     z0, y0, w0 = start
     zeros = []
@@ -204,7 +204,7 @@ def _ends(
     raise ArithmeticError("the start does not lie between two simple zeros")
 
 
-def real_zeros(polynomial: Sequence[Any]) -> list[Any]:
+def real_zeros(polynomial: Sequence[Scalar]) -> list[Scalar]:
     """The real zeros of a polynomial with simple ones, at the precision in force, ascending."""
     prec = mpmath.prec
     with mpmath.extraprec(prec // 2 + 32):
@@ -214,7 +214,7 @@ def real_zeros(polynomial: Sequence[Any]) -> list[Any]:
     return sorted(+z.real for z in map(mpmath.mpc, roots) if abs(z.imag) < small)
 
 
-def _divided(polynomial: Sequence[Any], zero: Any) -> list[Any]:
+def _divided(polynomial: Sequence[Scalar], zero: Scalar) -> list[Scalar]:
     """The quotient by (z - zero), the rest left out."""
     found, carry = [], mpf(0)
     for c in reversed(polynomial[1:]):

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.scalars import Scalar
 
-AnyVector: TypeAlias = tuple[Any, Any, Any]
+AnyVector: TypeAlias = tuple[Scalar, Scalar, Scalar]
 
 
-Quaternion: TypeAlias = tuple[Any, Any, Any, Any]
+Quaternion: TypeAlias = tuple[Scalar, Scalar, Scalar, Scalar]
 
 
 def product(a: Quaternion, b: Quaternion) -> Quaternion:
@@ -30,7 +31,7 @@ def conjugate(a: Quaternion) -> Quaternion:
     return a[0], -a[1], -a[2], -a[3]
 
 
-def of_matrix(rows: Sequence[Sequence[Any]]) -> Quaternion:
+def of_matrix(rows: Sequence[Sequence[Scalar]]) -> Quaternion:
     """The quaternion of a rotation matrix, of either sign (Shepperd 1978)."""
     (a, b, c), (d, e, f), (g, h, i) = rows
     squares = [1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i]
@@ -57,7 +58,7 @@ def turned_back(turn: Quaternion, g: AnyVector) -> AnyVector:
     )
 
 
-def direction(z: Any) -> Any:
+def direction(z: Scalar) -> Scalar:
     """arg z, the negative axis counted as +pi even where rounding put z just below it."""
     angle = mpmath.arg(z)
     return angle + 2 * mpmath.pi if angle < -mpmath.pi * (1 - mpmath.ldexp(1, -50)) else angle

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 from mpmath import libmp
 
 from polhode.numbers.exact import Exact, rounded
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _SPARE = 8  # bits kept beyond the digits asked for
 
@@ -19,7 +19,7 @@ def number(x: Exact, bits: int) -> mpf:
     return mpmath.make_mpf(libmp.from_man_exp(*rounded(x, bits)))
 
 
-def vector(row: Sequence[Exact], bits: int) -> tuple[Any, Any, Any]:
+def vector(row: Sequence[Exact], bits: int) -> tuple[Scalar, Scalar, Scalar]:
     """Three exact numbers, rounded to ``bits`` bits."""
     a, b, c = (number(x, bits) for x in row)
     return a, b, c
@@ -41,7 +41,7 @@ def rounded_up(bits: float) -> int:
     return 64 * math.ceil(bits / 64)
 
 
-def shortened(row: Sequence[Any], digits: int, *, absolute: bool = False) -> list[Any]:
+def shortened(row: Sequence[Scalar], digits: int, *, absolute: bool = False) -> list[Scalar]:
     """Rounded to the digits and a little more; ``absolute``: counted from the units' place.
 
     None stays None.

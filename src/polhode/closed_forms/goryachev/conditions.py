@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from polhode.closed_forms.engine.misfit import Misfit
-from polhode.closed_forms.engine.normal_form import (
+from polhode.closed_forms._engine.misfit import Misfit
+from polhode.closed_forms._engine.normal_form import (
     Condition,
     Placed,
     equal,
@@ -15,7 +15,7 @@ from polhode.closed_forms.engine.normal_form import (
     positive,
     shortfall,
 )
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.functions.gamma_from_omega import Frame, frame
 from polhode.numbers.exact import ZERO, Exact
 

@@ -17,9 +17,8 @@ Mg r0 = (c, 0, 0), c > 0, A (9B - 8C) = 16 C (B - C), 2C < B < 8C/3; with D = 9B
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-from polhode.closed_forms.engine.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
 from polhode.closed_forms.functions.gamma_from_omega import Frame
 from polhode.closed_forms.functions.rounding import number
@@ -27,6 +26,7 @@ from polhode.closed_forms.goryachev.conditions import coefficients, conditions, 
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.scalars import Scalar
 
 REGIME = "Goryachev"
 
@@ -37,25 +37,25 @@ class _Motion:
 
     elliptic: Elliptic
     frame: Frame
-    v0: Any
-    nu: Any
+    v0: Scalar
+    nu: Scalar
     side: int
-    b0: Any
-    c0: Any
-    X2: Any
-    d: Any
+    b0: Scalar
+    c0: Scalar
+    X2: Scalar
+    d: Scalar
 
     @property
-    def period(self) -> Any:
+    def period(self) -> Scalar:
         """Of w and gamma."""
         return 4 * self.elliptic.K / self.nu
 
     @property
-    def fastest(self) -> Any:
+    def fastest(self) -> Scalar:
         """The rate of the phase."""
         return self.nu
 
-    def at(self, t: Any) -> tuple[Any, ...]:
+    def at(self, t: Scalar) -> tuple[Scalar, ...]:
         """p, q, r, gamma1, gamma2, gamma3."""
         sn, cn, dn = self.elliptic.at(self.v0 + self.nu * t)
         over, total = 1 / (self.d + self.X2 * cn * cn), self.d + self.X2

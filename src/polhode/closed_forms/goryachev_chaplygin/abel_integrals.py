@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 from polhode.closed_forms.functions.fourier import Cosines, Doubles, cosines
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.goryachev_chaplygin.local_coordinates import Chart, chart
 from polhode.closed_forms.goryachev_chaplygin.separation_variables import Variable
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _PLAIN = 512  # samples of a turn up to which x itself is the angle
 _PLACES = 1 << 12  # of a turn, in a table in doubles
@@ -26,10 +27,10 @@ _STEPS = 20
 class Halves:
     """A separation variable with sin and cos of half its angle, and dS/dphase."""
 
-    z: Any
-    sine: Any
-    cosine: Any
-    slope: Any
+    z: Scalar
+    sine: Scalar
+    cosine: Scalar
+    slope: Scalar
 
 
 class Clock(Protocol):
@@ -41,15 +42,15 @@ class Clock(Protocol):
         ...
 
     @property
-    def means(self) -> tuple[Any, Any]:
+    def means(self) -> tuple[Scalar, Scalar]:
         """The linear parts of S and U."""
         ...
 
-    def bounded(self, phase: Any) -> tuple[Any, Any]:
+    def bounded(self, phase: Scalar) -> tuple[Scalar, Scalar]:
         """S and U without their linear parts."""
         ...
 
-    def at(self, phase: Any, fn: SeriesFunctions) -> Halves:
+    def at(self, phase: Scalar, fn: SeriesFunctions) -> Halves:
         """The variable at a phase."""
         ...
 
@@ -73,15 +74,15 @@ class Oscillating:
         return True
 
     @property
-    def means(self) -> tuple[Any, Any]:
+    def means(self) -> tuple[Scalar, Scalar]:
         """S_0 and U_0."""
         return self.S.mean, self.U.mean
 
-    def bounded(self, phase: Any) -> tuple[Any, Any]:
+    def bounded(self, phase: Scalar) -> tuple[Scalar, Scalar]:
         """The sums of sines in S and U."""
         return self.S.bounded(phase), self.U.bounded(phase)
 
-    def at(self, phase: Any, fn: SeriesFunctions) -> Halves:
+    def at(self, phase: Scalar, fn: SeriesFunctions) -> Halves:
         """The variable at theta = ``phase``."""
         c, s, rate = self.chart.at(phase, fn)
         z, sine, cosine = self.variable.halves(c, s, fn.sqrt)
@@ -102,7 +103,7 @@ def oscillating(variable: Variable, spoiled: int = 0) -> Oscillating:
     """
     made, first = chart(variable, _PLAIN)
 
-    def integrands(theta: Any) -> Sequence[Any]:
+    def integrands(theta: Scalar) -> Sequence[Scalar]:
         c, s, rate = made.at(theta, MP)
         z = variable.at(c, s)
         slope = rate / variable.rate(z, mpmath.sqrt)
@@ -122,7 +123,7 @@ class InverseS:
         self._clock, self._phases = clock, np.linspace(0, 2 * np.pi, _PLACES + 1)
         self._shares = self._phases + small.bounded(self._phases)[0] / float(clock.S.mean)
 
-    def at(self, al: Any) -> Any:
+    def at(self, al: Scalar) -> Scalar:
         """The phase at S/S_0 = ``al``, at the precision in force."""
         import numpy as np
 
@@ -142,21 +143,21 @@ class InverseS:
 class Standing:
     """A variable that is constant; its phase is S itself."""
 
-    z: Any
+    z: Scalar
     sine: int
     cosine: int
     periodic = False
 
     @property
-    def means(self) -> tuple[Any, Any]:
+    def means(self) -> tuple[Scalar, Scalar]:
         """1 and z."""
         return 1, self.z
 
-    def bounded(self, phase: Any) -> tuple[Any, Any]:
+    def bounded(self, phase: Scalar) -> tuple[Scalar, Scalar]:
         """Nothing."""
         return 0 * phase, 0 * phase
 
-    def at(self, phase: Any, fn: SeriesFunctions) -> Halves:
+    def at(self, phase: Scalar, fn: SeriesFunctions) -> Halves:
         """The variable, whatever the phase."""
         return Halves(self.z, self.sine, self.cosine, 1)
 

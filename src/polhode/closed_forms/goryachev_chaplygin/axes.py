@@ -17,10 +17,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
-from polhode.closed_forms.engine.misfit import Misfit, leading
-from polhode.closed_forms.engine.principal_scene import (
+from polhode.closed_forms._engine.misfit import Misfit, leading
+from polhode.closed_forms._engine.principal_scene import (
     PrincipalScene,
     Rows,
     of_start,
@@ -28,6 +27,7 @@ from polhode.closed_forms.engine.principal_scene import (
 )
 from polhode.closed_forms.functions.rounding import log2, number
 from polhode.numbers.exact import Exact, sign, sqrt
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector, is_zero
 
 
@@ -103,7 +103,7 @@ class GoryachevStart:
     exponent: int
     rows: Rows  # row i is axis i of the motion in the scene's axes
 
-    def numbers(self, bits: int) -> tuple[list[Any], list[Any]]:
+    def numbers(self, bits: int) -> tuple[list[Scalar], list[Scalar]]:
         """omega and gamma to ``bits`` bits."""
         return [number(x, bits) for x in self.omega], [number(x, bits) for x in self.gamma]
 

@@ -23,6 +23,8 @@ from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
 from polhode.closed_forms.goryachev_chaplygin.separation_variables import v_roots
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.rows import Doubles
+from polhode.numbers.scalars import Scalar
 
 _SAMPLES = 64  # tried first
 _STEPS = 30
@@ -33,28 +35,28 @@ _WIDE, _PLACES = 20.0, 1 << 15  # |y| up to which S~ is bent in doubles, and pla
 class Tending:
     """The variable v on its way from w to its turning point ve (at y = 0) and back to w."""
 
-    w: Any
-    ve: Any
-    vo: Any
-    a: Any
+    w: Scalar
+    ve: Scalar
+    vo: Scalar
+    a: Scalar
     k: int
-    gw: Any
+    gw: Scalar
     S: OddSines
     U: OddSines
     periodic = False
 
     @property
-    def means(self) -> tuple[Any, Any]:
+    def means(self) -> tuple[Scalar, Scalar]:
         """The linear parts of S~ and V."""
         return 4 / self.gw, 4 * self.w / self.gw
 
-    def bounded(self, phase: Any) -> tuple[Any, Any]:
+    def bounded(self, phase: Scalar) -> tuple[Scalar, Scalar]:
         """The bounded parts of S~ and V at y = ``phase``."""
         cos, sin = self._turned(phase)
         s = self.S.at(cos, sin)
         return s, self.w * s + self.U.at(cos, sin)
 
-    def _turned(self, y: Any) -> tuple[Any, Any]:
+    def _turned(self, y: Scalar) -> tuple[Scalar, Scalar]:
         """sech y and tanh y, in doubles or at the precision in force."""
         if self.S.bits is None:
             import numpy as np
@@ -62,7 +64,7 @@ class Tending:
             return 1 / np.cosh(np.clip(y, -300, 300)), np.tanh(y)
         return mpmath.sech(y), mpmath.tanh(y)
 
-    def at(self, phase: Any, fn: SeriesFunctions) -> Halves:
+    def at(self, phase: Scalar, fn: SeriesFunctions) -> Halves:
         """The variable at y = ``phase``."""
         sech, tanh = self._turned(phase)
         sech2, dl, total = sech * sech, abs(self.w - self.ve), self.ve + self.vo
@@ -73,7 +75,7 @@ class Tending:
         cosine = dl * sech2 * fn.sqrt((v + 2 * self.w) / (4 * self.a * v))
         return Halves(v, sine, cosine, 4 / g)
 
-    def started(self, v: Any, sine: Any) -> Any:
+    def started(self, v: Scalar, sine: Scalar) -> Scalar:
         """y at the start, from v and sin et."""
         sech = mpmath.sqrt((v - self.w) / (self.ve - self.w))
         dl = abs(self.w - self.ve)
@@ -81,7 +83,7 @@ class Tending:
         tanh = 2 * self.k * self.a * v * sine / (abs(v - self.w) * mpmath.sqrt(dl * L))
         return mpmath.asinh(tanh / sech)
 
-    def phase(self, total: Any) -> Any:
+    def phase(self, total: Scalar) -> Scalar:
         """y where S~ with its linear part is ``total``: it grows with y."""
         found, mean = mpf(self._guess(float(total))), self.means[0]
         for _ in range(_STEPS):
@@ -103,7 +105,7 @@ class Tending:
         return float(np.interp(total, values, places))
 
     @cached_property
-    def _table(self) -> tuple[Any, Any]:
+    def _table(self) -> tuple[Doubles, Doubles]:
         import numpy as np
 
         small, places = self.floats(), np.linspace(-_WIDE, _WIDE, _PLACES)
@@ -128,7 +130,7 @@ def tending(start: GoryachevStart, bits: int, *, low: bool) -> Tending:
     c3, c2, c1 = -k, k * (vo - 2 * w - total), k * (vo * (2 * w + total) - 2 * w * total)
     gw = mpmath.sqrt(dl * k * (vo - w) * 3 * w * (w + total))
 
-    def integrands(x: Any) -> Sequence[Any]:
+    def integrands(x: Scalar) -> Sequence[Scalar]:
         v = w + (ve - w) * (1 + mpmath.cos(x)) / 2
         g = mpmath.sqrt(dl * k * (vo - v) * (v + 2 * w) * (v + total))
         divided = c3 * (v * v + v * w + w * w) + c2 * (v + w) + c1

@@ -16,18 +16,19 @@ from typing import Any, NamedTuple
 
 from polhode.closed_forms.functions.jacobi import Jacobi, SeriesFunctions, jacobi
 from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.scalars import Scalar
 
 
 class HalvesPoint(NamedTuple):
     """Everything that the state is made of, at one time; u, v and root may be negative together."""
 
-    u: Any
-    v: Any
-    root: Any  # sqrt(uv)
-    shares: tuple[Any, Any, Any]  # u, v and root over u + v, which may be 0
-    xi: tuple[Any, Any]  # sin and cos of xi/2
-    et: tuple[Any, Any]
-    turning: Any  # chi', the rate at which the angular momentum turns in space
+    u: Scalar
+    v: Scalar
+    root: Scalar  # sqrt(uv)
+    shares: tuple[Scalar, Scalar, Scalar]  # u, v and root over u + v, which may be 0
+    xi: tuple[Scalar, Scalar]  # sin and cos of xi/2
+    et: tuple[Scalar, Scalar]
+    turning: Scalar  # chi', the rate at which the angular momentum turns in space
 
 
 @dataclass(frozen=True)
@@ -35,14 +36,14 @@ class Libration:
     """|H| < 2a: the body swings; from rest it comes back to rest on the same path."""
 
     elliptic: Jacobi
-    m: Any
-    m1: Any
-    a: Any
-    l: Any
-    y0: Any
-    rate: Any
+    m: Scalar
+    m1: Scalar
+    a: Scalar
+    l: Scalar
+    y0: Scalar
+    rate: Scalar
 
-    def at(self, t: Any, fn: SeriesFunctions) -> HalvesPoint:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> HalvesPoint:
         """The motion at t."""
         m, m1, l, a = self.m, self.m1, self.l, self.a
         sn, cn, dn = _functions(self.elliptic, self.y0 + self.rate * t, fn)
@@ -68,7 +69,7 @@ class Libration:
         )
 
     @property
-    def period(self) -> Any:
+    def period(self) -> Scalar:
         """8K/sqrt(a)."""
         return 4 * self.elliptic.K / self.rate
 
@@ -83,15 +84,15 @@ class Rotation:
     """H > 2a: u and v never vanish."""
 
     elliptic: Jacobi
-    m: Any
-    m1: Any
-    a: Any
-    size: Any  # sqrt(H - 2a)
-    P: tuple[Any, Any]  # SP and CP
-    y0: Any
-    rate: Any
+    m: Scalar
+    m1: Scalar
+    a: Scalar
+    size: Scalar  # sqrt(H - 2a)
+    P: tuple[Scalar, Scalar]  # SP and CP
+    y0: Scalar
+    rate: Scalar
 
-    def at(self, t: Any, fn: SeriesFunctions) -> HalvesPoint:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> HalvesPoint:
         """The motion at t."""
         m, m1, (SP, CP) = self.m, self.m1, self.P
         sn, cn, dn = _functions(self.elliptic, self.y0 + self.rate * t, fn)
@@ -104,7 +105,7 @@ class Rotation:
         return positive(self.size / Du, self.size / Dv, xi, et, self.a, fn)
 
     @property
-    def period(self) -> Any:
+    def period(self) -> Scalar:
         """8K/sqrt(H + 2a)."""
         return 2 * self.elliptic.K / self.rate
 
@@ -121,13 +122,13 @@ class Rotation:
 class Separatrix:
     """H = 2a: the body tends to rest upright, before and after."""
 
-    a: Any
-    dl: Any
-    y0: Any
-    rate: Any
+    a: Scalar
+    dl: Scalar
+    y0: Scalar
+    rate: Scalar
     period = None
 
-    def at(self, t: Any, fn: SeriesFunctions) -> HalvesPoint:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> HalvesPoint:
         """The motion at t."""
         cosh, sinh = fn.cosh_sinh(self.y0 + self.rate * t)
         # sinh and cosh of b, sinh b = dl/cosh y; then of y + b and y - b.
@@ -147,7 +148,12 @@ class Separatrix:
 
 
 def positive(
-    u: Any, v: Any, xi: tuple[Any, Any], et: tuple[Any, Any], a: Any, fn: SeriesFunctions
+    u: Scalar,
+    v: Scalar,
+    xi: tuple[Scalar, Scalar],
+    et: tuple[Scalar, Scalar],
+    a: Scalar,
+    fn: SeriesFunctions,
 ) -> HalvesPoint:
     """A point with u, v > 0; chi' = 2a sqrt(uv) sin((et - xi)/2)/(u + v)^2."""
     root, total = fn.sqrt(u * v), u + v
@@ -155,14 +161,16 @@ def positive(
     return HalvesPoint(u, v, root, (u / total, v / total, root / total), xi, et, turning)
 
 
-def _functions(j: Jacobi, y: Any, fn: SeriesFunctions) -> tuple[Any, Any, Any]:
+def _functions(j: Jacobi, y: Scalar, fn: SeriesFunctions) -> tuple[Scalar, Scalar, Scalar]:
     waves = j.waves(y, fn)
     sn, cn, dn = j.functions(waves)
     side = 1 - 2 * (waves.turns % 2)
     return side * sn, side * cn, dn
 
 
-def libration(a: Any, H: Any, start: tuple[Any, Any, Any, Any, Any]) -> Libration:
+def libration(
+    a: Scalar, H: Scalar, start: tuple[Scalar, Scalar, Scalar, Scalar, Scalar | None]
+) -> Libration:
     """From u, v, xi, et and l (of a start from rest; else None) at the precision in force."""
     u, v, xi, et, l = start
     m, m1 = (2 * a + H) / (4 * a), (2 * a - H) / (4 * a)
@@ -175,7 +183,7 @@ def libration(a: Any, H: Any, start: tuple[Any, Any, Any, Any, Any]) -> Libratio
     return Libration(jacobi(m, m1), m, m1, a, l, y0, mpmath.sqrt(a) / 2)
 
 
-def rotation(a: Any, H: Any, start: tuple[Any, Any, Any, Any, Any]) -> Rotation:
+def rotation(a: Scalar, H: Scalar, start: tuple[Any, Any, Any, Any, Any]) -> Rotation:
     """From u, v, xi, et at the precision in force."""
     _, _, xi, et, _ = start
     m, m1 = 4 * a / (H + 2 * a), (H - 2 * a) / (H + 2 * a)
@@ -188,7 +196,7 @@ def rotation(a: Any, H: Any, start: tuple[Any, Any, Any, Any, Any]) -> Rotation:
     return Rotation(jacobi(m, m1), m, m1, a, size, (sin, cos), y0, rate)
 
 
-def separatrix(a: Any, H: Any, start: tuple[Any, Any, Any, Any, Any]) -> Separatrix:
+def separatrix(a: Scalar, H: Scalar, start: tuple[Any, Any, Any, Any, Any]) -> Separatrix:
     """From xi, et at the precision in force."""
     _, _, xi, et, _ = start
     one, other = (-mpmath.tan(x / 2) for x in (xi, et))  # sinh of y0 + b0 and of y0 - b0
@@ -196,7 +204,7 @@ def separatrix(a: Any, H: Any, start: tuple[Any, Any, Any, Any, Any]) -> Separat
     return Separatrix(a, (one - other) / 2, y0, mpmath.sqrt(a) / 2)
 
 
-def _first(f: Any, m: Any, m1: Any) -> Any:
+def _first(f: Scalar, m: Scalar, m1: Scalar) -> Scalar:
     """F(f|m), f in [-pi, pi] (DLMF 19.25(i))."""
     cos, sin = mpmath.cos_sin(f)
     found = sin * mpmath.elliprf(cos * cos, m1 + m * cos * cos, 1)

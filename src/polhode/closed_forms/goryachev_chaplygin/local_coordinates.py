@@ -9,21 +9,22 @@ turns together: it changes the length of the series and nothing else.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 from polhode.closed_forms.functions.jacobi import Jacobi, SeriesFunctions, jacobi
 from polhode.closed_forms.goryachev_chaplygin.separation_variables import Variable, width
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 
 class Chart(Protocol):
     """x as a function of theta."""
 
-    def at(self, theta: Any, fn: SeriesFunctions) -> tuple[Any, Any, Any]:
+    def at(self, theta: Scalar, fn: SeriesFunctions) -> tuple[Scalar, Scalar, Scalar]:
         """cos(x/2), sin(x/2) and dx/dtheta."""
         ...
 
-    def inverse(self, x: Any) -> Any:
+    def inverse(self, x: Scalar) -> Scalar:
         """theta for x in [-pi, pi]."""
         ...
 
@@ -36,12 +37,12 @@ class Chart(Protocol):
 class Plain:
     """theta = x."""
 
-    def at(self, theta: Any, fn: SeriesFunctions) -> tuple[Any, Any, Any]:
+    def at(self, theta: Scalar, fn: SeriesFunctions) -> tuple[Scalar, Scalar, Scalar]:
         """cos(x/2), sin(x/2) and dx/dtheta."""
         c, s = fn.cos_sin(theta / 2)
         return c, s, 1
 
-    def inverse(self, x: Any) -> Any:
+    def inverse(self, x: Scalar) -> Scalar:
         """theta for x in [-pi, pi]."""
         return x
 
@@ -55,11 +56,11 @@ class Beside:
     """z' on the real axis: x/2 = am tau, or its complement (``below``: z' < z1)."""
 
     elliptic: Jacobi
-    m: tuple[Any, Any]  # the parameter and its complement
+    m: tuple[Scalar, Scalar]  # the parameter and its complement
     below: bool
-    pi: Any
+    pi: Scalar
 
-    def at(self, theta: Any, fn: SeriesFunctions) -> tuple[Any, Any, Any]:
+    def at(self, theta: Scalar, fn: SeriesFunctions) -> tuple[Scalar, Scalar, Scalar]:
         """cos(x/2), sin(x/2) and dx/dtheta."""
         j = self.elliptic
         tau = theta * j.K / self.pi
@@ -73,7 +74,7 @@ class Beside:
             return side * sn, -side * cn, rate
         return side * cn, side * sn, rate
 
-    def inverse(self, x: Any) -> Any:
+    def inverse(self, x: Scalar) -> Scalar:
         """theta for x in [-pi, pi]."""
         j = self.elliptic
         c, s = mpmath.cos_sin(x / 2)
@@ -92,11 +93,11 @@ class Around:
     """A pair of complex z': tan(x/2) = ka tan(am(tau)/2)."""
 
     elliptic: Jacobi
-    m: tuple[Any, Any]
-    ka: Any
-    pi: Any
+    m: tuple[Scalar, Scalar]
+    ka: Scalar
+    pi: Scalar
 
-    def at(self, theta: Any, fn: SeriesFunctions) -> tuple[Any, Any, Any]:
+    def at(self, theta: Scalar, fn: SeriesFunctions) -> tuple[Scalar, Scalar, Scalar]:
         """cos(x/2), sin(x/2) and dx/dtheta."""
         j = self.elliptic
         # Whole turns of theta first: then the half of am has a cosine that is not negative.
@@ -111,7 +112,7 @@ class Around:
         over = (1 - 2 * (turns % 2)) / fn.sqrt(norm2)
         return c * over, s * over, self.ka * dn * 2 * j.K / (self.pi * norm2)
 
-    def inverse(self, x: Any) -> Any:
+    def inverse(self, x: Scalar) -> Scalar:
         """theta for x in [-pi, pi]."""
         c, s = mpmath.cos_sin(x / 2)
         c, s = self.ka * c, s
@@ -125,7 +126,7 @@ class Around:
         return Around(self.elliptic.floats(), m, float(self.ka), float(self.pi))
 
 
-def _half(sn: Any, cn: Any, fn: SeriesFunctions) -> tuple[Any, Any]:
+def _half(sn: Scalar, cn: Scalar, fn: SeriesFunctions) -> tuple[Scalar, Scalar]:
     """cos and sin of half the angle in [-pi, pi] with that sine and cosine."""
     larger = fn.sqrt((1 + abs(cn)) / 2)
     smaller = abs(sn) / (2 * larger)
@@ -135,7 +136,7 @@ def _half(sn: Any, cn: Any, fn: SeriesFunctions) -> tuple[Any, Any]:
     return c, s * (1 - 2 * ((sn < 0) * 1))
 
 
-def _phase(j: Jacobi, m: tuple[Any, Any], sn: Any, cn: Any) -> Any:
+def _phase(j: Jacobi, m: tuple[Scalar, Scalar], sn: Scalar, cn: Scalar) -> Scalar:
     """v in [-2K, 2K] with that sn and cn (Carlson's R_F; DLMF 22.15, 19.25)."""
     dn2 = m[1] + m[0] * cn * cn
     v = sn * mpmath.elliprf(cn * cn, dn2, 1)

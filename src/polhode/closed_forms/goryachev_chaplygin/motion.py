@@ -36,12 +36,13 @@ from polhode.closed_forms.goryachev_chaplygin.separation_variables import (
 )
 from polhode.closed_forms.goryachev_chaplygin.torus_quadrature import Torus
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 
 class Path(Protocol):
     """u, v and the halves as functions of time."""
 
-    def at(self, t: Any, fn: SeriesFunctions) -> HalvesPoint:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> HalvesPoint:
         """The point at t."""
         ...
 
@@ -51,9 +52,9 @@ class Separated:
     """A motion with G > 0."""
 
     torus: Torus
-    a: Any
+    a: Scalar
 
-    def at(self, t: Any, fn: SeriesFunctions) -> HalvesPoint:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> HalvesPoint:
         """The point at t."""
         _, one, other = self.torus.at(t)
         return self.joined(one, other, fn)
@@ -63,7 +64,7 @@ class Separated:
         return joined(one, other, self.a, fn)
 
 
-def joined(one: Halves, other: Halves, a: Any, fn: SeriesFunctions) -> HalvesPoint:
+def joined(one: Halves, other: Halves, a: Scalar, fn: SeriesFunctions) -> HalvesPoint:
     """The point from u's and v's halves."""
     xi, et = (one.sine, one.cosine), (other.sine, other.cosine)
     return positive(one.z, other.z, xi, et, a, fn)
@@ -75,15 +76,15 @@ class GoryachevMotion:
 
     path: Path
     sg: int
-    defect: Any  # by how much the start is missed, relative to |w| and 1
+    defect: Scalar  # by how much the start is missed, relative to |w| and 1
 
-    def at(self, t: Any, fn: SeriesFunctions) -> tuple[HalvesPoint, list[Any]]:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> tuple[HalvesPoint, list[Scalar]]:
         """The point and p, q, r, g1, g2, g3."""
         point = self.path.at(t, fn)
         return point, state(point, self.sg)
 
 
-def state(point: HalvesPoint, sg: int) -> list[Any]:
+def state(point: HalvesPoint, sg: int) -> list[Scalar]:
     """p, q, r, g1, g2, g3 from the variables and the halves."""
     (sx, cx), (se, ce) = point.xi, point.et
     one, two, both = point.shares
@@ -122,7 +123,7 @@ def motion(start: GoryachevStart, regime: str, bits: int) -> GoryachevMotion:
         return GoryachevMotion(path, sg, max(max(misses[:3]) / scale, *misses[3:]))
 
 
-def _variables(start: GoryachevStart, bits: int) -> tuple[Any, Any]:
+def _variables(start: GoryachevStart, bits: int) -> tuple[Scalar, Scalar]:
     """u and v at the start; the smaller one without cancellation."""
     (p, q, r), _ = start.numbers(bits)
     flat = 4 * (p * p + q * q)
@@ -131,14 +132,16 @@ def _variables(start: GoryachevStart, bits: int) -> tuple[Any, Any]:
     return (larger, smaller) if r >= 0 else (smaller, larger)
 
 
-def _sines(start: GoryachevStart, bits: int) -> tuple[Any, Any, Any, Any]:
+def _sines(start: GoryachevStart, bits: int) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """u, v, sin xi and sin et at a start that is not at rest."""
     (_, q, _), (_, g2, g3) = start.numbers(bits)
     u, v = _variables(start, bits)
     return u, v, 2 * q * g3 / u - g2, 2 * q * g3 / v + g2
 
 
-def _angles(start: GoryachevStart, bits: int) -> tuple[Any, Any, Any, Any, Any]:
+def _angles(
+    start: GoryachevStart, bits: int
+) -> tuple[Scalar, Scalar, Scalar | None, Scalar | None, Scalar | None]:
     """u, v, xi, et, and l of a start from rest (else None); G = 0."""
     a, H = number(start.a, bits), number(start.H, bits)
     if all(not x for x in start.numbers(bits)[0]):
@@ -174,7 +177,7 @@ def _torus(start: GoryachevStart, regime: str, bits: int) -> Torus:
     return Torus(u, v, (x, v.started(v0, sin_et)))
 
 
-def frequencies(found: GoryachevMotion) -> Sequence[Any]:
+def frequencies(found: GoryachevMotion) -> Sequence[Scalar]:
     """The rates of the turns of x and y, radians a unit of time; none but for a torus."""
     assert isinstance(found.path, Separated)
     return found.path.torus.rates

@@ -21,9 +21,10 @@ from polhode.closed_forms.functions.rounding import log2, number
 from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
 from polhode.closed_forms.goryachev_chaplygin.regimes import discriminants
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 #: Which functions of the half angle stand before the roots in sin(angle/2) and cos(angle/2).
-_FACTORS: dict[str, Callable[[Any, Any], Any]] = {
+_FACTORS: dict[str, Callable[[Scalar, Scalar], Scalar]] = {
     "cos half": lambda c, s: c,
     "sin half": lambda c, s: s,
     "sin": lambda c, s: 2 * s * c,
@@ -39,32 +40,34 @@ class Variable:
     a product over 4az (2az).  Factors are polynomials c0 + c1 z + c2 z^2 + c3/z.
     """
 
-    low: Any
-    high: Any
-    others: tuple[Any, ...]  # the other roots of the radicand, for the width of the series
-    speed: tuple[Sequence[Any], ...]
+    low: Scalar
+    high: Scalar
+    others: tuple[Scalar, ...]  # the other roots of the radicand, for the width of the series
+    speed: tuple[Sequence[Scalar], ...]
     sine: tuple[str, Any, tuple[Sequence[Any], ...]]  # factor, constant, polynomials
     cosine: tuple[str, Any, tuple[Sequence[Any], ...]]
 
     @property
-    def middle(self) -> Any:
+    def middle(self) -> Scalar:
         """M."""
         return (self.low + self.high) / 2
 
     @property
-    def half(self) -> Any:
+    def half(self) -> Scalar:
         """D."""
         return (self.high - self.low) / 2
 
-    def at(self, c: Any, s: Any) -> Any:
+    def at(self, c: Scalar, s: Scalar) -> Scalar:
         """z, from cos(x/2) and sin(x/2)."""
         return self.low + 2 * self.half * s * s
 
-    def rate(self, z: Any, sqrt: Callable[[Any], Any]) -> Any:
+    def rate(self, z: Scalar, sqrt: Callable[[Scalar], Scalar]) -> Scalar:
         """x_s."""
         return sqrt(_product(self.speed, z)) / 2
 
-    def halves(self, c: Any, s: Any, sqrt: Callable[[Any], Any]) -> tuple[Any, Any, Any]:
+    def halves(
+        self, c: Scalar, s: Scalar, sqrt: Callable[[Scalar], Scalar]
+    ) -> tuple[Scalar, Scalar, Scalar]:
         """z, and sin and cos of half its angle."""
         z = self.at(c, s)
         found = []
@@ -76,7 +79,9 @@ class Variable:
     def floats(self) -> Variable:
         """The same in doubles; without the other roots."""
 
-        def rows(factors: Any) -> Any:
+        def rows(
+            factors: Sequence[Sequence[Scalar]],
+        ) -> tuple[tuple[Scalar, ...], ...]:
             return tuple(tuple(float(x) for x in row) for row in factors)
 
         return Variable(
@@ -89,7 +94,7 @@ class Variable:
         )
 
 
-def _product(factors: Sequence[Sequence[Any]], z: Any) -> Any:
+def _product(factors: Sequence[Sequence[Scalar]], z: Scalar) -> Scalar:
     total: Any = 1
     for c0, c1, c2, c3 in factors:
         total = total * (c0 + z * (c1 + z * c2) + (c3 / z if c3 else 0))
@@ -103,7 +108,7 @@ def lost_bits(start: GoryachevStart) -> float:
     return sum(max(0.0, scale - gap) for gap in gaps if gap > float("-inf"))
 
 
-def cubic_roots(c1: Any, c0: Any) -> list[Any]:
+def cubic_roots(c1: Scalar, c0: Scalar) -> list[Scalar]:
     """The roots of z^3 - c1 z + c0: three real ones ascending, or the real one and the pair.
 
     Viete's and Cardano's formulas in the angle that is never near its singular point.
@@ -143,18 +148,18 @@ def u_variable(start: GoryachevStart, bits: int) -> Variable:
     )
 
 
-def _positive(c1: Any, c0: Any) -> Any:
+def _positive(c1: Scalar, c0: Scalar) -> Scalar:
     """The only positive root of z^3 - c1 z - c0, c0 > 0."""
     return next(z for z in reversed(cubic_roots(c1, -c0)) if not mpmath.im(z) and z > 0)
 
 
-def _quadratic(b: Any, c: Any) -> list[Any]:
+def _quadratic(b: Scalar, c: Scalar) -> list[Scalar]:
     """The roots of z^2 + b z + c."""
     root = mpmath.sqrt(b * b / 4 - c)
     return [-b / 2 + root, -b / 2 - root]
 
 
-def v_roots(start: GoryachevStart, bits: int) -> tuple[Any, Any]:
+def v_roots(start: GoryachevStart, bits: int) -> tuple[Scalar, Scalar]:
     """v1 <= v2, the positive roots of v^3 - (H + 2a)v + 4G."""
     a, H, G = (number(x, bits) for x in (start.a, start.H, start.G))
     _, one, two = cubic_roots(H + 2 * a, 4 * G)
@@ -200,14 +205,14 @@ def v_part(start: GoryachevStart, bits: int, *, high: bool) -> Variable:
     return Variable(v1, w1, (*outer, v2, w2), (e, f, below, under), sine, cosine)
 
 
-def started(variable: Variable, z: Any, sine: Any, a: Any) -> Any:
+def started(variable: Variable, z: Scalar, sine: Scalar, a: Scalar) -> Scalar:
     """x at the start: atan2(a z sin(angle)/(D x_s), (M - z)/D), in (-pi, pi]."""
     D = variable.half
     speed = variable.rate(z, mpmath.sqrt)
     return mpmath.atan2(a * z * sine / (D * speed), (variable.middle - z) / D)
 
 
-def width(variable: Variable) -> tuple[Any, Any]:
+def width(variable: Variable) -> tuple[Scalar, Scalar]:
     """The least ln|W + sqrt(W^2 - 1)|, W = (M - z')/D over the other roots z', and that z'."""
     best: tuple[Any, Any] = (mpf("inf"), None)
     for z in variable.others:

@@ -13,8 +13,9 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from polhode.closed_forms.engine.body_frame_motion import Between, Moving, moving
-from polhode.closed_forms.engine.from_attitude import FromAttitude
+from polhode.closed_forms._engine.body_frame_motion import Between, Moving, moving
+from polhode.closed_forms._engine.from_attitude import FromAttitude
+from polhode.closed_forms._winding.asymptotic_period import Settled
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.quaternion import of_matrix
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
@@ -31,9 +32,9 @@ from polhode.closed_forms.goryachev_chaplygin.motion import (
     motion,
 )
 from polhode.closed_forms.goryachev_chaplygin.separation_variables import lost_bits
-from polhode.closed_forms.winding.asymptotic_period import Settled
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector
 
 _ZERO = Fraction(0)
@@ -154,7 +155,7 @@ class GoryachevChaplyginTop(FromAttitude):
         return self._attitudes[bits]
 
     def _between(
-        self, found: GoryachevMotion, rows: list[list[Any]], unit: Any, H: Any
+        self, found: GoryachevMotion, rows: list[list[Scalar]], unit: Scalar, H: Scalar
     ) -> Between | None:
         """The growth of the frame's arguments between two times, of two frequencies."""
         if self.regime not in regimes.TWO_FREQUENCIES:
@@ -165,7 +166,7 @@ class GoryachevChaplyginTop(FromAttitude):
         turns = TorusTurns(found.path, found.sg, of_matrix(rows), axis, (H, G))
         return lambda first, last: turns.growth(first * unit, last * unit)
 
-    def _settled(self, found: GoryachevMotion, scale: Any) -> Settled | None:
+    def _settled(self, found: GoryachevMotion, scale: Scalar) -> Settled | None:
         """When an asymptotic motion is the one that it tends to, and the period of that."""
         if self.regime not in regimes.ASYMPTOTIC:
             return None
@@ -181,7 +182,7 @@ class GoryachevChaplyginTop(FromAttitude):
         found = mpmath.ldexp(number(t, bits), self._start.exponent)
         return -found if self._start.backward else found
 
-    def _placed(self, state: Sequence[Any], bits: int) -> list[mpf]:
+    def _placed(self, state: Sequence[Scalar], bits: int) -> list[mpf]:
         """A state in the scene's axes and units."""
         if bits not in self._rows:
             self._rows[bits] = [[number(x, bits) for x in row] for row in self._start.rows]

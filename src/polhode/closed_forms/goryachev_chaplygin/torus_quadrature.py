@@ -7,12 +7,12 @@ unreduced; what is left is bounded, and Newton's method finds it in doubles firs
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 from polhode.closed_forms.goryachev_chaplygin.abel_integrals import Clock, Halves
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.scalars import Scalar
 
 _STEPS = 200
 _LARGEST = 0.5  # a step of Newton's method in doubles
@@ -25,10 +25,10 @@ class Torus:
 
     u: Clock
     v: Clock
-    start: tuple[Any, Any]
+    start: tuple[Scalar, Scalar]
 
     @cached_property
-    def constants(self) -> tuple[Any, Any]:
+    def constants(self) -> tuple[Scalar, Scalar]:
         """S(x) - S~(y) and U(x) + V(y) at time 0."""
         (s0, u0), (t0, v0) = self.u.means, self.v.means
         x, y = self.start
@@ -36,25 +36,25 @@ class Torus:
         return s0 * x + s - t0 * y - t, u0 * x + u + v0 * y + v
 
     @cached_property
-    def rates(self) -> tuple[Any, Any]:
+    def rates(self) -> tuple[Scalar, Scalar]:
         """The mean rates of the two phases."""
         (s0, u0), (t0, v0) = self.u.means, self.v.means
         delta = u0 * t0 + v0 * s0
         return t0 / delta, s0 / delta
 
-    def mean(self, t: Any) -> tuple[Any, Any]:
+    def mean(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The phases at time t but for what is bounded."""
         (s0, u0), (t0, v0) = self.u.means, self.v.means
         first, second = self.constants[0], self.constants[1] + t
         delta = u0 * t0 + v0 * s0
         return (v0 * first + t0 * second) / delta, (s0 * second - u0 * first) / delta
 
-    def moment(self, x: Any, y: Any) -> Any:
+    def moment(self, x: Scalar, y: Scalar) -> Scalar:
         """The time at which the phases are x and y, if there is one."""
         (_, u0), (_, v0) = self.u.means, self.v.means
         return u0 * x + self.u.bounded(x)[1] + v0 * y + self.v.bounded(y)[1] - self.constants[1]
 
-    def phases(self, t: Any) -> tuple[Any, Any]:
+    def phases(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The phases of u and v at time t."""
         x, y = self.mean(t)
         turn = 4 * mpmath.pi
@@ -68,7 +68,7 @@ class Torus:
                 return x + dx, y + dy
         raise ArithmeticError("the phases of the motion were not found")
 
-    def at(self, t: Any) -> tuple[tuple[Any, Any], Halves, Halves]:
+    def at(self, t: Scalar) -> tuple[tuple[Scalar, Scalar], Halves, Halves]:
         """The phases and the two variables at time t."""
         x, y = self.phases(t)
         return (x, y), self.u.at(x, MP), self.v.at(y, MP)
@@ -86,7 +86,7 @@ class DoubleTorus:
     u: Clock
     v: Clock
 
-    def corrections(self, mean_x: Any, mean_y: Any) -> tuple[Any, Any]:
+    def corrections(self, mean_x: Scalar, mean_y: Scalar) -> tuple[Scalar, Scalar]:
         """What is to be added to mean phases (arrays or doubles)."""
         import numpy as np
 
@@ -103,8 +103,11 @@ class DoubleTorus:
 
 
 def _step(
-    torus: Torus | DoubleTorus, mean: tuple[Any, Any], rest: tuple[Any, Any], fn: SeriesFunctions
-) -> tuple[Any, Any]:
+    torus: Torus | DoubleTorus,
+    mean: tuple[Scalar, Scalar],
+    rest: tuple[Scalar, Scalar],
+    fn: SeriesFunctions,
+) -> tuple[Scalar, Scalar]:
     """Newton's step in what is left of the phases."""
     (dx, dy), (x, y) = rest, (mean[0] + rest[0], mean[1] + rest[1])
     (s0, u0), (t0, v0) = torus.u.means, torus.v.means

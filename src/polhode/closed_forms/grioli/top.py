@@ -15,16 +15,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
-from polhode.closed_forms.engine.orbit_motion import Orbit, OrbitMotion
-from polhode.closed_forms.engine.periodic_attitude import OneOrbit
+from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms._engine.periodic_attitude import OneOrbit
+from polhode.closed_forms._winding.euler_angles import Attitude
 from polhode.closed_forms.functions.quaternion import Quaternion, product
 from polhode.closed_forms.functions.rounding import number, vector
 from polhode.closed_forms.grioli.conditions import SpinFrame, conditions, spin_frame
-from polhode.closed_forms.winding.euler_angles import Attitude
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.scalars import Scalar
 
 REGIME = "Grioli's regular precession"
 
@@ -33,25 +33,25 @@ REGIME = "Grioli's regular precession"
 class _Motion:
     """The orbit at one precision."""
 
-    e1: Sequence[Any]
-    e2: Sequence[Any]
-    I11: Any
-    J: Any
-    n: Any
-    share: Any  # n^2/P
-    phase: Any
+    e1: Sequence[Scalar]
+    e2: Sequence[Scalar]
+    I11: Scalar
+    J: Scalar
+    n: Scalar
+    share: Scalar  # n^2/P
+    phase: Scalar
 
     @property
-    def period(self) -> Any:
+    def period(self) -> Scalar:
         """Of w and gamma."""
         return 2 * mpmath.pi / abs(self.n)
 
     @property
-    def fastest(self) -> Any:
+    def fastest(self) -> Scalar:
         """The rate of the phase."""
         return abs(self.n)
 
-    def at(self, t: Any) -> tuple[Any, ...]:
+    def at(self, t: Scalar) -> tuple[Scalar, ...]:
         """p, q, r, gamma1, gamma2, gamma3."""
         c, s = mpmath.cos_sin(self.phase + self.n * t)
         (x1, _, z1), (x2, _, z2), n = self.e1, self.e2, self.n
@@ -86,7 +86,7 @@ class Grioli(OrbitMotion):
             mpmath.atan2(number(x.sin, bits), number(x.cos, bits)),
         )
 
-    def _turning(self, start: Quaternion, rate: Any, bits: int) -> Attitude:
+    def _turning(self, start: Quaternion, rate: Scalar, bits: int) -> Attitude:
         """Two uniform turns: about the axis fixed in space, then about e1 in the body."""
         rows, n = self._scene_axes(bits), number(self._exact.n, bits)
         spin = self._exact.e1
@@ -95,7 +95,7 @@ class Grioli(OrbitMotion):
             rows.scene([number(x, bits) for x in self._axes.axial_back(v)]) for v in (still, spin)
         )
 
-        def turn(t: Any) -> Quaternion:
+        def turn(t: Scalar) -> Quaternion:
             c, s = mpmath.cos_sin(n * t / 2)
             one, other = ((c, *(s * x for x in axis)) for axis in (in_space, in_body))
             return product(product(start, _four(one)), _four(other))
@@ -103,6 +103,6 @@ class Grioli(OrbitMotion):
         return OneOrbit(start, turn, rate, self._made(bits).period)
 
 
-def _four(row: Sequence[Any]) -> Quaternion:
+def _four(row: Sequence[Scalar]) -> Quaternion:
     a, b, c, d = row
     return a, b, c, d

@@ -18,8 +18,8 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-from polhode.closed_forms.engine.misfit import Misfit, leading
-from polhode.closed_forms.engine.principal_scene import (
+from polhode.closed_forms._engine.misfit import Misfit, leading
+from polhode.closed_forms._engine.principal_scene import (
     PrincipalScene,
     Rows,
     of_start,

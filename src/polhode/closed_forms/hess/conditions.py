@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms.engine.misfit import Misfit
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.misfit import Misfit
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.hess.axes import failure
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
@@ -11,6 +9,7 @@ from polhode.closed_forms.functions.quaternion import product
 from polhode.closed_forms.hess.explicit import SurfacePoint
 from polhode.closed_forms.hess.general import GeneralMotion, powered
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.rows import Complexes, Doubles
 
 _TERMS = 40  # of a step's series: they fall by e^-2
 
@@ -30,7 +29,7 @@ class DoubleGeneral:
             ]
         )
 
-    def at(self, t: Any, fn: SeriesFunctions) -> SurfacePoint:
+    def at(self, t: Doubles, fn: SeriesFunctions) -> SurfacePoint:
         """The points."""
         t1 = float(self._motion.period_of_u)
         n = np.floor(t / t1)
@@ -42,7 +41,7 @@ class DoubleGeneral:
         zero = np.zeros_like(turn.real)
         return point._replace(frame=product((turn.real, zero, zero, turn.imag), point.frame))
 
-    def within(self, rest: Any, al: Any) -> SurfacePoint:
+    def within(self, rest: Doubles, al: Complexes | complex) -> SurfacePoint:
         """The points at times in the first period, where al begins with that direction."""
         which = np.clip(np.searchsorted(self._begins, rest, side="right") - 1, 0, None)
         s = (rest - self._begins[which]) / self._lengths[which]

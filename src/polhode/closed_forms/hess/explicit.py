@@ -27,14 +27,15 @@ from polhode.closed_forms.hess.axes import (
     HessStart,
 )
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 
 class SurfacePoint(NamedTuple):
     """Z, Gm as pairs of reals, u, and the frame's quaternion."""
 
-    Z: tuple[Any, Any]
-    g: tuple[Any, Any]
-    u: Any
+    Z: tuple[Scalar, Scalar]
+    g: tuple[Scalar, Scalar]
+    u: Scalar
     frame: Quaternion
 
 
@@ -44,15 +45,15 @@ class PlaneMotion:
 
     kind: str
     elliptic: Jacobi | None
-    k: Any
-    om: Any
-    v0: Any
-    rate: Any  # of v
-    th0: Any  # del at the start
-    a12: Any
-    half: tuple[Any, Any]  # cos and sin of ch0/2
+    k: Scalar
+    om: Scalar
+    v0: Scalar
+    rate: Scalar  # of v
+    th0: Scalar  # del at the start
+    a12: Scalar
+    half: tuple[Scalar, Scalar]  # cos and sin of ch0/2
 
-    def at(self, t: Any, fn: SeriesFunctions) -> SurfacePoint:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> SurfacePoint:
         """The motion at t."""
         c, s, speed, angle = self._pendulum(t, fn)
         X = self.a12 * (angle - self.th0) / 2
@@ -74,7 +75,7 @@ class PlaneMotion:
             product(tilt, turn),
         )
 
-    def _pendulum(self, t: Any, fn: SeriesFunctions) -> tuple[Any, Any, Any, Any]:
+    def _pendulum(self, t: Scalar, fn: SeriesFunctions) -> tuple[Scalar, Scalar, Scalar, Scalar]:
         """cos and sin of del/2, th', and del unwrapped."""
         v = self.v0 + self.rate * t
         if self.elliptic is None:
@@ -90,7 +91,7 @@ class PlaneMotion:
         return side * cn, side * sn, 2 * self.om * self.k * dn, angle
 
     @property
-    def period(self) -> Any | None:
+    def period(self) -> Scalar | None:
         """4K/om of a libration; none of the others, which tend to a plane."""
         if self.kind != LIBRATION or self.elliptic is None:
             return None
@@ -136,17 +137,17 @@ class Cone:
     """The steady cone: gamma and Iw keep their angles with r0, and turn about it."""
 
     kind: str
-    ro: Any
-    g: tuple[Any, Any]  # ro Gm/Z
-    u: Any
-    al: Any
-    be: Any
-    rate: Any  # sqrt |al be|
-    half: tuple[Any, Any]  # sin and cos of ch0/2
+    ro: Scalar
+    g: tuple[Scalar, Scalar]  # ro Gm/Z
+    u: Scalar
+    al: Scalar
+    be: Scalar
+    rate: Scalar  # sqrt |al be|
+    half: tuple[Scalar, Scalar]  # sin and cos of ch0/2
     upright: Quaternion  # takes (u, g) to the vertical
-    turning: Any  # chi' of the angular momentum in space
+    turning: Scalar  # chi' of the angular momentum in space
 
-    def at(self, t: Any, fn: SeriesFunctions) -> SurfacePoint:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> SurfacePoint:
         """The motion at t."""
         (y1, y2), rate = self.half, self.rate
         if self.kind == CONE_LIMIT:
@@ -208,7 +209,7 @@ def cone(start: HessStart, kind: str, bits: int) -> Cone:
     return Cone(kind, ro, (x, y), u, al, be, rate, (s, c), upright, turning)
 
 
-def _balanced(X: Any) -> tuple[Any, Any]:
+def _balanced(X: Scalar) -> tuple[Scalar, Scalar]:
     """e^X and e^-X over the larger of them."""
     if isinstance(X, mpf):
         small = mpmath.exp(-2 * abs(X))
@@ -219,7 +220,7 @@ def _balanced(X: Any) -> tuple[Any, Any]:
     return np.where(X >= 0, 1.0, small), np.where(X >= 0, small, 1.0)
 
 
-def _arctan2(y: Any, x: Any) -> Any:
+def _arctan2(y: Scalar, x: Scalar) -> Scalar:
     if isinstance(y, mpf):
         return mpmath.atan2(y, x)
     import numpy as np
@@ -227,5 +228,5 @@ def _arctan2(y: Any, x: Any) -> Any:
     return np.arctan2(y, x)
 
 
-def _pi(like: Any) -> Any:
+def _pi(like: Scalar) -> Scalar:
     return +mpmath.pi if isinstance(like, mpf) else float(mpmath.pi)

@@ -13,7 +13,6 @@ it to such an equation).  No closed form of N is known.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion, conjugate, of_matrix, product
@@ -22,20 +21,21 @@ from polhode.closed_forms.hess.axes import HessStart
 from polhode.closed_forms.hess.explicit import SurfacePoint
 from polhode.closed_forms.hess.series import Period, period
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 
 @dataclass(frozen=True)
 class GeneralMotion:
     """The constants of one motion at one precision."""
 
-    period_of_u: Any  # t1
+    period_of_u: Scalar  # t1
     series: Period
-    N: tuple[Any, Any]  # its first column, U and V
-    turned: Any  # Th
-    space: Any  # half of the turn about the vertical over a period
+    N: tuple[Scalar, Scalar]  # its first column, U and V
+    turned: Scalar  # Th
+    space: Scalar  # half of the turn about the vertical over a period
     period = None
 
-    def at(self, t: Any, fn: SeriesFunctions) -> SurfacePoint:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> SurfacePoint:
         """The motion at t."""
         n = int(mpmath.floor(t / self.period_of_u))
         z1, z2, g1, g2, u, U1, U2, V1, V2, *q = self.series.at(t - n * self.period_of_u)
@@ -53,18 +53,18 @@ class GeneralMotion:
         return SurfacePoint((Z.real, Z.imag), (g.real, g.imag), u, frame)
 
     @property
-    def trace(self) -> Any:
+    def trace(self) -> Scalar:
         """tr N."""
         return 2 * self.N[0].real
 
     @property
-    def rate(self) -> Any | None:
+    def rate(self) -> Scalar | None:
         """How fast the motion tends to a periodic one, 2 ln|eigenvalue|/t1; None: it does not."""
         half = abs(self.trace) / 2
         return 2 * mpmath.acosh(half) / self.period_of_u if half > 1 else None
 
     @property
-    def apart(self) -> Any:
+    def apart(self) -> Scalar:
         """|ln| of the share of one eigenvector over that of the other at the start."""
         root = mpmath.sqrt(self.trace**2 / 4 - 1)
         large = self.trace / 2 + (root if self.trace > 0 else -root)
@@ -73,14 +73,14 @@ class GeneralMotion:
         return abs(mpmath.log(abs(one) / abs(1 - one)))
 
     @property
-    def frequencies(self) -> tuple[Any, Any | None]:
+    def frequencies(self) -> tuple[Scalar, Scalar | None]:
         """2 pi/t1, and of two frequencies that of e, modulo the first."""
         first = 2 * mpmath.pi / self.period_of_u
         half = abs(self.trace) / 2
         return first, None if half >= 1 else 2 * mpmath.acos(half) / self.period_of_u
 
 
-def powered(N: tuple[Any, Any], n: int) -> tuple[Any, Any]:
+def powered(N: tuple[Scalar, Scalar], n: int) -> tuple[Scalar, Scalar]:
     """The first column of N^n, N = [[A, conj B], [B, conj A]] of determinant 1."""
     A, B = N
     if n < 0:
@@ -94,7 +94,7 @@ def powered(N: tuple[Any, Any], n: int) -> tuple[Any, Any]:
     return one, other
 
 
-def _joined(a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
+def _joined(a: tuple[Scalar, Scalar], b: tuple[Scalar, Scalar]) -> tuple[Scalar, Scalar]:
     """The first column of a product of two such matrices."""
     return (
         a[0] * b[0] + a[1].conjugate() * b[1],
@@ -124,7 +124,7 @@ def general(start: HessStart, bits: int) -> GeneralMotion:
     return GeneralMotion(t1, series, N, turned, mpmath.atan2(whole[3], whole[0]))
 
 
-def _upright(u: Any, x: Any, y: Any) -> tuple[tuple[Any, ...], ...]:
+def _upright(u: Scalar, x: Scalar, y: Scalar) -> tuple[tuple[Scalar, ...], ...]:
     """A rotation that takes gamma = (u, x, y) to the vertical."""
     i = min(range(3), key=lambda n: abs((u, x, y)[n]))
     gamma = (u, x, y)
@@ -138,7 +138,7 @@ def _upright(u: Any, x: Any, y: Any) -> tuple[tuple[Any, ...], ...]:
     return tuple(row), other, gamma
 
 
-def _roots(P: Any, h: Any, f: Any) -> tuple[Any, Any, Any]:
+def _roots(P: Scalar, h: Scalar, f: Scalar) -> tuple[Scalar, Scalar, Scalar]:
     """u1 <= u2 < 1 < u3 of 2P(h/P - u)(1 - u^2) = f^2, by Viete's formula.
 
     t1 is symmetric in u1 and u2: where they nearly meet, what their difference loses does not

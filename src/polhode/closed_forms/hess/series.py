@@ -15,10 +15,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from operator import mul
-from typing import Any
 
 from polhode.closed_forms.functions.fourier import fixed, floating
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _GUARD = 48
 
@@ -27,8 +27,8 @@ _GUARD = 48
 class Step:
     """The series of all components from ``begin`` over ``length``."""
 
-    begin: Any
-    length: Any
+    begin: Scalar
+    length: Scalar
     rows: tuple[tuple[int, ...], ...]
 
 
@@ -39,7 +39,7 @@ class Period:
     steps: tuple[Step, ...]
     bits: int
 
-    def at(self, t: Any) -> list[Any]:
+    def at(self, t: Scalar) -> list[Scalar]:
         """z1, z2, g1, g2, u, U1, U2, V1, V2, q0, q1, q2, q3 at t."""
         low, high = 0, len(self.steps) - 1
         while low < high:
@@ -52,7 +52,7 @@ class Period:
         return _summed(step.rows, fixed((t - step.begin) / step.length, self.bits), self.bits)
 
 
-def period(start: Sequence[Any], P: Any, a12: Any, end: Any) -> Period:
+def period(start: Sequence[Scalar], P: Scalar, a12: Scalar, end: Scalar) -> Period:
     """The series from time 0 to ``end``, from the components at 0, at the precision in force."""
     prec = mpmath.prec
     bits = prec + _GUARD
@@ -98,7 +98,7 @@ def _times(a: list[int], back: list[int]) -> int:
     return sum(map(mul, a, back))
 
 
-def _share(rows: list[list[int]]) -> Any:
+def _share(rows: list[list[int]]) -> Scalar:
     """The length over which the last terms are below the unit, at most a unit of time."""
     order = len(rows[0]) - 1
     share = mpf(1)
@@ -109,7 +109,7 @@ def _share(rows: list[list[int]]) -> Any:
     return share
 
 
-def _shrunk(rows: list[list[int]], length: Any, bits: int) -> tuple[tuple[int, ...], ...]:
+def _shrunk(rows: list[list[int]], length: Scalar, bits: int) -> tuple[tuple[int, ...], ...]:
     """The coefficients for a step of that length."""
     powers, factor = [1 << bits], fixed(length, bits)
     for _ in rows[0][1:]:
@@ -119,7 +119,7 @@ def _shrunk(rows: list[list[int]], length: Any, bits: int) -> tuple[tuple[int, .
     )
 
 
-def _summed(rows: Sequence[Sequence[int]], s: int, bits: int) -> list[Any]:
+def _summed(rows: Sequence[Sequence[int]], s: int, bits: int) -> list[Scalar]:
     """The sums at s, a share of the step."""
     found = []
     for row in rows:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from polhode.closed_forms.engine.misfit import Misfit
-from polhode.closed_forms.engine.normal_form import equal, missing
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.misfit import Misfit
+from polhode.closed_forms._engine.normal_form import equal, missing
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.hess.axes import start
 from polhode.numbers.exact import ZERO, sign, sqrt
 

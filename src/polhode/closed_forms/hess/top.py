@@ -14,8 +14,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from polhode.closed_forms.engine.body_frame_motion import Between, Moving, moving
-from polhode.closed_forms.engine.from_attitude import FromAttitude
+from polhode.closed_forms._engine.body_frame_motion import Between, Moving, moving
+from polhode.closed_forms._engine.from_attitude import FromAttitude
+from polhode.closed_forms._winding.asymptotic_period import Settled
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion, of_matrix
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
@@ -24,9 +25,9 @@ from polhode.closed_forms.hess.doubles import DoubleGeneral
 from polhode.closed_forms.hess.explicit import Cone, PlaneMotion, cone, plane
 from polhode.closed_forms.hess.general import GeneralMotion, general
 from polhode.closed_forms.hess.turns import PeriodicTurns
-from polhode.closed_forms.winding.asymptotic_period import Settled
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector
 
 _ZERO = Fraction(0)
@@ -157,7 +158,7 @@ class HessTop(FromAttitude):
             with mpmath.workprec(bits):
                 unit = mpmath.ldexp(1, self._start.exponent)
                 begin = self._first_quaternion(bits)
-                chi: Callable[[Any], Any] | None = None
+                chi: Callable[[Scalar], Scalar] | None = None
                 if isinstance(path, Cone):
                     turning = path.turning * unit
                     chi = lambda t: turning * t  # noqa: E731
@@ -176,7 +177,9 @@ class HessTop(FromAttitude):
                 )
         return self._attitudes[bits]
 
-    def _between(self, path: Path, rows: Any, unit: Any, wide: Any) -> Between | None:
+    def _between(
+        self, path: Path, rows: Sequence[Sequence[Scalar]], unit: Scalar, wide: Scalar
+    ) -> Between | None:
         """The growth of the frame's arguments between two times, of two frequencies."""
         if not isinstance(path, GeneralMotion) or abs(path.trace) >= 2:
             return None
@@ -189,7 +192,7 @@ class HessTop(FromAttitude):
 
         return between
 
-    def _settled(self, path: Path, unit: Any) -> Settled | None:
+    def _settled(self, path: Path, unit: Scalar) -> Settled | None:
         """When a motion that tends to a periodic one is that, and its period.
 
         What is left of the way falls by 2^-_SURE before: where the vertical is passed ever nearer,
@@ -214,7 +217,7 @@ class HessTop(FromAttitude):
             return None
         return Settled(ways / rate / unit, period / unit, advance)
 
-    def _speeds(self, path: Path, bits: int) -> tuple[Any, Any]:
+    def _speeds(self, path: Path, bits: int) -> tuple[Scalar, Scalar]:
         """Bounds of |w| and of the frame's rate: |Z|^2 <= 2(h + P), w = (a12 M2, M2, M3)."""
         start = self._start
         h, P, a12 = (number(x, bits) for x in (start.h, start.P, start.a12))
@@ -226,13 +229,13 @@ class HessTop(FromAttitude):
         """A time in the motion's units."""
         return mpmath.ldexp(number(t, bits), self._start.exponent)
 
-    def _matrix(self, bits: int) -> list[list[Any]]:
+    def _matrix(self, bits: int) -> list[list[Scalar]]:
         """The motion's axes in the scene's."""
         if bits not in self._rows:
             self._rows[bits] = [[number(x, bits) for x in row] for row in self._start.rows]
         return self._rows[bits]
 
-    def _placed(self, v: Sequence[Any], bits: int) -> list[mpf]:
+    def _placed(self, v: Sequence[Scalar], bits: int) -> list[mpf]:
         """A vector in the scene's axes."""
         rows = self._matrix(bits)
         return [sum(row[j] * x for row, x in zip(rows, v, strict=True)) for j in range(3)]
@@ -249,13 +252,13 @@ class SurfaceFrame:
     """The frame of a motion, time as the scene's."""
 
     path: PlaneMotion | Cone | GeneralMotion | DoubleGeneral
-    unit: Any
+    unit: Scalar
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> Quaternion:
         """The quaternion at t, continuous in t."""
         return self.path.at(t * self.unit, fn).frame
 
-    def floats(self, speed: Any) -> SurfaceFrame:
+    def floats(self, speed: Scalar) -> SurfaceFrame:
         """The same in doubles for arrays, time in units of 1/speed."""
         path = self.path
         assert not isinstance(path, DoubleGeneral)

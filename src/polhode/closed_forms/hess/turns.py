@@ -16,21 +16,23 @@ in a turn of th: th + pi changes signs only.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from polhode.closed_forms._winding.floor_sums import floors
+from polhode.closed_forms._winding.winding_number import growth
 from polhode.closed_forms.functions.quaternion import Quaternion, product
 from polhode.closed_forms.hess.doubles import DoubleGeneral
 from polhode.closed_forms.hess.general import GeneralMotion
-from polhode.closed_forms.winding.floor_sums import floors
-from polhode.closed_forms.winding.winding_number import growth
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _LOST = 32  # bits that phases may have lost
 _SAMPLES = 64  # of a period, where u may pass a value
-Pair = tuple[Any, Any]
+Pair = tuple[Scalar, Scalar]
 
 
 class PeriodicTurns:
@@ -40,7 +42,9 @@ class PeriodicTurns:
     the latter; ``speed`` a bound of |w|, all in the motion's units.
     """
 
-    def __init__(self, motion: GeneralMotion, right: Quaternion, axis: Any, speed: Any) -> None:
+    def __init__(
+        self, motion: GeneralMotion, right: Quaternion, axis: Sequence[Scalar], speed: Scalar
+    ) -> None:
         self._motion, self._right, self._axis, self._speed = motion, right, axis, speed
         one, other = motion.N
         cos = one.real

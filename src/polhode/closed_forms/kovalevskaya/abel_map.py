@@ -22,12 +22,13 @@ from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, principal
 from polhode.closed_forms.kovalevskaya.theta.quadrature import Place, nodes, place
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _NEAR = -24  # |q| below 2^this, in the units of the start: the signs of w_i are left open
 _FAR = 4  # |s| beyond this multiple of the branch points: the path comes from infinity
 
 #: s, w; None at infinity.
-CurvePoint = tuple[Any, Any] | None
+CurvePoint = tuple[Scalar, Scalar] | None
 
 
 def divisors(start: KovalevskayaStart, prec: int) -> list[tuple[CurvePoint, CurvePoint]]:
@@ -47,7 +48,7 @@ def divisors(start: KovalevskayaStart, prec: int) -> list[tuple[CurvePoint, Curv
         s2 = R1 / (4 * B) if B else mpf(0)
         if not q or mpmath.mag(q) < _NEAR:
 
-            def ordinate(s: Any) -> Any:
+            def ordinate(s: Scalar) -> Scalar:
                 S = (s + H) * (s * s + b) - 2 * m * m
                 return mpmath.sqrt(max(mpf(0), -2 * (s * s - k2) * S))
 
@@ -84,7 +85,7 @@ def starts(curve: KovalevskayaCurve, start: KovalevskayaStart) -> Iterator[Pair]
         yield total
 
 
-def image(curve: KovalevskayaCurve, s: Any, w: Any) -> Pair:
+def image(curve: KovalevskayaCurve, s: Scalar, w: Scalar) -> Pair:
     """A(s, w), the integral of (1, s) ds/w from infinity.
 
     From the nearest branch point a, s' = a + (s - a) x^2, and w' = w x times the product of the
@@ -124,7 +125,7 @@ def image(curve: KovalevskayaCurve, s: Any, w: Any) -> Pair:
     return A0 + factor * total, A1 + factor * moment
 
 
-def _from_infinity(points: tuple[Any, ...], s: Any, w: Any) -> Pair:
+def _from_infinity(points: tuple[Scalar, ...], s: Scalar, w: Scalar) -> Pair:
     ratios = [a / s for a in points]
     total, moment = mpf(0), mpf(0)
     singular = [place(1 / ratio, 1 / ratio - 1, mpf(1)) for ratio in ratios if ratio]

@@ -19,12 +19,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from polhode.closed_forms.engine.axes import RowMatrix, in_scene, principal
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.axes import RowMatrix, in_scene, principal
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.functions.rounding import log2, number
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, Exact, binary, exact, rounded, sign, sqrt
 from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector
 from polhode.scenes.classification import KOVALEVSKAYA, classical_top, with_last
 
@@ -89,7 +90,7 @@ class KovalevskayaStart:
             exponent=self.exponent,
         )
 
-    def numbers(self, bits: int) -> tuple[list[Any], list[Any]]:
+    def numbers(self, bits: int) -> tuple[list[Scalar], list[Scalar]]:
         """w and G rounded to ``bits`` bits."""
         return [number(x, bits) for x in self.omega], [number(x, bits) for x in self.G]
 
@@ -98,7 +99,7 @@ class KovalevskayaStart:
         """log2 of a bound of |w|, in these units: r^2/2 + p^2 + q^2 <= H + |G|."""
         return log2(2 * (abs(self.H) + self.weight + self.a2 / self.weight)) / 2
 
-    def fastest(self, bits: int) -> Any:
+    def fastest(self, bits: int) -> Scalar:
         """A bound of |w|: w^2/2 <= H - G1 <= H + |G|."""
         height, weight = number(self.H, bits), number(self.a2, bits)
         return mpmath.sqrt(2 * (height + 2 * mpmath.sqrt(weight)))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up
 from polhode.closed_forms.kovalevskaya import regimes
@@ -20,6 +20,7 @@ from polhode.closed_forms.kovalevskaya.one_frequency import special
 from polhode.closed_forms.kovalevskaya.theta.quadrature import TooManyNodes
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 CERTIFIED = 40  # bits by which the start must be reproduced beyond the digits asked for
 _SPARE = 8  # bits of the answers beyond the digits asked for
@@ -33,11 +34,11 @@ class KovalevskayaMotion(Protocol):
     """One motion at one precision, in the top's axes and units."""
 
     @property
-    def defect(self) -> Any:
+    def defect(self) -> Scalar:
         """By how much the start is missed."""
         ...
 
-    def at(self, t: Any) -> tuple[list[Any], Any]:
+    def at(self, t: Scalar) -> tuple[list[Scalar], Scalar]:
         """p, q, r, G1, G2, G3 at t, and the imaginary rest or another estimate of the error."""
         ...
 
@@ -63,7 +64,7 @@ class Answers:
 
     def resolved(
         self, times: Sequence[Exact], base: int
-    ) -> tuple[KovalevskayaMotion, int, list[Any], mpf]:
+    ) -> tuple[KovalevskayaMotion, int, list[list[Scalar]], mpf]:
         """The constants that answer at these times to ``base`` bits, their precision, the states
         in the top's axes and units, and the estimate of the error.
         """
@@ -90,7 +91,7 @@ class Answers:
 
     def _states(
         self, solution: KovalevskayaMotion, moments: Sequence[mpf], bits: int
-    ) -> tuple[list[Any], mpf]:
+    ) -> tuple[list[list[Scalar]], mpf]:
         """The states at these moments, in the top's units, and the estimate of their error."""
         found, worst = [], mpf(solution.defect)
         for t in moments:
@@ -172,7 +173,7 @@ class Answers:
             return generic(self.start, bits)
         return special(self.start, self.regime, bits)
 
-    def _missed(self, state: Sequence[Any], bits: int) -> Any:
+    def _missed(self, state: Sequence[Scalar], bits: int) -> Scalar:
         """By how much a state misses the integrals, relative to their sizes."""
         H, m, a2, k2 = self._integrals(bits)
         p, q, r, G1, G2, G3 = state
@@ -186,6 +187,6 @@ class Answers:
             abs(abs(xi) ** 2 - k2) / speed2**2,
         )
 
-    def _integrals(self, bits: int) -> list[Any]:
+    def _integrals(self, bits: int) -> list[Scalar]:
         start = self.start
         return [number(x, bits) for x in (start.H, start.m, start.a2, start.k2)]

@@ -39,6 +39,7 @@ from polhode.closed_forms.kovalevskaya.theta.riemann_theta import (
 )
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _TILTS = 61  # directions tried
 _SMALL = 1e-280
@@ -55,11 +56,11 @@ class KovalevskayaCurve:
     ``points`` are in the order e1, e2, e3, k, -k.
     """
 
-    points: tuple[Any, ...]
+    points: tuple[Scalar, ...]
     order: tuple[int, ...]
 
     @property
-    def along(self) -> list[Any]:
+    def along(self) -> list[Scalar]:
         """a_1 ... a_5."""
         return [self.points[i] for i in self.order]
 
@@ -137,7 +138,7 @@ class KovalevskayaCurve:
         rates = solved(self.cycles, (mpf(0), 2 * mpmath.pi))
         return abs(rates[0]), abs(rates[1])
 
-    def _bounded(self, a: Any, b: Any) -> Pair:
+    def _bounded(self, a: Scalar, b: Scalar) -> Pair:
         """Twice the integral of (1, s) ds/|w| between real branch points."""
         length = b - a
         others = [c for c in self.points if c not in (a, b)]
@@ -153,7 +154,7 @@ class KovalevskayaCurve:
         root = mpmath.sqrt(mpf(2))
         return root * total, root * moment
 
-    def _unbounded(self, a: Any) -> Pair:
+    def _unbounded(self, a: Scalar) -> Pair:
         """Twice the integral of (1, s) ds/|w| from -infinity to a: s = a - size x/(1 - x)."""
         gaps = [c - a for c in self.points if c != a]
         size = max(abs(gap) for gap in gaps)
@@ -198,7 +199,7 @@ class KovalevskayaCurve:
 _ALL: list[Characteristic] = list(product((0, 1), repeat=4))  # type: ignore[arg-type]
 
 
-def principal_roots(factors: Sequence[Any]) -> Any:
+def principal_roots(factors: Sequence[Scalar]) -> Scalar:
     """The product of the principal square roots, with one root taken."""
     whole: Any = 1
     angle = 0.0
@@ -211,7 +212,7 @@ def principal_roots(factors: Sequence[Any]) -> Any:
     return -root if round(turn) % 2 else root
 
 
-def _angle(z: Any) -> float:
+def _angle(z: Scalar) -> float:
     """arg z in doubles, at any magnitude."""
     near = complex(z)
     if abs(near) > _SMALL:
@@ -230,18 +231,18 @@ def curve(start: KovalevskayaStart, prec: int) -> KovalevskayaCurve:
     return KovalevskayaCurve(points, _numbered(points))
 
 
-def branch_points(start: KovalevskayaStart, prec: int) -> tuple[Any, ...]:
+def branch_points(start: KovalevskayaStart, prec: int) -> tuple[Scalar, ...]:
     """e1, e2, e3, k, -k with ``prec`` bits."""
     with mpmath.workprec(prec):
         return (*cubic_roots(start, prec), *_ends(start, prec))
 
 
-def _ends(start: KovalevskayaStart, prec: int) -> tuple[Any, Any]:
+def _ends(start: KovalevskayaStart, prec: int) -> tuple[Scalar, Scalar]:
     k = mpmath.sqrt(number(start.k2, prec + 20))
     return k, -k
 
 
-def cubic_roots(start: KovalevskayaStart, prec: int) -> tuple[Any, Any, Any]:
+def cubic_roots(start: KovalevskayaStart, prec: int) -> tuple[Scalar, Scalar, Scalar]:
     """e1, e2, e3: real ones in ascending order, or the real one and a conjugate pair.
 
     s^3 + H s^2 + b s + (H b - 2 m^2) by Cardano's and Viete's formulas, at twice the precision: a
@@ -272,7 +273,7 @@ def cubic_roots(start: KovalevskayaStart, prec: int) -> tuple[Any, Any, Any]:
     return x, y, z
 
 
-def _numbered(points: Sequence[Any]) -> tuple[int, ...]:
+def _numbered(points: Sequence[Scalar]) -> tuple[int, ...]:
     """The order along exp(i vth): vth = 0 if all are real, else with the largest least gap."""
     gaps = [points[i] - points[j] for i in range(5) for j in range(i)]
     if any(not gap for gap in gaps):
@@ -313,7 +314,7 @@ def kind(start: KovalevskayaStart) -> str:
     raise Unresolved
 
 
-def _size(start: KovalevskayaStart, prec: int) -> Any:
+def _size(start: KovalevskayaStart, prec: int) -> Scalar:
     """A bound of the branch points' size."""
     H, b, m2, k2 = (abs(number(x, prec)) for x in (start.H, start.b, start.m2, start.k2))
     return 2 * max(H, mpmath.sqrt(b), mpmath.cbrt(H * b + 2 * m2), mpmath.sqrt(k2))

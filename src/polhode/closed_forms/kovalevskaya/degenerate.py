@@ -14,11 +14,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.generic import Generic, generic
 from polhode.numbers.mpmath_context import mpf
+from polhode.numbers.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -27,22 +27,24 @@ class Averaged:
 
     starts: Sequence[KovalevskayaStart]
     neighbours: Sequence[Generic]
-    speed: Any  # the units of w and G in the estimate
-    weight: Any
+    speed: Scalar  # the units of w and G in the estimate
+    weight: Scalar
     closeness: int  # -log2 eps
 
     @property
-    def defect(self) -> Any:
+    def defect(self) -> Scalar:
         """The largest defect of a neighbour."""
         return max(motion.defect for motion in self.neighbours)
 
-    def at(self, t: Any) -> tuple[list[Any], Any]:
+    def at(self, t: Scalar) -> tuple[list[Scalar], Scalar]:
         """The state at t and an estimate of its error from the extrapolation."""
         sizes = [self.speed] * 3 + [self.weight] * 3
         return combined([motion.at(t)[0] for motion in self.neighbours], sizes)
 
 
-def combined(rows: Sequence[Sequence[Any]], sizes: Sequence[Any]) -> tuple[list[Any], Any]:
+def combined(
+    rows: Sequence[Sequence[Scalar]], sizes: Sequence[Scalar]
+) -> tuple[list[Scalar], Scalar]:
     """What the neighbours' values tell about the motion between them, and the error's estimate.
 
     ``sizes``: the unit of each value in the estimate.

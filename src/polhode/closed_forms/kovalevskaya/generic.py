@@ -28,6 +28,7 @@ from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, Unresolve
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair
 from polhode.closed_forms.kovalevskaya.theta.riemann_theta import Thetas, added, thetas
 from polhode.numbers.mpmath_context import mpc, mpmath
+from polhode.numbers.scalars import Scalar
 
 PAIRS = ((0, 1), (0, 2), (1, 2))
 
@@ -43,19 +44,19 @@ class Generic:
     thetas: Thetas  # del, del + eta_j, del + eta_j + eta_l
     z0: Pair
     velocity: Pair  # V
-    H: Any
-    over: Sequence[Any]  # g_j C_j
-    p: Sequence[Any]  # f_j C_j
-    r: Sequence[Any]
-    G3: Sequence[Any]
-    defect: Any
+    H: Scalar
+    over: Sequence[Scalar]  # g_j C_j
+    p: Sequence[Scalar]  # f_j C_j
+    r: Sequence[Scalar]
+    G3: Sequence[Scalar]
+    defect: Scalar
 
-    def at(self, t: Any) -> tuple[list[Any], Any]:
+    def at(self, t: Scalar) -> tuple[list[Scalar], Scalar]:
         """The state at t, and the largest imaginary part: it ought to be 0."""
         found = self.complex_at(t)
         return [x.real for x in found], max(abs(x.imag) for x in found)
 
-    def complex_at(self, t: Any) -> list[Any]:
+    def complex_at(self, t: Scalar) -> list[Scalar]:
         """The state at t as the complex numbers that the quotients give."""
         z = self.z0[0] + t * self.velocity[0], self.z0[1] + t * self.velocity[1]
         return _state(self, self.thetas.at(z))
@@ -129,7 +130,7 @@ def generic(start: KovalevskayaStart, bits: int, backend: str | None = None) -> 
         return best
 
 
-def _state(motion: Generic, values: Sequence[tuple[Any, Any]]) -> list[Any]:
+def _state(motion: Generic, values: Sequence[tuple[Scalar, Scalar]]) -> list[Scalar]:
     """p, q, r, G1, G2, G3 from the thetas and their derivatives."""
     zero, *rest = values
     singles, doubles = rest[:3], rest[3:]
@@ -143,14 +144,14 @@ def _state(motion: Generic, values: Sequence[tuple[Any, Any]]) -> list[Any]:
     return [p, q, r, motion.H - p * p - q * q - r * r / 2, G2, G3]
 
 
-def _dot(row: Sequence[Any], values: Sequence[tuple[Any, Any]], which: int) -> Any:
+def _dot(row: Sequence[Scalar], values: Sequence[tuple[Scalar, Scalar]], which: int) -> Scalar:
     total: Any = 0
     for x, value in zip(row, values, strict=True):
         total = total + x * value[which]
     return total
 
 
-def _constants(made: KovalevskayaCurve, functions: Thetas) -> list[Any]:
+def _constants(made: KovalevskayaCurve, functions: Thetas) -> list[Scalar]:
     """c_j up to signs: c_j^2 = (e_l - e_j)(e_n - e_j)(th_0/th_j)^2 at A_l + A_n."""
     e, found = made.points, []
     for j in range(3):
@@ -161,7 +162,7 @@ def _constants(made: KovalevskayaCurve, functions: Thetas) -> list[Any]:
     return found
 
 
-def _brackets(made: KovalevskayaCurve, functions: Thetas) -> list[Any]:
+def _brackets(made: KovalevskayaCurve, functions: Thetas) -> list[Scalar]:
     """K_jl at A_j + A_n, n another finite branch point: the one with the largest denominator."""
     found = []
     for i, (j, l) in enumerate(PAIRS):
@@ -172,7 +173,7 @@ def _brackets(made: KovalevskayaCurve, functions: Thetas) -> list[Any]:
     return found
 
 
-def _size(values: Sequence[tuple[Any, Any]]) -> Any:
+def _size(values: Sequence[tuple[Scalar, Scalar]]) -> Scalar:
     return max(abs(value) for value, _ in values)
 
 

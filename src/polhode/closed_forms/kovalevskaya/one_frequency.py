@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.kovalevskaya import regimes
@@ -27,19 +26,20 @@ from polhode.closed_forms.kovalevskaya.theta.weierstrass import (
 )
 from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
-State = list[Any]
+State = list[Scalar]
 
 
 @dataclass(frozen=True)
 class Special:
     """One motion at one precision; ``state(t)`` in the top's axes and units."""
 
-    state: Callable[[Any], State]
-    period: Any  # infinite where there is none
-    defect: Any
+    state: Callable[[Scalar], State]
+    period: Scalar  # infinite where there is none
+    defect: Scalar
 
-    def at(self, t: Any) -> tuple[State, Any]:
+    def at(self, t: Scalar) -> tuple[State, Scalar]:
         """The state at t; there is no rest that could tell an error."""
         return self.state(t), mpf(0)
 
@@ -95,13 +95,13 @@ def quartic(start: KovalevskayaStart, name: str) -> Quartic:
 
 def _delaunay(
     start: KovalevskayaStart, bits: int
-) -> tuple[Callable[[Any], State], WeierstrassSolution]:
+) -> tuple[Callable[[Scalar], State], WeierstrassSolution]:
     (p, q, r), (_, _, G3) = start.numbers(bits)
     x0 = mpc(p, q)
     y = solution(quartic(start, regimes.DELAUNAY), x0, 1j * (G3 - r * x0) / 2, bits)
     H, m = number(start.H, bits), number(start.m, bits)
 
-    def state(t: Any) -> State:
+    def state(t: Scalar) -> State:
         x, x1 = y.value(t)
         p, q, p1, q1 = x.real, x.imag, x1.real, x1.imag
         # q1 r = m - p H + p (p^2 - q^2), q r = 2 p1
@@ -113,12 +113,12 @@ def _delaunay(
 
 def _bobylev(
     start: KovalevskayaStart, bits: int
-) -> tuple[Callable[[Any], State], WeierstrassSolution]:
+) -> tuple[Callable[[Scalar], State], WeierstrassSolution]:
     (p, _, r0), (_, G2, _) = start.numbers(bits)
     y = solution(quartic(start, regimes.BOBYLEV), r0, -G2, bits)
     H = number(start.H, bits)
 
-    def state(t: Any) -> State:
+    def state(t: Scalar) -> State:
         r, r1 = y.value(t)
         return [p, mpf(0), r, H - p * p - r * r / 2, -r1, p * r]
 
@@ -127,12 +127,12 @@ def _bobylev(
 
 def _pendulum(
     start: KovalevskayaStart, bits: int
-) -> tuple[Callable[[Any], State], WeierstrassSolution]:
+) -> tuple[Callable[[Scalar], State], WeierstrassSolution]:
     (_, q0, _), (_, _, G3) = start.numbers(bits)
     y = solution(quartic(start, regimes.PENDULUM_Y), q0, G3 / 2, bits)
     H = number(start.H, bits)
 
-    def state(t: Any) -> State:
+    def state(t: Scalar) -> State:
         q, q1 = y.value(t)
         return [mpf(0), q, mpf(0), H - q * q, mpf(0), 2 * q1]
 
@@ -151,13 +151,13 @@ def _appelrot_numbers(start: KovalevskayaStart) -> tuple[Exact, Exact, Exact]:
 
 def _appelrot(
     start: KovalevskayaStart, bits: int
-) -> tuple[Callable[[Any], State], WeierstrassSolution]:
+) -> tuple[Callable[[Scalar], State], WeierstrassSolution]:
     xh, ro, x = (number(v, bits) for v in _appelrot_numbers(start))
     (_, q0, r0), _ = start.numbers(bits)
     y0 = q0 / (ro + x)  # tan of half of ps
     y = solution(quartic(start, regimes.APPELROT), y0, -r0 * (1 + y0 * y0) / 4, bits)
 
-    def state(t: Any) -> State:
+    def state(t: Scalar) -> State:
         Y, Z, Y1, Z1 = y.at(t)
         over = 1 / (Z * Z + Y * Y)
         c, s = (Z * Z - Y * Y) * over, 2 * Y * Z * over

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from polhode.closed_forms.engine.misfit import Misfit
-from polhode.closed_forms.engine.normal_form import Condition, equal, missing, positive
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.misfit import Misfit
+from polhode.closed_forms._engine.normal_form import Condition, equal, missing, positive
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_axes
 from polhode.closed_forms.kovalevskaya.curve import Unresolved, branch_points
 from polhode.closed_forms.kovalevskaya.regimes import (

@@ -14,8 +14,9 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from polhode.closed_forms.engine.axes import RowMatrix, placed
-from polhode.closed_forms.engine.from_attitude import FromAttitude
+from polhode.closed_forms._engine.axes import RowMatrix, placed
+from polhode.closed_forms._engine.from_attitude import FromAttitude
+from polhode.closed_forms._winding.euler_angles import Attitude
 from polhode.closed_forms.functions.rounding import number, rounded_up, shortened
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.axes import top_axes
@@ -23,10 +24,10 @@ from polhode.closed_forms.kovalevskaya.certified_answers import CERTIFIED, Answe
 from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, cubic_roots
 from polhode.closed_forms.kovalevskaya.generic import Generic
 from polhode.closed_forms.kovalevskaya.one_frequency import special
-from polhode.closed_forms.winding.euler_angles import Attitude
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 if TYPE_CHECKING:
     from polhode.closed_forms.kovalevskaya.attitude.attitude_choice import Attitudes
@@ -165,7 +166,7 @@ class KovalevskayaTop(FromAttitude):
         _, bits, states, worst = self._answers.resolved(times, base)
         return [self._placed(state, bits) for state in states], worst
 
-    def _placed(self, state: Sequence[Any], bits: int) -> list[mpf]:
+    def _placed(self, state: Sequence[Scalar], bits: int) -> list[mpf]:
         """A state in the scene's axes and units."""
         exponent = self._start.exponent
         with mpmath.workprec(bits):

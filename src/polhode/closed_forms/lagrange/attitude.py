@@ -16,7 +16,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from polhode.closed_forms.engine.axes import RowMatrix
+from polhode.closed_forms._engine.axes import RowMatrix
+from polhode.closed_forms._winding.argument_of_sum import Turning, turns_over_zeros
+from polhode.closed_forms._winding.euler_angles import TooFewBits
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion, of_matrix, product
 from polhode.closed_forms.functions.rounding import number
@@ -31,11 +33,10 @@ from polhode.closed_forms.lagrange.motion import (
 )
 from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.closed_forms.lagrange.turns import turning
-from polhode.closed_forms.winding.argument_of_sum import Turning, turns_over_zeros
-from polhode.closed_forms.winding.euler_angles import TooFewBits
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _TELLING_BITS = 1024  # that tell a nearly steady top's passages by a pole from those through it
 
@@ -47,10 +48,10 @@ class LagrangeAttitude:
     motion: LagrangeMotion
     rows: tuple[tuple[Parts, Parts], tuple[Parts, Parts]]  # al, bt of the scene in those of the top
     start: Quaternion
-    range: tuple[Any, Any, Any, Any]  # least and largest |al|, then |bt|, of the top
-    torque: Any  # Mg z0/A
+    range: tuple[Scalar, Scalar, Scalar, Scalar]  # least and largest |al|, then |bt|, of the top
+    torque: Scalar  # Mg z0/A
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         return self.joined(*self.motion.parameters(t, fn))
 
@@ -79,7 +80,7 @@ class LagrangeAttitude:
         """
         return (1 + self.torque / self.speed**2) / 2
 
-    def arguments(self, t: Any) -> tuple[Any, Any] | None:
+    def arguments(self, t: Scalar) -> tuple[Scalar, Scalar | None] | None:
         """The growth of arg al and arg bt from time 0 to t, where it is closed; else None.
 
         None for an argument whose parameter is always 0.
@@ -101,7 +102,7 @@ class LagrangeAttitude:
             grown.append(more + 2 * mpmath.pi * self._over_zeros(row, lead, begin, t))
         return grown[0], grown[1]
 
-    def _over_zeros(self, row: tuple[Parts, Parts], lead: int, begin: Any, t: Any) -> int:
+    def _over_zeros(self, row: tuple[Parts, Parts], lead: int, begin: Scalar, t: Scalar) -> int:
         """Turns that the argument gains where the row's sum is 0, on what :meth:`_argument` has.
 
         It grows by pi at each zero away from t = 0 (:mod:`polhode.equations.pole_passage`).
@@ -121,7 +122,7 @@ class LagrangeAttitude:
             apart, rate = -apart, -rate
         return turns_over_zeros(apart + rate * begin, apart + rate * t)
 
-    def _begin(self, which: int, t: Any) -> Any:
+    def _begin(self, which: int, t: Scalar) -> Scalar:
         """The time from which an argument is known: 0, or just after a pole."""
         if any(_part(self.start, which)) or not self.motion.speed:
             return mpf(0)
@@ -161,7 +162,7 @@ class LagrangeAttitude:
             raise TooFewBits("two terms are too nearly equal")
         return lead
 
-    def _argument(self, row: tuple[Parts, Parts], lead: int, t: Any) -> Any:
+    def _argument(self, row: tuple[Parts, Parts], lead: int, t: Scalar) -> Scalar:
         """The argument of the row's sum at t, to a constant."""
         angle = self.motion.arguments(t)[lead]
         if not any(row[1 - lead]):
@@ -202,7 +203,7 @@ def top_start(
 
 
 def attitude(
-    motion: LagrangeMotion, torque: Any, matrix: RowMatrix, start: Quaternion
+    motion: LagrangeMotion, torque: Scalar, matrix: RowMatrix, start: Quaternion
 ) -> LagrangeAttitude:
     """The attitude that starts at ``start``; ``torque`` = Mg z0/A, ``matrix`` E by rows."""
     t0, t1, t2, t3 = of_matrix(matrix)
@@ -217,7 +218,7 @@ def attitude(
     return LagrangeAttitude(motion, ((p, q), (r, s)), start, _range(motion, (a, b), (x, y)), torque)
 
 
-def _range(motion: LagrangeMotion, al: Parts, bt: Parts) -> tuple[Any, Any, Any, Any]:
+def _range(motion: LagrangeMotion, al: Parts, bt: Parts) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """Least and largest |al| and |bt|."""
     if not isinstance(motion, Nutating):
         one, other = mpmath.hypot(*al), mpmath.hypot(*bt)

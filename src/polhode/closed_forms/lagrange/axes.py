@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from polhode.closed_forms.engine.axes import RowMatrix, in_scene, principal
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.axes import RowMatrix, in_scene, principal
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.functions.rounding import number
 from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.scenes import body

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from polhode.closed_forms.engine.misfit import Misfit
-from polhode.closed_forms.engine.normal_form import Condition, Placed, equal, shortfall
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.misfit import Misfit
+from polhode.closed_forms._engine.normal_form import Condition, Placed, equal, shortfall
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.lagrange.axes import fits
 from polhode.numbers.exact import ZERO, sqrt
 from polhode.scenes.body import dot

@@ -38,20 +38,23 @@ from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.closed_forms.lagrange.roots import Gaps, gaps
 from polhode.numbers.exact import sign
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 #: A complex number of any scalars, as its two parts.
-Parts: TypeAlias = tuple[Any, Any]
+Parts: TypeAlias = tuple[Scalar, Scalar]
 
 
 @dataclass(frozen=True)
 class LagrangeStart:
     """al, bt, xi and their slopes at t = 0, psi such that the larger of al and bt is real."""
 
-    values: tuple[Any, Any, Any]
-    slopes: tuple[Any, Any, Any]
+    values: tuple[Scalar, Scalar, Scalar]
+    slopes: tuple[Scalar, Scalar, Scalar]
 
 
-def equations(values: tuple[Any, Any, Any], r: Any, ratio: Any, torque: Any) -> tuple[Any, ...]:
+def equations(
+    values: tuple[Scalar, Scalar, Scalar], r: Scalar, ratio: Scalar, torque: Scalar
+) -> tuple[Scalar, ...]:
     """al', bt', xi' of al, bt, xi; ``ratio`` = C/A, ``torque`` = Mg z0/A."""
     al, bt, xi = values
     return (
@@ -66,34 +69,34 @@ class Steady:
     """theta constant: al, bt and xi turn uniformly."""
 
     values: tuple[Parts, Parts, Parts]  # at t = 0
-    rates: tuple[Any, Any, Any]
-    r: Any
-    speed: Any  # |w|
+    rates: tuple[Scalar, Scalar, Scalar]
+    r: Scalar
+    speed: Scalar  # |w|
 
-    def parameters(self, t: Any, fn: SeriesFunctions) -> tuple[Parts, Parts]:
+    def parameters(self, t: Scalar, fn: SeriesFunctions) -> tuple[Parts, Parts]:
         """al and bt."""
         al, bt, _ = self.all(t, fn)
         return al, bt
 
-    def all(self, t: Any, fn: SeriesFunctions) -> tuple[Parts, Parts, Parts]:
+    def all(self, t: Scalar, fn: SeriesFunctions) -> tuple[Parts, Parts, Parts]:
         """al, bt and xi."""
         al, bt, xi = (
             times(z, fn.cos_sin(rate * t)) for z, rate in zip(self.values, self.rates, strict=True)
         )
         return al, bt, xi
 
-    def arguments(self, t: Any) -> tuple[Any, Any]:
+    def arguments(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """arg al and arg bt, continuous in t, each to a constant."""
         return self.rates[0] * t, self.rates[1] * t
 
-    def slopes(self, t: Any) -> tuple[Any, Any, Any]:
+    def slopes(self, t: Scalar) -> tuple[Scalar, Scalar, Scalar]:
         """The derivatives of al, bt and xi."""
         now = self.all(t, MP)
         al, bt, xi = (1j * rate * mpc(*z) for z, rate in zip(now, self.rates, strict=True))
         return al, bt, xi
 
     @property
-    def fastest(self) -> Any:
+    def fastest(self) -> Scalar:
         """A bound of every rate in it."""
         return max(self.speed, *map(abs, self.rates))
 
@@ -116,23 +119,23 @@ class Parameter:
     shift: Quotient
     sense: int
     factor: Parts
-    rate: Any
-    jump: Any
-    uniform: Any  # what ``rate`` has beside sense · shift.rate · v'
+    rate: Scalar
+    jump: Scalar
+    uniform: Scalar  # what ``rate`` has beside sense · shift.rate · v'
 
-    def at(self, t: Any, waves: Waves, over: Any, fn: SeriesFunctions) -> Parts:
+    def at(self, t: Scalar, waves: Waves, over: Scalar, fn: SeriesFunctions) -> Parts:
         """z, with ``over`` = 1/Theta(v_r)."""
         x, y = self.shift.at(waves)
         turn = fn.cos_sin(self.rate * t + self.jump * waves.turns)
         re, im = times(times((x, -y if self.sense < 0 else y), turn), self.factor)
         return re * over, im * over
 
-    def argument(self, t: Any, waves: Waves) -> Any:
+    def argument(self, t: Scalar, waves: Waves) -> Scalar:
         """arg z, continuous in t, to a constant."""
         x, y = self.shift.at(waves)
         return self.rate * t + self.jump * waves.turns + self.sense * mpmath.atan2(y, x)
 
-    def slope(self, t: Any, waves: Waves, elliptic: Jacobi, rate: Any) -> Any:
+    def slope(self, t: Scalar, waves: Waves, elliptic: Jacobi, rate: Scalar) -> Scalar:
         """dz/dt, where v' = ``rate``."""
         moved = elliptic.slopes(waves)
         below, fall = elliptic.denominator(waves), elliptic.denominator(moved) * rate
@@ -175,20 +178,20 @@ class Nutating:
     """The general motion; k = 0 excluded (:class:`Steady`), k' = 0 included."""
 
     elliptic: Jacobi
-    rate: Any  # of v
-    v0: Any
+    rate: Scalar  # of v
+    v0: Scalar
     al: Parameter
     bt: Parameter
     xi: Parameter
-    r: Any
-    speed: Any  # the largest |w|
+    r: Scalar
+    speed: Scalar  # the largest |w|
 
-    def parameters(self, t: Any, fn: SeriesFunctions) -> tuple[Parts, Parts]:
+    def parameters(self, t: Scalar, fn: SeriesFunctions) -> tuple[Parts, Parts]:
         """al and bt."""
         waves, over = self._waves(t, fn)
         return self.al.at(t, waves, over, fn), self.bt.at(t, waves, over, fn)
 
-    def all(self, t: Any, fn: SeriesFunctions) -> tuple[Parts, Parts, Parts]:
+    def all(self, t: Scalar, fn: SeriesFunctions) -> tuple[Parts, Parts, Parts]:
         """al, bt and xi."""
         waves, over = self._waves(t, fn)
         return (
@@ -197,12 +200,12 @@ class Nutating:
             self.xi.at(t, waves, over, fn),
         )
 
-    def arguments(self, t: Any) -> tuple[Any, Any]:
+    def arguments(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """arg al and arg bt, continuous in t but for jumps by pi at a zero, to a constant."""
         waves, _ = self._waves(t, MP)
         return self.al.argument(t, waves), self.bt.argument(t, waves)
 
-    def turns_over_zeros(self, which: int, begin: Any, end: Any) -> int:
+    def turns_over_zeros(self, which: int, begin: Scalar, end: Scalar) -> int:
         """What arg al or arg bt gains on :meth:`arguments` if each zero on the way adds pi to it.
 
         In turns.  al is 0 at v = 0, bt at v = K, and again after each 2K.
@@ -219,7 +222,7 @@ class Nutating:
             first, last = (int(x > 0) for x in v)
         return max(0, z.sense * (first - last))
 
-    def slopes(self, t: Any) -> tuple[Any, Any, Any]:
+    def slopes(self, t: Scalar) -> tuple[Scalar, Scalar, Scalar]:
         """The derivatives of al, bt and xi."""
         waves, _ = self._waves(t, MP)
         al, bt, xi = (
@@ -228,7 +231,7 @@ class Nutating:
         return al, bt, xi
 
     @property
-    def fastest(self) -> Any:
+    def fastest(self) -> Scalar:
         """A bound of every rate in it."""
         found = [self.speed, self.rate]
         for z in (self.al, self.bt, self.xi):
@@ -253,7 +256,7 @@ class Nutating:
             1.0,
         )
 
-    def _waves(self, t: Any, fn: SeriesFunctions) -> tuple[Waves, Any]:
+    def _waves(self, t: Scalar, fn: SeriesFunctions) -> tuple[Waves, Scalar]:
         waves = self.elliptic.waves(self.v0 + self.rate * t, fn)
         return waves, 1 / self.elliptic.denominator(waves)
 
@@ -323,14 +326,16 @@ def times(a: Parts, b: Parts) -> Parts:
     return a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]
 
 
-def _sides(g: Gaps, x: tuple[Any, Any, Any]) -> tuple[Any, Any, Any]:
+def _sides(g: Gaps, x: tuple[Scalar, Scalar, Scalar]) -> tuple[Scalar, Scalar, Scalar]:
     """sn^2, cn^2, dn^2 (modulus k') of a(x), x in [u2, u3]."""
     if not g.u32:
         return mpf(0), mpf(1), mpf(1)
     return x[2] / g.u32, x[1] / g.u32, x[0] / g.u31
 
 
-def _shift(j: Jacobi, k2: Any, squares: tuple[Any, Any, Any], shifted: bool) -> Quotient:
+def _shift(
+    j: Jacobi, k2: Scalar, squares: tuple[Scalar, Scalar, Scalar], shifted: bool
+) -> Quotient:
     """The quotient for the shift a with these sn^2, cn^2, dn^2 (modulus k'); a from the nearer end.
 
     sn, cn, dn of K' - a are cn/dn, k sn/dn, k/dn.

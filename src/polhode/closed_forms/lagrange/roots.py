@@ -17,18 +17,19 @@ from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.numbers.exact import sign
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 #: Distances of a point from u1, u2, u3: none is negative.
-Distances: TypeAlias = tuple[Any, Any, Any]
+Distances: TypeAlias = tuple[Scalar, Scalar, Scalar]
 
 
 @dataclass(frozen=True)
 class Gaps:
     """Differences of roots and points, as moduli, at the precision in force when made."""
 
-    u21: Any  # u2 - u1
-    u32: Any  # u3 - u2
-    u31: Any  # u3 - u1
+    u21: Scalar  # u2 - u1
+    u32: Scalar  # u3 - u2
+    u31: Scalar  # u3 - u1
     top: Distances  # of 1
     bottom: Distances  # of -1
     b: Distances
@@ -92,7 +93,7 @@ def gaps(c: Constants, bits: int) -> Gaps:
         prec = int(needed) + 32
 
 
-def _from_root(i: int, u21: Any, u32: Any, u31: Any) -> Distances:
+def _from_root(i: int, u21: Scalar, u32: Scalar, u31: Scalar) -> Distances:
     """The distances of root i from the three."""
     rows: tuple[Distances, ...] = (
         (mpf(0), u21, u31),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from polhode.closed_forms.engine.misfit import Misfit
-from polhode.closed_forms.engine.normal_form import equal, missing, positive, size_of
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.misfit import Misfit
+from polhode.closed_forms._engine.normal_form import equal, missing, positive, size_of
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.lagrange.axes import top_axes
 from polhode.closed_forms.lagrange.regimes import constants
 from polhode.numbers.exact import ZERO

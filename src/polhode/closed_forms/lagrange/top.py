@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from polhode.closed_forms.engine.axes import RowMatrix, placed
-from polhode.closed_forms.engine.from_attitude import FromAttitude
+from polhode.closed_forms._engine.axes import RowMatrix, placed
+from polhode.closed_forms._engine.from_attitude import FromAttitude
 from polhode.closed_forms.functions.jacobi import MP, pair_functions
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.lagrange.attitude import LagrangeAttitude, attitude, top_start
@@ -34,6 +34,7 @@ from polhode.closed_forms.lagrange.regimes import constants, regime
 from polhode.closed_forms.lagrange.roots import gaps
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector
 
 _ZERO = Fraction(0)
@@ -187,7 +188,7 @@ class LagrangeTop(FromAttitude):
         return bits
 
 
-def _state(matrix: RowMatrix, parameters: tuple[Parts, Parts, Parts], r: Any) -> list[Any]:
+def _state(matrix: RowMatrix, parameters: tuple[Parts, Parts, Parts], r: Scalar) -> list[Scalar]:
     """p q r gamma1 gamma2 gamma3 in the scene's axes, of al, bt and xi."""
     (a, b), (c, d), (p, q) = parameters
     # g1 + i g2 = 2i conj(al) bt
@@ -201,7 +202,7 @@ def _period(motion: LagrangeMotion) -> Any | None:
     return 2 * motion.elliptic.K / motion.rate
 
 
-def _defect(motion: LagrangeMotion, start: LagrangeStart, ratio: Any, torque: Any) -> Any:
+def _defect(motion: LagrangeMotion, start: LagrangeStart, ratio: Scalar, torque: Scalar) -> Scalar:
     """How far the motion is from the start at t = 0, and from its equations then and later.
 
     Relative to the sizes of al, bt and xi and to the fastest rate; the second time is a fraction

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from polhode.closed_forms._winding.argument_of_sum import Crossing, Polar, Sum, Terms, Turning
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.lagrange.motion import Nutating, Parameter, Parts
-from polhode.closed_forms.winding.argument_of_sum import Crossing, Polar, Sum, Terms, Turning
 from polhode.numbers.mpmath_context import mpc, mpmath
 
 

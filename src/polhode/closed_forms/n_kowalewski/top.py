@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.engine.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.functions.gamma_from_omega import Frame
 from polhode.closed_forms.functions.quadrature_1dof import OneDegree, one_degree
 from polhode.closed_forms.functions.rounding import number

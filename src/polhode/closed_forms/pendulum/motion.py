@@ -15,6 +15,7 @@ from polhode.closed_forms.pendulum.conditions import axis_of, momentum
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector, cross, dot, is_zero
 
 HANGING, UPRIGHT = "rest, hanging", "rest, upright"
@@ -85,18 +86,18 @@ class Swing:
     """The swing at one precision, chi as in :meth:`polhode.closed_forms.pendulum.angles.Angles`."""
 
     elliptic: Jacobi
-    rate: Any  # of v
-    v0: Any
-    k: Any  # 1 where rotating
+    rate: Scalar  # of v
+    v0: Scalar
+    k: Scalar  # 1 where rotating
     rotating: bool  # or on the separatrix
-    start: tuple[Any, Any]  # cos and sin of del/2 at t = 0, the former not negative
-    angle: Any  # del at t = 0
-    nearest: tuple[Any, Any]  # cos and sin of chi at t = 0
-    n: Sequence[Any]  # in the scene's axes, as the next two
-    down: Sequence[Any]  # T/P
-    sideways: Sequence[Any]  # n x T/P
+    start: tuple[Scalar, Scalar]  # cos and sin of del/2 at t = 0, the former not negative
+    angle: Scalar  # del at t = 0
+    nearest: tuple[Scalar, Scalar]  # cos and sin of chi at t = 0
+    n: Sequence[Scalar]  # in the scene's axes, as the next two
+    down: Sequence[Scalar]  # T/P
+    sideways: Sequence[Scalar]  # n x T/P
 
-    def at(self, t: Any) -> tuple[Any, Any, Any, int]:
+    def at(self, t: Scalar) -> tuple[Scalar, Scalar, Scalar, int]:
         """del', cos and sin of del/2, continuous in t, and whole turns of del."""
         waves = self.elliptic.waves(self.v0 + self.rate * t, MP)
         sn, cn, dn = self.elliptic.functions(waves)
@@ -118,10 +119,10 @@ class Swing:
 def swing_of(
     numbers: Mapping[str, Any],
     rotating: bool,
-    n: Sequence[Any],
-    down: Sequence[Any],
-    sideways: Sequence[Any],
-    gamma: Sequence[Any],
+    n: Sequence[Scalar],
+    down: Sequence[Scalar],
+    sideways: Sequence[Scalar],
+    gamma: Sequence[Scalar],
 ) -> Swing:
     """The constants at the precision in force, from the exact numbers rounded."""
     # R_F takes sn, cn, dn as three exact numbers: next to a turning point nothing is lost.
@@ -146,7 +147,9 @@ def swing_of(
     )
 
 
-def angle_between(one: tuple[Any, Any], other: tuple[Any, Any]) -> tuple[Any, Any]:
+def angle_between(
+    one: tuple[Scalar, Scalar], other: tuple[Scalar, Scalar]
+) -> tuple[Scalar, Scalar]:
     """cos and sin of the difference of two angles."""
     (c, s), (cos, sin) = one, other
     return c * cos + s * sin, s * cos - c * sin

@@ -24,11 +24,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
-from polhode.closed_forms.engine.axes import MotionAxes
-from polhode.closed_forms.engine.initial_attitude import start_angles, start_quaternion, start_sign
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.axes import MotionAxes
+from polhode.closed_forms._engine.initial_attitude import start_angles, start_quaternion, start_sign
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.functions.quaternion import product
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.pendulum.angles import Angles
@@ -48,6 +47,7 @@ from polhode.closed_forms.pendulum.motion import (
 from polhode.numbers import exact
 from polhode.numbers.exact import EQUAL_BITS, ZERO, Exact, sign
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector, cross, dot, scaled
 
 _GUARD = 40  # bits beyond the digits asked for and the growth of phases
@@ -203,6 +203,6 @@ class Pendulum:
         return rounded_up(digits * math.log2(10) + phase + _GUARD)
 
 
-def _triple(row: Sequence[Any]) -> Vector:
+def _triple(row: Sequence[Scalar]) -> Vector:
     a, b, c = row
     return a, b, c

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from polhode.closed_forms.engine.misfit import Misfit
-from polhode.closed_forms.engine.normal_form import (
+from polhode.closed_forms._engine.misfit import Misfit
+from polhode.closed_forms._engine.normal_form import (
     Condition,
     Placed,
     equal,
     placed_in,
     shortfall,
 )
-from polhode.closed_forms.engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.numbers.exact import sqrt
 from polhode.scenes.body import cross, dot, minus
 

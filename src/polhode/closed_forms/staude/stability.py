@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from polhode.closed_forms.engine.normal_form import Placed
+from polhode.closed_forms._engine.normal_form import Placed
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.scalars import Scalar
 

@@ -11,13 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.engine.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms._winding.euler_angles import Attitude
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion, product
 from polhode.closed_forms.functions.rounding import number, shortened
 from polhode.closed_forms.staude.conditions import conditions
 from polhode.closed_forms.staude.stability import Stability, stability
-from polhode.closed_forms.winding.euler_angles import Attitude
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import sign
 from polhode.numbers.mpmath_context import mpf

@@ -19,6 +19,7 @@ from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -147,17 +148,22 @@ def chaos_map(
         raise BadInput(scene.name, "end", to_double(last), f"a time above 0, below {MOST * unit:g}")
     if tol is not None and not 2.0**-52 <= tol <= 1e-3:
         raise BadInput(scene.name, "tol", tol, "a tolerance from 2.2e-16 to 1e-3")
+    looks = LEAST_LOOKS * max(1, int(np.ceil(length / LOOK / LEAST_LOOKS)))
+
+    def forecast(many: int, more_than: str = "") -> None:
+        what = f"{more_than}{many} motions with {looks} looks each"
+        words = "looks in all; a coarser grid, or an earlier end"
+        refuse_too_much(scene.name, "map", what, many * looks, _BYTES, words)
+
     if varied is None:
-        motions = map_motions.on_section(scene, grid, by, extremum, h, f)
+        foretold = partial(forecast, more_than="more than ")
+        motions = map_motions.on_section(scene, grid, by, extremum, h, f, foretold)
     else:
         if grid is not None or h is not None or f is not None:
             raise BadInput(scene.name, "vary", None, "no grid and no level beside it")
-        motions = map_motions.of_varied(scene, varied)
-    looks = LEAST_LOOKS * max(1, int(np.ceil(length / LOOK / LEAST_LOOKS)))
+        motions = map_motions.of_varied(scene, varied, forecast)
     starts, coefficients = motions.starts, motions.coefficients
-    what = f"{len(starts)} motions with {looks} looks each"
-    words = "looks in all; a coarser grid, or an earlier end"
-    refuse_too_much(scene.name, "map", what, len(starts) * looks, _BYTES, words)
+    forecast(len(starts))
     first = tangents_of(starts, motions.moments, motions.torques)
     early = (looks // 8, looks // 4, looks // 2)
     jobs = [
@@ -186,7 +192,7 @@ def chaos_map(
             executor,
             kept,
             lambda found: found._asdict(),
-            lambda held: tangent_batches.Followed(**held),
+            tangent_batches.Followed.of,
             progress,
         )
     rows = np.concatenate(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from polhode.common.arguments import cells
@@ -11,6 +12,7 @@ from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
+from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import vary
 from polhode.scenes.scene import Scene
 from polhode.scenes.sweep_scenes import Members
@@ -41,9 +43,18 @@ class Motions(NamedTuple):
 
 
 def on_section(
-    scene: Scene, grid: Any, by: str | None, extremum: str | None, h: Any, f: Any
+    scene: Scene,
+    grid: Any,
+    by: str | None,
+    extremum: str | None,
+    h: AnyNumber | None,
+    f: AnyNumber | None,
+    foretold: Callable[[int], object],
 ) -> Motions:
-    """The motions that start in the cells of a section's grid; raises BadInput."""
+    """The motions that start in the cells of a section's grid; raises BadInput.
+
+    ``foretold``: see :func:`starts_of`.
+    """
     import numpy as np
 
     from polhode.dynamics.sections import coordinates as geometry
@@ -61,7 +72,7 @@ def on_section(
         raise BadInput(scene.name, "by", asked.by, "momentum or height, for a map")
     on = geometry.ground(scene, asked.h, asked.f)
     first, second = cells(scene.name, GRID if grid is None else grid, MOST_MOTIONS)
-    found = starts_of(asked, on, None, (first, second))
+    found = starts_of(asked, on, None, (first, second), foretold)
     of = found.of // 2 if asked.by == HEIGHT else found.of
     angle, cosine = geometry.cells(first, second)
     k = {n: to_double(x) for n, x in principal.coefficients(scene.body, scene.time_unit).items()}
@@ -81,8 +92,11 @@ def on_section(
     )
 
 
-def of_varied(scene: Scene, varied: vary.Vary) -> Motions:
-    """The motions of a scene in which two numbers vary; raises BadInput."""
+def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]) -> Motions:
+    """The motions of a scene in which two numbers vary; raises BadInput.
+
+    ``foretold``: told how many they are before they are made, to refuse them.
+    """
     import numpy as np
 
     from polhode.equations.forms import principal
@@ -95,6 +109,7 @@ def of_varied(scene: Scene, varied: vary.Vary) -> Motions:
         raise BadInput(scene.name, "vary", f"{len(grid.rows)} motions", expected)
     if scene.gamma is None:
         raise BadInput(scene.name, "start.gamma", None, "given, for a map")
+    foretold(len(grid.rows))
     members = Members(scene, grid)
     unit = 2.0**scene.time_unit
     rows = np.array([[to_double(x) for x in row] for row in grid.rows])

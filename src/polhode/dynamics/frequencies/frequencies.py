@@ -28,7 +28,8 @@ from polhode.numbers.scalars import AnyNumber
 from polhode.runs.integrate import undisturbed
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
-from polhode.scenes.scene import Scene, even_times
+from polhode.scenes.output_times import even_times
+from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 LINES = 6

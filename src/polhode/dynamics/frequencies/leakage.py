@@ -12,25 +12,27 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
+
+from polhode.numbers.rows import Doubles
 
 _FINE, _PAST = 100, 2  # points a bin; bins past the main lobe from which on the tail's law holds
 
 
-def leak(bins: Any, power: int) -> Any:
+def leak(bins: Doubles, power: int) -> Doubles:
     """The largest shift, in bins, by a line of equal amplitude so many bins away or farther."""
     at, table = _table(power)
     x = np.maximum(np.abs(bins), at[-1])
     tail = np.ones_like(x)
     for k in range(1, power + 1):
         tail = tail * (at[-1] ** 2 - k * k) / (x * x - k * k)
-    return np.interp(np.abs(bins), at, table) * tail * at[-1] / x
+    shift: Doubles = np.interp(np.abs(bins), at, table) * tail * at[-1] / x
+    return shift
 
 
 @lru_cache(maxsize=4)
-def _table(power: int) -> tuple[Any, Any]:
+def _table(power: int) -> tuple[Doubles, Doubles]:
     """The envelope where the window's transform has its main lobe, and a little beyond."""
     last = power + 1 + _PAST
     at = (np.arange((last + 1) * _FINE) + 0.5) / _FINE  # no whole number: W is a limit there

@@ -15,11 +15,12 @@ what the lines leave of the signal.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from polhode.dynamics.frequencies.leakage import leak
+from polhode.numbers.rows import Complexes, Doubles
 
 POWER = 5  # of the window
 _NEWTON, _AGAIN = 12, 2  # steps: from a grid's point, and from where a line was found
@@ -60,26 +61,29 @@ class _Window:
         weight[[0, -1]] = 0.5
         window = window * weight
         self.weights = window / window.sum()
-        self.time = step * np.arange(n)
+        self.time = (step * np.arange(n)).astype(np.float64, copy=False)
         self.padded = padded * 2 ** math.ceil(math.log2(n))
         self.grid = 2 * np.pi * np.fft.fftfreq(self.padded, step)
         self.bin = 2 * math.pi / float(self.time[-1])
 
-    def moduli(self, z: Any) -> Any:
+    def moduli(self, z: Complexes) -> Doubles:
         """|F| at the points of the grid."""
         return np.abs(np.fft.fft(z * self.weights, self.padded))
 
-    def line(self, z: Any, start: float, most: int = _NEWTON) -> _Wave:
+    def line(self, z: Complexes, start: float, most: int = _NEWTON) -> _Wave:
         """The maximum of |F|^2 nearest to ``start``, and F there."""
         weighted, cell = z * self.weights, float(self.grid[1])
         frequency = _refined(weighted, self.time, start, cell, most)
         return frequency, complex(weighted @ np.exp(-1j * frequency * self.time))
 
-    def wave(self, line: _Wave) -> Any:
+    def wave(self, line: _Wave) -> Complexes:
         """A line's part of the signal."""
-        return line[1] * np.exp(1j * line[0] * self.time)
+        found: Complexes = line[1] * np.exp(1j * line[0] * self.time)
+        return found
 
-    def beside_each_other(self, found: list[_Wave], rest: Any) -> tuple[list[_Wave], Any]:
+    def beside_each_other(
+        self, found: list[_Wave], rest: Complexes
+    ) -> tuple[list[_Wave], Complexes]:
         """Each line again with all others taken away; and what is then left."""
         lines = list(found)
         for _ in range(_SWEEPS):
@@ -89,7 +93,7 @@ class _Window:
                 rest = alone - self.wave(lines[k])
         return lines, rest
 
-    def lines(self, z: Any, count: int, least: float) -> tuple[list[_Wave], Any]:
+    def lines(self, z: Complexes, count: int, least: float) -> tuple[list[_Wave], Complexes]:
         """The strongest lines, none below ``least``, and what they leave of z."""
         rest, found = z.copy(), list[_Wave]()
         for _ in range(count):
@@ -104,7 +108,9 @@ class _Window:
         return found, rest
 
 
-def lines(samples: Any, step: float, count: int, size: float | None = None) -> list[Line]:
+def lines(
+    samples: Doubles | Complexes, step: float, count: int, size: float | None = None
+) -> list[Line]:
     """The strongest lines of equally spaced complex samples, strongest first; fewer if they end.
 
     ``step``: the time between two, negative where time falls; pi/step more than twice the fastest
@@ -134,7 +140,7 @@ def lines(samples: Any, step: float, count: int, size: float | None = None) -> l
     return found
 
 
-def size_of(samples: Any) -> float:
+def size_of(samples: Doubles | Complexes) -> float:
     """The root of the mean square, without overflow."""
     largest = float(np.max(np.abs(samples), initial=0.0))
     if not largest:
@@ -142,7 +148,9 @@ def size_of(samples: Any) -> float:
     return largest * math.sqrt(float(np.mean(np.abs(samples / largest) ** 2)))
 
 
-def _errors(window: _Window, z: Any, found: list[_Wave], rest: Any, size: float) -> list[float]:
+def _errors(
+    window: _Window, z: Complexes, found: list[_Wave], rest: Complexes, size: float
+) -> list[float]:
     """What each frequency may be off, by three things that a wrong one does not pass together.
 
     A second window, shorter, later and on another grid, is searched anew.  Each line is refined
@@ -187,7 +195,7 @@ def _off(frequency: float, others: list[_Wave], most: float) -> float:
     return min([abs(frequency - other) for other, _ in others] + [most])
 
 
-def _refined(weighted: Any, time: Any, start: float, cell: float, most: int) -> float:
+def _refined(weighted: Complexes, time: Doubles, start: float, cell: float, most: int) -> float:
     """The maximum of |F|^2 nearest to a point of the grid."""
     frequency, centred = start, time - time[-1] / 2  # the phase turns least about the middle
     for _ in range(most):

@@ -316,8 +316,11 @@ def _symmetric_energies(
     kinetic = f * f / (2 * along)
     found = {kinetic + torque, kinetic - torque}
     with ctx.workprec(BITS):
+        balls = [arb(rational(h)) for h in found]
         for arc in arcs:
-            if f != 0:
-                found |= {middle(arc.at(at).h) for at in arc.meets(abs(f))}
-    ordered = sorted(found)
-    return [x for k, x in enumerate(ordered) if k == 0 or x - ordered[k - 1] > abs(x) / 2**200]
+            for at in arc.meets(abs(f)) if f != 0 else ():
+                h = arc.at(at).h
+                if not any(h.overlaps(ball) for ball in balls):  # an arc may be a pole's own
+                    found.add(middle(h))
+                    balls.append(h)
+    return sorted(found)

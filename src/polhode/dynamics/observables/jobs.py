@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
+from polhode.common.checkpoint import Arrays
 from polhode.common.errors import BadInput
 from polhode.common.progress import Stop
 from polhode.dynamics.observables.reductions import FIRST, LYAPUNOV, Reduction, event_of, extremes
 from polhode.judging.conditioning import lyapunov
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import number_value, to_double
-from polhode.numbers.rows import doubles
+from polhode.numbers.rows import Doubles, doubles
 from polhode.runs.integrate import integrate
 from polhode.runs.sweep.plan import Plan
 from polhode.runs.sweep.results import Reader, reader
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.taylor.batches.jobs import BatchJob
+    from polhode.taylor.batches.jobs import BatchJob, Lanes
     from polhode.taylor.events.batch_first_crossings import FirstJob
     from polhode.taylor.variations.tangent_batches import TangentJob
 
@@ -105,20 +106,20 @@ def _of_event(
     )
 
 
-def _turns(plan: Plan, group: npt.NDArray[np.int64]) -> Any:
+def _turns(plan: Plan, group: npt.NDArray[np.int64]) -> Doubles | None:
     """From principal axes to the scene's, a row a member; None where there is no turn."""
     import numpy as np
 
     def row(scene: Scene) -> list[float]:
         return [to_double(x) for axis in scene.body.axes.rows for x in axis]
 
-    if plan.axes_stay:
+    if plan.members.axes_stay:
         base = plan.members.scene
         return None if base.body.axes.trivial else np.tile(row(base), (len(group), 1))
     return np.array([row(plan.members[int(k)]) for k in group])
 
 
-def _tangents(plan: Plan, lanes: Any, end: float) -> TangentJob:
+def _tangents(plan: Plan, lanes: Lanes, end: float) -> TangentJob:
     import numpy as np
 
     from polhode.taylor.variations.tangent_batches import TangentJob
@@ -129,7 +130,9 @@ def _tangents(plan: Plan, lanes: Any, end: float) -> TangentJob:
     tangents = np.zeros_like(six)
     tangents[:, :columns] = lyapunov.TANGENT[:columns]
     tangents /= np.linalg.norm(tangents, axis=1)[:, None]
-    return TangentJob(plan.names, lanes.coefficients, six, tangents, end, _LOOKS, None, (), 0.0)
+    return TangentJob(
+        plan.names, doubles(lanes.coefficients), six, tangents, end, _LOOKS, None, (), 0.0
+    )
 
 
 class Reduced(NamedTuple):
@@ -137,7 +140,15 @@ class Reduced(NamedTuple):
 
     endings: npt.NDArray[np.uint8]
     counts: npt.NDArray[np.int64]
-    numbers: dict[str, Any]
+    numbers: Arrays
+
+    @classmethod
+    def of(cls, arrays: Arrays) -> Reduced:
+        """From its arrays by name, those of the numbers by their own."""
+        import numpy as np
+
+        endings = np.asarray(arrays.pop("endings"), dtype=np.uint8)
+        return cls(endings, np.asarray(arrays.pop("counts"), dtype=np.int64), arrays)
 
 
 class Job(NamedTuple):
@@ -177,7 +188,7 @@ def solve(job: Job, stop: Stop | None = None) -> Reduced:
     parts = list(_parts(job, stop))
     endings, counts = parts[0].endings.copy(), parts[0].counts.copy()
     reached = code(Outcome.REACHED_END)
-    numbers: dict[str, Any] = {}
+    numbers: Arrays = {}
     for part in parts[1:]:
         endings = np.where(endings == reached, part.endings, endings)
         counts = counts + part.counts

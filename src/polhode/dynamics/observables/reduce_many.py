@@ -153,7 +153,7 @@ def reduce_many(
             executor,
             kept,
             lambda found: {"endings": found.endings, "counts": found.counts, **found.numbers},
-            lambda held: Reduced(held.pop("endings"), held.pop("counts"), held),
+            Reduced.of,
             progress,
         )
     endings = np.full(len(plan.members), code(Outcome.NOT_RUN), dtype=np.uint8)

@@ -8,12 +8,13 @@ too, where the third axis does not pass through the vertical.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import ZERO
 from polhode.numbers.mpmath_context import mpmath, ordinary
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Real
 from polhode.runs.integrate import integrate, undisturbed
 from polhode.scenes.scene import Scene
 
@@ -21,7 +22,7 @@ from polhode.scenes.scene import Scene
 class Advance(NamedTuple):
     """psi's advance as an mpf, None where it cannot be had; ``whole``: with its whole turns."""
 
-    psi: Any
+    psi: Real | None
     whole: bool
 
 

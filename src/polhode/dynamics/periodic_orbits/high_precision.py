@@ -219,6 +219,7 @@ def monodromy(on: Surface, state: Fractions, time: Fraction, digits: int) -> Mon
     start = [kind.rounded(x) for x in state]
     given = [float(x) for x in start] if kind == DOUBLE else start
     matrix = flow.after(given, kind.rounded(time)).derivative
+    assert matrix is not None
     rows = [[Fraction(x) for x in row] for row in matrix]
     moments, torque = (
         [_binary(x, kind.bits) for x in v] for v in (on.exact_moments, on.exact_torque)

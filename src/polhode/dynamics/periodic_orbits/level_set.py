@@ -9,7 +9,6 @@ that everything is of order one:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -21,8 +20,8 @@ from polhode.equations.forms import principal
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Doubles
-from polhode.numbers.scalars import FLOATS, Row, Scalar
+from polhode.numbers.rows import Doubles, GivenRow
+from polhode.numbers.scalars import FLOATS, Scalar
 from polhode.scenes.scene import Scene
 from polhode.taylor.variations.flow_map import Flow
 
@@ -133,12 +132,12 @@ class Surface(ByValue):
         return np.array([fastest] * 3 + [1.0] * 3)
 
 
-def integrals(moments: Row, torque: Row, state: Row) -> list[Scalar]:
+def integrals(moments: GivenRow, torque: GivenRow, state: GivenRow) -> list[Scalar]:
     """h, f and |gamma|^2 of one state, for any scalars."""
     w, g = state[:3], state[3:]
     momentum = [a * x for a, x in zip(moments, w, strict=True)]
     return [_dot(momentum, w) / 2 + _dot(torque, g), _dot(momentum, g), _dot(g, g)]
 
 
-def _dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
+def _dot(a: GivenRow, b: GivenRow) -> Scalar:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -18,7 +18,7 @@ Without weight e3 is the third principal axis, and y = ±sqrt(2h/kappa - f^2).
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,11 +27,12 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
-from polhode.numbers.rows import Doubles
+from polhode.numbers.rows import Doubles, Indices
 from polhode.scenes.scene import Scene
 
 _BLOCK = 5000  # points whose roots numpy is asked for at once: a tenth of a second
 _LARGEST = 1e50  # of |G|, and 1 over its least: sixth powers stay in the range of doubles
+_FASTEST = 1e15  # |w|, and 1 over its least: so do those of 20th order in a Taylor step
 
 
 class Ground(NamedTuple):
@@ -47,8 +48,8 @@ class Ground(NamedTuple):
     weight: float
     h: float
     f: float
-    wide_h: Any
-    wide_f: Any
+    wide_h: np.longdouble
+    wide_f: np.longdouble
 
     @property
     def torque(self) -> Doubles:
@@ -82,9 +83,12 @@ def ground(scene: Scene, h: Exact, f: Exact) -> Ground:
         centre = np.array([to_double(x / size) for x in arm])
     wide = to_extended(mass * unit * unit * h), to_extended(mass * unit * f)
     found = Ground(moments, _frame(centre), weight, float(wide[0]), float(wide[1]), *wide)
-    if not 1 / _LARGEST < found.largest_momentum < _LARGEST:
-        size = Fraction(_LARGEST) ** 2 / (2 * Fraction(float(moments.max()))) / (mass * unit * unit)
-        least, most = to_double(size / Fraction(_LARGEST) ** 4), to_double(size)
+    momentum, speed = found.largest_momentum, found.fastest
+    if not (1 / _LARGEST < momentum < _LARGEST and 1 / _FASTEST < speed < _FASTEST):
+        scale = 2 * mass * unit * unit
+        bounds = (_LARGEST, 1 / Fraction(moments.max())), (_FASTEST, Fraction(moments.min()))
+        most = to_double(min(Fraction(top) ** 2 * a for top, a in bounds) / scale)
+        least = to_double(max(a / Fraction(top) ** 2 for top, a in bounds) / scale)
         expected = f"of a size that doubles have room for: from {least:.3g} to {most:.3g}"
         raise BadInput(scene.name, "h", shown(h), expected)
     return found
@@ -108,7 +112,7 @@ class Found(NamedTuple):
     """States (n, 6) and which of the asked coordinates each belongs to."""
 
     states: Doubles
-    of: Any
+    of: Indices
 
 
 def momentum_states(on: Ground, l: Doubles, sig: Doubles, maxima: bool) -> Found:
@@ -228,7 +232,7 @@ def height_bend(on: Ground, states: Doubles) -> Doubles:
     return found
 
 
-def coordinates(on: Ground, states: Any) -> tuple[Any, Any]:
+def coordinates(on: Ground, states: Doubles) -> tuple[Doubles, Doubles]:
     """l in [0, 2 pi) and L/G of states (..., 6)."""
     momentum = states[..., :3] * on.moments
     size = np.sqrt((momentum * momentum).sum(axis=-1))
@@ -237,7 +241,7 @@ def coordinates(on: Ground, states: Any) -> tuple[Any, Any]:
         return np.mod(np.arctan2(first, second), 2 * np.pi), third / size
 
 
-def height_coordinates(on: Ground, states: Any) -> tuple[Any, Any]:
+def height_coordinates(on: Ground, states: Doubles) -> tuple[Doubles, Doubles]:
     """The azimuth of gamma about e3 in [0, 2 pi), from e2 towards e1, and u = gamma.e3."""
     gamma = states[..., 3:]
     first, second, third = (gamma @ axis for axis in on.frame)

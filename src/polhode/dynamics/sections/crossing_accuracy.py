@@ -16,7 +16,6 @@ at the next one.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from polhode.dynamics.sections.initial_tangents import tangents_of
 from polhode.numbers.conversion import to_double
@@ -30,7 +29,7 @@ LANES = 64  # orbits of a job, in the order of their lengths
 LOST = math.log(1 / EPS)  # of ln G
 
 
-def digits(scene: Scene, starts: Any, times: Any, workers: int | None = None) -> Doubles:
+def digits(scene: Scene, starts: Doubles, times: Doubles, workers: int | None = None) -> Doubles:
     """Correct digits to be expected of each crossing, nan where there is none: (n, m).
 
     ``starts`` (n, 6): states in principal axes and the run's unit of time; ``times`` (n, m): of the
@@ -49,10 +48,14 @@ def digits(scene: Scene, starts: Any, times: Any, workers: int | None = None) ->
     orbits = orbits[last[orbits] > 0]
     if len(orbits) == 0:
         return found
-    k = {n: to_double(x) for n, x in principal.coefficients(scene.body, scene.time_unit).items()}
     moments = np.array([to_double(a) for a in scene.body.moments])
-    unit = 4.0**scene.time_unit
-    torque = unit * np.array([to_double(x) for x in scene.body.axes.components(scene.body.torque)])
+    weight = np.array([to_double(x) for x in scene.body.axes.components(scene.body.torque)])
+    slower = _slowness(starts, 4.0**scene.time_unit * weight, moments)
+    starts, times = starts * np.repeat([2.0**slower, 1.0], 3), times * 2.0**-slower
+    last *= 2.0**-slower
+    time_unit = scene.time_unit + slower
+    k = {n: to_double(x) for n, x in principal.coefficients(scene.body, time_unit).items()}
+    torque = 4.0**time_unit * weight
     groups = [orbits[first : first + LANES] for first in range(0, len(orbits), LANES)]
     jobs, spans = [], []
     for group in groups:
@@ -85,7 +88,19 @@ def digits(scene: Scene, starts: Any, times: Any, workers: int | None = None) ->
     return found
 
 
-def none_left_from(digits: Any) -> Integers:
+def _slowness(starts: Doubles, torque: Doubles, moments: Doubles) -> int:
+    """The power of two by which a level is slower than the unit of time, if by far, else 0.
+
+    The unit is the scene's, which may be on another level.
+    """
+    import numpy as np
+
+    spin = float(np.linalg.norm(starts[:, :3], axis=1).max())
+    speed = max(spin, math.sqrt(float(np.linalg.norm(torque)) / float(moments.min())))
+    return max(0, -4 - math.floor(math.log2(speed)))
+
+
+def none_left_from(digits: Doubles) -> Integers:
     """The number, from 1 on, of the first crossing with less than one digit; 0: all have one."""
     import numpy as np
 

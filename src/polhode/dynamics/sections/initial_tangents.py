@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from polhode.numbers.rows import Doubles
 
 SEED = 18
 
 
-def tangents_of(starts: Any, moments: Any, torques: Any, alike: bool = False) -> Any:
+def tangents_of(
+    starts: Doubles, moments: Doubles, torques: Doubles, alike: bool = False
+) -> Doubles:
     """Unit tangents across the flow and the gradients of h, f and |gamma|^2, else at random.
 
     ``alike``: the random part is the same for all, so that none depends on the others.
@@ -28,7 +30,7 @@ def tangents_of(starts: Any, moments: Any, torques: Any, alike: bool = False) ->
         np.concatenate([zero, g], axis=1),
         flow,
     ]
-    basis: list[Any] = []
+    basis: list[Doubles] = []
     for vector in across:  # Gram and Schmidt, twice
         for _ in range(2):
             for other in basis:
@@ -38,4 +40,5 @@ def tangents_of(starts: Any, moments: Any, torques: Any, alike: bool = False) ->
     for _ in range(2):
         for other in basis:
             found = found - (found * other).sum(axis=1)[:, None] * other
-    return found / np.sqrt((found * found).sum(axis=1))[:, None]
+    unit: Doubles = found / np.sqrt((found * found).sum(axis=1))[:, None]
+    return unit

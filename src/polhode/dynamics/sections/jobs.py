@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from polhode.common.checkpoint import Arrays
+from polhode.dynamics.sections.coordinates import Ground
 from polhode.dynamics.sections.starts import Asked
 from polhode.equations.integrals import first_integrals
-from polhode.equations.section_functions import HEIGHT, MOMENTUM
+from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
 from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.exact import Exact
+from polhode.numbers.rows import Doubles, doubles
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
     from polhode.taylor.corrections.level_projection import Level
+    from polhode.taylor.events.batch_crossings import Crossed, CrossingJob
 
 LANES = 64  # orbits of a job: where one is over the next takes its lane
 CHUNK = 160.0  # radians of the fastest rate between two projections
@@ -21,7 +25,9 @@ WORTH_A_PROCESS = 200_000  # crossings, of two seconds
 PATIENCE = 1000.0  # units of time without a crossing until an orbit is given up
 
 
-def jobs_of(asked: Asked, on: Any, zero: Any, direction: int, count: int, states: Any) -> list[Any]:
+def jobs_of(
+    asked: Asked, on: Ground, zero: SectionZero, direction: int, count: int, states: Doubles
+) -> list[CrossingJob]:
     """The jobs of orbits from ``states``, LANES of them each, in principal axes and inner units."""
     import numpy as np
 
@@ -58,7 +64,7 @@ def level_of(scene: Scene, h: Exact, f: Exact) -> Level:
     return Level(known, coefficients, tuple(to_extended(x) for x in targets))
 
 
-def zero_of(scene: Scene, on: Any, by: str) -> Any:
+def zero_of(scene: Scene, on: Ground, by: str) -> SectionZero:
     """A section's function, scaled to order one."""
     from polhode.equations.section_functions import SectionZero
 
@@ -82,17 +88,22 @@ def worth(jobs: int, crossings: int) -> int:
     return max(1, min(cores(), jobs, jobs * LANES * crossings // WORTH_A_PROCESS))
 
 
-def packed(result: Any) -> dict[str, Any]:
+def packed(result: Crossed) -> Arrays:
     """What a job found as arrays by name, to be kept in a file."""
     import numpy as np
 
-    return {**result._asdict(), "outcomes": np.array(result.outcomes)}
+    return {name: np.asarray(value) for name, value in result._asdict().items()}
 
 
-def unpacked(held: dict[str, Any]) -> Any:
+def unpacked(held: Arrays) -> Crossed:
     """What a job found, from those arrays."""
+    import numpy as np
+
     from polhode.taylor.events.batch_crossings import Crossed
 
-    held["outcomes"] = tuple(held["outcomes"].tolist())
-    held["drift"] = float(held["drift"])
-    return Crossed(**held)
+    states, times, rests, slopes = (
+        doubles(held[name]) for name in ("states", "times", "rests", "slopes")
+    )
+    found = np.asarray(held["found"], dtype=np.int64)
+    outcomes, drift = tuple(held["outcomes"].tolist()), float(held["drift"].item())
+    return Crossed(states, times, rests, slopes, found, outcomes, drift)

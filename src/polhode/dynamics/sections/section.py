@@ -8,7 +8,7 @@ from concurrent.futures import Executor
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from polhode.common.arguments import whole
 from polhode.common.cached_property import cached_property
@@ -22,7 +22,7 @@ from polhode.common.value_semantics import ByValue
 from polhode.dynamics.sections import crossing_accuracy
 from polhode.dynamics.sections import jobs as section_jobs
 from polhode.dynamics.sections.starts import MAXIMA, Asked, asked_of, starts_of
-from polhode.equations.section_functions import HEIGHT, MOMENTUM
+from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
@@ -32,6 +32,7 @@ from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
     from polhode.dynamics.sections.coordinates import Ground
+    from polhode.taylor.events.batch_crossings import Crossed
 
 MOST_CROSSINGS = 1_000_000
 _BYTES = 400  # of a crossing, while it is found and put in order
@@ -87,6 +88,7 @@ class Section(ByValue):
 
         What one rounding is multiplied by on the way from the start, by one tangent along each
         orbit, which takes as long as the section itself, or longer; computed when first asked for.
+        nan, all of them, of a section that was interrupted: whoever did that wants it to end.
 
         >>> import polhode
         >>> scene = polhode.load("general/asymmetric-chaotic")
@@ -94,13 +96,18 @@ class Section(ByValue):
         >>> [bool(found.digits[0, m] > 8) for m in (0, 19, 59)], 40 < found.none_left_from[0] < 80
         ([True, True, False], np.True_)
         """
+        if self.interrupted:
+            return self.times * float("nan")
         unit = 2.0**self.scene.time_unit
         starts = _turned(self.scene, self.start_states, unit, back=True)
         return crossing_accuracy.digits(self.scene, starts, self.times / unit)
 
     @property
     def none_left_from(self) -> Integers:
-        """The number, from 1 on, of each orbit's first crossing without a digit; 0: of none."""
+        """The number, from 1 on, of each orbit's first crossing without a digit.
+
+        0: of none, or of a section that was interrupted, whose digits are not known.
+        """
         return crossing_accuracy.none_left_from(self.digits)
 
     @property
@@ -163,10 +170,14 @@ def section(
     if starts is None and grid is None and plan.starts:
         starts = plan.starts
     on = geometry.ground(scene, asked.h, asked.f)
-    found = starts_of(asked, on, starts, grid)
-    what = f"{len(found.states)} orbits to {count} crossings"
-    words = "crossings in all; a coarser grid, or fewer of each orbit"
-    refuse_too_much(scene.name, "section", what, len(found.states) * count, _BYTES, words)
+
+    def forecast(orbits: int, more_than: str = "") -> None:
+        what = f"{more_than}{orbits} orbits to {count} crossings"
+        words = "crossings in all; a coarser grid, or fewer of each orbit"
+        refuse_too_much(scene.name, "section", what, orbits * count, _BYTES, words)
+
+    found = starts_of(asked, on, starts, grid, lambda orbits: forecast(orbits, "more than "))
+    forecast(len(found.states))
     zero = section_jobs.zero_of(asked.scene, on, asked.by)
     direction = 0
     if asked.by in (MOMENTUM, HEIGHT):
@@ -200,7 +211,7 @@ def section(
     return _result(asked, on, found.states[rows], crossed, interrupted, kept)
 
 
-def _refuse_constant(asked: Asked, on: Ground, zero: Any, states: Any) -> None:
+def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Doubles) -> None:
     """Raise BadInput for an expression that has no value at a start, or no rate at any of them."""
     import numpy as np
 
@@ -260,7 +271,7 @@ def _not_finite(asked: Asked, on: Ground, start: Sequence[float], time: float) -
     return BadInput(asked.scene.name, "by", asked.by, expected)
 
 
-def _refuse_never_zero(asked: Asked, on: Ground, zero: Any) -> None:
+def _refuse_never_zero(asked: Asked, on: Ground, zero: SectionZero) -> None:
     import numpy as np
 
     from polhode.dynamics.sections import coordinates as geometry
@@ -277,7 +288,12 @@ def _refuse_never_zero(asked: Asked, on: Ground, zero: Any) -> None:
 
 
 def _result(
-    asked: Asked, on: Any, states: Any, crossed: Any, interrupted: bool, kept: JobCheckpoint | None
+    asked: Asked,
+    on: Ground,
+    states: Doubles,
+    crossed: Crossed,
+    interrupted: bool,
+    kept: JobCheckpoint | None,
 ) -> Section:
     import numpy as np
 
@@ -309,7 +325,7 @@ def _result(
     )
 
 
-def _turned(scene: Scene, states: Any, unit: float, back: bool = False) -> Any:
+def _turned(scene: Scene, states: Doubles, unit: float, back: bool = False) -> Doubles:
     """States (..., 6) from principal axes and the run's unit into the scene's; or back."""
     import numpy as np
 

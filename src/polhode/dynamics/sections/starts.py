@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from polhode.common.arguments import cells, each
 from polhode.common.errors import BadInput
 from polhode.dynamics.levels import permanent_rotations, rotation_arcs
 from polhode.dynamics.levels.levels import least_energy, refuse_far
 from polhode.dynamics.levels.rotation_arcs import RationalBody
+from polhode.dynamics.sections.coordinates import Ground
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.numbers import expression
 from polhode.numbers.conversion import exact_number, to_double
@@ -20,14 +21,20 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.polynomials import fraction_near
+from polhode.numbers.rows import Doubles
+from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes.column_expressions import check
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
+
+if TYPE_CHECKING:
+    from polhode.dynamics.sections.coordinates import Found
 
 MAXIMA, MINIMA = "max", "min"
 OWN = "scene"  # in place of starts
 GRID = (9, 8)
 MOST_STARTS = 1_000_000
+_FEW = 5000  # cells whose states tell how many a large grid has, within some percent
 
 
 class Asked(NamedTuple):
@@ -40,7 +47,9 @@ class Asked(NamedTuple):
     extremum: str
 
 
-def asked_of(scene: Scene, by: str, extremum: str, h: Any, f: Any) -> Asked:
+def asked_of(
+    scene: Scene, by: str, extremum: str, h: AnyNumber | None, f: AnyNumber | None
+) -> Asked:
     """What is asked, checked; ``h`` and ``f`` None for the scene's own.  Raises BadInput."""
     if scene.gamma is None:
         raise BadInput(scene.name, "start.gamma", None, "given: a level is one of h and f")
@@ -69,21 +78,32 @@ def asked_of(scene: Scene, by: str, extremum: str, h: Any, f: Any) -> Asked:
     return found
 
 
-def starts_of(asked: Asked, on: Any, starts: Any, grid: tuple[int, int] | None) -> Any:
-    """States of the starts; raises BadInput for one that is not on the section."""
+def starts_of(
+    asked: Asked,
+    on: Ground,
+    starts: Iterable[AnyVector] | str | None,
+    grid: tuple[int, int] | None,
+    foretold: Callable[[int], object] | None = None,
+) -> Found:
+    """States of the starts; raises BadInput for one that is not on the section.
+
+    ``foretold``: told a number that a large grid's states surely exceed, before they are found, to
+    refuse them.
+    """
     import numpy as np
 
     from polhode.dynamics.sections import coordinates as geometry
 
-    name, maxima = asked.scene.name, asked.extremum == MAXIMA
+    name = asked.scene.name
     if starts is None:
         first, second = cells(name, GRID if grid is None else grid, MOST_STARTS)
         angle, cosine = geometry.cells(first, second)
-        if asked.by == HEIGHT:
-            gamma = np.repeat(geometry.gamma_at(on, angle, cosine), 2, axis=0)
-            found = geometry.height_states(on, gamma, np.tile([1.0, -1.0], len(angle)), maxima)
-        else:
-            found = geometry.momentum_states(on, angle, cosine, maxima)
+        if foretold is not None and len(angle) > 4 * _FEW:
+            some = np.random.default_rng(0).choice(len(angle), _FEW, replace=False)
+            many = len(_in_cells(asked, on, angle[some], cosine[some]).states)
+            sure = max(0, many - int(8 * many**0.5))  # four deviations of up to four a cell
+            foretold(sure * len(angle) // _FEW)
+        found = _in_cells(asked, on, angle, cosine)
         if len(found.states) == 0:
             expected = "a finer grid: no cell's centre is on the level"
             raise BadInput(name, "grid", f"{first}x{second}", expected)
@@ -101,7 +121,20 @@ def starts_of(asked: Asked, on: Any, starts: Any, grid: tuple[int, int] | None) 
     return geometry.Found(np.array(states), np.arange(len(states)))
 
 
-def _own(asked: Asked, on: Any) -> Any:
+def _in_cells(asked: Asked, on: Ground, angle: Doubles, cosine: Doubles) -> Found:
+    """The states at some cells' centres."""
+    import numpy as np
+
+    from polhode.dynamics.sections import coordinates as geometry
+
+    maxima = asked.extremum == MAXIMA
+    if asked.by != HEIGHT:
+        return geometry.momentum_states(on, angle, cosine, maxima)
+    gamma = np.repeat(geometry.gamma_at(on, angle, cosine), 2, axis=0)
+    return geometry.height_states(on, gamma, np.tile([1.0, -1.0], len(angle)), maxima)
+
+
+def _own(asked: Asked, on: Ground) -> Doubles:
     """The scene's own start, on the section or not."""
     import numpy as np
 
@@ -114,7 +147,7 @@ def _own(asked: Asked, on: Any) -> Any:
     return _moving(asked, on, "starts", OWN, np.array([to_double(x) for x in parts]))
 
 
-def _momentum_start(asked: Asked, on: Any, key: str, row: Sequence[float]) -> Any:
+def _momentum_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> Doubles:
     import numpy as np
 
     from polhode.dynamics.sections import coordinates as geometry
@@ -136,7 +169,7 @@ def _momentum_start(asked: Asked, on: Any, key: str, row: Sequence[float]) -> An
     return _moving(asked, on, key, shown_row, found.states[k])
 
 
-def _where(on: Any, l: float, maxima: bool) -> str:
+def _where(on: Ground, l: float, maxima: bool) -> str:
     """The range of L/G that has states at this l."""
     import numpy as np
 
@@ -150,7 +183,7 @@ def _where(on: Any, l: float, maxima: bool) -> str:
     return f"at this l they lie from L/G = {inside.min():.4g} to {inside.max():.4g}"
 
 
-def _height_start(asked: Asked, on: Any, key: str, row: Sequence[float]) -> Any:
+def _height_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> Doubles:
     import numpy as np
 
     from polhode.dynamics.sections import coordinates as geometry
@@ -184,7 +217,7 @@ def _height_start(asked: Asked, on: Any, key: str, row: Sequence[float]) -> Any:
     return _moving(asked, on, key, shown_row, found.states[0])
 
 
-def _moving(asked: Asked, on: Any, key: str, shown_row: str, state: Any) -> Any:
+def _moving(asked: Asked, on: Ground, key: str, shown_row: str, state: Doubles) -> Doubles:
     """A start that is no permanent rotation."""
     import numpy as np
 

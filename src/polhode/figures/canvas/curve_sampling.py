@@ -23,7 +23,8 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Given
 from polhode.runs.integrate import integrate
 from polhode.runs.trajectory import Trajectory
-from polhode.scenes.scene import Scene, even_times
+from polhode.scenes.output_times import even_times
+from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS
 
 SAMPLES, MOST_SAMPLES = 2001, 8001
@@ -47,12 +48,12 @@ class Samples:
         """Whether all of these columns are there."""
         return all(name in self.columns for name in names)
 
-    def vectors(self, names: Sequence[str]) -> Any:
+    def vectors(self, names: Sequence[str]) -> Doubles:
         """The columns of these names as an array of rows."""
         return np.array([self.columns[name] for name in names]).T
 
 
-def shown_times(scene: Scene, end: Exact | None, samples: int | None = None) -> tuple[Exact, ...]:
+def shown_times(scene: Scene, end: Exact | None, samples: int | None = None) -> Sequence[Exact]:
     """Even times from 0 to ``end``, or to the scene's own.
 
     With no number of ``samples`` given the scene's own end is cut to the window, and there are
@@ -73,7 +74,7 @@ def shown_times(scene: Scene, end: Exact | None, samples: int | None = None) -> 
     return even_times(last, min(MOST_SAMPLES, max(SAMPLES, wanted)))
 
 
-def radians_apart(scene: Scene, times: tuple[Exact, ...]) -> float:
+def radians_apart(scene: Scene, times: Sequence[Exact]) -> float:
     """How far the motion turns between two samples, at the fastest rate of its start."""
     far = min(_FAR, scene.log10_rate + exact.log10(times[-1]))
     return float(10.0**far / (len(times) - 1))
@@ -81,7 +82,7 @@ def radians_apart(scene: Scene, times: tuple[Exact, ...]) -> float:
 
 def run(
     scene: Scene,
-    times: tuple[Exact, ...],
+    times: Sequence[Exact],
     outputs: tuple[str, ...],
     number: str | NumberType | None = None,
     digits: int | None = None,

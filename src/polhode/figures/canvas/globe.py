@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from polhode.figures.canvas.canvas import HIDDEN
+from polhode.numbers.rows import Doubles
 
 FRONT, BACK, RIM = "#c4c4c4", "#ececec", "#8a8a8a"
 ELEVATIONS = (20, 35, -20)  # degrees, the preferred one first
@@ -29,24 +30,26 @@ class Globe:
     semi_axes: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
     @property
-    def towards(self) -> Any:
+    def towards(self) -> Doubles:
         """The unit vector to the viewer."""
         a, e = math.radians(self.azimuth), math.radians(self.elevation)
         return np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])
 
-    def onto_page(self, points: Any) -> Any:
+    def onto_page(self, points: Any) -> Doubles:
         """Columns x y on the page of rows of points."""
         a, e = math.radians(self.azimuth), math.radians(self.elevation)
         right = np.array([-math.sin(a), math.cos(a), 0])
         up = np.array([-math.sin(e) * math.cos(a), -math.sin(e) * math.sin(a), math.cos(e)])
-        return np.asarray(points) @ np.array([right, up]).T
+        found: Doubles = np.asarray(points) @ np.array([right, up]).T
+        return found
 
-    def facing(self, points: Any) -> Any:
+    def facing(self, points: Doubles) -> Doubles:
         """Above 0 for a point of the surface that the viewer sees."""
-        return np.asarray(points) / np.array(self.semi_axes) ** 2 @ self.towards
+        found: Doubles = np.asarray(points) / np.array(self.semi_axes) ** 2 @ self.towards
+        return found
 
     def curve(
-        self, axes: Any, points: Any, colour: str, hidden: str, name: str = "", **style: Any
+        self, axes: Any, points: Doubles, colour: str, hidden: str, name: str = "", **style: Any
     ) -> None:
         """A curve on the surface, its hidden part in a lighter colour below everything.
 
@@ -92,14 +95,15 @@ class Globe:
         axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
         axes.set_axis_off()
 
-    def _outline(self) -> Any:
+    def _outline(self) -> Doubles:
         """The points where the line of sight touches the surface."""
         normal = self.towards / np.array(self.semi_axes)
         first = np.cross(normal, [0, 0, 1] if abs(normal[2]) < max(abs(normal)) else [1, 0, 0])
         first = first / np.linalg.norm(first)
         second = np.cross(normal, first) / np.linalg.norm(normal)
         turn = np.radians(np.arange(0, 362, 2))[:, None]
-        return (np.cos(turn) * first + np.sin(turn) * second) * self.semi_axes
+        found: Doubles = (np.cos(turn) * first + np.sin(turn) * second) * self.semi_axes
+        return found
 
     def arms(self, axes: Any, labels: Sequence[str]) -> None:
         """The three axes outside the surface, named."""
@@ -109,20 +113,20 @@ class Globe:
             axes.plot(*page[:2].T, color=colour, lw=0.7, zorder=4 if seen else 0)
             axes.annotate(label, page[2], ha="center", va="center", color=colour, zorder=5)
 
-    def _arm(self, i: int) -> Any:
+    def _arm(self, i: int) -> Doubles:
         """Foot and tip of an axis, and the place of its name."""
         points = np.zeros((3, 3))
         points[:, i] = self.semi_axes[i] + np.array([0, 0.16, 0.27]) * max(self.semi_axes)
         return points
 
-    def mark(self, axes: Any, point: Any, colour: str) -> None:
+    def mark(self, axes: Any, point: Doubles, colour: str) -> None:
         """A dot, where the motion starts."""
         seen = self.facing(point) >= 0
         tint = colour if seen else HIDDEN[colour]
         axes.plot(*self.onto_page([point]).T, "o", color=tint, ms=2.6, zorder=6 if seen else 1)
 
 
-def facing_most(points: Any, semi_axes: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> Globe:
+def facing_most(points: Doubles, semi_axes: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> Globe:
     """The view, of a few, from which most of a curve is seen; the usual one unless it is worse."""
     views = [Globe(a, e, semi_axes) for e in ELEVATIONS for a in AZIMUTHS]
     counts = [int(np.sum(view.facing(points) > 0)) for view in views]

@@ -22,6 +22,8 @@ from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_double, to_mpf
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Doubles, GivenRow
+from polhode.numbers.scalars import Scalar
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 
@@ -32,7 +34,7 @@ SPARE_DIGITS = 6
 def errors_of_run(found: Trajectory, reference: Reference | Certified | TwoPrecisions) -> Samples:
     """Errors against a reference: of omega over its largest modulus, and of gamma."""
     digits = math.ceil(found.number.most_digits) + SPARE_DIGITS
-    logs = _errors(list(found.states), reference.at(found.times, digits), found.scene, digits)
+    logs = _errors([*found.states], reference.at(found.times, digits), found.scene, digits)
     return _samples(found.scene.name, found.times, logs, found.scene, found.number)
 
 
@@ -85,13 +87,19 @@ def in_order(table: Table) -> list[int]:
 
 
 def _samples(
-    name: str, times: Sequence[Any], logs: dict[str, Any], scene: Scene, number: NumberType | None
+    name: str,
+    times: Sequence[Scalar],
+    logs: dict[str, Any],
+    scene: Scene,
+    number: NumberType | None,
 ) -> Samples:
     columns = {"t": np.array([to_double(t) for t in times])} | logs
     return Samples(name, columns, scene, float(number.eps) if number else None)
 
 
-def _errors(states: list[Any], rows: Any, scene: Scene, digits: int) -> dict[str, Any]:
+def _errors(
+    states: Sequence[GivenRow], rows: Sequence[Sequence[Scalar]], scene: Scene, digits: int
+) -> dict[str, Any]:
     bits = math.ceil(digits * math.log2(10)) + 32
     scale = rate_scale(rows, scene, bits)
     logs = {}
@@ -108,7 +116,7 @@ def _departures(row: Callable[[int], Any], count: int, scene: Scene, bits: int) 
     return {name: _log10([departure[name] for departure in found]) for name in names}
 
 
-def _log10(values: Sequence[Any]) -> Any:
+def _log10(values: Sequence[Scalar]) -> Doubles:
     from polhode.numbers.mpmath_context import mpmath
 
     with mpmath.workprec(53):

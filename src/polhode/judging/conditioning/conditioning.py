@@ -22,7 +22,7 @@ once.  Rounding the inputs and the time can cost so much, and costs less nearly 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -66,7 +66,7 @@ class Conditioning(ByValue):
     """
 
     scene: Scene
-    times: tuple[Exact, ...]
+    times: Sequence[Exact]
     number: NumberType
     along: Passage = field(compare=False)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
@@ -47,7 +47,7 @@ class Certified:
     def __eq__(self, other: object) -> bool:
         return self.scene == other.scene if isinstance(other, Certified) else NotImplemented
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return Certified, (self.scene,)
 
     def __repr__(self) -> str:

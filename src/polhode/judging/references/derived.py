@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any
 
 from polhode.common.errors import BadInput, nearest
 from polhode.equations.column import derived
@@ -13,7 +12,7 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS
 
 #: A reference's answer to a question by its name: rows at times, to so many digits.
-Asked = Callable[[str], Callable[..., list[Any]]]
+Asked = Callable[[str], Callable[..., list[list[Real | None]]]]
 
 
 def column_of(

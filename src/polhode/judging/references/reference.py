@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TypeAlias, TypeVar
 
 from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.arguments import each, whole
@@ -31,6 +31,12 @@ from polhode.scenes.scene import Scene
 
 MAX_LOG10_ANGLE = 100
 ROUGH = 53  # bits in which a closed form plans; it computes with more
+
+
+T = TypeVar("T")
+
+#: A question to a reference, at exact times of one sign: a row a time, to so many digits.
+Ask: TypeAlias = Callable[[Sequence[Fraction], int], Sequence[T]]
 
 
 class Reference:
@@ -57,7 +63,7 @@ class Reference:
             return NotImplemented
         return self.kind == other.kind and self.scene == other.scene
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return reference, (self.scene,)  # what was computed so far is computed again
 
     def __repr__(self) -> str:
@@ -68,18 +74,15 @@ class Reference:
 
         ``times``: ints, Fractions, floats, mpf or decimal strings, taken exactly.
         """
-        rows: list[list[Real]] = self._asked(self._motion.at, times, digits)
-        return rows
+        return self._asked(self._motion.at, times, digits)
 
     def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows q0 q1 q2 q3: the quaternion body to space, scalar first, continuous from q0 >= 0."""
-        rows: list[list[Real]] = self._asked(self._motion.attitude, times, digits)
-        return rows
+        return self._asked(self._motion.attitude, times, digits)
 
     def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
         """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
-        rows: list[list[Real | None]] = self._asked(self._motion.angles, times, digits)
-        return rows
+        return self._asked(self._motion.angles, times, digits)
 
     def columns(self, times: Pairs) -> tuple[list[Pairs], list[Pairs] | None] | None:
         """States and quaternions at many times at once, where the closed form gives them so.
@@ -152,11 +155,13 @@ class Reference:
         found: Real | None = None if approach is None else self._told(lambda: approach(50))
         return found
 
-    def _asked(self, question: Any, times: Iterable[AnyNumber], digits: int) -> Any:
+    def _asked(
+        self, question: Callable[[list[Exact], int], T], times: Iterable[AnyNumber], digits: int
+    ) -> T:
         digits = whole(self.scene.name, "digits", digits, 1, number_types.MOST_ASKED)
         return self._told(lambda: question(_times(self.scene, times), digits))
 
-    def _told(self, answer: Callable[[], Any]) -> Any:
+    def _told(self, answer: Callable[[], T]) -> T:
         """An answer of the closed form; raises BadInput where it has none."""
         try:
             with mpmath.workprec(ROUGH):  # one question at a time; each sets what it needs
@@ -188,16 +193,16 @@ class Remembered:
 
     def __init__(self, reference: Reference | Certified | TwoPrecisions) -> None:
         self._asked = reference
-        self._kept: dict[tuple[Any, ...], tuple[int, list[list[Any]], float]] = {}
+        self._kept: dict[tuple[AnyNumber, ...], tuple[int, list[list[Real]], float]] = {}
         self.scene, self.kind, self.regime = reference.scene, reference.kind, reference.regime
         self.is_closed_form, self.is_proven = reference.is_closed_form, reference.is_proven
         self.agreement = reference.agreement
 
     def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows right to at least so many digits."""
-        key = times = tuple(times)
+        key = tuple(times)
         if key not in self._kept or self._kept[key][0] < digits:
-            rows = self._asked.at(times, digits)
+            rows = self._asked.at(key, digits)
             self._kept[key] = digits, rows, self._asked.agreement
         _, rows, self.agreement = self._kept[key]
         return rows
@@ -241,9 +246,9 @@ def reference(scene: Scene | str | Path) -> Reference | Certified | TwoPrecision
     return Certified(scene)
 
 
-def rows(ask: Callable[..., list[Any]], times: Sequence[Fraction], digits: int) -> list[Any]:
+def rows(ask: Ask[T], times: Sequence[Fraction], digits: int) -> list[T]:
     """Rows of a reference in the order of ``times``; those of each sign are asked for together."""
-    found: dict[Fraction, Any] = {}
+    found: dict[Fraction, T] = {}
     for part in by_sign(times):
         found |= dict(zip(part, ask(part, digits), strict=True))
     return [found[t] for t in times]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
 
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
@@ -12,6 +11,7 @@ from polhode.judging.correct_digits import worst_digits
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import Exact
+from polhode.numbers.rows import Rows
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes.classification import kind_of_body
 from polhode.scenes.scene import Scene
@@ -41,12 +41,12 @@ class TwoPrecisions:
         self.regime = kind_of_body(scene.body)
         self.agreement = float("nan")
         self.frequencies: dict[str, Real] = {}
-        self._known: dict[tuple[tuple[Exact, ...], int], tuple[Any, float]] = {}
+        self._known: dict[tuple[tuple[Exact, ...], int], tuple[Rows, float]] = {}
 
     def __eq__(self, other: object) -> bool:
         return self.scene == other.scene if isinstance(other, TwoPrecisions) else NotImplemented
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return TwoPrecisions, (self.scene,)
 
     def __repr__(self) -> str:
@@ -64,7 +64,7 @@ class TwoPrecisions:
         rows, self.agreement = self._known[key]
         return [list(row) for row in rows]
 
-    def _integrated(self, times: tuple[Exact, ...], digits: int) -> tuple[Any, float]:
+    def _integrated(self, times: tuple[Exact, ...], digits: int) -> tuple[Rows, float]:
         from polhode.runs.integrate import integrate, undisturbed
 
         # The coarse run has some digits to spare, the fine one 12 more; where a motion multiplies

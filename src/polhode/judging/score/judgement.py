@@ -61,7 +61,7 @@ class Judgement(ByValue):
     workers: int = field(default=1, compare=False)
     progress: Progress | None = field(default=None, compare=False)
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         """Without what is told of progress: nobody waits for it elsewhere."""
         return super().__getstate__() | {"progress": None}
 

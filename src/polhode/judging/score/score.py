@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from polhode.common.cached_property import cached_property
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
+from polhode.judging._dense_reference.parallel_evaluation import Ask, asked_by
 from polhode.judging.correct_digits import digits_of, errors, rate_scale
-from polhode.judging.dense_reference.parallel_evaluation import asked_by
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
 from polhode.judging.references.reference import Reference, Remembered, rows
@@ -21,6 +21,7 @@ from polhode.judging.score.vectorized_score import ManyRows, digits, many_rows
 from polhode.judging.tables.candidate import Subject
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.rows import Given
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import COLUMNS
 
 SPARE_DIGITS = 6  # of the reference beyond what can be told
@@ -67,7 +68,7 @@ class HeldAgainst:
         return math.ceil(self._wanted * math.log2(10)) + 32
 
     @cached_property
-    def rows(self) -> list[Any]:
+    def rows(self) -> list[list[Scalar]]:
         """The reference's states at the times, to as many digits as tell those that are right."""
         ask, states = self._ask("at"), self.subject.states
         if not self.subject.columns:
@@ -79,21 +80,21 @@ class HeldAgainst:
             if t != 0 and any(x is not None for x in states[k])
         ]
 
-        def most_right(found: list[Any]) -> float:
+        def most_right(found: list[list[Scalar]]) -> float:
             digits = self._digits(states, found)
             return max((digits[k] for k in there), default=0.0)
 
         found = self._true(ask, most_right)
         return [row if t else start for t, row in zip(self.subject.times, found, strict=True)]
 
-    def _ask(self, question: str) -> Callable[..., Any]:
+    def _ask(self, question: str) -> Ask:
         """What the reference answers, by as many processes as there are to be."""
         if isinstance(self.reference, Reference):
             return asked_by(self.reference, question, self.workers, self.progress)
-        found: Callable[..., Any] = getattr(self.reference, question)
+        found: Ask = getattr(self.reference, question)
         return found
 
-    def _true(self, ask: Callable[..., Any], right: Callable[[list[Any]], float]) -> list[Any]:
+    def _true(self, ask: Ask, right: Callable[[list[list[Scalar]]], float]) -> list[list[Scalar]]:
         """A reference's rows, asked for more digits until none that are right hide behind them.
 
         So a table of a thousand digits, few of them right, costs no reference of a thousand.
@@ -106,7 +107,7 @@ class HeldAgainst:
                 return found
             wanted = min(self._wanted, 4 * wanted)
 
-    def _digits(self, states: Given, true: list[Any] | None = None) -> tuple[float, ...]:
+    def _digits(self, states: Given, true: list[list[Scalar]] | None = None) -> tuple[float, ...]:
         true = self.rows if true is None else true
         scale = rate_scale(true, self.reference.scene, self.bits)
         found = errors(states, true, scale, self.bits)
@@ -144,12 +145,12 @@ class HeldAgainst:
                     worst = min(worst, self._part(name, [own[k] for k in some], true))
         return worst
 
-    def _part(self, name: str, own: Given, true: list[Any]) -> float:
+    def _part(self, name: str, own: Given, true: list[list[Scalar]]) -> float:
         signs = (1, -1) if name == "attitude" else (1,)  # a quaternion may have either
         scale = 1 if COLUMNS[name].how == "integrated" else largest_of(true)
         return max(self._part_digits(own, true, s, scale) for s in signs)
 
-    def _part_digits(self, own: Given, true: list[Any], side: int, scale: Any) -> float:
+    def _part_digits(self, own: Given, true: list[list[Scalar]], side: int, scale: Scalar) -> float:
         from polhode.numbers.mpmath_context import mpmath
 
         worst = self.subject.held
@@ -162,7 +163,7 @@ class HeldAgainst:
         return worst
 
 
-def largest_of(rows: list[Any]) -> Any:
+def largest_of(rows: list[list[Scalar]]) -> Scalar:
     """The largest size of a derived column's numbers, which its errors are relative to; 1 if 0."""
     return max((abs(x) for row in rows for x in row if x is not None), default=0) or 1
 

@@ -10,11 +10,10 @@ them.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -22,7 +21,8 @@ from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.equations.column import column
-from polhode.judging.dense_reference.columns import Columns, in_panels
+from polhode.judging._dense_reference.columns import Columns, in_panels
+from polhode.judging._dense_reference.parallel_evaluation import Ask
 from polhode.judging.references.reference import Reference, rows
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.double_double_columns import columns_in_pairs
@@ -31,6 +31,7 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.double_double import Pairs, of_exact, of_fractions, of_pairs, pairs
 from polhode.numbers.exact import sign
 from polhode.numbers.rows import Doubles
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS
 
@@ -61,7 +62,7 @@ class ManyRows:
 
 
 def many_rows(
-    subject: Subject, reference: Any, workers: int = 1, tell: Progress | None = None
+    subject: Subject, reference: object, workers: int = 1, tell: Progress | None = None
 ) -> ManyRows | None:
     """A subject held against a reference; None where pairs cannot judge it."""
     count = len(subject.times)
@@ -98,7 +99,7 @@ def many_rows(
         by = {w: [_largest(columns)] * len(columns) for w, columns in right.items() if columns}
         derived = {w: _errors(made[w], right[w], scale) for w, scale in by.items()}
     attitude = min(sides, key=lambda side: float(side.max()), default=None)
-    judged: list[tuple[Callable[..., Any], Any, Sequence[float], Doubles | None]] = [
+    judged: list[tuple[Ask, Sequence[Pairs], Sequence[float], Doubles | None]] = [
         (reference.at, own and states, scales, errors),
         (reference.attitude, quaternion, [1.0] * 4, attitude),
         (reference.angles, told, [1.0] * 3, angle_errors),
@@ -182,7 +183,7 @@ def digits(errors: Doubles, cap: float) -> list[float]:
     return found
 
 
-def _spread(x: Any, count: int) -> Pairs:
+def _spread(x: Scalar, count: int) -> Pairs:
     one = pairs(x)
     return Pairs(*(np.broadcast_to(part, count) for part in (one.hi, one.lo)))
 
@@ -198,7 +199,7 @@ def _scale(states: Sequence[Pairs], reference: Reference) -> float:
 
 def _right(
     subject: Subject,
-    ask: Callable[..., Any],
+    ask: Ask,
     found: Sequence[Pairs],
     scales: Sequence[float],
     at: Sequence[int],

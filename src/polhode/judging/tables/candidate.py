@@ -100,7 +100,7 @@ def of_run(run: Trajectory) -> Subject:
         name=f"{run.scene.name}: {run.number.name} ({run.number.bits} bits)",
         number=run.number,
         held=run.number.most_digits,
-        times=run.times,
+        times=tuple(run.times),
         columns=run.columns,
         states=run.states,
         angles=run.angles,

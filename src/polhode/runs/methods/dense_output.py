@@ -6,7 +6,6 @@ from bisect import bisect_right
 from collections import OrderedDict
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from typing import Any
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, plain
@@ -16,8 +15,8 @@ from polhode.numbers.conversion import exact_number, number_value
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Rows
-from polhode.numbers.scalars import Row, of_mpmath
+from polhode.numbers.rows import Row, Rows
+from polhode.numbers.scalars import AnyNumber, numbers_given, of_mpmath
 from polhode.runs.methods.taylor import Leg, Run
 from polhode.taylor.integrator.protocols import Integrating, Mark, Piece
 
@@ -37,12 +36,12 @@ class Dense:
 
     def __init__(self, run: Run) -> None:
         self.scene, self.number, self.reached = run.scene, run.number, run.reached
-        self._unit, self._run, self._legs = run.setup.unit, run.afresh(), tuple(run.legs)
+        self._unit, self._run, self._legs = run.problem.unit, run.afresh(), tuple(run.legs)
         self._kept: OrderedDict[int, Sequence[Piece]] = OrderedDict()
         # the leg taken up last, and its integrator
         self._ready: tuple[Leg, Integrating] | None = None
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         """Without polynomials and integrator, which are made again when asked for."""
         return {**vars(self), "_kept": OrderedDict(), "_ready": None}
 
@@ -54,19 +53,18 @@ class Dense:
     def _begun(self) -> list[Fraction]:
         return [abs(mark.offset) for _, mark in self._chunks]
 
-    def __call__(self, t: Any) -> Row | Rows:
+    def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> Row | Rows:
         """The state at t in the scene's axes and units, a row of the kind that ``.states`` has.
 
         ``t``: an int, Fraction, float, numpy or mpmath number, or text such as ``"1/3"``; or a
         sequence of them, for as many rows.  Raises BadInput outside of what was reached.
         """
-        several = isinstance(t, Iterable) and not isinstance(t, (str, bytes))
-        several = several and getattr(t, "ndim", 1) > 0  # an array of no dimension is a number
-        rows = [self._row(self._time(x)) for x in (t if several else [t])]
+        given, several = numbers_given(t)
+        rows = [self._row(self._time(x)) for x in given]
         states = Readout(self.scene, self.number).states(rows)
         return states if several else states[0]
 
-    def _time(self, t: Any) -> Fraction:
+    def _time(self, t: object) -> Fraction:
         """A time in the run's own unit, exact to far more bits than the state has."""
         reach = f"a time from 0 to {shown(self.reached)}, what the run reached"
         try:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING
 
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, nearest
@@ -17,8 +17,15 @@ from polhode.equations.readout import Readout
 from polhode.motion.outcomes import EventTimes, Outcome
 from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
 from polhode.numbers.number_types import LOG10_2, NumberType
+from polhode.numbers.rows import Doubles, Row, Rows
+from polhode.numbers.scalars import AnyNumber, Real, numbers_given
 from polhode.runs.methods.dense_output import Dense
 from polhode.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    from polhode.refined.attitude import Attitude, Following
+    from polhode.refined.events import Search
+    from polhode.refined.refinement import Accuracy, Motion
 
 METHODS = ("auto", "taylor", "refined")
 
@@ -50,12 +57,12 @@ class Refinement:
 
     times: tuple[Fraction, ...]
     rows: list[list[Fraction]]
-    beside: list[list[Any]]
+    beside: list[list[Real]]
     errors: tuple[float | None, ...]
     outcome: Outcome
     steps: int
     reached: Fraction
-    dense: Any
+    dense: RefinedDense
     events: tuple[EventTimes, ...] = ()
 
 
@@ -107,7 +114,7 @@ def worth_it(scene: Scene, number: NumberType, loaded: bool = False) -> bool:
     return bool(scene.log10_angle >= math.log10(least))
 
 
-def accuracy_for(number: NumberType) -> Any:
+def accuracy_for(number: NumberType) -> Accuracy:
     """What a run in a number type is refined to, at first."""
     from polhode.refined.refinement import accuracy
 
@@ -133,7 +140,7 @@ def refinement(
     inside = [t / unit for t in times]
     wanted = max(34, _digits(number))
 
-    def run(wanted: int) -> tuple[Any, Any]:
+    def run(wanted: int) -> tuple[Search | None, Motion]:
         search = _search(scene, number)
         following = _following(scene, accuracy(wanted))
         return search, refine(
@@ -178,7 +185,7 @@ def refinement(
     )
 
 
-def _following(scene: Scene, wanted: Any) -> Any:
+def _following(scene: Scene, wanted: Accuracy) -> Following | None:
     if not scene.modelled:
         return None
     from polhode.refined.attitude import Following
@@ -186,7 +193,7 @@ def _following(scene: Scene, wanted: Any) -> Any:
     return Following(scene, wanted.limbs.finest, "angles" in scene.modelled)
 
 
-def _turned(scene: Scene, number: NumberType, attitudes: Any) -> list[list[Any]]:
+def _turned(scene: Scene, number: NumberType, attitudes: list[Attitude] | None) -> list[list[Real]]:
     """Quaternion, psi and phi as a run's rows have them behind the state, what is asked of them.
 
     psi is the sum of the arguments of q0 + i q3 and q1 + i q2; phi only tells its branch.
@@ -224,7 +231,7 @@ def _all_entire(scene: Scene) -> bool:
     return all(is_entire(scene, event) for event in scene.events)
 
 
-def _search(scene: Scene, number: NumberType) -> Any:
+def _search(scene: Scene, number: NumberType) -> Search | None:
     if not scene.events:
         return None
     from polhode.refined.events import Search
@@ -232,7 +239,9 @@ def _search(scene: Scene, number: NumberType) -> Any:
     return Search(scene, number)
 
 
-def _events(scene: Scene, number: NumberType, search: Any, found: Any) -> tuple[EventTimes, ...]:
+def _events(
+    scene: Scene, number: NumberType, search: Search, found: Motion
+) -> tuple[EventTimes, ...]:
     """The events in scene axes and units, in order of integration."""
     read, unit = Readout(scene, number), Fraction(2) ** scene.time_unit
     count = len(equations(scene).variables)
@@ -260,8 +269,8 @@ def in_principal_axes(scene: Scene) -> Scene:
 
 
 def _by_a_second_run(
-    scene: Scene, found: Any, wanted: int, max_steps: int | None, progress: Progress | None
-) -> Any:
+    scene: Scene, found: Motion, wanted: int, max_steps: int | None, progress: Progress | None
+) -> Doubles:
     """Errors as the estimates are, where these are infinite: twice the distance from another run.
 
     That one has other intervals and so many more digits that the distance is the first run's error.
@@ -272,7 +281,7 @@ def _by_a_second_run(
     from polhode.refined.errors import CannotRefine
     from polhode.refined.refinement import MOST_DIGITS, accuracy, refine
 
-    errors = found.estimate.errors.copy()
+    errors: Doubles = found.estimate.errors.copy()
     digits = wanted + _MORE_DIGITS
     if digits > MOST_DIGITS:
         return errors
@@ -294,7 +303,7 @@ def _by_a_second_run(
     return errors
 
 
-def _lacking(found: Any, errors: Any, digits: int) -> int:
+def _lacking(found: Motion, errors: Doubles, digits: int) -> int:
     """How many more digits the errors ask for; 0 where they are infinite: no more would help."""
     if not len(errors) or not math.isfinite(errors.max()):
         return 0
@@ -304,7 +313,7 @@ def _lacking(found: Any, errors: Any, digits: int) -> int:
 
 
 def _errors(
-    scene: Scene, number: NumberType, told: Any, rows: list[list[Fraction]]
+    scene: Scene, number: NumberType, told: Doubles, rows: list[list[Fraction]]
 ) -> tuple[float | None, ...]:
     """The estimate of each row in the scene's axes and units, rounded to its type."""
     turned = 1.0 if scene.body.axes.trivial else math.sqrt(3.0)  # of a vector's largest component
@@ -320,16 +329,16 @@ def _errors(
 class RefinedDense(Dense):
     """A refined run's state at any time: refined again from the block before it."""
 
-    def __init__(self, scene: Scene, number: NumberType, reached: Fraction, motion: Any) -> None:
+    def __init__(self, scene: Scene, number: NumberType, reached: Fraction, motion: Motion) -> None:
         self.scene, self.number, self.reached = scene, number, reached
         self._unit = Fraction(2) ** scene.time_unit
         self._motion = motion
 
-    def __call__(self, t: Any) -> Any:
+    def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> Row | Rows:
         """The state at t, or rows at several times; see
         :class:`polhode.runs.methods.dense_output.Dense`."""
-        several = not isinstance(t, str) and hasattr(t, "__len__")
-        times = [self._time(x) for x in (t if several else [t])]
+        given, several = numbers_given(t)
+        times = [self._time(x) for x in given]
         count = len(equations(self.scene).variables)
         bits = self._motion.bits
         rows = [[Fraction(x, 1 << bits) for x in row[:count]] for row in self._motion.at(times)]

@@ -19,10 +19,10 @@ from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly, number_value
 from polhode.numbers.exact import ZERO
-from polhode.numbers.rows import Rows
-from polhode.numbers.scalars import Row
+from polhode.numbers.rows import Row, Rows
 from polhode.runs.methods.output_loop import march
-from polhode.runs.problem.problem import Asked, Setup
+from polhode.runs.problem.problem import Problem, Schedule
+from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 from polhode.taylor.integrator.protocols import Corrector, Integrating, Mark, Watcher
 
@@ -45,13 +45,19 @@ class Leg(NamedTuple):
 class Run:
     """One run of a scene in one number type; rows of its form's variables come out.
 
-    ``project``: steps between two corrections of the state, None for none.
+    ``project``: steps between two corrections of the state, None for none.  ``scene``: whose times
+    and events are meant, where it is not the problem's own; it differs in its times alone.
     """
 
     def __init__(
-        self, setup: Setup, max_steps: int | None = None, project: int | None = None
+        self,
+        problem: Problem,
+        max_steps: int | None = None,
+        project: int | None = None,
+        scene: Scene | None = None,
     ) -> None:
-        self.setup, self.scene, self.number = setup, setup.scene, setup.number
+        self.problem, self.number = problem, problem.number
+        self.scene = problem.scene if scene is None else scene
         self.max_steps = max_steps
         self.steps = 0
         self.reached = ZERO
@@ -65,11 +71,11 @@ class Run:
 
     def afresh(self) -> Run:
         """The same run before its start."""
-        return Run(self.setup, self.max_steps, self._every)
+        return Run(self.problem, self.max_steps, self._every, self.scene)
 
     def start(self) -> Row:
         """The start of the variables, in the run's own unit, rounded to its type."""
-        return self.setup.first[0][: len(self.setup.form.variables)]
+        return self.problem.first[0][: len(self.problem.form.variables)]
 
     def again(self, leg: Leg) -> Integrating:
         """An integrator that takes a leg's steps again, without looking for events."""
@@ -79,7 +85,7 @@ class Run:
         corrector = self._corrector(leg.system.form, watch) if leg.projected else None
         return self._built(leg.system, leg.origin, watch, corrector)
 
-    def to(self, asked: Asked, progress: Progress | None = None) -> tuple[Outcome, Rows]:
+    def to(self, asked: Schedule, progress: Progress | None = None) -> tuple[Outcome, Rows]:
         """The outcome, and rows at the times, as far as they were reached."""
         from polhode.taylor.backend import heyoka_numbers
 
@@ -92,22 +98,24 @@ class Run:
             raise BadInput(self.scene.name, "number", self.number.name, expected) from None
         if watch is not None:
             self.events = watch.found()
+            if outcome is Outcome.NON_FINITE:  # a contact may be polished to beyond a pole
+                self.events = tuple(event.until(self.reached) for event in self.events)
             if self._working is not None and outcome.done:
                 self._working.release()
         self.seconds = time.perf_counter() - began
         return outcome, rows
 
-    def _to(self, asked: Asked, progress: Progress | None) -> tuple[Outcome, Rows]:
-        made, inside = self.setup, asked.inside
-        if made.still:
+    def _to(self, asked: Schedule, progress: Progress | None) -> tuple[Outcome, Rows]:
+        problem, inside = self.problem, asked.inside
+        if problem.still:
             return self._stand_still(asked, progress)
         began = time.perf_counter()
-        whole = made.whole
-        rows = made.first[: inside[0] == 0]
+        whole = problem.whole
+        rows = problem.first[: inside[0] == 0]
         self.build_seconds += time.perf_counter() - began
         if len(rows) == len(inside):
             return Outcome.REACHED_END, rows
-        if made.singular:
+        if problem.singular:
             return Outcome.SINGULAR, rows
         origin = ZERO
         if "angles" in self.scene.modelled and self.scene.starts_at_pole:
@@ -127,12 +135,12 @@ class Run:
         self,
         whole: System,
         origin: Fraction,
-        asked: Asked,
+        asked: Schedule,
         rows: Rows,
         progress: Progress | None,
     ) -> tuple[Rows, Outcome]:
         """Integrate a system that stands at time ``origin``; ``rows`` and those to come."""
-        made = self.setup
+        problem = self.problem
         outcome = Outcome.STOPPED_AT_EVENT
         if not self._stopped:
             corrector = self._corrector(whole.form, self._watch)
@@ -148,19 +156,19 @@ class Run:
             # the end itself, not its rounding relative to where the last chunk began
             done = outcome is Outcome.REACHED_END
             last = asked.inside[-1] if done else integrator.time
-            self.reached = last if made.unit == 1 else last * made.unit
+            self.reached = last if problem.unit == 1 else last * problem.unit
             if self._watch is not None:
                 self._working = integrator  # its events are told first
             elif outcome.done:
                 integrator.release()
         if self._watch is not None and self._watch.stop is not None:
-            self.reached = self.number.rounded(self._watch.stop) * made.unit
+            self.reached = self.number.rounded(self._watch.stop) * problem.unit
         return rows, outcome
 
-    def _stand_still(self, asked: Asked, progress: Progress | None) -> tuple[Outcome, Rows]:
+    def _stand_still(self, asked: Schedule, progress: Progress | None) -> tuple[Outcome, Rows]:
         """Rows of a state that never changes; only its events, those of t, need an integrator."""
         times, inside = asked.exact, asked.inside
-        rows = self.setup.rows(
+        rows = self.problem.rows(
             [
                 [number_value(x, self.number) for x in equilibrium.variables(self.scene, t)]
                 for t in times
@@ -173,7 +181,7 @@ class Run:
         columns = len(whole.start)
         passed = [row[:columns] for row in rows[: inside[0] == 0]]
         watched, outcome = self._advanced(
-            whole, Fraction(0), asked, self.setup.rows(passed), progress
+            whole, Fraction(0), asked, self.problem.rows(passed), progress
         )
         return outcome, rows[: self._before_stop(times, len(watched))]
 
@@ -183,11 +191,11 @@ class Run:
             from polhode.taylor.corrections.quaternion_norm import UnitNorm
 
             return UnitNorm(form.unit, self.number)
-        if self._every is None or self.setup.still:
+        if self._every is None or self.problem.still:
             return None
         from polhode.taylor.corrections.integral_projection import Projector
 
-        return Projector(self.scene, self.number, self._every, watch)
+        return Projector(self.problem.target, self._every, watch)
 
     def _new_watch(self) -> Watch | None:
         """What looks for the scene's events; None for a scene without any."""
@@ -195,7 +203,7 @@ class Run:
             return None
         from polhode.taylor.events.stepwise import Watch
 
-        return Watch(self.scene, self.number, self.setup.tolerance, self.setup.still)
+        return Watch(self.scene, self.number, self.problem.rules(self.scene))
 
     @property
     def _stopped(self) -> bool:
@@ -206,11 +214,12 @@ class Run:
         suspects = self._watch.still() if self._watch is not None else []
         if not suspects:
             return
+        from polhode.taylor.events.rules import Rules
         from polhode.taylor.events.stepwise import Watch
         from polhode.taylor.integrator.build import build
 
         fine = number_types.mp(200)
-        watch = Watch(self.scene, fine, None)
+        watch = Watch(self.scene, fine, Rules(self.scene, fine, None, False))
         build(system(self.scene, ()), fine, watcher=watch)
         for k in watch.still():
             if k in suspects:
@@ -230,10 +239,10 @@ class Run:
         from polhode.taylor.integrator.build import blueprint
         from polhode.taylor.integrator.stepping import Integrator
 
-        began, made = time.perf_counter(), self.setup
-        plan = made.blueprint if what is made.whole else None
+        began, problem = time.perf_counter(), self.problem
+        plan = problem.blueprint if what is problem.whole else None
         if plan is None:
-            plan = blueprint(what, self.number, made.tolerance)
+            plan = blueprint(what, self.number, problem.tolerance)
         built = Integrator(plan, origin, watch, corrector)
         self.build_seconds += time.perf_counter() - began
         self.legs.append(Leg(what, origin, built.marks, corrector is not None))
@@ -247,7 +256,7 @@ class Run:
         the pole has no psi and phi at all.
         """
         moment = max(-_OFF_THE_POLE, min(_OFF_THE_POLE, first / 2))
-        bridge = self.setup.rounded(system(self.scene, ("attitude",)))
+        bridge = self.problem.rounded(system(self.scene, ("attitude",)))
         leading = self._built(bridge, Fraction(0), self._watch, None)
         self._refuse_what_never_moves()
         found, outcome = leading.chunk([moment], 10**6)
@@ -257,7 +266,7 @@ class Run:
         if self._stopped:
             return whole, moment
         row = found[0]
-        gamma = self.setup.read.states([row])[0][3:]
+        gamma = self.problem.read.states([row])[0][3:]
         if all(x == 0 for x in gamma[:2]):
             outputs = tuple(name for name in whole.outputs if name != "angles")
             names, start = whole.names[:-2], whole.start[:-2]

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any
 
 from polhode.common.arguments import of_kind, whole
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import AnyNumber
+from polhode.scenes.output_times import OutputTimes
 from polhode.scenes.scene import Scene
+from polhode.taylor.backend import defaults
 
 
 def choose_number(
@@ -44,24 +46,19 @@ def choose_number(
     return number_types.named(number)
 
 
-def rounded_times(scene: Scene, number: NumberType) -> list[Fraction]:
+def rounded_times(scene: Scene, number: NumberType) -> OutputTimes[Fraction]:
     """The output times as numbers of the run's type."""
     if not scene.times:
         raise BadInput(scene.name, "run.end", None, "given, or times asked for with --at")
-    times = [number.rounded(t) for t in scene.times]
-    parts = [t.as_integer_ratio() for t in times]
-    for k in range(1, len(times)):
-        if parts[k] == parts[k - 1]:
-            raise BadInput(
-                scene.name,
-                f"run.at[{k + 1}]",
-                str(float(times[k])),
-                f"times that differ when rounded to {number.name}",
-            )
+    times = scene.output_times.rounded(number)
+    k = times.misplaced()
+    if k is not None:
+        expected = f"times that differ when rounded to {number.name}"
+        raise BadInput(scene.name, f"run.at[{k + 1}]", str(float(times[k])), expected)
     return times
 
 
-def rounded_tolerance(scene: Scene, number: NumberType, tol: Any) -> Fraction | None:
+def rounded_tolerance(scene: Scene, number: NumberType, tol: AnyNumber | None) -> Fraction | None:
     """The tolerance of a step, checked; None for the type's eps."""
     if tol is None:
         return None
@@ -73,3 +70,17 @@ def rounded_tolerance(scene: Scene, number: NumberType, tol: Any) -> Fraction | 
         lowest = f"{float(number.eps):.3g}" if number.bits < 1000 else f"2**-{number.bits - 1}"
         raise BadInput(scene.name, "tol", plain(tol), f"between eps = {lowest} and 0.1")
     return wanted
+
+
+def cadence(
+    scene: Scene, number: NumberType, tolerance: Fraction | None, project: bool | int | None
+) -> int | None:
+    """Steps between two corrections of the run, None for none."""
+    if project is not None and not isinstance(project, bool):
+        project = whole(scene.name, "project", project, 1)
+    if project is None:
+        full = tolerance is None or tolerance <= number.eps
+        project = full and defaults.of(number).projected
+    if scene.form != "principal" or project is False:
+        return None
+    return defaults.of(number).project_every if project is True else project

@@ -1,35 +1,42 @@
-"""What every run of a scene in one number type begins with: made once, kept with the scene."""
+"""A scene made ready for one number type: everything that its runs begin with, made once."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, cast
 
 from polhode.common.cached_property import cached_property
+from polhode.common.recent import Recent
 from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
 from polhode.equations.system import System, system
 from polhode.numbers.conversion import joined, number_value, to_extended
-from polhode.numbers.exact import sign
+from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Rows
-from polhode.numbers.scalars import EXACT, Row
+from polhode.numbers.rows import Extendeds, Row, Rows
+from polhode.numbers.scalars import EXACT
 from polhode.runs.problem.options import rounded_times
+from polhode.scenes.output_times import OutputTimes
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.time_grid import Times
 
 if TYPE_CHECKING:
+    from polhode.taylor.backend.integrator_pool import Idle
+    from polhode.taylor.corrections.integral_projection import Target
+    from polhode.taylor.events.dense_search import Outlook
+    from polhode.taylor.events.rules import Rules
     from polhode.taylor.integrator.specification import Blueprint
 
 
 @dataclass(frozen=True, eq=False)
-class Setup:
+class Problem:
     """What depends on a scene, a number type and a tolerance, but not on the output times.
 
     ``inputs``: the narrower type that start and coefficients are rounded to first, if any.
+    Shared by threads: what a property gives does not depend on who asks, nor how often.
     """
 
     scene: Scene
@@ -37,7 +44,7 @@ class Setup:
     tolerance: Fraction | None = None
     inputs: NumberType | None = None
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         """The fields alone: what is made from them is made again."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
@@ -75,7 +82,7 @@ class Setup:
         """Whether attitude and angles may be had from a plain run's states, in double and extended.
 
         Not beside events, whose expressions take part in choosing the steps, and no angles from a
-        pole on (polhode.runs.observers.attitude_lanes).
+        pole on (polhode.runs._observers.attitude_lanes).
         """
         scene = self.scene
         return (
@@ -107,12 +114,19 @@ class Setup:
         return blueprint(self.whole, self.number, self.tolerance)
 
     @cached_property
+    def target(self) -> Target:
+        """The integrals that a run is put back on."""
+        from polhode.taylor.corrections.integral_projection import Target
+
+        return Target(self.scene, self.number)
+
+    @cached_property
     def first(self) -> Rows:
         """The start of the whole as the one row of a run; not to be written to."""
         return self.rows([[number_value(x, self.number) for x in self.whole.start]])
 
     @cached_property
-    def turn(self) -> Any | None:
+    def turn(self) -> Extendeds | None:
         """The form's axes along the scene's, rows of longdoubles; None where they are the same."""
         import numpy as np
 
@@ -120,7 +134,7 @@ class Setup:
         return None if axes.trivial else np.array([[to_extended(x) for x in v] for v in axes.rows])
 
     @cached_property
-    def attitude(self) -> Any:
+    def attitude(self) -> Extendeds:
         """The quaternion at the start, of the scene's axes, and psi: longdoubles."""
         import numpy as np
 
@@ -135,7 +149,7 @@ class Setup:
     def rows(self, rows: Sequence[Row]) -> Rows:
         """Rows of the run's numbers, as a run holds them: an array, or a list above extended."""
         if not self.number.flat:
-            return list(rows)
+            return [[*row] for row in rows]
         import numpy as np
 
         width = len(rows[0]) if rows else len(self.whole.start)
@@ -146,45 +160,87 @@ class Setup:
         """Several parts' rows in one."""
         return joined(parts, self.number)
 
+    @cached_property
+    def bare(self) -> Problem:
+        """The problem without outputs and events."""
+        bare = replace(self.scene, outputs=(), events=())
+        return Problem(bare, self.number, self.tolerance, self.inputs)
 
-def setup(
+    @cached_property
+    def quiet_events(self) -> bool:
+        """Whether no event ever ends a run, and the state alone tells all of them everywhere."""
+        from polhode.taylor.events.callbacks import is_entire, tells_time
+
+        scene = self.scene
+        return all(
+            not event.stop and is_entire(scene, event) and not tells_time(scene, event)
+            for event in scene.events
+        )
+
+    @cached_property
+    def outlooks(self) -> Idle[Outlook]:
+        """What the events are sought with beside a run, compiled, while no run uses it."""
+        from polhode.taylor.backend.integrator_pool import Idle
+
+        return Idle(2)
+
+    def schedule(self, scene: Scene) -> Schedule:
+        """The output times of the scene, or of one that differs from it in its times alone.
+
+        The last two are kept.
+        """
+        times, kept = scene.output_times, self._schedules
+        for before, found in kept:
+            if before is times:
+                return found
+        exact = rounded_times(scene, self.number)
+        inside = Times.scaled(exact, -self.scene.time_unit, self.number)
+        found = Schedule(exact, inside)
+        kept[:] = [(times, found), *kept[:1]]
+        return found
+
+    def rules(self, scene: Scene) -> Rules:
+        """What a run's watch goes by, kept with the times: t in an event is as large as those."""
+        from polhode.taylor.events.rules import Rules
+
+        kept = self.schedule(scene).kept
+        if "rules" not in kept:
+            kept["rules"] = Rules(scene, self.number, self.tolerance, self.still)
+        return cast("Rules", kept["rules"])
+
+    @cached_property
+    def _schedules(self) -> list[tuple[OutputTimes[Exact], Schedule]]:
+        return []
+
+
+@dataclass(frozen=True, eq=False)
+class Schedule:
+    """Times rounded to a run's type: ``exact``, and ``inside`` its own unit.
+
+    ``kept``: what else depends on the times, by name: each observer's plan, the events' rules.
+    """
+
+    exact: OutputTimes[Fraction]
+    inside: Times
+    kept: dict[str, object] = field(default_factory=dict)
+
+
+_kept: Recent[Problem] = Recent(16)
+
+
+def problem(
     scene: Scene,
     number: NumberType,
     tolerance: Fraction | None = None,
     inputs: NumberType | None = None,
-) -> Setup:
-    """The set-up of such runs, from the scene where it is kept, shared by scenes of other times.
+) -> Problem:
+    """The problem of such runs, shared by scenes that differ in their times alone.
 
     Not by those that go the other way in time: events count what crosses on the way.
     """
-    key = (setup, number, tolerance, inputs, sign(scene.end) >= 0)
-    found = scene.kept.get(key)
-    if not isinstance(found, Setup):
-        found = scene.kept[key] = Setup(scene, number, tolerance, inputs)
-    return found
+    key = (number, tolerance, inputs, sign(scene.end) >= 0)
 
+    def made() -> Problem:
+        return Problem(scene.apart(), number, tolerance, inputs)
 
-def bare(made: Setup) -> Setup:
-    """The set-up of the same run without outputs and events, from the scene where it is kept."""
-    scene = made.scene.kept.get(bare)
-    if scene is None:
-        scene = made.scene.kept[bare] = replace(made.scene, outputs=(), events=())
-    return setup(scene, made.number, made.tolerance, made.inputs)
-
-
-class Asked(NamedTuple):
-    """Times rounded to a run's type: ``exact``, and ``inside`` its own unit."""
-
-    exact: Sequence[Fraction]
-    inside: Times
-
-
-def asked(scene: Scene, number: NumberType) -> Asked:
-    """The output times of a scene's runs, from the scene where they are kept."""
-    found = scene.kept_of_times.get(number)
-    if not isinstance(found, Asked):
-        exact = tuple(rounded_times(scene, number))
-        unit = Fraction(2) ** scene.time_unit
-        inside = Times(exact if unit == 1 else [t / unit for t in exact], number)
-        found = scene.kept_of_times[number] = Asked(exact, inside)
-    return found
+    return _kept.get(scene.identity, key, made)

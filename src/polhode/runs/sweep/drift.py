@@ -8,7 +8,7 @@ more than the states do.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -48,7 +48,8 @@ def drifts(members: Members, states: Stack, one: Callable[[int], Drift]) -> Doub
     there = states[:, :, 0] == states[:, :, 0]
     for block in blocks(members):
         here = slice(block.first, block.last)
-        alone = block.left if states.dtype != object else np.ones(len(block), dtype=bool)
+        columns = states.dtype != object and block.axes.trivial
+        alone = block.left if columns else np.ones(len(block), dtype=bool)
         for which in _alike(block, ~alone):
             at = block.first + which
             with np.errstate(all="ignore"):
@@ -84,7 +85,7 @@ def _alike(block: Block, which: npt.NDArray[np.bool_]) -> list[npt.NDArray[np.in
     return [members[kind.ravel() == n] for n in range(int(kind.max()) + 1)]
 
 
-def _is_zero(x: Column) -> Any:
+def _is_zero(x: Column) -> npt.NDArray[np.bool_] | bool:
     return (x.sign if isinstance(x, Rationals) else sign(x)) == 0
 
 
@@ -142,8 +143,8 @@ def _measures(
     moments: list[Pairs],
     torque: list[Pairs],
     omega: list[Pairs],
-    k: dict[str, Any],
-) -> list[Any]:
+    k: dict[str, Pairs],
+) -> list[Doubles | float]:
     """What each drift is relative to, see :class:`polhode.equations.integrals.Drift`."""
     inertia, w, moment = ([x.hi for x in vector] for vector in (moments, omega, torque))
     largest = np.maximum.reduce(np.broadcast_arrays(*inertia))
@@ -155,7 +156,11 @@ def _measures(
     energy = kinetic + weight
     energy, area = (np.where(x == 0, 1.0, x) for x in (energy, area))
     rate = np.sqrt(np.maximum(sum(x * x for x in w), weight / largest))
-    whole: dict[str, Any] = {ENERGY: 2 * energy / largest, AREA: area / largest, LENGTH: 1.0}
+    whole: dict[str, Doubles | float] = {
+        ENERGY: 2 * energy / largest,
+        AREA: area / largest,
+        LENGTH: 1.0,
+    }
     last = known.onto[-1]
     if last == MOMENTUM:
         whole[last] = whole[AREA] ** 2

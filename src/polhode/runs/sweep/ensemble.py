@@ -14,7 +14,7 @@ from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.numbers.decimals import shown
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Rows, Stack
-from polhode.numbers.scalars import Value
+from polhode.numbers.scalars import Real
 from polhode.runs.presentation import EnsemblePresentation
 from polhode.runs.sweep.endings import Ended
 from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
@@ -175,7 +175,7 @@ class Ensemble(Ended):
         found: Flat = states[: int((states[:, 0] == states[:, 0]).sum())]
         return found if self.number.flat else found.tolist()
 
-    def output(self, word: str, index: int) -> list[list[Value | None]]:
+    def output(self, word: str, index: int) -> list[list[Real | None]]:
         """The rows of an output of one member as far as it came, None where there is no number."""
         rows = self.outputs[word][index][: len(self.rows(index))]
         return [[x if x == x else None for x in row] for row in rows]

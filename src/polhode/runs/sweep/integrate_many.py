@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from polhode.common import executors as crew
 from polhode.common.arguments import steps, whole
@@ -19,6 +19,7 @@ from polhode.runs.methods.refined import check_method
 from polhode.runs.sweep import refined_members
 from polhode.runs.sweep.ensemble import Ensemble
 from polhode.runs.sweep.plan import Plan, planned
+from polhode.runs.sweep.refined_members import Job
 from polhode.runs.sweep.results import Results
 from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
 from polhode.scenes import library, vary
@@ -26,8 +27,13 @@ from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 
 if TYPE_CHECKING:
-    from polhode.taylor.batches.jobs import Solved
+    import numpy as np
+    import numpy.typing as npt
 
+    from polhode.common.jobs import Solver
+    from polhode.taylor.batches.jobs import BatchJob, Solved
+
+J = TypeVar("J")
 
 _JOBS = 16, 256  # so many at least and at most: each costs a fraction of a millisecond
 _JOB = 0.05  # seconds that one should take
@@ -103,7 +109,7 @@ def integrate_many(
     prepared = time.perf_counter()
     kept = _opened(plan, scene, parts, method)
     results = Results(plan, kept)
-    build = _solve(plan, results, executor, workers, progress, method)
+    build = _work(plan, results, method).carried_out(results, executor, workers, progress)
     results.end()
     seconds = {
         "scenes": prepared - began,
@@ -149,15 +155,50 @@ def _opened(plan: Plan, scene: Scene, folder: Path | None, method: str) -> Sweep
     return SweepCheckpoint(folder, what.encode() + plan.lanes.bytes(), plan.number)
 
 
-def _solve(
-    plan: Plan,
-    results: Results,
-    executor: Executor | None,
-    workers: int | None,
-    progress: Progress | None,
-    method: str,
-) -> float:
-    """Integrate the members that are not done; the seconds of compiling."""
+@dataclass(frozen=True)
+class _Work(Generic[J]):
+    """The members that are not done, as jobs of one kind; ``groups``: the members of each job."""
+
+    groups: list[npt.NDArray[np.int64]]
+    jobs: Sequence[J]
+    solve: Solver[J, Solved]
+    prepare: Callable[[J], object]
+
+    def carried_out(
+        self,
+        results: Results,
+        executor: Executor | None,
+        workers: int | None,
+        progress: Progress | None,
+    ) -> float:
+        """Integrate them; the seconds of compiling."""
+        total = len(results.left)
+        count = total - int(results.left.sum())
+
+        def ready(k: int, solved: Solved) -> None:
+            nonlocal count
+            results.take(self.groups[k], solved)
+            count += len(self.groups[k])
+            if progress is not None:
+                progress(count / total, count)
+
+        left = list(range(len(self.jobs)))
+        if executor is not None:
+            undisturbed, left = crew.elsewhere(self.solve, self.jobs, ready, executor)
+            if not undisturbed:
+                return 0.0
+        if not left:
+            return 0.0
+        began = time.perf_counter()
+        self.prepare(self.jobs[0])
+        build = time.perf_counter() - began
+        waiting = [self.jobs[k] for k in left]
+        crew.here(self.solve, waiting, lambda i, solved: ready(left[i], solved), workers)
+        return build
+
+
+def _work(plan: Plan, results: Results, method: str) -> _Work[BatchJob] | _Work[Job]:
+    """What is left to be integrated, by steps or refined where any member is to be."""
     from polhode.taylor.batches import batch_integrator
     from polhode.taylor.batches import jobs as batch_jobs
 
@@ -177,38 +218,14 @@ def _solve(
         )
         for group in groups
     ]
-    jobs: Sequence[Any] = steps
-    solve: Any = batch_integrator.solve
-    prepare: Any = batch_integrator.compiled
     if plan.tolerance is None and not plan.number.flat:
         members = tuple(
             replace(m, times=plan.asked, outputs=(), form="principal") for m in plan.members
         )
         if refined_members.wanted(plan.number, method, members):
-            solve, prepare = refined_members.solve, refined_members.prepare
             jobs = [
-                refined_members.Job(tuple(members[k] for k in group), job, method)
+                Job(tuple(members[k] for k in group), job, method)
                 for group, job in zip(groups, steps, strict=True)
             ]
-    total = len(plan.members)
-    count = total - int(wanted.sum())
-
-    def ready(k: int, solved: Solved) -> None:
-        nonlocal count
-        results.take(groups[k], solved)
-        count += len(groups[k])
-        if progress is not None:
-            progress(count / total, count)
-
-    left = list(range(len(jobs)))
-    if executor is not None:
-        undisturbed, left = crew.elsewhere(solve, jobs, ready, executor)
-        if not undisturbed:
-            return 0.0
-    if not left:
-        return 0.0
-    began = time.perf_counter()
-    prepare(jobs[0])
-    build = time.perf_counter() - began
-    crew.here(solve, [jobs[k] for k in left], lambda i, solved: ready(left[i], solved), workers)
-    return build
+            return _Work(groups, jobs, refined_members.solve, refined_members.prepare)
+    return _Work(groups, steps, batch_integrator.solve, batch_integrator.compiled)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
 from polhode.equations.forms import principal
@@ -15,6 +15,9 @@ from polhode.numbers.conversion import number_value, to_double
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rationals import Rationals, listed
+from polhode.numbers.rows import Booleans, Doubles, Stack, kind_of
+from polhode.numbers.scalars import Scalar
+from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.scenes.sweep_scenes import Members
 
@@ -22,6 +25,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    from polhode.runs.sweep.turned_columns import Turned
     from polhode.scenes.sweep_columns import Block, Column, Vector
     from polhode.taylor.batches.jobs import Lanes
 
@@ -52,7 +56,7 @@ def lanes_of(
     from polhode.taylor.batches.jobs import Lanes
 
     count, columns = len(members), len(members.scene.columns)
-    kind: Any = {"double": np.float64, "extended": np.longdouble}.get(number.name, object)
+    kind = kind_of(number)
     made = _Made(
         members,
         number,
@@ -70,7 +74,8 @@ def lanes_of(
     there = [i for i in range(len(principal.NAMES)) if np.any(made.coefficients[:, i] != 0)]
     there.sort(key=lambda i: principal.NAMES[i])
     names = tuple(principal.NAMES[i] for i in there)
-    lanes = Lanes(np.ascontiguousarray(made.coefficients[:, there]), made.starts)
+    coefficients: Stack = made.coefficients[:, there].copy()
+    lanes = Lanes(coefficients, made.starts)
     return names, lanes, made.units, made.rates()
 
 
@@ -99,25 +104,38 @@ class _Made:
         members: Members,
         number: NumberType,
         end: Fraction,
-        coefficients: Any,
-        starts: Any,
+        coefficients: Stack,
+        starts: Stack,
         units: npt.NDArray[np.int64],
     ) -> None:
         self.members, self.number, self.end = members, number, end
         self.coefficients, self.starts, self.units = coefficients, starts, units
-        self._bodies: dict[tuple[int, int], tuple[Any, dict[str, Exact]]] = {}
+        self._bodies: dict[tuple[int, int], tuple[Body, dict[str, Exact]]] = {}
 
     def fill(self, block: Block) -> npt.NDArray[np.bool_]:
         """Put a block of members in; which of them are left."""
         import numpy as np
 
+        from polhode.runs.sweep.turned_columns import Turned, turned
+
         here = slice(block.first, block.last)
         with np.errstate(all="ignore"):
             try:
                 units, unsure = _time_units(block)
-                starts = self._columns(block, [*block.omega, *(block.gamma or ())])
-                every = principal.every_coefficient(block.moments, block.torque)
+                given = [x for x in (block.torque, block.omega, block.gamma) if x is not None]
+                if block.axes.trivial:
+                    vectors: list[Sequence[Column | Turned]] = [*given]
+                elif self.number.name == "double":
+                    vectors = [turned(vector, block.axes) for vector in given]
+                else:
+                    return np.ones(len(block), dtype=bool)
+                every = principal.every_coefficient(block.moments, vectors[0])
+                columns = [x for vector in vectors[1:] for x in vector]
+                starts = self._columns(block, columns)
                 coefficients = self._columns(block, list(every.values()))
+                for column in (*columns, *every.values()):
+                    if isinstance(column, Turned):
+                        unsure |= column.unsure
             except (OverflowError, ZeroDivisionError):  # beyond doubles, here or on the way
                 return np.ones(len(block), dtype=bool)
             if self.number.flat:
@@ -132,29 +150,33 @@ class _Made:
         self.starts[here], self.coefficients[here], self.units[here] = starts, coefficients, units
         return left
 
-    def _columns(self, block: Block, columns: Sequence[Column]) -> Any:
-        """Columns of exact numbers, each rounded once."""
+    def _columns(self, block: Block, columns: Sequence[Column | Turned]) -> Stack:
+        """Columns of numbers, each rounded once."""
         import numpy as np
+
+        from polhode.runs.sweep.turned_columns import Turned
 
         found = np.empty((len(block), len(columns)), dtype=self.starts.dtype)
         for i, column in enumerate(columns):
             if isinstance(column, Rationals):
                 found[:, i] = self._rounded(column, len(block))
+            elif isinstance(column, Turned):
+                found[:, i] = column.near.hi
             else:
                 found[:, i] = self._value(column)
         return found
 
-    def _rounded(self, column: Rationals, count: int) -> Any:
+    def _rounded(self, column: Rationals, count: int) -> Doubles | list[Scalar]:
         if self.number.name == "double":
             return column.doubles()
         tops, bottoms = listed(column.top, count), listed(column.bottom, count)
         return [self._value(Fraction(a, b)) for a, b in zip(tops, bottoms, strict=True)]
 
-    def _value(self, x: Exact) -> Any:
+    def _value(self, x: Exact) -> Scalar:
         """The nearest number as a lane holds it: above extended a Fraction."""
         return number_value(x, self.number) if self.number.flat else self.number.rounded(x)
 
-    def _out_of_range(self, *tables: Any) -> Any:
+    def _out_of_range(self, *tables: Stack) -> Booleans | bool:
         """Members with a number that is not 0 and not between the type's limits, or nearly so."""
         import numpy as np
 
@@ -162,7 +184,8 @@ class _Made:
             return False
         low, high = (_SMALLEST, np.finfo(np.float64).max)
         sizes = np.abs(np.hstack(tables))
-        return (((sizes < low) & (sizes != 0)) | ~(sizes <= high)).any(axis=1)
+        found: Booleans = (((sizes < low) & (sizes != 0)) | ~(sizes <= high)).any(axis=1)
+        return found
 
     def one(self, index: int) -> None:
         """Put a member in by its scene."""
@@ -213,27 +236,29 @@ class _Made:
         return found
 
 
-def _zero(number: NumberType) -> Any:
+def _zero(number: NumberType) -> Scalar:
     return 0.0 if number.flat else ZERO
 
 
-def _doubles(block: Block, x: Column) -> Any:
+def _doubles(block: Block, x: Column) -> Doubles:
     import numpy as np
 
     return np.broadcast_to(x.doubles() if isinstance(x, Rationals) else to_double(x), len(block))
 
 
-def _square(block: Block, vector: Vector) -> Any:
-    return sum(_doubles(block, x) ** 2 for x in vector)
+def _square(block: Block, vector: Vector) -> Doubles:
+    x, y, z = (_doubles(block, x) ** 2 for x in vector)
+    return x + y + z
 
 
-def _fourth(block: Block) -> Any:
+def _fourth(block: Block) -> Doubles:
     """The fastest rate at the start to the fourth power, as :attr:`Scene.time_unit` means it."""
     import numpy as np
 
     square = _square(block, block.omega)
     largest = np.maximum.reduce([_doubles(block, x) for x in block.moments])
-    return np.maximum(square * square, _square(block, block.torque) / (largest * largest))
+    found: Doubles = np.maximum(square * square, _square(block, block.torque) / (largest * largest))
+    return found
 
 
 def _time_units(block: Block) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.bool_]]:

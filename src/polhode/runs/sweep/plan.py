@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
 from polhode.common.memory import refuse_too_much
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import choose_number, rounded_times, rounded_tolerance
 from polhode.runs.sweep.lanes import Fastest, lanes_of
 from polhode.scenes import vary
@@ -41,16 +42,11 @@ class Plan:
     tolerance: Fraction | None
     max_steps: int
     times: tuple[Fraction, ...]
-    asked: tuple[Exact, ...]
+    asked: Sequence[Exact]
     names: tuple[str, ...]
     lanes: Lanes
     time_units: npt.NDArray[np.int64]
     rates: npt.NDArray[np.float64]
-
-    @property
-    def axes_stay(self) -> bool:
-        """Whether all members have the same principal axes."""
-        return not any(key.startswith("body.inertia") for key in self.varied.keys)
 
     def bodies(self, members: npt.NDArray[np.int64]) -> list[npt.NDArray[np.int64]]:
         """Of some members which value of each of the body's keys they have: arrays, one a key."""
@@ -77,7 +73,7 @@ def planned(
     given: vary.Vary,
     number: str | NumberType | None,
     digits: int | None,
-    tol: Any,
+    tol: AnyNumber | None,
     max_steps: int | None,
     kept: bool = True,
 ) -> Plan:

@@ -11,7 +11,7 @@ from polhode.equations.readout import Readout
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import number_value
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Stack
+from polhode.numbers.rows import Stack, flat
 from polhode.runs.sweep.plan import Plan
 from polhode.runs.sweep.sweep_checkpoint import Part, SweepCheckpoint
 from polhode.scenes.scene import Scene
@@ -105,8 +105,9 @@ class Results:
 class Reader:
     """Reads rows of some members in scene axes and units: plain data, to be sent anywhere.
 
-    ``bodies``: members that have a body and a unit of time in common, with a scene of them; none
-    where axes need no turn, and ``units`` (exponents of the units of time) are all there is to it.
+    ``bodies``: members that have principal axes in common, with a scene of such; none where axes
+    need no turn.  ``units``: the exponents of the members' units of time; above extended those of
+    one set have theirs in common.
     """
 
     number: NumberType
@@ -136,11 +137,15 @@ class Reader:
             at[alike] = there[alike]
             if not at.any():
                 continue
-            found = list(rows[at])
-            if not self.number.flat:
-                found = [[number_value(x, self.number) for x in row] for row in found]
-            read = Readout(member, self.number).states(found)
-            for k, row in zip(np.argwhere(at), read, strict=True):
+            read = Readout(member, self.number)
+            if self.number.flat:
+                found = flat(read.states(flat(rows[at])))
+                others = member.time_unit - np.broadcast_to(self.units[:, None], at.shape)[at]
+                found[:, :3] = np.ldexp(found[:, :3], others[:, None])
+                states[at] = found
+                continue
+            wide = [[number_value(x, self.number) for x in row] for row in rows[at]]
+            for k, row in zip(np.argwhere(at), read.states(wide), strict=True):
                 states[tuple(k)] = row
         return states
 
@@ -150,8 +155,11 @@ def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
     import numpy as np
 
     units, columns = plan.time_units[members], len(plan.members.scene.columns)
-    if plan.number.flat and plan.axes_stay and plan.members.scene.body.axes.trivial:
+    if plan.number.flat and plan.members.axes_stay and plan.members.scene.body.axes.trivial:
         return Reader(plan.number, columns, units, ())
+    if plan.number.flat and plan.members.axes_stay:  # a reading knows the axes alone
+        one = replace(plan.members.scene, form="principal")
+        return Reader(plan.number, columns, units, ((np.arange(len(members)), one),))
     bodies = np.stack([*plan.bodies(members), units], axis=1)
     _, first, alike = np.unique(bodies, axis=0, return_index=True, return_inverse=True)
     sets = tuple(

@@ -13,18 +13,20 @@ import time
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from polhode.common.checkpoint import Checkpoint
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import strings
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Stack
+from polhode.numbers.rows import Stack, flat
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
+
+K = TypeVar("K", bound="np.generic")
 
 EVERY = 1.0  # seconds between two parts: what a kill may lose
 
@@ -62,14 +64,14 @@ class SweepCheckpoint(Checkpoint):
             found = self.read(path)
             if found is None:
                 continue
-            members = found["members"]
+            members = np.asarray(found["members"], dtype=np.int64)
             told = zip(members.tolist(), found["errors"].tolist(), strict=True)
             yield Part(
                 members,
                 self._numbers(found["states"]),
                 _looked_up(found["outcomes"], lambda text: code(Outcome(text)), np.uint8),
-                found["steps"],
-                _looked_up(found["reached"], Fraction, object),
+                np.asarray(found["steps"], dtype=np.int64),
+                _looked_up(found["reached"], Fraction, np.object_),
                 {k: tuple(json.loads(text)) for k, text in told if text != "null"},
             )
 
@@ -94,7 +96,7 @@ class SweepCheckpoint(Checkpoint):
         self.write(f"part-{max(numbers, default=-1) + 1:05d}.npz", arrays)
         self._last = time.monotonic()
 
-    def _plain(self, states: Stack) -> Any:
+    def _plain(self, states: Stack) -> npt.NDArray[np.generic]:
         """States as an array that needs no pickle."""
         import numpy as np
 
@@ -107,10 +109,9 @@ class SweepCheckpoint(Checkpoint):
         ]
         return np.array(text).reshape(states.shape)
 
-    def _numbers(self, states: Any) -> Stack:
+    def _numbers(self, states: npt.NDArray[np.generic]) -> Stack:
         if self.number.flat:
-            held: Stack = states
-            return held
+            return flat(states)
         import numpy as np
 
         from polhode.numbers.mpmath_context import mpmath, ordinary
@@ -122,7 +123,9 @@ class SweepCheckpoint(Checkpoint):
         return found
 
 
-def _looked_up(texts: Any, read: Callable[[str], Any], kind: Any) -> Any:
+def _looked_up(
+    texts: npt.NDArray[np.generic], read: Callable[[str], object], kind: type[K]
+) -> npt.NDArray[K]:
     """An array of texts, of which there are few different ones, read."""
     import numpy as np
 

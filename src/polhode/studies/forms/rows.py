@@ -16,7 +16,8 @@ from polhode.judging.score.compare import compare
 from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.body import Body, Vector
-from polhode.scenes.scene import Scene, even_times
+from polhode.scenes.output_times import even_times
+from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import FORMS
 from polhode.studies.row_filter import Only
 

@@ -16,7 +16,7 @@ from polhode.judging.references.reference import reference as reference_of
 from polhode.judging.score.compare import compare
 from polhode.runs.integrate import integrate
 from polhode.scenes import library
-from polhode.scenes.scene import even_times
+from polhode.scenes.output_times import even_times
 from polhode.studies.row_filter import Only
 
 NAME = "gallery"

@@ -21,7 +21,8 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, bits_for
 from polhode.numbers.rows import Rows
 from polhode.runs.integrate import integrate
-from polhode.scenes.scene import Scene, even_times
+from polhode.scenes.output_times import even_times
+from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import TOPS, random_scene
 from polhode.studies.peer_processes import Curve, Method, Task
 from polhode.studies.row_filter import Only

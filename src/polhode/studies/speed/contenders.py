@@ -6,7 +6,8 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from polhode.numbers.number_types import DOUBLE, named
-from polhode.scenes.scene import Scene, even_times
+from polhode.scenes.output_times import even_times
+from polhode.scenes.scene import Scene
 from polhode.studies.peer_processes import Method, plain_scene
 
 SAMPLES = 11

@@ -14,8 +14,7 @@ from polhode.judging.correct_digits import errors, rate_scale
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, number_value, to_mpf
 from polhode.numbers.number_types import NumberType, bits_for
-from polhode.numbers.rows import Given, Rows
-from polhode.numbers.scalars import Row
+from polhode.numbers.rows import Given, Row, Rows
 from polhode.runs.integrate import integrate
 from polhode.scenes.body import Body, dot, scaled
 from polhode.scenes.scene import Scene

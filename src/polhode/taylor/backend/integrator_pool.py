@@ -9,25 +9,25 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Hashable
-from typing import Any, TypeAlias
+from typing import Generic, TypeVar
 
 from polhode.common.locks import Lock, Place
 
 #: heyoka's integrator, with what belongs to its events where it looks for any.
-Compiled: TypeAlias = Any
+C = TypeVar("C")
 
 MOST = 16  # of a few hundred kilobytes each
 
 
-class Idle:
+class Idle(Generic[C]):
     """Integrators by what they integrate; those not asked for longest go first."""
 
     def __init__(self, most: int = MOST) -> None:
         self._most = most
-        self._kept: OrderedDict[Hashable, list[Compiled]] = OrderedDict()
+        self._kept: OrderedDict[Hashable, list[C]] = OrderedDict()
         self._lock = Lock(Place.STORE)
 
-    def take(self, key: Hashable) -> Compiled | None:
+    def take(self, key: Hashable) -> C | None:
         """One that integrates this, from now on the caller's; None where there is none."""
         with self._lock.held():
             kept = self._kept.get(key)
@@ -38,7 +38,7 @@ class Idle:
                 del self._kept[key]
             return found
 
-    def put(self, key: Hashable, integrator: Compiled) -> None:
+    def put(self, key: Hashable, integrator: C) -> None:
         """Keep one for whoever asks next."""
         with self._lock.held():
             self._kept.setdefault(key, []).append(integrator)

@@ -1,9 +1,10 @@
-"""heyoka's settings for the whole process, changed while any thread is in need of it."""
+"""Settings of libraries for the whole process, changed while any thread is in need of it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from functools import cache
 from typing import Generic, TypeVar
 from weakref import WeakSet
 
@@ -22,7 +23,8 @@ class Meanwhile(Generic[T]):
     """``with meanwhile():`` a setting has this value; the last to leave puts back what was there.
 
     However a block is ended, by Ctrl-C at its very end too: who is inside is known by what lives
-    as long as the block does, not by counting.
+    as long as the block does, not by counting.  Its end may come in a garbage collection, below any
+    lock of the thread that collects, so it waits for none: who holds this one looks again.
     """
 
     def __init__(self, read: Callable[[], T], write: Callable[[T], object], value: T) -> None:
@@ -44,10 +46,18 @@ class Meanwhile(Generic[T]):
             yield
         finally:
             del block
-            with self._lock.held():
+            self._put_back()
+
+    def _put_back(self) -> None:
+        """What was there before, if nobody is inside."""
+        bare = self._lock.bare
+        while self._before is not None and not self._inside and bare.acquire(blocking=False):
+            try:
                 if self._before is not None and not self._inside:
                     self._write(self._before)
                     self._before = None
+            finally:
+                bare.release()
 
 
 #: heyoka's compiled functions run on the caller's thread alone.
@@ -57,3 +67,28 @@ one_thread = Meanwhile(hy.get_nthreads, hy.set_nthreads, 1)
 uncached = Meanwhile(
     hy.llvm_state.get_diskcache_enabled, hy.llvm_state.set_diskcache_enabled, False
 )
+
+
+def one_blas_thread() -> AbstractContextManager[None]:
+    """A block in which numpy's linear algebra runs on the caller's thread alone.
+
+    With matrices of 6 x 6 a second thread has nothing to do and spins: a refined run then takes
+    twice the processor time of its wall clock, and on a busy machine many times that.
+    """
+    return _blas()()
+
+
+@cache
+def _blas() -> Meanwhile[tuple[int, ...]]:
+    from threadpoolctl import ThreadpoolController
+
+    libraries = ThreadpoolController().select(user_api="blas").lib_controllers
+
+    def read() -> tuple[int, ...]:
+        return tuple(library.get_num_threads() for library in libraries)
+
+    def write(threads: tuple[int, ...]) -> None:
+        for library, count in zip(libraries, threads, strict=True):
+            library.set_num_threads(count)
+
+    return Meanwhile(read, write, (1,) * len(libraries))

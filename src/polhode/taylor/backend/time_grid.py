@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, overload
+from typing import overload
 
 from polhode.common.cached_property import cached_property
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Row
+from polhode.numbers.rows import Flat, Numbers, flat
+from polhode.numbers.scalars import Scalar
+from polhode.scenes.output_times import BinaryTimes, OutputTimes
 
-if TYPE_CHECKING:
-    import numpy as np
+_FEW = 64  # times: the exact ones of so few are all made at the first question, and kept
 
 
 class Times(Sequence[Fraction]):
@@ -31,12 +32,26 @@ class Times(Sequence[Fraction]):
         return times if isinstance(times, cls) else cls(times, number)
 
     @classmethod
-    def of_grid(cls, grid: Row, number: NumberType) -> Times:
+    def of_grid(cls, grid: Numbers, number: NumberType) -> Times:
         """The times of an array of heyoka's numbers; exact ones are made where they are asked."""
         found = cls.__new__(cls)
         found.number = number
         found.__dict__["grid"] = grid
         return found
+
+    @classmethod
+    def scaled(cls, times: OutputTimes[Fraction], exponent: int, number: NumberType) -> Times:
+        """Times of this type, in another unit: multiplied by 2**exponent."""
+        import numpy as np
+
+        if isinstance(times, BinaryTimes) and number.flat:
+            kind, most = (np.float64, 1000) if number.bits == 53 else (np.longdouble, 16000)
+            grid = np.ldexp(times.values, exponent) if exponent else times.values
+            sizes = np.frexp(grid[1:] if grid[0] == 0 else grid)[1]
+            if grid.dtype == kind and np.all(np.abs(sizes) < most):
+                return cls.of_grid(grid, number)
+        unit = Fraction(2) ** exponent
+        return cls([t * unit for t in times], number)
 
     def __len__(self) -> int:
         return len(self._exact if "_exact" in self.__dict__ else self.grid)
@@ -51,7 +66,8 @@ class Times(Sequence[Fraction]):
     def __getitem__(self, k: slice) -> Times: ...
     def __getitem__(self, k: int | slice) -> Fraction | Times:
         if not isinstance(k, slice):
-            return self._exact[k] if "_exact" in self.__dict__ else exactly(self.grid[k])
+            known = "_exact" in self.__dict__ or len(self) < _FEW
+            return self._exact[k] if known else exactly(self.grid[k])
         if k == slice(0, None):
             return self
         if "_exact" not in self.__dict__:
@@ -61,28 +77,26 @@ class Times(Sequence[Fraction]):
         return part
 
     @cached_property
-    def grid(self) -> Row:
+    def grid(self) -> Numbers:
         """The times as heyoka's numbers: an array, or a list above extended."""
         from polhode.taylor.backend.heyoka_numbers import array, scalars
 
         found = scalars(self._exact, self.number)
         return array(found, self.number) if self.number.flat else found
 
-    def since(self, offset: Fraction) -> Row:
+    def since(self, offset: Fraction) -> Numbers:
         """What has passed at each time since ``offset``, as heyoka's numbers, each rounded once."""
         if not offset:
             return self.grid
         if not self.number.flat:
             return Times([t - offset for t in self._exact], self.number).grid
-        found, doubtful = differences(self.grid, offset)
+        found, doubtful = differences(flat(self.grid), offset)
         for k in doubtful:
             found[k] = Times([self[k] - offset], self.number).grid[0]
         return found
 
 
-def differences(
-    times: np.ndarray[Any, np.dtype[Any]], offset: Fraction
-) -> tuple[np.ndarray[Any, np.dtype[Any]], list[int]]:
+def differences(times: Flat, offset: Fraction) -> tuple[Flat, list[int]]:
     """times - offset, rounded once; and which of them are too near to a tie to be sure of.
 
     The offset is taken as the sum of two doubles (longdoubles, where the times are such), and sums
@@ -105,7 +119,7 @@ def differences(
     return found, np.flatnonzero(unsure | (np.frexp(found)[0] == -0.5)).tolist()
 
 
-def exact_sum(a: Any, b: Any) -> tuple[Any, Any]:
+def exact_sum(a: Scalar, b: Scalar) -> tuple[Scalar, Scalar]:
     """a + b as a double and what its rounding leaves over."""
     found = a + b
     of_b = found - a

@@ -19,5 +19,8 @@ HeyokaEvent: TypeAlias = Any
 #: heyoka.taylor_outcome: how steps ended.
 HeyokaOutcome: TypeAlias = Any
 
+#: heyoka.continuous_output: the polynomials of some steps.
+HeyokaOutput: TypeAlias = Any
+
 #: heyoka.cfunc: compiled code of some expressions.
 CompiledFunction: TypeAlias = Any

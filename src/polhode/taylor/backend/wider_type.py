@@ -9,13 +9,13 @@ import heyoka as hy
 import numpy as np
 
 from polhode.numbers.number_types import EXTENDED, QUAD, NumberType, extended_here
-from polhode.numbers.scalars import Row
+from polhode.numbers.rows import Array
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.types import HeyokaNumber
 
 #: Between two number types: a state into an array, an array to a state, one number.
 Conversions: TypeAlias = tuple[
-    Callable[[Row, Row], None], Callable[[Row], Row], Callable[[HeyokaNumber], HeyokaNumber]
+    Callable[[Array, Array], None], Callable[[Array], Array], Callable[[HeyokaNumber], HeyokaNumber]
 ]
 
 
@@ -46,7 +46,7 @@ def conversions(number: NumberType, wide: NumberType) -> Conversions:
         rounded = hy.real(x, bits)
         return hy.real128(rounded) if number.name == "quad" else rounded
 
-    def load(into: Row, row: Row) -> None:
+    def load(into: Array, row: Array) -> None:
         for i, x in enumerate(row):
             into[i] = widened(x)
 

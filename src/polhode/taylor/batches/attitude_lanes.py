@@ -25,7 +25,7 @@ from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches.batch_integrator import width
 from polhode.taylor.integrator.specification import Blueprint
 
-_IDLE = Idle(4)
+_IDLE: Idle[HeyokaIntegrator] = Idle(4)
 
 #: Steps of one stretch; more than this is a passage so close to a pole that it does not end.
 _MOST_STEPS = 100_000

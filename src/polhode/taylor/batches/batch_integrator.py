@@ -16,21 +16,19 @@ from functools import lru_cache
 
 import heyoka as hy
 import numpy as np
-import numpy.typing as npt
 
 from polhode.common.locks import Lock, Place
 from polhode.common.progress import Stop
 from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome, code
-from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Stack
 from polhode.taylor.backend import heyoka_numbers
-from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches import lane_order
 from polhode.taylor.batches.jobs import BatchJob, Solved
-from polhode.taylor.batches.time_slices import Stretch, Stretches
+from polhode.taylor.batches.lane_advances import DoubleLanes, SingleLane, block
+from polhode.taylor.batches.time_slices import Stretches
 from polhode.taylor.integrator.specification import as_parameters
 
 _REACHED = hy.taylor_outcome.time_limit
@@ -155,6 +153,7 @@ def _in_one_go(
     steps, trouble = np.zeros(many + spare, dtype=np.int64), []
     ta, grid = compiled(job), np.repeat(np.array([[0.0, *targets]]).T, places, axis=1)
     state, pars, ends = ta.state, ta.pars, [targets[-1]] * places
+    most = min(job.max_steps, block(job.number))
     if alike:
         pars[:] = coefficients[:, :places]
     for first in firsts:
@@ -167,10 +166,10 @@ def _in_one_go(
         if not alike:
             pars[:] = coefficients[:, here]
         if len(targets) == 1:  # a state at the end alone needs no dense output
-            ta.propagate_until(ends, max_steps=job.max_steps)
+            ta.propagate_until(ends, max_steps=most)
             states[0, :, here] = state
         else:
-            states[:, :, here] = ta.propagate_grid(grid, max_steps=job.max_steps)[1][1:]
+            states[:, :, here] = ta.propagate_grid(grid, max_steps=most)[1][1:]
         results = ta.propagate_res
         steps[here] = [r[3] for r in results]
         if [r[0] for r in results] != [_REACHED] * places:
@@ -218,7 +217,11 @@ def _march(
 ) -> Outcome | None:
     """Carry lanes along; None if they were stopped, whose states are then left as they are."""
     here = slice(which.start, which.stop)
-    take = _Doubles(job, which) if job.number.name == "double" else _Single(job, which.start)
+    take: DoubleLanes | SingleLane
+    if job.number.name == "double":
+        take = DoubleLanes(compiled(job), job.lanes.some(slice(which.start, which.stop)))
+    else:
+        take = SingleLane(compiled(job), job.lanes.some(which.start), job.number)
     found.states[here] = np.nan if job.number.flat else None
     found.steps[here], found.reached[here] = 0, Fraction(0)
     if job.times[0] == 0:
@@ -229,7 +232,10 @@ def _march(
         limit = job.max_steps - int(found.steps[here].max())
         if limit <= 0:
             return Outcome.STEP_LIMIT
-        states, steps, outcome, met = take.advance(stretch, limit)
+        advanced = take.advance(stretch, limit, stop)
+        if advanced is None:
+            return None
+        states, steps, outcome, met = advanced
         found.steps[here] += steps
         if outcome is Outcome.NON_FINITE:
             return outcome
@@ -242,72 +248,3 @@ def _march(
         if wanted > 10 * job.max_steps:
             return Outcome.STEP_LIMIT
     return Outcome.REACHED_END
-
-
-class _Doubles:
-    """A batch of doubles on its way; spare places repeat the last lane."""
-
-    def __init__(self, job: BatchJob, which: range) -> None:
-        self.count, self.places = len(which), width(job.number)
-        self.integrator = compiled(job)
-        lanes = job.lanes.some(slice(which.start, which.stop))
-        self._put(self.integrator.state, lanes.starts)
-        self._put(self.integrator.pars, lanes.coefficients)
-
-    def _put(self, target: Stack, rows: Stack) -> None:
-        target[:, : self.count] = rows.T
-        if self.count < self.places:
-            target[:, self.count :] = rows[-1][:, None]
-
-    def advance(
-        self, stretch: Stretch, limit: int
-    ) -> tuple[Stack, npt.NDArray[np.int64], Outcome, int]:
-        """States (lanes, outputs, columns), steps, the ending, how many outputs were met."""
-        ta, targets = self.integrator, stretch.targets
-        ta.set_time(0.0)
-        if len(targets) == 1:  # a state at the end alone needs no dense output
-            ta.propagate_until([targets[0]] * self.places, max_steps=limit)
-            states = ta.state[None]
-        else:
-            grid = np.repeat(np.array([[0.0, *targets]]).T, self.places, axis=1)
-            states = ta.propagate_grid(grid, max_steps=limit)[1][1:]
-        results = ta.propagate_res[: self.count]
-        steps = np.array([r[3] for r in results], dtype=np.int64)
-        rows = states[:, :, : self.count].transpose(2, 0, 1)
-        if all(r[0] == _REACHED for r in results):
-            return rows, steps, Outcome.REACHED_END, len(targets)
-        endings = {ending(r[0]) for r in results}
-        outcome = Outcome.NON_FINITE if Outcome.NON_FINITE in endings else Outcome.STEP_LIMIT
-        met = 0 if len(targets) == 1 else int((~np.isnan(rows[0, :, 0])).sum())
-        return rows, steps, outcome, met
-
-
-class _Single:
-    """A system of another number type on its way."""
-
-    def __init__(self, job: BatchJob, index: int) -> None:
-        self.number, self.integrator = job.number, compiled(job)
-        lane = job.lanes.some(index)
-        for target, row in (
-            (self.integrator.state, lane.starts),
-            (self.integrator.pars, lane.coefficients),
-        ):
-            for i, x in enumerate(row):
-                target[i] = x if self.number.flat else heyoka_numbers.scalar(x, self.number)
-
-    def advance(
-        self, stretch: Stretch, limit: int
-    ) -> tuple[Stack, npt.NDArray[np.int64], Outcome, int]:
-        """The same of one lane."""
-        zero = heyoka_numbers.scalar(0, self.number)
-        self.integrator.time = zero
-        grid = heyoka_numbers.array([zero, *stretch.targets], self.number)
-        found = self.integrator.propagate_grid(grid, max_steps=limit)
-        states, outcome = found[-1][1:], ending(found[0])
-        if not self.number.flat:
-            wide = (heyoka_numbers.numbers(row.tolist(), self.number) for row in states)
-            rows = [[exactly(x) for x in row] for row in wide]
-            states = np.empty((len(rows), len(self.integrator.state)), dtype=object)
-            for i, row in enumerate(rows):
-                states[i] = row
-        return states[None], np.array([int(found[3])]), outcome, len(states)

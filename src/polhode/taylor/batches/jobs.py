@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Stack
+from polhode.numbers.rows import Stack, kind_of
 
 
 class Lanes(NamedTuple):
@@ -37,7 +37,7 @@ class Lanes(NamedTuple):
         rest = [(a - b).astype(np.float64) for a, b in zip(tables, high, strict=True)]
         return b"".join(table.tobytes() for table in (*high, *rest))
 
-    def some(self, which: Any) -> Lanes:
+    def some(self, which: npt.NDArray[np.int64] | slice | int) -> Lanes:
         """Those of some indices."""
         return Lanes(self.coefficients[which], self.starts[which])
 
@@ -82,7 +82,7 @@ class Solved:
     def none_of(cls, job: BatchJob) -> Solved:
         """Nothing done yet."""
         count = job.lanes.many
-        kind: Any = {"double": np.float64, "extended": np.longdouble}.get(job.number.name, object)
+        kind = kind_of(job.number)
         empty = np.nan if job.number.flat else None
         return cls(
             np.full((count, len(job.times), job.columns), empty, dtype=kind),

@@ -7,10 +7,11 @@ import numpy as np
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
 from polhode.taylor.backend.integrator_pool import Idle
+from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches import batch_integrator
 from polhode.taylor.integrator.specification import Blueprint
 
-_IDLE = Idle(4)
+_IDLE: Idle[HeyokaIntegrator] = Idle(4)
 _LOOKED_AT = 32  # steps from the start on
 
 

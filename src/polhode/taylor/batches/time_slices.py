@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.taylor.backend import defaults, heyoka_numbers
+from polhode.taylor.backend.types import HeyokaNumber
 from polhode.taylor.batches.jobs import BatchJob
 
 #: Internal time units (a radian or two of the fastest rate) between two looks at the keyboard, for
@@ -23,7 +24,7 @@ class Stretch(NamedTuple):
     to: Fraction
     first: int
     last: int  # of the outputs, not included
-    targets: list[Any]
+    targets: list[HeyokaNumber]
 
 
 class Stretches:

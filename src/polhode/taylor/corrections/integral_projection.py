@@ -23,18 +23,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
+from typing import cast
 
 import heyoka as hy
 
 from polhode.common.cached_property import cached_property
 from polhode.equations.forms import principal
-from polhode.equations.integrals import FirstIntegrals, exact_values, first_integrals
+from polhode.equations.integrals import CHAPLYGIN, FirstIntegrals, exact_values, first_integrals
 from polhode.motion.outcomes import Projection
-from polhode.numbers.exact import ZERO, Number, sign
+from polhode.numbers.conversion import exactly
+from polhode.numbers.exact import ZERO, Exact, Number, sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import EXACT, Row, Scalar
+from polhode.numbers.rows import Array, Flat, GivenRow
+from polhode.numbers.scalars import EXACT, Scalar
+from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.types import CompiledFunction, Expression, HeyokaNumber
@@ -69,7 +74,7 @@ class Target:
     @cached_property
     def step(self) -> CompiledFunction:
         """The correction, compiled: of a state and :attr:`constants`."""
-        known, held = self.integrals, frozenset(kept_at_zero(self.scene))
+        known, held = self.integrals, frozenset(self.held)
         return _newton_step(
             self.scene.columns, known.onto, known.order, self._names, held, self.number
         )
@@ -79,8 +84,18 @@ class Target:
         """The integrals' coefficients and this scene's values of them, in the wider type."""
         known = self.integrals
         found = [known.coefficients[name] for name in self._names]
-        found += exact_values(self.scene, known)
+        return [*(heyoka_numbers.scalar(x, wider(self.number)) for x in found), *self.values]
+
+    @cached_property
+    def values(self) -> Sequence[HeyokaNumber]:
+        """This scene's values of the integrals, in the wider type."""
+        found = exact_values(self.scene, self.integrals)
         return [heyoka_numbers.scalar(x, wider(self.number)) for x in found]
+
+    @cached_property
+    def held(self) -> set[int]:
+        """The components that stay zero."""
+        return kept_at_zero(self.scene)
 
     @cached_property
     def _names(self) -> tuple[str, ...]:
@@ -91,19 +106,19 @@ class Target:
         """The columns that the equations keep, with nothing rounded off yet."""
         return dict.fromkeys(constant_columns(self.scene), self._zero)
 
-    def inputs(self) -> Row:
+    def inputs(self) -> Array:
         """What the correction is given: room for a state, and :attr:`constants`; the caller's."""
         return self._inputs.copy() if self.number.name == "double" else self._made(self.constants)
 
-    def outputs(self) -> Row:
+    def outputs(self) -> Array:
         """Room for what it gives: a state, and how far that was moved; the caller's."""
         return self._made([self._zero])
 
     @cached_property
-    def _inputs(self) -> Row:
+    def _inputs(self) -> Array:
         return self._made(self.constants)
 
-    def _made(self, last: Sequence[HeyokaNumber]) -> Row:
+    def _made(self, last: Sequence[HeyokaNumber]) -> Array:
         """An array of zeros for a state, and these after it."""
         return heyoka_numbers.array([self._zero] * self.columns + [*last], wider(self.number))
 
@@ -112,13 +127,34 @@ class Target:
         return heyoka_numbers.scalar(ZERO, wider(self.number))
 
 
-def target(scene: Scene, number: NumberType) -> Target:
-    """A scene's target, from the scene where it is kept."""
-    key = (target, number)
-    found = scene.kept.get(key)
-    if not isinstance(found, Target):
-        found = scene.kept[key] = Target(scene, number)
-    return found
+class StartTarget(Target):
+    """The integrals of another start of a scene's body, a row of the run's own numbers.
+
+    Not Goryachev and Chaplygin's, which is one where f is exactly zero.
+    """
+
+    def __init__(self, own: Target, start: Flat) -> None:
+        super().__init__(own.scene, own.number)
+        self.own, self.start = own, start
+
+    @cached_property
+    def integrals(self) -> FirstIntegrals:
+        """The first integrals that every motion of the body has."""
+        found = self.own.integrals
+        return replace(found, onto=tuple(x for x in found.onto if x != CHAPLYGIN))
+
+    @cached_property
+    def values(self) -> Sequence[HeyokaNumber]:
+        """The values at the start, in the wider type."""
+        wide, known = wider(self.number), self.integrals
+        k = {name: heyoka_numbers.scalar(x, wide) for name, x in known.coefficients.items()}
+        row = [self.conversions[2](x) for x in self.start]
+        return known.values(row, k, self._zero)
+
+    @cached_property
+    def held(self) -> set[int]:
+        """The components that stay zero."""
+        return staying_zero(self.scene.body, [exactly(x) for x in self.start])
 
 
 class Projector:
@@ -128,11 +164,9 @@ class Projector:
     ``seconds``: the time spent on compiling.
     """
 
-    def __init__(
-        self, scene: Scene, number: NumberType, every: int, watcher: Watcher | None = None
-    ) -> None:
+    def __init__(self, onto: Target, every: int, watcher: Watcher | None = None) -> None:
         self.every, self.watcher = every, watcher
-        self.target = target(scene, number)
+        self.target = onto
         self.count = self.waits = 0
         self.largest = self.sum = self.seconds = 0.0
         self._step: CompiledFunction | None = None
@@ -142,7 +176,8 @@ class Projector:
 
     def found(self) -> Projection:
         """What was corrected so far."""
-        onto = self.target.integrals.onto
+        target = self.target  # a short run need not know its integrals
+        onto = cast(tuple[str, ...], lambda: target.integrals.onto)
         return Projection(onto, self.every, self.count, self.largest, self.sum)
 
     def memory(self) -> Memory:
@@ -156,7 +191,7 @@ class Projector:
         self.waits = memory.waits
         self._rests = {**self.target.unrested, **memory.rests}
 
-    def correct(self, state: Row) -> bool:
+    def correct(self, state: Array) -> bool:
         """Correct a state where it stands, in heyoka's numbers; False: try again a step later."""
         step = self._step or self._begin()
         here, after = state[: self.target.columns], self._moved
@@ -233,7 +268,7 @@ def _newton_step(
 
 
 def least_norm(
-    jacobian: Sequence[Sequence[Scalar]],
+    jacobian: Sequence[GivenRow],
     residuals: Sequence[Scalar],
     damping: Scalar,
     floor: Scalar,
@@ -267,15 +302,21 @@ def _sum(terms: Iterable[Scalar], zero: Scalar) -> Scalar:
 
 
 def kept_at_zero(scene: Scene) -> set[int]:
-    """Components of the state that vanish at the start, and whose rates vanish as long as they do.
+    """Components of a scene's start, in principal axes, that vanish and stay zero."""
+    axes = scene.body.axes
+    gamma = () if scene.gamma is None else axes.components(scene.gamma)
+    return staying_zero(scene.body, [*axes.components(scene.omega), *gamma])
 
-    Of the coordinate planes through the start that the motion never leaves, the smallest.
+
+def staying_zero(body: Body, state: Sequence[Exact]) -> set[int]:
+    """Components of a start that vanish, and whose rates vanish as long as they do.
+
+    ``state``: in principal axes.  Of the coordinate planes through the start that the motion never
+    leaves, the smallest.
     """
-    state = [*scene.body.axes.components(scene.omega)]
-    state += scene.body.axes.components(scene.gamma) if scene.gamma is not None else ()
     held = {i for i, x in enumerate(state) if sign(x) == 0}
     generic = iter(_GENERIC)
-    k = {name: Fraction(next(generic)) for name in principal.coefficients(scene.body)}
+    k = {name: Fraction(next(generic)) for name in principal.coefficients(body)}
     others = [Fraction(next(generic)) for _ in state]
     while held:
         point = [ZERO if i in held else x for i, x in enumerate(others)]

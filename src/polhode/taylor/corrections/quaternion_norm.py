@@ -10,7 +10,7 @@ from __future__ import annotations
 from polhode.motion.outcomes import Projection
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Row
+from polhode.numbers.rows import Array
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import as_fraction, scalar
 from polhode.taylor.integrator.protocols import Memory
@@ -38,7 +38,7 @@ class UnitNorm:
     def recall(self, memory: Memory) -> None:
         """Stand where another one of the same run stood."""
 
-    def correct(self, state: Row) -> bool:
+    def correct(self, state: Array) -> bool:
         """Correct a state where it stands, in heyoka's numbers."""
         from polhode.numbers.mpmath_context import mpmath
 

@@ -10,17 +10,18 @@ not depend on its neighbours.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeVar
 
 import heyoka as hy
 import numpy as np
+import numpy.typing as npt
 
 from polhode.common.progress import Stop
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import SectionZero
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Doubles
+from polhode.numbers.rows import Booleans, Complexes, Doubles
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, compact_beyond
@@ -41,6 +42,9 @@ _DIRECTIONS = {
     0: hy.event_direction.any,
     1: hy.event_direction.positive,
 }
+
+#: Columns of states, complex ones too.
+C = TypeVar("C", Doubles, Complexes)
 
 
 class Singular(ArithmeticError):
@@ -82,7 +86,7 @@ class Crossed(NamedTuple):
     times: Doubles
     rests: Doubles
     slopes: Doubles
-    found: Any
+    found: npt.NDArray[np.int64]
     outcomes: tuple[str, ...]
     drift: float
 
@@ -105,20 +109,21 @@ def joined(parts: Sequence[Crossed]) -> Crossed:
     )
 
 
-def rates(coefficients: Mapping[str, float], state: Any) -> Any:
+def rates(coefficients: Mapping[str, float], state: C) -> C:
     """The field at columns of states: six rows."""
     found = principal.field(list(state), coefficients, ARRAYS)
     return np.array([rate + 0 * state[0] for rate in found])  # a rate of 0 is a float
 
 
-def slope(zero: SectionZero, state: Any, velocity: Any) -> Any:
+def slope(zero: SectionZero, state: Doubles, velocity: Doubles) -> Doubles:
     """The derivative of a section's function along the motion, by a complex step."""
-    return np.imag(zero.value(list(state + TINY * 1j * velocity), ARRAYS)) / TINY
+    found: Doubles = np.imag(zero.value(list(state + TINY * 1j * velocity), ARRAYS)) / TINY
+    return found
 
 
 def polished(
-    coefficients: Mapping[str, float], zero: SectionZero, state: Any, time: Any
-) -> tuple[Any, Any, Any]:
+    coefficients: Mapping[str, float], zero: SectionZero, state: Doubles, time: Doubles
+) -> tuple[Doubles, Doubles, Doubles]:
     """States (6, n) and times brought onto the section by two steps; and the slope there."""
     with np.errstate(all="ignore"):
         for _ in range(2):
@@ -146,7 +151,9 @@ class _Kept:
         return self
 
 
-_idle = Idle()  # pairs of an integrator and what keeps its crossings
+_idle: Idle[tuple[HeyokaIntegrator, _Kept]] = (
+    Idle()
+)  # pairs of an integrator and what keeps its crossings
 
 
 class _Lanes:
@@ -170,7 +177,7 @@ class _Lanes:
     def run(self, stop: Stop | None) -> Crossed:
         """All of them."""
         job = self.job
-        held: Any = _idle.take(self.key) or _built(job, self.size)
+        held = _idle.take(self.key) or _built(job, self.size)
         self.integrator: HeyokaIntegrator = held[0]
         self.kept: _Kept = held[1]
         while self.busy.any() and not (stop is not None and stop()):
@@ -184,10 +191,10 @@ class _Lanes:
     def _turn_over(self) -> None:
         """Note how the orbits ended that did, and begin others in their lanes."""
         job = self.job
-        lost: Any = ~np.isfinite(self.state).all(axis=0)
+        lost: Booleans = ~np.all(np.isfinite(self.state), axis=0)
         done = (self.found >= job.most) | (self.origin >= job.end)
-        over: Any = self.busy & (lost | done | (self.quiet >= job.patience))
-        for lane in np.flatnonzero(over):
+        over = self.busy & (lost | done | (self.quiet >= job.patience))
+        for lane in np.flatnonzero(over).tolist():
             ended = NON_FINITE if lost[lane] else DONE if done[lane] else NONE_LEFT
             self.outcomes[self.orbit[lane]] = ended
             if self.next == len(job.starts):
@@ -233,13 +240,16 @@ class _Lanes:
             raise Singular(start, float(self.origin[lane] + self.integrator.time[lane]))
         return not ended.stopped
 
-    def _beside(self, state: Any) -> Any:
+    def _beside(self, state: Doubles) -> Booleans:
         """Which lanes are next to a crossing."""
         with np.errstate(all="ignore"):
             value = np.abs(np.real(self.job.zero.value(list(state), ARRAYS)))
             if not (value < 1e-3).any():
                 return np.zeros(self.size, dtype=bool)
-            return value < _BESIDE * np.abs(slope(self.job.zero, state, rates(self.k, state)))
+            near: Booleans = value < _BESIDE * np.abs(
+                slope(self.job.zero, state, rates(self.k, state))
+            )
+            return near
 
     def _keep(self) -> None:
         counts = np.zeros(self.size, dtype=int)

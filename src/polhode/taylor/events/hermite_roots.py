@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 from math import comb, perm
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import heyoka as hy
 import numpy as np
@@ -93,8 +93,8 @@ class _Open(NamedTuple):
     def those(self, which: npt.NDArray[np.bool_] | Cells) -> _Open:
         """Some of them."""
         places = np.flatnonzero(which) if which.dtype == bool else which
-        taken: Any = [part.take(places, axis=-1) for part in self]
-        return _Open(*taken)
+        cells, others = self.cells.take(places), (part.take(places, axis=-1) for part in self[1:])
+        return _Open(cells, *others)
 
     def halved(self, part: float) -> _Open:
         """The halves of intervals of this part of a cell."""

@@ -10,7 +10,7 @@ from polhode.numbers import exact, expression
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.expression import Algebra, ExpressionError
-from polhode.numbers.scalars import Value
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import dot
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
@@ -20,7 +20,7 @@ from polhode.scenes.vocabulary import FLIP
 class Size:
     """How large a quantity and its rate can be: bounds that add up, nothing cancelling."""
 
-    def __init__(self, value: Value, rate: Value) -> None:
+    def __init__(self, value: Scalar, rate: Scalar) -> None:
         self.value, self.rate = value, rate
 
     def __add__(self, other: Size) -> Size:

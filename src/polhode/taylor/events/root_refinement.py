@@ -12,7 +12,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Row, Scalar
+from polhode.numbers.rows import Numbers
+from polhode.numbers.scalars import Scalar
 from polhode.taylor.events.thresholds import Limits
 
 _ROUNDS = 6  # of Newton's method; two are the rule
@@ -30,7 +31,7 @@ class Mark(NamedTuple):
     """A place with its exact time since the start, and the state there, in the run's own units."""
 
     time: Fraction
-    row: Row
+    row: Numbers
     slope: int
     width: Fraction
 

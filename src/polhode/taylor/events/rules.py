@@ -1,4 +1,4 @@
-"""What the events of a scene are looked for by: made once, kept with the scene."""
+"""What the events of a scene are looked for by: made once for a scene."""
 
 from __future__ import annotations
 
@@ -28,12 +28,3 @@ class Rules:
         self.limits = [
             Limits(size_of(scene, event), number, eps, steering) for event in scene.events
         ]
-
-
-def rules(scene: Scene, number: NumberType, tolerance: Fraction | None, steering: bool) -> Rules:
-    """A scene's rules, from the scene where they are kept."""
-    key = (rules, number, tolerance, steering)
-    found = scene.kept_of_times.get(key)
-    if not isinstance(found, Rules):
-        found = scene.kept_of_times[key] = Rules(scene, number, tolerance, steering)
-    return found

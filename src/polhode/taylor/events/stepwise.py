@@ -24,17 +24,17 @@ import copy
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import heyoka as hy
 import numpy as np
 
+from polhode.common.value_semantics import waiting
 from polhode.equations.readout import Readout
 from polhode.motion.outcomes import EventTimes
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Given
-from polhode.numbers.scalars import Row
+from polhode.numbers.rows import Array, Flat, Given, Numbers
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.types import (
@@ -46,7 +46,7 @@ from polhode.taylor.backend.types import (
 from polhode.taylor.events.callbacks import AfterStep, Callback
 from polhode.taylor.events.functions import TIME, event_expression, rate
 from polhode.taylor.events.root_refinement import Mark, Place, is_start, polished, sorted_out
-from polhode.taylor.events.rules import rules
+from polhode.taylor.events.rules import Rules
 from polhode.taylor.events.vectorized_roots import (
     Met,
     Zeros,
@@ -72,7 +72,7 @@ class _Raw(NamedTuple):
     offset: Fraction  # three parts of the time
     high: HeyokaNumber
     low: HeyokaNumber
-    row: Row
+    row: Numbers
     slope: int
     width: HeyokaNumber
 
@@ -92,14 +92,13 @@ class Watch:
         self,
         scene: Scene,
         number: NumberType,
-        tolerance: Fraction | None,
-        steering: bool = False,
+        rules: Rules,
     ) -> None:
         self.scene, self.number = scene, number
         self.stop: Fraction | None = None
         self.muted = False
         self.forward = sign(scene.end) >= 0
-        self.rules = rules(scene, number, tolerance, steering)
+        self.rules = rules
         self.start, self.limits = self.rules.start, self.rules.limits
         self.after_step = (
             AfterStep(lambda: self.stop is not None, number) if self.rules.asked else None
@@ -114,7 +113,7 @@ class Watch:
         self.stepping: HeyokaIntegrator = None
         self.offset = ZERO
         self.heyoka: HeyokaIntegrator = None
-        self.row: Row = None
+        self.row: Array
         self.desk = Desk()
         self.later: list[bool] = []  # which events are polished when the run is over
 
@@ -210,7 +209,7 @@ class Watch:
 
     # -- corrections of the state -------------------------------------------------------------
 
-    def disturbed(self, state: Row, moved: Row) -> bool:
+    def disturbed(self, state: Array, moved: Array) -> bool:
         """Whether moving the first components of the integrator's state would disturb an event.
 
         That is: carry its expression a quarter of the way to zero or further; next to a grazing
@@ -260,7 +259,7 @@ class Watch:
                 if event.direction != "any":
                     counted = np.array([event.counts(slope) for slope in slopes.tolist()], bool)
                     plain, slopes, met = plain[counted], slopes[counted], met[counted]
-                times: Any = partial(self._exact_times, plain)
+                times = waiting(partial(self._exact_times, plain))
                 rows: Given = met
                 grazing = (False,) * len(slopes)
             else:
@@ -274,7 +273,7 @@ class Watch:
             answers.append(EventTimes(event.name, times, read.states(rows), grazing, complete))
         return tuple(answers)
 
-    def _exact_times(self, times: Row) -> tuple[Fraction, ...]:
+    def _exact_times(self, times: Flat) -> tuple[Fraction, ...]:
         return tuple(exact_times(times, self.scene.time_unit, self.number))
 
     def _zeros(self, k: int) -> Zeros:

@@ -15,8 +15,7 @@ import numpy as np
 from polhode.numbers.conversion import exactly, number_value
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Flat
-from polhode.numbers.scalars import Row
+from polhode.numbers.rows import Booleans, Flat, Indices
 from polhode.taylor.backend.time_grid import exact_sum
 from polhode.taylor.backend.types import CompiledFunction, HeyokaNumber
 from polhode.taylor.events.root_refinement import Mark, near
@@ -29,7 +28,7 @@ NEAR = {2: 2.0**-20, 3: 2.0**-13}
 
 #: A zero of an expression, or of its rate, as heyoka met it: an exact offset, the time since then,
 #: and the state there.
-Met: TypeAlias = tuple[Fraction, HeyokaNumber, Row]
+Met: TypeAlias = tuple[Fraction, HeyokaNumber, Flat]
 
 
 class Seen(NamedTuple):
@@ -39,9 +38,9 @@ class Seen(NamedTuple):
     states there.
     """
 
-    high: Row
-    low: Row
-    time: Row
+    high: Flat
+    low: Flat
+    time: Flat
     rows: Flat
 
 
@@ -52,11 +51,11 @@ class Crossings(NamedTuple):
     certain, polished to the end; ``none``: whether it is for certain no zero.
     """
 
-    moved: Row
+    moved: Flat
     rows: Flat
-    slopes: Row
-    plain: Row
-    none: Row
+    slopes: Flat
+    plain: Booleans
+    none: Booleans
 
 
 Zeros: TypeAlias = tuple[Seen, Crossings]
@@ -106,7 +105,7 @@ def crossings(
     return Crossings(moved, columns.T, np.sign(slope), plain, none)
 
 
-def along(columns: Flat, rates: Flat, step: Row) -> Flat:
+def along(columns: Flat, rates: Flat, step: Flat) -> Flat:
     """States a little later by a Taylor polynomial: ``rates``, first derivatives and so on."""
     bend = rates[-1]
     for k in range(len(rates) - 1, 0, -1):
@@ -115,7 +114,7 @@ def along(columns: Flat, rates: Flat, step: Row) -> Flat:
     return found
 
 
-def in_order(zeros: Zeros, before: int) -> Row | None:
+def in_order(zeros: Zeros, before: int) -> Flat | None:
     """The times of crossings between which nothing can have been lost or repeated; else None.
 
     They follow each other, rising and falling in turn, from the sign ``before`` at t = 0 on; each
@@ -157,7 +156,7 @@ def after_start(zeros: Zeros, before: int, number: NumberType) -> Zeros:
     return those(zeros, ~start)
 
 
-def exact_times(times: Row, time_unit: int, number: NumberType) -> list[Fraction]:
+def exact_times(times: Flat, time_unit: int, number: NumberType) -> list[Fraction]:
     """Times in a run's unit 2**time_unit as exact numbers in the scene's."""
     sizes = np.abs(times)
     near_one = bool(np.all((sizes > _SMALL) & (sizes < 1 / _SMALL))) and abs(time_unit) < _SHIFT
@@ -167,10 +166,10 @@ def exact_times(times: Row, time_unit: int, number: NumberType) -> list[Fraction
     return [exactly(t) * unit for t in times]
 
 
-def _rounded(seen: Seen, moved: Row) -> Row:
+def _rounded(seen: Seen, moved: Flat) -> Flat:
     """The times since the start as numbers of the run's type."""
     near, beside = exact_sum(seen.high, seen.time)
-    found: Row = near + (beside + (seen.low + moved))
+    found: Flat = near + (beside + (seen.low + moved))
     return found
 
 
@@ -188,7 +187,7 @@ def marks(zeros: Zeros) -> list[Mark]:
     ]
 
 
-def those(zeros: Zeros, which: Row) -> Zeros:
+def those(zeros: Zeros, which: Booleans | Indices) -> Zeros:
     """Some of them."""
     seen, found = zeros
     rows: tuple[Flat, Flat] = seen.rows[which], found.rows[which]

@@ -14,8 +14,7 @@ import heyoka as hy
 
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Rows, flat
-from polhode.numbers.scalars import Row
+from polhode.numbers.rows import Array
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import as_fraction, scalar
 from polhode.taylor.backend.time_grid import exact_sum
@@ -39,17 +38,17 @@ class Cyclic:
         unit = hy.expression(scalar(Fraction(1, self._divisor), self.number))
         return [*rates[:first], *(rate * unit for rate in rates[first:])]
 
-    def set_back(self, state: Row) -> None:
+    def set_back(self, state: Array) -> None:
         """Move what the cyclic variables of a state have grown by to their offsets."""
         first = len(state) - len(self._grown)
         self._grown = [self._whole(i, x) for i, x in enumerate(state[first:])]
         for i in range(first, len(state)):
             state[i] = scalar(0, self.number)
 
-    def completed(self, rows: Rows) -> Rows:
+    def completed(self, rows: Array) -> Array:
         """Rows of heyoka's numbers, now with the whole of the cyclic variables."""
         if self.number.flat:
-            table = flat(rows)
+            table = rows
             for i, grown in enumerate(self._grown, -len(self._grown)):
                 whole = Fraction(grown, 1 << self._fine)
                 high = self.number.rounded(whole)

@@ -13,8 +13,7 @@ from typing import NamedTuple, Protocol
 
 from polhode.motion.outcomes import Outcome, Projection
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Rows
-from polhode.numbers.scalars import Row
+from polhode.numbers.rows import Array, Row, Rows
 from polhode.taylor.backend.types import (
     CompiledFunction,
     Expression,
@@ -159,7 +158,7 @@ class Watcher(Protocol):
     def still(self) -> list[int]:
         """The events that start at zero and stay within rounding of it for some steps."""
 
-    def disturbed(self, state: Row, moved: Row) -> bool:
+    def disturbed(self, state: Array, moved: Array) -> bool:
         """Whether moving the first components of the state there would disturb an event."""
 
 
@@ -175,7 +174,7 @@ class Corrector(Protocol):
     def seconds(self) -> float:
         """The time spent on compiling."""
 
-    def correct(self, state: Row) -> bool:
+    def correct(self, state: Array) -> bool:
         """Correct a state, heyoka's numbers, where it stands; False: try again a step later."""
 
     def memory(self) -> Memory:

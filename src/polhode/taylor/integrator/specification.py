@@ -17,7 +17,7 @@ import heyoka as hy
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Row
+from polhode.numbers.rows import Array
 from polhode.taylor.backend.heyoka_numbers import (
     EXPRESSIONS,
     array,
@@ -66,7 +66,7 @@ class Blueprint:
     cyclic: int = 0
 
     @cached_property
-    def state(self) -> Row:
+    def state(self) -> Array:
         """The start as heyoka's numbers, cyclic variables at zero; raises OutOfRange."""
         first = len(self.start) - self.cyclic
         values = [*self.start[:first], *[Fraction(0)] * self.cyclic]

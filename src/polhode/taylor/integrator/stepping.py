@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -14,18 +14,15 @@ import numpy as np
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import joined
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Rows
-from polhode.numbers.scalars import Row
-from polhode.taylor.backend.heyoka_numbers import array, as_fraction, numbers, scalar
-from polhode.taylor.backend.integrator_pool import Idle
+from polhode.numbers.rows import Array, Numbers, Row, Rows, flat
+from polhode.taylor.backend.heyoka_numbers import array, as_fraction, as_mpf, numbers, scalar
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.time_grid import Times
-from polhode.taylor.backend.types import HeyokaNumber
+from polhode.taylor.backend.types import Expression, HeyokaNumber, HeyokaOutput
 from polhode.taylor.integrator.angle_variables import Cyclic
+from polhode.taylor.integrator.compiled import Compiled
 from polhode.taylor.integrator.protocols import Corrector, Mark, Memory, Piece, Watcher
-from polhode.taylor.integrator.specification import FIRST_KEPT, Blueprint, Built, built
-
-_IDLE = Idle()
+from polhode.taylor.integrator.specification import Blueprint
 
 #: Output times ahead are looked at to so many times the longest advance.
 _REACH = 1.25
@@ -38,7 +35,7 @@ class Polynomials(NamedTuple):
     """heyoka's continuous output from a time on, counted from where the chunk began."""
 
     begun: HeyokaNumber
-    output: Any  # heyoka.continuous_output
+    output: HeyokaOutput
 
     def at(self, time: HeyokaNumber, number: NumberType) -> Row:
         """The state at one time."""
@@ -58,7 +55,8 @@ class Integrator:
     Time is kept as an exact offset plus heyoka's own time, which is put back to 0 at
     each chunk's end: output times are rounded relative to the chunk's start, never to zero.
     ``watcher`` gives heyoka events and may end the run.  ``corrector`` corrects the state every so
-    many steps.  ``marks``: where each chunk began, for :meth:`again`.
+    many steps.  ``compiled``: stands at the start; one of the plan's is taken where none is given.
+    ``marks``: where each chunk began, for :meth:`again`.
     """
 
     def __init__(
@@ -67,6 +65,7 @@ class Integrator:
         origin: Fraction = Fraction(0),
         watcher: Watcher | None = None,
         corrector: Corrector | None = None,
+        compiled: Compiled | None = None,
     ) -> None:
         self.number = plan.number
         self.watcher, self.corrector = watcher, corrector
@@ -78,31 +77,22 @@ class Integrator:
         self._cyclic = Cyclic(plan.start[first:], plan.number) if plan.cyclic else None
         self.marks: list[Mark] = []
         self._pieces: list[Piece] | None = None
-        self._key: Hashable = plan.key
-        if watcher is not None and self._key is not None:
-            self._key = (self._key, watcher.rules)
-        idle = None if self._key is None else _IDLE.take(self._key)
-        self._built: Built = idle or built(plan, watcher, self._cyclic)
-        self.heyoka = self._built.heyoka
-        if idle is not None:
-            self.heyoka.state[:] = plan.state
-            self.heyoka.time = scalar(0, plan.number)
-        self.state, self._parameters = self.heyoka.state, self.heyoka.pars  # views of its memory
-        self._tell_kept()
-        if watcher is not None and self._built.desk is not None:
-            watcher.sit_down(self._built.desk)
+        self.compiled = compiled or Compiled(plan, watcher, self._cyclic)
+        self.heyoka, self.state = self.compiled.heyoka, self.compiled.state
+        if watcher is not None and self.compiled.desk is not None:
+            watcher.sit_down(self.compiled.desk)
             watcher.counts_from(origin, self.heyoka)
 
     def release(self) -> None:
         """Leave the compiled code to the next run of the same equations; the last call of all."""
-        if self._key is not None and self._built.again:
-            _IDLE.put(self._key, self._built)
-        del self._built, self.heyoka, self.state, self._parameters
+        self.compiled.release()
+        del self.compiled, self.heyoka, self.state
 
     @property
-    def decomposition(self) -> Any:
+    def decomposition(self) -> list[Expression]:
         """heyoka's Taylor decomposition, for tests of the constants in it."""
-        return self.heyoka.decomposition
+        found: list[Expression] = self.heyoka.decomposition
+        return found
 
     @property
     def time(self) -> Fraction:
@@ -147,7 +137,7 @@ class Integrator:
         self._through(Times([mark.end], self.number).since(mark.offset), mark.steps)
         return pieces
 
-    def _through(self, grid: Row, steps: int) -> tuple[Rows, Outcome]:
+    def _through(self, grid: Numbers, steps: int) -> tuple[Rows, Outcome]:
         """A chunk's steps, with its corrections; rows of the run's numbers, and how it ended."""
         ahead = joined([grid[:1], grid], self.number)
         if self.corrector is None and self._cyclic is None:
@@ -176,21 +166,16 @@ class Integrator:
 
     def _correct(self, corrector: Corrector) -> bool:
         done = corrector.correct(self.state)
-        self._tell_kept()
+        self.compiled.tell_kept()
         return done
 
     def stand_at(self, state: Iterable[HeyokaNumber]) -> None:
         """Stand at another state, the time unchanged."""
         for i, x in enumerate(state):
             self.state[i] = x
-        self._tell_kept()
+        self.compiled.tell_kept()
 
-    def _tell_kept(self) -> None:
-        """Give the rates the variables that the equations keep, from where they stand."""
-        for parameter, column in enumerate(self._built.kept, FIRST_KEPT):
-            self._parameters[parameter] = self.state[column]
-
-    def _advance(self, ahead: Row, done: int, steps: int) -> tuple[Rows, Outcome]:
+    def _advance(self, ahead: Numbers, done: int, steps: int) -> tuple[Array, Outcome]:
         """Up to ``steps`` steps; output times that are out of reach are not looked at.
 
         ``ahead``: the chunk's times, after one place to spare; ``done`` of them are passed.  Reach
@@ -203,7 +188,7 @@ class Integrator:
             return self._onwards(ahead[-2:], steps)
         begun, kept, before = ta.dtime, self.state.copy(), self.steps
         marks = None if self.watcher is None else self.watcher.marks()
-        simple = self.watcher is None and self._built.again
+        simple = self.watcher is None and self.compiled.again
         if self._reach == math.inf and simple and count - done > _MANY:
             tried = max(1, ta.propagate_until(ahead[-1], max_steps=_TRIED)[3])
             self._reach = _REACH * steps / tried * float(abs(ta.time - begun[0]))
@@ -230,7 +215,7 @@ class Integrator:
             self._reach = advance
         return rows, ended
 
-    def _onwards(self, ahead: Row, steps: int) -> tuple[Rows, Outcome]:
+    def _onwards(self, ahead: Numbers, steps: int) -> tuple[Array, Outcome]:
         """Up to ``steps`` steps towards the last time; rows at the times passed and outcome.
 
         ``ahead``: a place for the time at which it begins, then the times.
@@ -276,10 +261,11 @@ class Integrator:
         if self.watcher is not None:
             self.watcher.counts_from(self.offset, self.heyoka)
 
-    def _rows(self, parts: Sequence[Rows]) -> Rows:
+    def _rows(self, parts: Sequence[Array]) -> Rows:
         if self.number.flat:
-            return joined(parts, self.number) if parts else self.state[None][:0]
-        return [numbers(row, self.number) for part in parts for row in part]
+            found: list[Rows] = [flat(part) for part in parts] or [self.state[None][:0]]
+            return joined(found, self.number)
+        return [as_mpf(row, self.number) for part in parts for row in part]
 
     def _exactly(self, value: HeyokaNumber) -> Fraction:
         return as_fraction(value, self.number)

@@ -10,12 +10,15 @@ import copy
 import math
 from collections.abc import Sequence
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import heyoka as hy
 import numpy as np
 
 from polhode.numbers.number_types import extended_here
+from polhode.numbers.rows import Doubles
+from polhode.numbers.scalars import Scalar
+from polhode.taylor.backend.types import HeyokaIntegrator, HeyokaOutput
 
 _CYCLE = ((1, 2), (2, 0), (0, 1))
 _MOST_STEPS = 100_000
@@ -25,18 +28,18 @@ class Path(NamedTuple):
     """A run from time 0: the ends of heyoka's steps, an estimate of the radius of convergence of
     the motion's Taylor series on each of them, the continuous output and its type of number."""
 
-    ends: Any
-    convergence: Any
-    output: Any
-    kind: Any
+    ends: Doubles
+    convergence: Doubles
+    output: HeyokaOutput
+    kind: type[np.floating]
 
-    def at(self, times: Any) -> Any:
+    def at(self, times: Doubles) -> Doubles:
         """States at times of the run, (n, 6), as doubles."""
         return np.array(self.output(np.asarray(times, dtype=self.kind))).astype(float)
 
 
 def path(
-    start: Sequence[Any], constants: Sequence[Any], duration: float, wide: bool
+    start: Sequence[Scalar], constants: Sequence[Scalar], duration: float, wide: bool
 ) -> Path | None:
     """A run of so long from six numbers; None where heyoka does not get there.
 
@@ -61,7 +64,7 @@ def path(
 
 
 @cache
-def _compiled(kind: Any) -> Any:
+def _compiled(kind: type[np.floating]) -> HeyokaIntegrator:
     """An integrator of the equations for any body."""
     w, g = hy.make_vars("p", "q", "r"), hy.make_vars("g1", "g2", "g3")
     system = [

@@ -11,7 +11,7 @@ import copy
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import heyoka as hy
 import numpy as np
@@ -21,8 +21,8 @@ from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Doubles
-from polhode.numbers.scalars import Row
+from polhode.numbers.rows import Array, Doubles, GivenRow
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import (
@@ -35,7 +35,7 @@ from polhode.taylor.backend.heyoka_numbers import (
     type_options,
 )
 from polhode.taylor.backend.step_outcomes import ending
-from polhode.taylor.backend.types import HeyokaIntegrator
+from polhode.taylor.backend.types import Expression, HeyokaIntegrator, HeyokaNumber
 
 MAX_STEPS = 1_000_000
 
@@ -51,8 +51,8 @@ class Reached(NamedTuple):
     asked for.
     """
 
-    state: Any
-    derivative: Any
+    state: Doubles | list[Fraction]
+    derivative: Doubles | list[list[Scalar]] | None
 
 
 class Flow:
@@ -72,7 +72,7 @@ class Flow:
         for i, x in enumerate(scalars([*coefficients.values()], number)):
             self._heyoka.pars[i] = x
 
-    def after(self, start: Row, time: Any) -> Reached:
+    def after(self, start: GivenRow, time: float | Fraction) -> Reached:
         """Where the flow leads from a start in a time, both rounded to the type.
 
         Raises NotFollowed.  Ctrl-C is heard every few steps.
@@ -106,7 +106,7 @@ class Flow:
             raise NotFollowed(Outcome.NON_FINITE.value)
         return rows
 
-    def _stand(self, start: Row) -> None:
+    def _stand(self, start: GivenRow) -> None:
         ta = self._heyoka
         ta.time = scalar(Fraction(0), self.number)
         for i, x in enumerate(start):
@@ -116,7 +116,7 @@ class Flow:
             for k in range(36):
                 ta.state[6 + k] = ones[k % 7 == 0]
 
-    def _number(self, x: Any) -> Any:
+    def _number(self, x: Scalar) -> HeyokaNumber:
         return float(x) if self.number.name == "double" else scalar(Fraction(x), self.number)
 
 
@@ -135,13 +135,13 @@ def _compiled(names: tuple[str, ...], number: NumberType, derivative: bool) -> H
             system += [
                 (variable, _product(row, v)) for variable, row in zip(v, jacobian, strict=True)
             ]
-    zeros: Row = array(scalars([Fraction(0)] * len(system), number), number)
-    pars: Row = array(scalars([Fraction(0)] * len(names), number), number)
+    zeros: Array = array(scalars([Fraction(0)] * len(system), number), number)
+    pars: Array = array(scalars([Fraction(0)] * len(names), number), number)
     options = type_options(number) | ({"compact_mode": True} if derivative else {})
     with disk_cache(number):
         return hy.taylor_adaptive(system, zeros, pars=pars, **options)
 
 
-def _product(row: Sequence[Any], v: Sequence[Any]) -> Any:
+def _product(row: Sequence[Expression], v: Sequence[Expression]) -> Expression:
     """A row of the Jacobian times a tangent; an entry that is zero is no term."""
     return hy.sum([a * b for a, b in zip(row, v, strict=True) if a != EXPRESSIONS.zero])

@@ -10,11 +10,13 @@ from __future__ import annotations
 import copy
 import threading
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import heyoka as hy
 import numpy as np
+import numpy.typing as npt
 
+from polhode.common.checkpoint import Arrays
 from polhode.common.locks import Lock, Place
 from polhode.common.progress import Stop
 from polhode.equations.forms import principal
@@ -53,7 +55,13 @@ class Followed(NamedTuple):
     """
 
     sizes: Doubles
-    last: Any
+    last: npt.NDArray[np.int64]
+
+    @classmethod
+    def of(cls, arrays: Arrays) -> Followed:
+        """From its arrays by name."""
+        sizes = np.asarray(arrays["sizes"], dtype=np.float64)
+        return cls(sizes, np.asarray(arrays["last"], dtype=np.int64))
 
 
 def solve(job: TangentJob, stop: Stop | None = None) -> Followed:

@@ -27,6 +27,8 @@ from polhode.closed_forms.goryachev_chaplygin.abel_integrals import Oscillating
 from polhode.closed_forms.goryachev_chaplygin.double_root import Tending
 from polhode.closed_forms.goryachev_chaplygin.torus_quadrature import Torus
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.rows import Objects
+from polhode.numbers.scalars import Scalar
 
 _GUARD = 24  # bits of the integers beyond the precision in force
 _SHARE = 0.06  # of the radius of convergence in q that is used
@@ -36,19 +38,19 @@ _LEAST = 64  # samples of a turn of al tried first
 _MOST = 1 << 12
 _SILENT = 1 << 8  # what is less is rounding
 
-Places = Callable[[Any], Any]
+Places = Callable[[Scalar], Scalar]
 
 
 @dataclass(frozen=True)
 class Approach:
     """chi but for a constant where Y >= ``edge``; the terms hold q^k at Y = ``edge``."""
 
-    cosines: tuple[Any, ...]  # of k: an array over n
-    sines: tuple[Any, ...]
-    edge: Any
+    cosines: tuple[Objects, ...]  # of k: an array over n
+    sines: tuple[Objects, ...]
+    edge: Scalar
     bits: int
 
-    def at(self, al: Any, Y: Any) -> Any:
+    def at(self, al: Scalar, Y: Scalar) -> Scalar:
         """At al and Y >= edge."""
         share = mpmath.exp(2 * (self.edge - Y))
         q = fixed(share, self.bits)
@@ -66,7 +68,7 @@ class Approach:
         return total
 
 
-def _horner(rows: Sequence[Any], q: int, bits: int) -> Any:
+def _horner(rows: Sequence[Objects], q: int, bits: int) -> Objects:
     """The sum of the rows, each longer than or as long as the next, by Horner's rule in q."""
     total = rows[-1]
     for row in reversed(rows[:-1]):
@@ -76,7 +78,7 @@ def _horner(rows: Sequence[Any], q: int, bits: int) -> Any:
     return total
 
 
-def approach(torus: Torus, v: Tending, a: Any, place: Places) -> Approach:
+def approach(torus: Torus, v: Tending, a: Scalar, place: Places) -> Approach:
     """The series at the precision in force; ``place``: the phase of u where S/S_0 is given.
 
     Raises TooManyTerms where either sum is too long.
@@ -97,7 +99,7 @@ def approach(torus: Torus, v: Tending, a: Any, place: Places) -> Approach:
     raise TooManyTerms("too near a degenerate motion: v comes near its limit too late")
 
 
-def _radius(v: Tending, ends: Sequence[Any]) -> Any:
+def _radius(v: Tending, ends: Sequence[Scalar]) -> Scalar:
     """About the radius of convergence in q of v and of 1/(u + v), u at ``ends``."""
     unit = _first(v)
     (de, *_) = _powers(v, 1 / unit, _PROBE)
@@ -108,12 +110,12 @@ def _radius(v: Tending, ends: Sequence[Any]) -> Any:
     return 1 / (unit * size)
 
 
-def _first(v: Tending) -> Any:
+def _first(v: Tending) -> Scalar:
     """4 exp(2(Y - y)) far away: v - w is (ve - w) times this q, nearly."""
     return 4 * mpmath.exp(v.gw / 2 * v.S.at(mpf(0), mpf(1)))
 
 
-def _powers(v: Tending, q: Any, count: int) -> list[list[Any]]:
+def _powers(v: Tending, q: Scalar, count: int) -> list[list[Scalar]]:
     """The coefficients of de, de^2, ... de^5 by powers of q, each times its power of ``q``."""
     rule = [0, *(w * (1 + mpf(j) / 2) for j, w in enumerate(_quartic(v)))]
     rows: list[list[Any]] = [
@@ -128,7 +130,7 @@ def _powers(v: Tending, q: Any, count: int) -> list[list[Any]]:
     return rows
 
 
-def _quartic(v: Tending) -> list[Any]:
+def _quartic(v: Tending) -> list[Scalar]:
     """W(de) = (1 - de/(ve - w)) L(w + de)/L(w), L as in :mod:`.tending`."""
     total = v.ve + v.vo
     found = [mpf(1)]
@@ -137,7 +139,9 @@ def _quartic(v: Tending) -> list[Any]:
     return found
 
 
-def _halves(v: Tending, powers: Sequence[Sequence[Any]], a: Any) -> tuple[list[Any], list[Any]]:
+def _halves(
+    v: Tending, powers: Sequence[Sequence[Scalar]], a: Scalar
+) -> tuple[list[Scalar], list[Scalar]]:
     """sqrt(v) sin(et/2) and sqrt(v) cos(et/2) after the turning point, as series in q.
 
     They are k sqrt(dl k (vo - v)(v + v1 + v2)(1 - de/(ve - w))/4a) and
@@ -156,11 +160,11 @@ def _halves(v: Tending, powers: Sequence[Sequence[Any]], a: Any) -> tuple[list[A
     return [v.k * x for x in sine], [dl / E * x for x in _product(powers[0], root)]
 
 
-def _product(one: Sequence[Any], other: Sequence[Any]) -> list[Any]:
+def _product(one: Sequence[Scalar], other: Sequence[Scalar]) -> list[Scalar]:
     return [mpmath.fdot(zip(one[: k + 1], other[k::-1], strict=True)) for k in range(len(one))]
 
 
-def _root(row: Sequence[Any]) -> list[Any]:
+def _root(row: Sequence[Scalar]) -> list[Scalar]:
     """The square root of a power series."""
     found = [mpmath.sqrt(row[0])]
     for k in range(1, len(row)):
@@ -169,7 +173,7 @@ def _root(row: Sequence[Any]) -> list[Any]:
     return found
 
 
-def _inverse(row: Sequence[Any]) -> list[Any]:
+def _inverse(row: Sequence[Scalar]) -> list[Scalar]:
     """The reciprocal of a power series."""
     found = [1 / row[0]]
     for k in range(1, len(row)):
@@ -177,7 +181,9 @@ def _inverse(row: Sequence[Any]) -> list[Any]:
     return found
 
 
-def _rows(u: Oscillating, series: Sequence[Sequence[Any]], place: Places, bits: int) -> Any:
+def _rows(
+    u: Oscillating, series: Sequence[Sequence[Scalar]], place: Places, bits: int
+) -> tuple[Objects, Objects] | None:
     """2 f_kn as arrays of integers, real and imaginary parts, k along the second axis.
 
     None where the powers of q do not end; TooManyTerms where the waves do not.
@@ -200,7 +206,7 @@ def _rows(u: Oscillating, series: Sequence[Sequence[Any]], place: Places, bits: 
     raise TooManyTerms(f"too near a degenerate motion: a series of {_MOST} samples is too short")
 
 
-def _waves(F: Any, bits: int) -> tuple[Any, Any]:
+def _waves(F: Objects, bits: int) -> tuple[Objects, Objects]:
     """2 f_n, n along the first axis, of the functions F with al along their second axis."""
     count = F.shape[1]
     turns = [mpf(j) / count for j in range(count)]  # e^{-i al/2} F has the period of al
@@ -211,7 +217,9 @@ def _waves(F: Any, bits: int) -> tuple[Any, Any]:
     return re[:half] // half, im[:half] // half
 
 
-def _of_u(u: Oscillating, al: Any, place: Places, known: dict[Any, Any]) -> tuple[Any, Any, Any]:
+def _of_u(
+    u: Oscillating, al: Scalar, place: Places, known: dict[Any, Any]
+) -> tuple[Scalar, Scalar, Scalar]:
     """u, sqrt(u) sin(xi/2) and sqrt(u) cos(xi/2) at al in [0, 2) times pi; even and odd ones."""
     if al > 1:
         z, sine, cosine = _of_u(u, 2 - al, place, known)
@@ -224,7 +232,9 @@ def _of_u(u: Oscillating, al: Any, place: Places, known: dict[Any, Any]) -> tupl
     return z, sine, cosine
 
 
-def _flow(table: Sequence[Sequence[Any]], series: Sequence[Sequence[Any]], bits: int) -> Any:
+def _flow(
+    table: Sequence[Sequence[Scalar]], series: Sequence[Sequence[Scalar]], bits: int
+) -> Objects:
     """F/2a by powers of q (first axis) and al: (A sqrt(u)cos - B sqrt(u)sin)/(u + w + de)."""
     base, sine, cosine = (
         np.array([fixed(x, bits) for x in row], dtype=object) for row in zip(*table, strict=True)
@@ -241,8 +251,8 @@ def _flow(table: Sequence[Sequence[Any]], series: Sequence[Sequence[Any]], bits:
 
 
 def _integrals(
-    rows: tuple[Any, Any], slope: tuple[Any, Any], bits: int
-) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    rows: tuple[Objects, Objects], slope: tuple[Scalar, Scalar], bits: int
+) -> tuple[tuple[Objects, ...], tuple[Objects, ...]]:
     """The coefficients of q^k cos(n + 1/2)al and q^k sin(n + 1/2)al, trailing zeros left out."""
     re, im = rows
     length = re.shape[1]

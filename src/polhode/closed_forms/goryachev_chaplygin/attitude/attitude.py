@@ -11,7 +11,6 @@ smooth in time.  The axes are then renamed, and turned about the vertical by chi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion, product
@@ -26,6 +25,8 @@ from polhode.closed_forms.goryachev_chaplygin.explicit import (
 from polhode.closed_forms.goryachev_chaplygin.motion import GoryachevMotion, Path, Separated, joined
 from polhode.closed_forms.goryachev_chaplygin.torus_quadrature import Torus
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.rows import Doubles
+from polhode.numbers.scalars import Scalar
 
 #: Takes the third axis to the first, the first to the second, the second to the third.
 _RENAMED = (0.5, 0.5, 0.5, 0.5)
@@ -37,13 +38,13 @@ class HalvesFrame:
 
     path: Path
     sg: int
-    unit: Any  # the motion's time over the scene's; negative where time is reversed
+    unit: Scalar  # the motion's time over the scene's; negative where time is reversed
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> Quaternion:
         """The quaternion at t, continuous in t."""
         return placed(self.path.at(t * self.unit, fn), self.sg, fn)
 
-    def floats(self, speed: Any) -> HalvesFrame:
+    def floats(self, speed: Scalar) -> HalvesFrame:
         """The same in doubles for arrays, time in units of 1/speed."""
         path = self.path
         small: Path
@@ -65,7 +66,7 @@ class DoublePath:
         begin, later = torus.mean(mpf(0)), torus.mean(mpf(1))
         self._mean = [(float(x), float(y - x)) for x, y in zip(begin, later, strict=True)]
 
-    def at(self, t: Any, fn: SeriesFunctions) -> HalvesPoint:
+    def at(self, t: Doubles, fn: SeriesFunctions) -> HalvesPoint:
         """The points at an array of times."""
         (x, dx), (y, dy) = self._mean
         mean_x, mean_y = x + dx * t, y + dy * t
@@ -84,7 +85,7 @@ def placed(point: HalvesPoint, sg: int, fn: SeriesFunctions) -> Quaternion:
     return product(_RENAMED, frame)
 
 
-def bounds(found: GoryachevMotion, H: Any, a: Any) -> tuple[Any, Any]:
+def bounds(found: GoryachevMotion, H: Scalar, a: Scalar) -> tuple[Scalar, Scalar]:
     """Bounds of |w| and of the frame's rate |w| + |chi'|, in the motion's units.
 
     |w|^2 <= 4(p^2 + q^2) + r^2 <= H + 2a.  As 4|p| <= u + v, |chi'| <= a/(u + v); the others follow
@@ -104,7 +105,7 @@ def bounds(found: GoryachevMotion, H: Any, a: Any) -> tuple[Any, Any]:
     return fast, fast + turning
 
 
-def _least(torus: Torus, which: int) -> Any:
+def _least(torus: Torus, which: int) -> Scalar:
     clock: Clock = (torus.u, torus.v)[which]
     if isinstance(clock, Tending):
         return min(clock.w, clock.ve)

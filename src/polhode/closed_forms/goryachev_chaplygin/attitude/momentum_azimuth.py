@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from polhode.closed_forms._winding.torus_line_integral import plane
 from polhode.closed_forms.functions.chebyshev_panels import Panels
 from polhode.closed_forms.functions.fourier import (
     TooManyTerms,
@@ -24,18 +25,24 @@ from polhode.closed_forms.functions.fourier import (
     waves,
 )
 from polhode.closed_forms.functions.jacobi import MP
-from polhode.closed_forms.goryachev_chaplygin.abel_integrals import InverseS, Oscillating, Standing
+from polhode.closed_forms.goryachev_chaplygin.abel_integrals import (
+    Halves,
+    InverseS,
+    Oscillating,
+    Standing,
+)
 from polhode.closed_forms.goryachev_chaplygin.attitude.asymptotic_series import approach
 from polhode.closed_forms.goryachev_chaplygin.attitude.taylor_pieces import Pieces
 from polhode.closed_forms.goryachev_chaplygin.double_root import Tending
 from polhode.closed_forms.goryachev_chaplygin.explicit import Libration, Rotation, Separatrix
 from polhode.closed_forms.goryachev_chaplygin.motion import GoryachevMotion, Separated
 from polhode.closed_forms.goryachev_chaplygin.torus_quadrature import Torus
-from polhode.closed_forms.winding.torus_line_integral import plane
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.rows import Objects
+from polhode.numbers.scalars import Scalar
 
 #: chi(t) - chi(0), t in the motion's units.
-Turning = Callable[[Any], Any]
+Turning = Callable[[Scalar], Scalar]
 
 _PANEL = 12  # radians of the fastest rate in a panel
 
@@ -82,7 +89,7 @@ def _of_period(path: Libration | Rotation, sg: int) -> Turning:
     return lambda t: sg * (series.at(t / share) - begin)
 
 
-def _flow(path: Separated, one: Any, other: Any) -> Any:
+def _flow(path: Separated, one: Halves, other: Halves) -> Scalar:
     """chi' (u + v): the rate in sigma."""
     point = path.joined(one, other, MP)
     return point.turning * (point.u + point.v)
@@ -114,12 +121,12 @@ def _of_panels(path: Separated, sg: int) -> Panels:
     return Panels(lambda t: sg * path.at(t, MP).turning, length)
 
 
-def _reach() -> Any:
+def _reach() -> Scalar:
     """|y| from which on v is its limit: it differs by sech^2 y."""
     return mpmath.prec * mpmath.ln2 / 2 + 4
 
 
-def settling(torus: Torus) -> Any:
+def settling(torus: Torus) -> Scalar:
     """A time from which on, and before minus which, v is its limit at the precision in force."""
     assert isinstance(torus.u, Oscillating)
     ends = []
@@ -140,7 +147,7 @@ def _of_tending(found: GoryachevMotion) -> Turning:
     far = approach(torus, v, path.a, inverse.at)
     origin = torus.constants[0] / mean
 
-    def moment(Y: Any) -> tuple[Any, Any]:
+    def moment(Y: Scalar) -> tuple[Scalar, Scalar]:
         """The time at which v has come to Y, and al."""
         total = 4 * Y / v.gw
         al = total / mean + origin
@@ -152,7 +159,7 @@ def _of_tending(found: GoryachevMotion) -> Turning:
         time, al = moment(side * far.edge)
         ends[side] = pieces.at(time) - 2 * sg * path.a * side * far.at(side * al, far.edge)
 
-    def angle(t: Any) -> Any:
+    def angle(t: Scalar) -> Scalar:
         x, y = torus.phases(t)
         Y = y + v.gw / 4 * v.bounded(y)[0]
         if abs(Y) <= far.edge:
@@ -176,7 +183,7 @@ def _of_torus(path: Separated, sg: int) -> Turning:
     inverse = {True: InverseS(one), False: InverseS(other)}
     tables: dict[tuple[bool, Any], list[Any]] = {}
 
-    def row(which: bool, share: Any, bits: int) -> list[int]:
+    def row(which: bool, share: Scalar, bits: int) -> list[int]:
         if (which, share) not in tables:
             clock = one if which else other
             point = clock.at(inverse[which].at(mpmath.pi * share), MP)
@@ -184,12 +191,13 @@ def _of_torus(path: Separated, sg: int) -> Turning:
             tables[which, share] = [root * point.sine, root * point.cosine, point.z]
         return [fixed(x, bits) for x in tables[which, share]]
 
-    def grid(n: int, m: int, bits: int) -> Any:
+    def grid(n: int, m: int, bits: int) -> Objects:
         u = np.array([row(True, mpf(2 * j) / n, bits) for j in range(n)], dtype=object)
         v = np.array([row(False, mpf(2 * k) / m, bits) for k in range(m)], dtype=object)
         (sx, cx, z), (se, ce, y) = u.T[:, :, None], v.T[:, None, :]
         across = se * cx - ce * sx  # in units of 2^-2 bits
-        return across * twice(bits) // ((z + y) << bits)
+        found: Objects = across * twice(bits) // ((z + y) << bits)
+        return found
 
     def twice(bits: int) -> int:
         return fixed(2 * sg * path.a, bits)
@@ -197,14 +205,14 @@ def _of_torus(path: Separated, sg: int) -> Turning:
     scale = one.S.mean, other.S.mean
     made = plane(grid, (1 / scale[0], 1 / scale[1]), shift)
 
-    def phases(t: Any) -> tuple[Any, Any]:
+    def phases(t: Scalar) -> tuple[Scalar, Scalar]:
         x, y = torus.phases(t)
         return x + one.bounded(x)[0] / scale[0], y + other.bounded(y)[0] / scale[1]
 
     start = phases(mpf(0))
     begin = made.at(*start)
 
-    def angle(t: Any) -> Any:
+    def angle(t: Scalar) -> Scalar:
         now = phases(t)
         sigma = (now[0] - start[0]) * scale[0]
         return made.at(*now) - begin + made.slowly(start, sigma)

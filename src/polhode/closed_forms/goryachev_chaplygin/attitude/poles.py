@@ -21,9 +21,10 @@ from polhode.closed_forms.goryachev_chaplygin.abel_integrals import Oscillating
 from polhode.closed_forms.goryachev_chaplygin.motion import Separated, state
 from polhode.closed_forms.goryachev_chaplygin.separation_variables import started
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 #: al and bt of the attitude at the phases (x, y).
-Parameters = Callable[[Any, Any], tuple[Any, Any]]
+Parameters = Callable[[Scalar, Scalar], tuple[Scalar, Scalar]]
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,11 @@ class Pole:
 
 
 def poles(
-    path: Separated, sg: int, constants: tuple[Any, Any], axis: Sequence[Any], of: Parameters
+    path: Separated,
+    sg: int,
+    constants: tuple[Scalar, Scalar],
+    axis: Sequence[Scalar],
+    of: Parameters,
 ) -> tuple[list[Pole], list[Pole]]:
     """The zeros of al and of bt, phases in [-pi, 3 pi), at the precision in force.
 
@@ -79,12 +84,14 @@ def _upright(
         one = 2 * mpmath.sqrt(left)
         other = mpmath.sqrt(left / (e3 * e3 / 4 + ro * ro))
 
-        def omega(nu: Any, one: Any = one, other: Any = other) -> tuple[Any, Any, Any]:
+        def omega(
+            nu: Scalar, one: Scalar = one, other: Scalar = other
+        ) -> tuple[Scalar, Scalar, Scalar]:
             c, d = mpmath.cos_sin(nu)
             p, q, r = (one * c * x + other * d * y for x, y in zip(m1, m2, strict=True))
             return p / 4, q / 4, r
 
-        def excess(nu: Any, s: int = s, omega: Any = omega) -> Any:
+        def excess(nu: Scalar, s: int = s, omega: Any = omega) -> Scalar:
             p, q, r = omega(nu)
             return r * (p * p + q * q) - a * p * s * e3 - G
 
@@ -92,7 +99,7 @@ def _upright(
             yield which, omega(nu), [s * x for x in (e1, e2, e3)]
 
 
-def _zeros(function: Callable[[Any], Any]) -> list[Any]:
+def _zeros(function: Callable[[Scalar], Scalar]) -> list[Any]:
     """The zeros of a real trigonometric polynomial of degree 3; double ones are left out."""
     nodes = [mpf(j) / 4 for j in range(8)]
     values = [function(mpmath.pi * x) for x in nodes]

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 from polhode.closed_forms.functions.fourier import fixed, floating
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _GUARD = 32  # bits of the integers beyond the precision in force
 _CLOSER = 0.9  # of a piece's reach, to the middle of the next one
@@ -23,18 +24,18 @@ _SHARE = 3  # bits that a term of a series loses to the one before it, nearly
 _LONGEST = 1  # unit of time that a piece may last: integers keep their digits
 
 #: p, q, r, g1, g2, g3 at a time.
-State = Callable[[Any], Sequence[Any]]
+State = Callable[[Scalar], Sequence[Scalar]]
 
 
 class Piece(NamedTuple):
     """chi = ``before`` + the sum of terms s^(k+1), s the time since ``middle``, |s| <= length."""
 
-    middle: Any
-    length: Any
+    middle: Scalar
+    length: Scalar
     terms: list[int]
-    before: Any
+    before: Scalar
 
-    def at(self, t: Any) -> Any:
+    def at(self, t: Scalar) -> Scalar:
         """The angle at t."""
         bits = mpmath.prec + _GUARD
         s, total = fixed(t - self.middle, bits), 0
@@ -52,7 +53,7 @@ class Pieces:
     middle: Any
     _rows: dict[int, list[Piece]] = field(default_factory=dict)
 
-    def at(self, t: Any) -> Any:
+    def at(self, t: Scalar) -> Scalar:
         """The angle at t; pieces are made from the middle to there, and kept."""
         side = 1 if t >= self.middle else -1
         rows = self._rows.setdefault(side, [self._first])
@@ -76,12 +77,12 @@ class Pieces:
         found = Piece(middle, length, terms, mpf(0))
         return found._replace(before=last.at(end) - found.at(end))
 
-    def _series(self, middle: Any) -> tuple[Any, list[int]]:
+    def _series(self, middle: Scalar) -> tuple[Scalar, list[int]]:
         terms, length = _expanded(self.state(middle), self.a)
         return length, terms
 
 
-def _expanded(state: Sequence[Any], a: Any) -> tuple[list[int], Any]:
+def _expanded(state: Sequence[Scalar], a: Scalar) -> tuple[list[int], Scalar]:
     """The coefficients of (chi - chi(0))/t, and the time up to which they are enough."""
     bits = mpmath.prec + _GUARD
     order = bits // _SHARE

@@ -13,22 +13,24 @@ from typing import Any
 
 import numpy as np
 
+from polhode.closed_forms._winding.floor_sums import floors
+from polhode.closed_forms._winding.winding_number import growth
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 from polhode.closed_forms.functions.quaternion import Quaternion, product
 from polhode.closed_forms.goryachev_chaplygin.abel_integrals import Clock
 from polhode.closed_forms.goryachev_chaplygin.attitude.attitude import placed
 from polhode.closed_forms.goryachev_chaplygin.attitude.poles import Pole, poles
 from polhode.closed_forms.goryachev_chaplygin.motion import Separated, joined
-from polhode.closed_forms.winding.floor_sums import floors
-from polhode.closed_forms.winding.winding_number import growth
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.rows import Doubles
+from polhode.numbers.scalars import Scalar
 
 _SAMPLES = 4096  # of a circuit, for the bound of a rate
 _MARGIN = 1.25
 _LOST = 32  # bits that phases of zeros and of the motion may have lost
 
-Pair = tuple[Any, Any]
+Pair = tuple[Scalar, Scalar]
 
 
 class TorusTurns:
@@ -43,14 +45,14 @@ class TorusTurns:
         path: Separated,
         sg: int,
         right: Quaternion,
-        axis: Sequence[Any],
-        constants: tuple[Any, Any],
+        axis: Sequence[Scalar],
+        constants: tuple[Scalar, Scalar],
     ) -> None:
         self._path, self._sg, self._right = path, sg, right
         self._axis, self._constants = axis, constants
         self._begun: dict[Any, Pair] = {}
 
-    def growth(self, first: Any, last: Any) -> Pair:
+    def growth(self, first: Scalar, last: Scalar) -> Pair:
         """Of arg al and arg bt between two times in the motion's units.
 
         Raises ArithmeticError where the motion passes too near a zero of al or bt to be counted.
@@ -104,14 +106,14 @@ class TorusTurns:
     def _poles(self) -> tuple[list[Pole], list[Pole]]:
         return poles(self._path, self._sg, self._constants, self._axis, self._parameters)
 
-    def _parameters(self, x: Any, y: Any) -> Pair:
+    def _parameters(self, x: Scalar, y: Scalar) -> Pair:
         """al and bt at the phases, but for constant factors of modulus 1."""
         torus = self._path.torus
         point = self._path.joined(torus.u.at(x, MP), torus.v.at(y, MP), MP)
         q0, q1, q2, q3 = product(placed(point, self._sg, MP), self._right)
         return mpmath.mpc(q0, q3), mpmath.mpc(q1, q2)
 
-    def _doubles(self, x: Any, y: Any, fn: SeriesFunctions) -> Pair:
+    def _doubles(self, x: Doubles, y: Doubles, fn: SeriesFunctions) -> Pair:
         torus = self._path.torus.doubles
         one, other = torus.u.at(x, fn), torus.v.at(y, fn)
         point = joined(one, other, float(self._path.a), fn)
@@ -131,19 +133,19 @@ class TorusTurns:
         turns = tuple(round(z / (2 * np.pi)) for z in (one, other))
         return turns[0], turns[1]
 
-    def _along(self, which: int, begin: Pair, way: Any) -> tuple[float, float]:
+    def _along(self, which: int, begin: Pair, way: Scalar) -> tuple[float, float]:
         """Growth of both arguments while one phase moves and the other stays."""
         if not way:
             return 0.0, 0.0
         speed, fn = self._speeds[which], numpy_functions()
 
-        def fine(s: Any) -> Pair:
+        def fine(s: Scalar) -> Pair:
             x, y = begin
             return (
                 self._parameters(x, y + s / speed) if which else self._parameters(x + s / speed, y)
             )
 
-        def coarse(s: Any) -> Pair:
+        def coarse(s: Doubles) -> Pair:
             x, y = (float(z) + 0 * s for z in begin)
             return (
                 self._doubles(x, y + s / speed, fn)
@@ -155,7 +157,7 @@ class TorusTurns:
         return found
 
 
-def _circuits(begin: Any, end: Any, turn: Any) -> tuple[int, Any]:
+def _circuits(begin: Scalar, end: Scalar, turn: Scalar) -> tuple[int, Scalar]:
     """Whole circuits from one phase to another, towards 0, and what is left."""
     way = end - begin
     count = int(way / turn)

@@ -6,6 +6,7 @@ at the rate om.  Between the edges lie panels; a permanent rotation needs none, 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +17,7 @@ from polhode.closed_forms.kovalevskaya.attitude.attitude_panels import (
     MovingState,
 )
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _GROWTH = 1.25  # of an edge from one trial to the next
 _MOST_TRIALS = 100
@@ -26,8 +28,8 @@ class SettledAttitude:
     """The quaternion body -> space as a function of time, at one precision."""
 
     panels: KovalevskayaAttitude
-    edges: tuple[Any, Any]  # before, after
-    rates: tuple[Any, Any]  # om before and after them
+    edges: tuple[Scalar, Scalar]  # before, after
+    rates: tuple[Scalar, Scalar]  # om before and after them
 
     @property
     def start(self) -> Quaternion:
@@ -39,7 +41,7 @@ class SettledAttitude:
         """An upper bound of |w|."""
         return self.panels.speed
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         near, angle = self._parts(t)
         found = self.panels.at(near, fn)
@@ -48,7 +50,7 @@ class SettledAttitude:
         c, s = mpmath.cos_sin(angle / 2)
         return product((c, mpf(0), mpf(0), s), found)
 
-    def _parts(self, t: Any) -> tuple[Any, Any]:
+    def _parts(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The time up to which panels are asked, and the turn about the vertical after it."""
         (before, after), (first, last) = self.edges, self.rates
         if t > after:
@@ -57,14 +59,14 @@ class SettledAttitude:
             return before, first * (t - before)
         return t, mpf(0)
 
-    def arguments(self, t: Any) -> tuple[Any, Any]:
+    def arguments(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
         near, angle = self._parts(t)
         one, other = self.panels.arguments(near)
         return one + angle / 2, other + angle / 2
 
 
-def rate_of(w: Any, gamma: Any) -> Any:
+def rate_of(w: Sequence[Scalar], gamma: Sequence[Scalar]) -> Scalar:
     """om of a permanent rotation."""
     return sum(x * y for x, y in zip(w, gamma, strict=True))
 

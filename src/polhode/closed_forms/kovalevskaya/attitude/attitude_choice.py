@@ -9,8 +9,9 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
+from polhode.closed_forms._winding.euler_angles import Attitude
 from polhode.closed_forms.functions.quaternion import Quaternion, conjugate, of_matrix, product
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.attitude.asymptotic_attitude import (
@@ -39,10 +40,10 @@ from polhode.closed_forms.kovalevskaya.certified_answers import CERTIFIED, Answe
 from polhode.closed_forms.kovalevskaya.degenerate import Averaged, averaged
 from polhode.closed_forms.kovalevskaya.generic import Generic
 from polhode.closed_forms.kovalevskaya.one_frequency import special
-from polhode.closed_forms.winding.euler_angles import Attitude
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _MOST_MORE = 2_000  # bits that the set-up of an attitude may lose
 
@@ -58,7 +59,7 @@ class Attitudes:
         answers: Answers,
         axes: KovalevskayaAxes,
         first: Callable[[int], Quaternion],
-        placed: Callable[[Sequence[Any], int], list[mpf]],
+        placed: Callable[[Sequence[Scalar], int], list[mpf]],
     ) -> None:
         self._answers, self._axes, self._first, self._placed = answers, axes, first, placed
         self._start = answers.start
@@ -99,7 +100,7 @@ class Attitudes:
         """w and gamma in the scene's axes, within a span of times."""
         solution, used, _, _ = self._answers.resolved(span, bits)
 
-        def state(t: Any) -> tuple[Sequence[Any], Sequence[Any]]:
+        def state(t: Scalar) -> tuple[Sequence[Scalar], Sequence[Scalar]]:
             with mpmath.workprec(used):
                 found = solution.at(mpmath.ldexp(t, self._start.exponent))[0]
                 row = self._placed(found, used)
@@ -157,7 +158,7 @@ class Attitudes:
             speed=self._rate(bits),
         )
 
-    def _averaged(self, t: Any, bits: int) -> AveragedAttitude:
+    def _averaged(self, t: Scalar, bits: int) -> AveragedAttitude:
         """The neighbours' Cayley-Klein parameters, as near as the time asks for."""
         solution, used, _, _ = self._answers.resolved((exactly(t),), bits)
         assert isinstance(solution, Averaged)
@@ -233,13 +234,17 @@ class Attitudes:
         with mpmath.workprec(bits):
             return of_matrix(self._axes.matrix(bits))
 
-    def _rate(self, bits: int) -> Any:
+    def _rate(self, bits: int) -> Scalar:
         """A bound of |w|."""
         with mpmath.workprec(bits):
             return mpmath.ldexp(self._start.fastest(bits), self._start.exponent)
 
 
-def _certified(make: Callable[[int], Any], bits: int) -> Any:
+#: What has a defect.
+C = TypeVar("C", CayleyKlein, AveragedAttitude)
+
+
+def _certified(make: Callable[[int], C], bits: int) -> C:
     """What ``make`` gives with as many bits more as its ``defect`` needs to be below 2^-bits."""
     more = 0
     before: int | None = None  # the size of the defect at fewer bits

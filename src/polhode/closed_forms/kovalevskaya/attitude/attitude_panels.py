@@ -10,14 +10,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.closed_forms.engine.azimuth_quadrature import Azimuth
+from polhode.closed_forms._engine.azimuth_quadrature import Azimuth
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion
 from polhode.closed_forms.kovalevskaya.attitude.counted_turns import Counted
 from polhode.common.cached_property import cached_property
+from polhode.numbers.scalars import Scalar
 
 #: w and gamma at a time, in the frame of the attitude, at the precision in force.
-MovingState = Callable[[Any], tuple[Sequence[Any], Sequence[Any]]]
+MovingState = Callable[[Scalar], tuple[Sequence[Scalar], Sequence[Scalar]]]
 
 
 @dataclass(eq=False)
@@ -26,9 +27,9 @@ class KovalevskayaAttitude:
 
     state: MovingState
     start: Quaternion
-    speed: Any  # a bound of |w|
+    speed: Scalar  # a bound of |w|
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         del fn
         if not t:
@@ -39,20 +40,20 @@ class KovalevskayaAttitude:
     def _ways(self) -> dict[int, Azimuth]:
         """The attitude ahead and back in time: backwards w has the other sign."""
 
-        def ahead(t: Any) -> tuple[Sequence[Any], Sequence[Any], Any]:
+        def ahead(t: Scalar) -> tuple[Sequence[Scalar], Sequence[Scalar], Scalar]:
             return *self.state(t), 1
 
-        def back(t: Any) -> tuple[Sequence[Any], Sequence[Any], Any]:
+        def back(t: Scalar) -> tuple[Sequence[Scalar], Sequence[Scalar], Scalar]:
             w, gamma = self.state(-t)
             return [-x for x in w], gamma, 1
 
-        def clock(t: Any) -> Any:
+        def clock(t: Scalar) -> Scalar:
             return t
 
         sides = ((1, ahead), (-1, back))
         return {side: Azimuth(state, self.start, self.speed, clock) for side, state in sides}
 
-    def arguments(self, t: Any) -> tuple[Any, Any]:
+    def arguments(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
         return self._counted.arguments(t)
 

@@ -27,27 +27,28 @@ from polhode.closed_forms.kovalevskaya.generic import Generic
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair, SymmetricMatrix
 from polhode.closed_forms.kovalevskaya.theta.riemann_theta import Thetas, added, thetas, whole_parts
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _HALVES = ((0, 0), (0, 1), (1, 0), (1, 1))
 _TIMES = ("0.7", "1.9", "3.1", "4.3")  # over the bound of |w|: three to solve, one to test
 
 #: A coefficient vector over :data:`_HALVES`.
-Coefficients = tuple[Any, Any, Any, Any]
+Coefficients = tuple[Scalar, Scalar, Scalar, Scalar]
 
 
 @dataclass(frozen=True)
 class Jet:
     """Four functions at one point with their derivatives along both coordinates, all over e^log."""
 
-    values: tuple[Any, ...]
-    slopes: tuple[tuple[Any, Any], ...]
-    log: Any
+    values: tuple[Scalar, ...]
+    slopes: tuple[tuple[Scalar, Scalar], ...]
+    log: Scalar
 
-    def combined(self, row: Sequence[Any]) -> Any:
+    def combined(self, row: Sequence[Scalar]) -> Scalar:
         """A combination."""
         return mpmath.fdot(row, self.values)
 
-    def along(self, row: Sequence[Any], way: Pair) -> Any:
+    def along(self, row: Sequence[Scalar], way: Pair) -> Scalar:
         """Its derivative in a direction."""
         return mpmath.fdot(row, [a * way[0] + b * way[1] for a, b in self.slopes])
 
@@ -60,19 +61,19 @@ class CayleyKlein:
     jets: Callable[[Pair], Jet]
     tau: SymmetricMatrix
     ways: tuple[Pair, Pair]  # U, V
-    rates: tuple[Any, Any]  # c1, c
+    rates: tuple[Scalar, Scalar]  # c1, c
     h: Pair
     e: Pair
     numerators: tuple[Coefficients, Coefficients]
     denominators: tuple[Coefficients, Coefficients]
-    defect: Any  # by how much moduli are missed at a second time
+    defect: Scalar  # by how much moduli are missed at a second time
 
-    def at(self, t: Any, u1: Any = 0) -> tuple[Any, Any]:
+    def at(self, t: Scalar, u1: Scalar = 0) -> tuple[Scalar, Scalar]:
         """xi and eta at t, u1."""
         found = self._quotients(t, u1)
         return found[0][0], found[1][0]
 
-    def certified(self, t: Any) -> tuple[Any, Any, Any]:
+    def certified(self, t: Scalar) -> tuple[Scalar, Scalar, Scalar]:
         """xi and eta at t, and by how much they miss unity, gamma and their equations."""
         (xi, xi_log), (eta, eta_log) = self._quotients(t, 0)
         p, q, r, G1, G2, G3 = self.motion.at(t)[0]
@@ -90,7 +91,7 @@ class CayleyKlein:
         ]
         return xi, eta, max(self.defect, *misses)
 
-    def _quotients(self, t: Any, u1: Any) -> list[tuple[Any, Any]]:
+    def _quotients(self, t: Scalar, u1: Scalar) -> list[tuple[Scalar, Scalar]]:
         """xi and eta, each with its logarithmic derivative along V."""
         U, V = self.ways
         z = tuple(a + u1 * b + t * c for a, b, c in zip(self.motion.z0, U, V, strict=True))
@@ -110,12 +111,12 @@ class CayleyKlein:
         return found
 
 
-def quaternion(xi: Any, eta: Any) -> tuple[Any, Any, Any, Any]:
+def quaternion(xi: Scalar, eta: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """q0...q3."""
     return -eta.imag, xi.real, xi.imag, eta.real
 
 
-def cayley_klein(start: KovalevskayaStart, motion: Generic, first: Sequence[Any]) -> CayleyKlein:
+def cayley_klein(start: KovalevskayaStart, motion: Generic, first: Sequence[Scalar]) -> CayleyKlein:
     """The constants at the precision in force, from the quaternion at t = 0 in the top's axes.
 
     Raises Unresolved where no choice of signs gives the motion.
@@ -189,7 +190,9 @@ def cayley_klein(start: KovalevskayaStart, motion: Generic, first: Sequence[Any]
     return best
 
 
-def _rates(motion: Generic, U: Pair, E: Sequence[Pair], b: Any, weight: Any) -> tuple[Any, Any]:
+def _rates(
+    motion: Generic, U: Pair, E: Sequence[Pair], b: Scalar, weight: Scalar
+) -> tuple[Scalar, Scalar]:
     """c = 1/2 sum of d_V log th[del + eta_i](E+-), and c1 of the second flow."""
     made, tau, V = motion.curve, motion.curve.periods[2], motion.velocity
     wanted = [added(made.delta, eta) for eta in made.characteristics]
@@ -214,11 +217,11 @@ def _rates(motion: Generic, U: Pair, E: Sequence[Pair], b: Any, weight: Any) -> 
     return c, weight * point / (2 * (point * point + b)) - total / 4 - point * c
 
 
-def _size(row: Sequence[tuple[Any, Any]]) -> Any:
+def _size(row: Sequence[tuple[Scalar, Scalar]]) -> Scalar:
     return max(abs(value) for value, _ in row)
 
 
-def _log_slope(functions: Thetas, z: Pair, which: int) -> Any:
+def _log_slope(functions: Thetas, z: Pair, which: int) -> Scalar:
     """The derivative of log th along the functions' direction, the exponential put back."""
     value, slope = functions.at(z)[which]
     _, (_, k) = whole_parts(functions.tau, z)
@@ -256,7 +259,7 @@ def _jets(tau: SymmetricMatrix) -> Callable[[Pair], Jet]:
     return jet
 
 
-def _space(k: tuple[int, int], l: tuple[int, int], lam: Any) -> list[Coefficients]:
+def _space(k: tuple[int, int], l: tuple[int, int], lam: Scalar) -> list[Coefficients]:
     """A basis of the vectors with lam B_{a+k} = (-1)^{a.l} B_a: two of them."""
     found: list[Coefficients] = []
     seen: set[int] = set()
@@ -280,8 +283,8 @@ def _space(k: tuple[int, int], l: tuple[int, int], lam: Any) -> list[Coefficient
 
 
 def _denominator(
-    basis: Sequence[Coefficients], places: Sequence[Jet], values: Sequence[Any]
-) -> tuple[Coefficients, Any]:
+    basis: Sequence[Coefficients], places: Sequence[Jet], values: Sequence[Scalar]
+) -> tuple[Coefficients, Scalar]:
     """B with x B.Theta = C.Theta for some C in the same space; and how a fourth time is missed."""
     rows = []
     for place, x in zip(places, values, strict=True):
@@ -304,9 +307,9 @@ def _numerator(
     below: Jet,
     above: Jet,
     bottom: Coefficients,
-    flow: tuple[Any, Any, Any],
+    flow: tuple[Scalar, Scalar, Scalar],
     ways: tuple[Pair, Pair],
-    rates: tuple[Any, Any],
+    rates: tuple[Scalar, Scalar],
 ) -> Coefficients | None:
     """A from the value and the better derivative at t = 0; None where neither determines it."""
     (U, V), (c1, c) = ways, rates

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
-from polhode.closed_forms.engine.azimuth_quadrature import TURN
+from polhode.closed_forms._engine.azimuth_quadrature import TURN
+from polhode.closed_forms._winding.winding_number import bisected
 from polhode.closed_forms.functions.quaternion import Quaternion
-from polhode.closed_forms.winding.winding_number import bisected
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 MOST_PIECES = 20_000  # of two radians at the most
 
@@ -22,11 +22,11 @@ MOST_PIECES = 20_000  # of two radians at the most
 class Counted:
     """Growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0, at the precision in force."""
 
-    at: Callable[[Any], Quaternion]
-    rate: Any  # a bound of |w|
+    at: Callable[[Scalar], Quaternion]
+    rate: Scalar  # a bound of |w|
     grown: dict[int, tuple[float, float]] = field(default_factory=dict)
 
-    def arguments(self, t: Any) -> tuple[Any, Any]:
+    def arguments(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """From 0 to t; raises ValueError beyond MOST_PIECES."""
         if not t:
             return mpf(0), mpf(0)
@@ -38,23 +38,23 @@ class Counted:
         return one + more[0], other + more[1]
 
     @property
-    def bend(self) -> Any:
+    def bend(self) -> Scalar:
         """A bound of the quaternion's second derivative over ``rate``^2.
 
         It is |w|^2/4 + |w'|/2 with |w'| <= |w|^2/4 + 1.2 n^2, and rate^2 >= 2 n^2.
         """
         return mpf(1)
 
-    def _fine(self, t: Any) -> tuple[Any, Any]:
+    def _fine(self, t: Scalar) -> tuple[Scalar, Scalar]:
         q0, q1, q2, q3 = self.at(t / self.rate)
         return mpc(q0, q3), mpc(q1, q2)
 
-    def _number(self, t: Any) -> int:
+    def _number(self, t: Scalar) -> int:
         """The piece of a time: 1, 2, ... after 0 and -1, -2, ... before."""
         count = int(mpmath.ceil(abs(t) * self.rate / TURN * (1 - mpmath.ldexp(1, -20))))
         return max(1, count) * (1 if t > 0 else -1)
 
-    def _begin(self, number: int) -> Any:
+    def _begin(self, number: int) -> Scalar:
         return (number - (1 if number > 0 else -1)) * TURN / self.rate
 
     def _growth(self, number: int) -> tuple[float, float]:
@@ -70,7 +70,7 @@ class Counted:
         return total
 
 
-def too_far(rate: Any) -> ValueError:
+def too_far(rate: Scalar) -> ValueError:
     """The refusal of times beyond MOST_PIECES."""
     limit = mpmath.nstr(MOST_PIECES * TURN / rate, 3)
     return ValueError(

@@ -24,6 +24,7 @@ from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.degenerate import Averaged, combined
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _TRIALS = 6
 _MORE = 16  # bits more at each trial, at least
@@ -38,7 +39,7 @@ class AveragedAttitude:
     bits: int  # at which they were made, and are to be asked
 
     @property
-    def defect(self) -> Any:
+    def defect(self) -> Scalar:
         """The largest of the neighbours."""
         return max(formula.defect for formula in self.formulas)
 
@@ -50,7 +51,7 @@ class AveragedAttitude:
     def _tori(self) -> list[TorusTurns]:
         return [TorusTurns(formula, self.bits) for formula in self.formulas]
 
-    def certified(self, t: Any) -> tuple[list[Any], Any]:
+    def certified(self, t: Scalar) -> tuple[list[Scalar], Scalar]:
         """The quaternion in the top's axes at t in its units, and an estimate of its error."""
         rows, miss = [], mpf(0)
         with mpmath.workprec(self.bits):
@@ -74,7 +75,7 @@ def averaged_attitude(
     return AveragedAttitude(made, formulas, bits)
 
 
-def _least_turn(one: Sequence[Any], other: Sequence[Any]) -> Quaternion:
+def _least_turn(one: Sequence[Scalar], other: Sequence[Scalar]) -> Quaternion:
     """The quaternion of the least turn that takes the direction of one vector to the other's."""
     size = mpmath.sqrt(mpmath.fdot(one, one) * mpmath.fdot(other, other))
     (a, b, c), (d, e, f) = one, other
@@ -89,15 +90,15 @@ class DegenerateAttitude:
     """The quaternion body -> space of a motion on a degenerate curve as a function of time."""
 
     #: The constants for a time of the scene and so many bits.
-    formula: Callable[[Any, int], AveragedAttitude]
-    turns: Callable[[Any], tuple[Any, Any]]  # growth of both arguments
+    formula: Callable[[Scalar, int], AveragedAttitude]
+    turns: Callable[[Scalar], tuple[Scalar, Scalar]]  # growth of both arguments
     bits: int  # of the answers
     start: Quaternion
     turn: Quaternion  # from the scene's axes to the top's
     exponent: int  # the top's unit of time is 2^-exponent
-    speed: Any  # a bound of |w|
+    speed: Scalar  # a bound of |w|
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t; ArithmeticError where it has no certificate."""
         del fn
         if not t:

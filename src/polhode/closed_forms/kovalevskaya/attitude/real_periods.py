@@ -11,12 +11,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
 
 from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, Unresolved
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair
 from polhode.closed_forms.kovalevskaya.theta.riemann_theta import whole_parts
 from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.scalars import Scalar
 
 _WHOLE = 1e-3  # by which coordinates of a lattice vector may miss integers
 _MOST_STEPS = 10_000
@@ -76,7 +76,7 @@ def _period(curve: KovalevskayaCurve, row: Sequence[int]) -> RealPeriod:
 def _reduced(curve: KovalevskayaCurve, made: Sequence[RealPeriod]) -> tuple[RealPeriod, RealPeriod]:
     """The shortest and one independent of it, reduced as Gauss reduces a form (Lagrange 1773)."""
 
-    def dot(a: RealPeriod, b: RealPeriod) -> Any:
+    def dot(a: RealPeriod, b: RealPeriod) -> Scalar:
         return sum((x * y.conjugate()).real for x, y in zip(a.z, b.z, strict=True))
 
     a = min(made, key=lambda v: dot(v, v))

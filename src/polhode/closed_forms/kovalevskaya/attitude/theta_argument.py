@@ -28,6 +28,7 @@ from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair, Symmet
 from polhode.closed_forms.kovalevskaya.theta.riemann_theta import whole_parts
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _DECAY = 60.0  # terms below e^-this of the largest are left out in doubles
 _WIDEST = 300.0  # e^this: the ratio of coefficients up to which the smaller ones are looked after
@@ -47,7 +48,7 @@ Flags = npt.NDArray[np.bool_]
 class Piece:
     """A settled piece: its centre, the argument there, and its growth to either end."""
 
-    at: Any
+    at: Scalar
     argument: float
     ahead: float
     back: float
@@ -58,7 +59,7 @@ class ThetaSum:
     """One combination; ``coefficients`` for a = (0,0), (0,1), (1,0), (1,1)."""
 
     tau: SymmetricMatrix
-    coefficients: Sequence[Any]
+    coefficients: Sequence[Scalar]
 
     def growth(self, z: Pair, way: Pair) -> float:
         """Of the argument from z to z + way.
@@ -93,7 +94,7 @@ class ThetaSum:
         return self.window(mpmath.prec * math.log(2) + 10)
 
     @cached_property
-    def kept(self) -> list[tuple[int, int, Any]]:
+    def kept(self) -> list[tuple[int, int, Scalar]]:
         """Those N with exp(pi i N.tau N/2)."""
         t11, t12, t22 = self.tau
         half = 0.5j * mpmath.pi
@@ -128,7 +129,7 @@ class Line:
             [float(v) for part in whole_parts(f.tau, p) for v in part[0]] for p in (z, way)
         )
 
-    def end(self, s: Any) -> Piece:
+    def end(self, s: Scalar) -> Piece:
         """A piece without length."""
         terms, _ = self._terms(s)
         return Piece(s, float(mpmath.arg(mpmath.fsum(terms))), 0.0, 0.0)
@@ -216,7 +217,7 @@ class Line:
                 return
         raise ArithmeticError("a parameter of the attitude comes too near 0")
 
-    def _terms(self, s: Any) -> tuple[list[Any], list[Any]]:
+    def _terms(self, s: Scalar) -> tuple[list[Scalar], list[Scalar]]:
         """The terms, over a positive number, and their nu."""
         t11, t12, t22 = self._f.tau
         z1, z2 = (a + s * b for a, b in zip(self._z, self._way, strict=True))
@@ -240,7 +241,7 @@ class Line:
         return terms, rates
 
 
-def _powers(x: Any, last: int) -> dict[int, Any]:
+def _powers(x: Scalar, last: int) -> dict[int, Any]:
     """x^n for |n| <= last."""
     found = {0: mpf(1)}
     over = 1 / x
@@ -249,13 +250,15 @@ def _powers(x: Any, last: int) -> dict[int, Any]:
     return found
 
 
-def _piece(at: Any, argument: float, slope: complex, turn: float) -> Piece:
+def _piece(at: Scalar, argument: float, slope: complex, turn: float) -> Piece:
     """The growth of e^(la x) (1 + slope x/h), ``turn`` being that of e^(la h)."""
     ahead, back = (math.atan2(side * slope.imag, 1 + side * slope.real) for side in (1, -1))
     return Piece(at, argument, ahead + turn, back - turn)
 
 
-def _cut(c: Any, half: Any, f0: Any, f1: Any, bound: Any) -> list[tuple[Any, Any]]:
+def _cut(
+    c: Scalar, half: Scalar, f0: Scalar, f1: Scalar, bound: Scalar
+) -> list[tuple[Scalar, Scalar]]:
     """Parts of a piece, as centres and half lengths: halves, or what is next to a zero apart.
 
     Where f0 + f1 x is 0 at x = x0, the middle part reaches as far as the geometric mean of the
@@ -272,7 +275,7 @@ def _cut(c: Any, half: Any, f0: Any, f1: Any, bound: Any) -> list[tuple[Any, Any
     return [(c - half / 2, half / 2), (c + half / 2, half / 2)]
 
 
-def _nearest(f0: Any, step: Any) -> Any:
+def _nearest(f0: Scalar, step: Scalar) -> Scalar:
     """The distance of 0 from the segment from f0 - step to f0 + step."""
     square = (step * step.conjugate()).real
     if not square:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Protocol
 
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion, conjugate, product
@@ -20,6 +20,7 @@ from polhode.closed_forms.kovalevskaya.attitude.counted_turns import Counted
 from polhode.closed_forms.kovalevskaya.attitude.theta_turns import TorusTurns
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _TRIALS = 6
 _MORE = 64  # bits more at each trial
@@ -44,12 +45,12 @@ class ThetaAttitude:
     start: Quaternion
     turn: Quaternion  # from the scene's axes to the top's
     exponent: int  # the top's unit of time is 2^-exponent
-    speed: Any  # a bound of |w|
+    speed: Scalar  # a bound of |w|
     third: int  # 1, -1: the scene's third axis is the top's, or its reverse; 0: neither
     coarse: Callable[[], CayleyKlein]  # at TRACKING bits, to count with
     _tori: dict[int, TorusTurns] = field(default_factory=dict)
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t; ArithmeticError where it has no certificate."""
         del fn
         if not t:
@@ -62,7 +63,7 @@ class ThetaAttitude:
                     return product(quaternion(xi, eta), self.turn)
         raise ArithmeticError("the attitude does not pass its certificate")
 
-    def arguments(self, t: Any) -> tuple[Any, Any]:
+    def arguments(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
         if not t:
             return mpf(0), mpf(0)
@@ -81,7 +82,7 @@ class ThetaAttitude:
             self._tori[trial] = TorusTurns(self.formula(trial * _MORE), bits)
         return self._tori[trial]
 
-    def _counted(self, t: Any) -> tuple[Any, Any]:
+    def _counted(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The growth counted along the motion, about the scene's own third axis."""
         with mpmath.workprec(TRACKING):
             return self._pieces.arguments(t)
@@ -90,7 +91,7 @@ class ThetaAttitude:
     def _pieces(self) -> Counted:
         made = self.coarse()
 
-        def at(t: Any) -> Quaternion:
+        def at(t: Scalar) -> Quaternion:
             if not t:
                 return self.start
             xi, eta = made.at(mpmath.ldexp(t, self.exponent))
@@ -104,7 +105,7 @@ class PeriodicAttitude:
     """The quaternion of a motion of one frequency: the panels over one period."""
 
     panels: KovalevskayaAttitude
-    period: Any
+    period: Scalar
 
     @property
     def start(self) -> Quaternion:
@@ -112,11 +113,11 @@ class PeriodicAttitude:
         return self.panels.start
 
     @property
-    def speed(self) -> Any:
+    def speed(self) -> Scalar:
         """An upper bound of |w|."""
         return self.panels.speed
 
-    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
+    def at(self, t: Scalar, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t."""
         n, rest = self._parts(t)
         found = self.panels.at(rest, fn)
@@ -125,17 +126,17 @@ class PeriodicAttitude:
         c, s = mpmath.cos_sin(n * self._half(fn))
         return product((c, mpf(0), mpf(0), s), found)
 
-    def _half(self, fn: SeriesFunctions) -> Any:
+    def _half(self, fn: SeriesFunctions) -> Scalar:
         """Half the turn about the vertical over a period."""
         end = self.panels.at(self.period, fn)
         whole = product(end, conjugate(self.start))
         return mpmath.atan2(whole[3], whole[0])
 
-    def _parts(self, t: Any) -> tuple[int, Any]:
+    def _parts(self, t: Scalar) -> tuple[int, Scalar]:
         n = int(mpmath.floor(t / self.period))
         return n, t - n * self.period
 
-    def arguments(self, t: Any) -> tuple[Any, Any]:
+    def arguments(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
         q0, q1, q2, q3 = self.start
         n, rest = self._parts(t)

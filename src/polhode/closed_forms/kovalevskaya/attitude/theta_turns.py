@@ -12,7 +12,6 @@ n a whole number found once.  What is left of the way is a short one.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from polhode.closed_forms.kovalevskaya.attitude.cayley_klein import CayleyKlein
 from polhode.closed_forms.kovalevskaya.attitude.real_periods import RealPeriod, real_periods
@@ -20,12 +19,13 @@ from polhode.closed_forms.kovalevskaya.attitude.theta_argument import ThetaSum
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair, solved
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 _AGREE = 1e-6  # turns
 _ASIDE = (0, mpf(1) / 8, -mpf(1) / 8, mpf(1) / 5, -mpf(1) / 5)  # of a period, tried in turn
 _ORIGIN = (mpf(0), mpf(0))
 
-Growths = tuple[Any, Any]
+Growths = tuple[Scalar, Scalar]
 
 
 @dataclass(eq=False)
@@ -35,7 +35,7 @@ class TorusTurns:
     made: CayleyKlein
     bits: int
 
-    def growth(self, t: Any) -> Growths:
+    def growth(self, t: Scalar) -> Growths:
         """From time 0 to t, in the top's units; ArithmeticError where more bits are needed."""
         with mpmath.workprec(self.bits):
             found = self._growth(t)
@@ -49,7 +49,7 @@ class TorusTurns:
     def _first(self) -> Growths:
         return self.made.at(mpf(0))
 
-    def _growth(self, t: Any) -> Growths:
+    def _growth(self, t: Scalar) -> Growths:
         (one, other), (first, second) = self._periods, self._loops
         x1, x2 = solved((one.u, other.u), (mpf(0), t))
         n1, n2 = int(mpmath.nint(x1 / 2)), int(mpmath.nint(x2 / 2))

@@ -23,8 +23,9 @@ from collections.abc import Iterable
 from typing import Any
 
 from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.scalars import Scalar
 
-Nodes = tuple[tuple[Any, Any, Any], ...]
+Nodes = tuple[tuple[Scalar, Scalar, Scalar], ...]
 
 _EXTRA = 12  # bits beyond the precision in force
 MOST_NODES = 60_000
@@ -44,7 +45,7 @@ class TooManyNodes(ArithmeticError):
 Place = tuple[complex, complex]
 
 
-def place(from_a: Any, from_b: Any, length: Any) -> Place:
+def place(from_a: Scalar, from_b: Scalar, length: Scalar) -> Place:
     """The x of a point at a distance from the end a and from the end b = a + length."""
     return complex(from_a / length), complex(-from_b / length)
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.scalars import Scalar
 
 #: The three entries tau11, tau12, tau22.
-SymmetricMatrix = tuple[Any, Any, Any]
-Pair = tuple[Any, Any]
+SymmetricMatrix = tuple[Scalar, Scalar, Scalar]
+Pair = tuple[Scalar, Scalar]
 
 _SLACK = 1e-6
 _INSIDE = 0.99

@@ -24,6 +24,7 @@ from mpmath import libmp
 
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair, SymmetricMatrix
 from polhode.numbers.mpmath_context import mpc, mpmath
+from polhode.numbers.scalars import Scalar
 
 #: A characteristic a1, a2, b1, b2 of zeros and ones.
 Characteristic = tuple[int, int, int, int]
@@ -55,9 +56,9 @@ class Thetas:
     tau: SymmetricMatrix
     direction: Pair
     characteristics: tuple[Characteristic, ...]
-    sums: Callable[[Pair, Sequence[Characteristic]], list[tuple[Any, Any, Any]]]
+    sums: Callable[[Pair, Sequence[Characteristic]], list[tuple[Scalar, Scalar, Scalar]]]
 
-    def at(self, z: Pair) -> list[tuple[Any, Any]]:
+    def at(self, z: Pair) -> list[tuple[Scalar, Scalar]]:
         """Values and derivatives along V at z."""
         (_, l), (_, k) = whole_parts(self.tau, z)
         rest = (
@@ -119,7 +120,7 @@ def has_flint() -> bool:
 
 def _fixed_point_sums(
     tau: SymmetricMatrix,
-) -> Callable[[Pair, Sequence[Characteristic]], list[tuple[Any, Any, Any]]]:
+) -> Callable[[Pair, Sequence[Characteristic]], list[tuple[Scalar, Scalar, Scalar]]]:
     """The sums over a half-integer lattice, N = 2n: values, d/dz1 and d/dz2."""
     y11, y12, y22 = (float(t.imag) for t in tau)
     prec = mpmath.prec + _SPARE
@@ -133,7 +134,7 @@ def _fixed_point_sums(
     last1 = max(abs(row[0]) for row in rows)
     last2 = max(max(map(abs, ns)) for _, classes in rows for ns, _, _ in classes if ns)
 
-    def sums(z: Pair, wanted: Sequence[Characteristic]) -> list[tuple[Any, Any, Any]]:
+    def sums(z: Pair, wanted: Sequence[Characteristic]) -> list[tuple[Scalar, Scalar, Scalar]]:
         outer = _powers(z[0], last1, fixed)
         inner = _powers(z[1], last2, fixed)
         ladders = {}
@@ -177,7 +178,7 @@ def _fixed_point_sums(
     return sums
 
 
-def _scaled(mantissa: int, bits: int) -> Any:
+def _scaled(mantissa: int, bits: int) -> Scalar:
     """mantissa/2^bits at the precision in force."""
     return mpmath.make_mpf(libmp.from_man_exp(mantissa, -bits, mpmath.prec, "n"))
 
@@ -262,7 +263,7 @@ def _lattice(tau: SymmetricMatrix, radius: float, fixed: int) -> list[tuple[int,
     return rows
 
 
-def _powers(z: Any, last: int, fixed: int) -> dict[int, tuple[int, int]]:
+def _powers(z: Scalar, last: int, fixed: int) -> dict[int, tuple[int, int]]:
     """exp(pi i z N) for |N| <= last, as integers over 2^fixed."""
     found = {0: (1 << fixed, 0)}
     with mpmath.workprec(fixed + 40):
@@ -278,7 +279,7 @@ def _powers(z: Any, last: int, fixed: int) -> dict[int, tuple[int, int]]:
 
 def _flint_sums(
     tau: SymmetricMatrix,
-) -> Callable[[Pair, Sequence[Characteristic]], list[tuple[Any, Any, Any]]]:
+) -> Callable[[Pair, Sequence[Characteristic]], list[tuple[Scalar, Scalar, Scalar]]]:
     """The same by ``acb_theta_jet`` of FLINT."""
     import flint
 
@@ -286,7 +287,7 @@ def _flint_sums(
 
     prec = mpmath.prec + 2 * _SPARE
 
-    def sums(z: Pair, wanted: Sequence[Characteristic]) -> list[tuple[Any, Any, Any]]:
+    def sums(z: Pair, wanted: Sequence[Characteristic]) -> list[tuple[Scalar, Scalar, Scalar]]:
         with ctx.workprec(prec):
             t = [_to_acb(flint, x) for x in tau]
             matrix = flint.acb_mat([[t[0], t[1]], [t[1], t[2]]])
@@ -302,7 +303,7 @@ def _flint_sums(
     return sums
 
 
-def _to_acb(flint: Any, z: Any) -> Any:
+def _to_acb(flint: Any, z: Scalar) -> Any:
     """An mpc as an exact acb."""
     parts = []
     for x in (z.real, z.imag):
@@ -311,7 +312,7 @@ def _to_acb(flint: Any, z: Any) -> Any:
     return flint.acb(*parts)
 
 
-def _from_acb(x: Any) -> Any:
+def _from_acb(x: Any) -> Scalar:
     """The midpoint of an acb as mpc."""
     parts = []
     for part in (x.real, x.imag):

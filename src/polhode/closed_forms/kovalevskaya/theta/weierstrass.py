@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from polhode.closed_forms.functions.jacobi import MP, Jacobi, jacobi
 from polhode.closed_forms.functions.rounding import number
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Quartic:
         g2, g3 = self.invariants
         return sign(g2 * g2 * g2 - 27 * g3 * g3)
 
-    def derivatives(self, y: Any, bits: int) -> list[Any]:
+    def derivatives(self, y: Scalar, bits: int) -> list[Scalar]:
         """f, f', f'', f''', f'''' at y."""
         a0, a1, a2, a3, a4 = (number(x, bits) for x in self.a)
         return [
@@ -56,14 +56,14 @@ class Quartic:
 class Weierstrass:
     """P on the real line; ``rate`` t is the argument of the Jacobi functions."""
 
-    g2: Any
+    g2: Scalar
     functions: Jacobi | None  # None: P = 1/t^2
-    rate: Any
-    base: Any  # P is base + size/sn^2, or base + size (1 + cn)/(1 - cn)
-    size: Any
+    rate: Scalar
+    base: Scalar  # P is base + size/sn^2, or base + size (1 + cn)/(1 - cn)
+    size: Scalar
     paired: bool  # the latter
 
-    def at(self, t: Any) -> tuple[Any, Any] | None:
+    def at(self, t: Scalar) -> tuple[Scalar, Scalar] | None:
         """P and P'; None at a pole."""
         if self.functions is None:
             return (1 / (t * t), -2 / t**3) if t else None
@@ -87,7 +87,7 @@ class Weierstrass:
         )
 
     @property
-    def period(self) -> Any:
+    def period(self) -> Scalar:
         """The real period; infinite where there is none."""
         return (
             mpmath.inf
@@ -132,12 +132,12 @@ def weierstrass(quartic: Quartic, bits: int) -> Weierstrass:
 class WeierstrassSolution:
     """y(t) as a quotient Y/Z, with derivatives."""
 
-    y0: Any
-    slope: Any
-    f: Sequence[Any]
+    y0: Scalar
+    slope: Scalar
+    f: Sequence[Scalar]
     P: Weierstrass
 
-    def at(self, t: Any) -> tuple[Any, Any, Any, Any]:
+    def at(self, t: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
         """Y, Z, Y', Z'."""
         found = self.P.at(t)
         if found is None:
@@ -153,13 +153,13 @@ class WeierstrassSolution:
         N1 = (-self.slope * P2 + f1 * P1 / 2) * over
         return self.y0 * Z + N, Z, self.y0 * Z1 + N1, Z1
 
-    def value(self, t: Any) -> tuple[Any, Any]:
+    def value(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """y and y'."""
         Y, Z, Y1, Z1 = self.at(t)
         y = Y / Z
         return y, (Y1 - y * Z1) / Z
 
 
-def solution(quartic: Quartic, y0: Any, slope: Any, bits: int) -> WeierstrassSolution:
+def solution(quartic: Quartic, y0: Scalar, slope: Scalar, bits: int) -> WeierstrassSolution:
     """The solution from (y0, y0') at the precision in force."""
     return WeierstrassSolution(y0, slope, quartic.derivatives(y0, bits), weierstrass(quartic, bits))

@@ -1,0 +1,280 @@
+"""A body's motion from any start to any time, again and again: nothing but the engine each time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from threading import get_ident
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from polhode.common.errors import BadInput, plain
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.rows import Doubles, Extendeds, Flat, flat
+from polhode.numbers.scalars import AnyNumber, numbers_given
+from polhode.runs.methods.output_loop import march
+from polhode.runs.problem.options import cadence, choose_number, rounded_tolerance
+from polhode.runs.problem.problem import Problem, problem
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+from polhode.taylor.backend import defaults
+from polhode.taylor.backend.heyoka_numbers import OutOfRange
+from polhode.taylor.backend.step_outcomes import ending
+from polhode.taylor.corrections.integral_projection import Projector, StartTarget
+from polhode.taylor.integrator.compiled import Compiled
+from polhode.taylor.integrator.stepping import Integrator
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+_REACHED_END, _STEP_LIMIT = Outcome.REACHED_END, Outcome.STEP_LIMIT
+_UNIT = 8  # |gamma|² is 1 to so many eps
+
+
+class Propagator:
+    """The motions of one body from any start, by one prepared integrator.
+
+    Made by :func:`polhode.propagator`, for the thread that made it; ``copy.copy`` gives another
+    thread its own.
+
+    Attributes
+    ----------
+    scene : Scene
+        Whose body it is, and whose start where none is given.
+    number : NumberType
+        double or extended.
+    outcome : Outcome
+        How the last call ended.
+    steps : int
+        The Taylor steps of the last call.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> go = polhode.propagator("euler/largest-axis")
+    >>> go
+    <Propagator of euler/largest-axis: double>
+    >>> there = go(t=100.0)
+    >>> abs(go(there, t=-100.0) - go(t=0.0)).max() < 1e-12  # and back again
+    np.True_
+    >>> there = go([1, 0.5, 0, 0, 0, 1], t=[1, 10, 100])  # another start, several times
+    >>> there.shape, go.steps > 100, go.outcome.done
+    ((3, 6), True, True)
+    """
+
+    def __init__(self, problem: Problem, every: int | None) -> None:
+        self.scene, self.number = problem.scene, problem.number
+        self.outcome, self.steps = Outcome.REACHED_END, 0
+        self._problem, self._every = problem, every
+        self._owner = get_ident()
+        self._compiled = Compiled(problem.blueprint)
+        self._heyoka, self._state = self._compiled.heyoka, self._compiled.state
+        self._first: Flat = self._state.copy()
+        self._kind = self._first.dtype
+        self._shape = (len(self.scene.columns),)
+        self._slack = _UNIT * float(self.number.eps)
+        self._turn: Extendeds | None = problem.turn
+        unit = np.ldexp(self._kind.type(1), self.scene.time_unit)
+        self._scale = np.array([unit] * 3 + [1] * (self._shape[0] - 3), self._kind)
+        self._back = 1 / self._scale
+        self._unit = (1 / unit).item()  # Python's own number: a product too large is inf, unsaid
+        choices = defaults.of(self.number)
+        self._chunk, self._most = choices.chunk, choices.max_steps
+
+    def __call__(
+        self, start: npt.ArrayLike | None = None, *, t: AnyNumber | npt.ArrayLike
+    ) -> Doubles | Extendeds:
+        """The state at time ``t``, or the states at several times.
+
+        Parameters
+        ----------
+        start : array_like, shape (6,) or (3,), optional
+            p q r gamma1 gamma2 gamma3 at t = 0 in the scene's axes and units, omega alone of a
+            scene without gamma; the scene's own start where it is left out.  Numbers of the
+            propagator's type or a narrower one; |gamma|² is 1 to 8 eps of the propagator's type.
+        t : number or sequence of numbers
+            The time, or times of one sign that lead away from 0, in the scene's unit.
+
+        Returns
+        -------
+        ndarray, shape (6,) or (len(t), 6)
+            The states, an array of its own; nan where a time was not reached, which ``outcome``
+            then says.
+
+        Raises
+        ------
+        BadInput
+            A start that is not finite, of another shape or of a wider type, or whose gamma is no
+            unit vector; a time that is not finite; a call from another thread.
+        """
+        if get_ident() != self._owner:
+            raise self._bad("thread", "another one", "its own, or a copy.copy of the propagator")
+        self._stand(start)
+        if self._every is not None or type(t) is not float:
+            given, several = numbers_given(t)
+            rows = self._at_times(cast(Sequence[AnyNumber], given))
+            return rows if several else rows[0]
+        if t - t != 0:
+            raise self._bad("t", t, "a finite number")
+        end = t * self._unit
+        if end - end != 0:  # beyond the type in the run's own unit
+            return flat(self._at_times([t])[0])
+        ended, _, _, self.steps, _, _ = self._heyoka.propagate_until(end, max_steps=self._chunk)
+        self.outcome = ending(ended)
+        if self.outcome is _STEP_LIMIT:  # a long way: from here on chunk by chunk, as a run goes
+            return flat(self._at_times([t], self.steps)[0])
+        if self.outcome is not _REACHED_END:
+            return np.full(self._shape, np.nan, self._kind)
+        if self._turn is None:
+            found: Flat = self._state * self._back  # exact: powers of two
+            return found
+        return flat(self._read(self._state[None])[0])
+
+    def __copy__(self) -> Propagator:
+        return Propagator(self._problem, self._every)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Propagator, (self._problem, self._every)
+
+    def __repr__(self) -> str:
+        return f"<Propagator of {self.scene.name}: {self.number.name}>"
+
+    def _bad(self, key: str, value: object, expected: str) -> BadInput:
+        return BadInput(self.scene.name, key, value, expected)
+
+    def _stand(self, start: npt.ArrayLike | None) -> None:
+        """Put heyoka's integrator at a start, which is checked, at time 0."""
+        if start is None:
+            self._state[:] = self._first
+            self._compiled.begin()
+            return
+        row = start if type(start) is np.ndarray else self._array(start)
+        if row.dtype != self._kind or row.shape != self._shape:
+            row = self._array(row)
+        p, q, r, *gamma = row.tolist()
+        if p - p + q - q + r - r != 0:  # nan is not 0, either
+            raise self._bad("start", plain(start), "finite numbers")
+        if gamma:
+            a, b, c = gamma
+            if not -self._slack <= a * a + b * b + c * c - 1.0 <= self._slack:
+                raise self._bad("start", plain(start), "gamma of length 1, to 8 eps")
+        if self._turn is not None:
+            row = self._turned(row, self._turn)
+        np.multiply(row, self._scale, self._state)
+        self._compiled.begin()
+
+    def _array(self, start: npt.ArrayLike) -> Flat:
+        """A start as an array of the propagator's type and shape; raises BadInput."""
+        widths = "p q r gamma1 gamma2 gamma3" if self._shape == (6,) else "p q r"
+        try:
+            given = np.asarray(start)
+        except ValueError:  # rows of different lengths
+            given = np.empty(0)
+        if given.shape != self._shape or np.any(getattr(start, "mask", False)):
+            raise self._bad("start", plain(start), f"the {self._shape[0]} numbers {widths}")
+        narrower = f"numbers of {self.number.name} or narrower"
+        if not np.can_cast(given.dtype, self._kind, "safe"):
+            raise self._bad("start", plain(start), narrower)
+        found: Flat = given.astype(self._kind)
+        if given.dtype.kind in "iu" and [*map(int, found)] != given.tolist():
+            raise self._bad("start", plain(start), narrower)  # numpy rounds long integers silently
+        return found
+
+    def _turned(self, row: Flat, turn: Extendeds) -> Flat:
+        """A row in principal axes, each number rounded once."""
+        wide = row.astype(np.longdouble).reshape(-1, 3)
+        found: Flat = (wide @ turn.T).ravel().astype(self._kind)
+        return found
+
+    def _read(self, rows: Flat) -> Flat:
+        return flat(self._problem.read.states(rows))
+
+    def _at_times(self, given: Sequence[AnyNumber], taken: int = 0) -> Flat:
+        """States at several times, or with corrections: as a run has them.
+
+        ``taken``: the steps from the start to where heyoka's integrator stands.
+        """
+        scene = self.scene.at(given)
+        times = self._problem.schedule(scene).inside
+        corrector = None
+        if self._every is not None:
+            onto = StartTarget(self._problem.target, self._state.copy())
+            corrector = Projector(onto, self._every)
+        integrator = Integrator(
+            self._problem.blueprint, corrector=corrector, compiled=self._compiled
+        )
+        integrator.steps = taken
+        rows = self._state[None].copy()[: times[0] == 0]
+        try:
+            found, self.outcome = march(integrator, times, rows, self._most, self._chunk, None)
+        except OutOfRange as fault:
+            expected = f"a type of wider range ({fault})"
+            raise self._bad("number", self.number.name, expected) from None
+        self.steps = integrator.steps
+        states = np.full((len(times), *self._shape), np.nan, self._kind)
+        states[: len(found)] = self._read(flat(found))
+        if self.outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
+        return states
+
+
+def propagator(
+    scene: Scene | str | Path,
+    *,
+    number: str = "double",
+    tol: AnyNumber | None = None,
+    project: bool | int = False,
+) -> Propagator:
+    """Make a scene's equations ready, for many motions of its body from starts of any kind.
+
+    A call costs what heyoka's steps cost: nothing of what a :class:`polhode.Trajectory` holds is
+    made, and nothing is checked but the start.  For a trajectory, its outputs, events, more digits
+    or an estimate of them there is :func:`polhode.integrate`.
+
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case: in the principal form, without outputs and events.
+    number : {"double", "extended"}
+        The number type.
+    tol : number, optional
+        The tolerance of a step, the type's eps unless given.
+    project : bool or int
+        Put the state back on the first integrals every so many steps; True: as often as
+        :func:`polhode.integrate` does.
+
+    Returns
+    -------
+    Propagator
+        To be called with a start and a time.
+
+    Raises
+    ------
+    BadInput
+        A scene with outputs or events or in another form, a wider number type.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> go = polhode.propagator("general/asymmetric-regular")
+    >>> start = [0.5, -0.25, 1, 0.6, 0, 0.8]
+    >>> [round(float(x), 12) for x in go(start, t=1.0)[:3]]
+    [0.272099643471, -0.615744716446, 1.104732461961]
+    >>> go(start, t=[1, 2, 3]).shape, go.outcome.done
+    ((3, 6), True)
+    """
+    scene = library.load(scene)
+    for key, given in (("outputs", scene.outputs), ("events", [x.name for x in scene.events])):
+        if given:
+            raise BadInput(scene.name, key, ", ".join(given), "none, or polhode.integrate")
+    if scene.form != "principal":
+        raise BadInput(scene.name, "run.form", scene.form, "principal, or polhode.integrate")
+    kind = choose_number(scene, number, None)
+    if not kind.flat:
+        raise BadInput(scene.name, "number", kind.name, "double or extended")
+    if project is None:
+        raise BadInput(scene.name, "project", None, "True, False or a number of steps")
+    tolerance = rounded_tolerance(scene, kind, tol)
+    every = cadence(scene, kind, tolerance, project)
+    return Propagator(problem(scene, kind, tolerance), every)

@@ -1,0 +1,63 @@
+"""heyoka's integrator of a system, prepared: it stands wherever it is put, one run at a time.
+
+Building one takes milliseconds even when its code is found on the disk, and so does freeing it: as
+long as a short run itself.  So a run takes one that is idle, and leaves it to the next one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+
+from polhode.taylor.backend.heyoka_numbers import scalar
+from polhode.taylor.backend.integrator_pool import Idle
+from polhode.taylor.integrator.angle_variables import Cyclic
+from polhode.taylor.integrator.protocols import Desk, Watcher
+from polhode.taylor.integrator.specification import FIRST_KEPT, Blueprint, Built, built
+
+_IDLE: Idle[Built] = Idle()
+
+
+class Compiled:
+    """A prepared integrator of one blueprint, at its start at time 0.
+
+    ``heyoka``: the integrator itself, ``state``: a view of its memory.  ``desk``: of its events,
+    where it looks for any.  ``again``: whether another run may take it up, see
+    :class:`polhode.taylor.integrator.specification.Built`.
+    """
+
+    def __init__(
+        self, plan: Blueprint, watcher: Watcher | None = None, cyclic: Cyclic | None = None
+    ) -> None:
+        self._key: Hashable = plan.key
+        if watcher is not None and self._key is not None:
+            self._key = (self._key, watcher.rules)
+        idle: Built | None = None if self._key is None else _IDLE.take(self._key)
+        self._built = idle or built(plan, watcher, cyclic)
+        self.heyoka = self._built.heyoka
+        self.desk: Desk | None = self._built.desk
+        self.again = self._built.again
+        self.state, self._parameters = self.heyoka.state, self.heyoka.pars
+        self.kept = tuple(enumerate(self._built.kept, FIRST_KEPT))
+        self._zero = scalar(0, plan.number)
+        if idle is not None:
+            self.state[:] = plan.state
+        self.begin()
+
+    def begin(self) -> None:
+        """Be at time 0 in the state that was written to :attr:`state`."""
+        self.heyoka.time = self._zero
+        if self.kept:
+            self.tell_kept()
+
+    def tell_kept(self) -> None:
+        """Give the rates the variables that the equations keep, from where they stand."""
+        for parameter, column in self.kept:
+            self._parameters[parameter] = self.state[column]
+
+    def release(self) -> None:
+        """Leave the compiled code to the next run of the same equations; the last call of all."""
+        if self.desk is not None:
+            self.desk.watch = None  # which knows a run, its scene and its times
+        if self._key is not None and self._built.again:
+            _IDLE.put(self._key, self._built)
+        del self._built, self.heyoka, self.state, self._parameters

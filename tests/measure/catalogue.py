@@ -1,0 +1,10 @@
+"""Write cases/catalogue.json, which ``polhode list`` reads: python tests/measure/catalogue.py."""
+
+from __future__ import annotations
+
+from polhode.scenes import catalogue, library
+from polhode.verbs.list import entry_of
+
+if __name__ == "__main__":
+    text = catalogue.written({name: entry_of(name) for name in library.names()})
+    (library.folder() / catalogue.FILE).write_text(text, "utf-8")

@@ -1,0 +1,233 @@
+"""A prepared propagator gives what a run gives, from any start, and refuses what is none."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import signal
+import threading
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+
+BODY = {"moments": [3, 2, 1], "centre": [0.25, 0.125, 0.5], "weight": 4}
+START = [0.5, -0.25, 2.0, 0.6, 0.0, 0.8]  # 0.36 + 0.64 is 1 to an ulp
+
+
+def scene(**more):
+    given = {**BODY, "omega": START[:3], "gamma": ["0.6", 0, "0.8"], "end": 1} | more
+    return polhode.top(**given)
+
+
+ROTATED = {
+    "moments": None,
+    "inertia": [[3, "1/4", 0], ["1/4", 2.5, "1/8"], [0, "1/8", 1.5]],
+}
+CASES = {
+    "plain": ({}, [0.5, -0.25, 2.0, 0, -1, 0]),
+    "slow": ({"weight": Fraction(1, 2**21), "omega": [1e-3, 0, 2e-3]}, [1e-3, 0, 2e-3, 1, 0, 0]),
+    "fast": ({"weight": 2.0**20, "omega": [1e3, 0, 2e3]}, [900.0, 7.0, 2e3, 0, 1, 0]),
+    "rotated": (ROTATED, [0.5, -0.25, 2.0, 0, -1, 0]),
+    "symmetric": ({"moments": [2, 2, 1], "centre": [0, 0, 1]}, [0.5, 0.25, 2.5, 0, 0, 1]),
+    "free": ({"weight": 0, "gamma": None}, [0.5, 0.25, 2.0]),
+}
+
+
+@pytest.mark.parametrize("number", ["double", "extended"])
+@pytest.mark.parametrize("name", CASES)
+def test_it_gives_what_a_run_from_that_start_gives(name, number):
+    more, start = CASES[name]
+    go = polhode.propagator(scene(**more), number=number)
+    unit = 2.0**go.scene.time_unit
+    moved = dict(zip(("omega", "gamma"), (start[:3], start[3:] or None), strict=True))
+    own = scene(**more | moved)
+    assert own.time_unit == go.scene.time_unit
+    times = [0.5 * unit, 3 * unit, 20 * unit]
+    run = polhode.integrate(own, number, at=times, project=False)
+    for k, t in enumerate(times):
+        found = go(np.array(start), t=t)
+        assert (go.outcome, go.steps) == (polhode.Outcome.REACHED_END, go.steps)
+        if name == "rotated":  # the start's components in principal axes are rounded once more
+            assert np.abs(found - run.states[k]).max() < 300 * float(run.number.eps)
+            assert found.dtype == run.states.dtype
+        else:
+            there = polhode.integrate(own, number, at=[t], project=False)
+            assert found.tolist() == there.states[0].tolist()
+            assert go.steps == there.steps
+    if name != "rotated":
+        assert go(start, t=times).tolist() == run.states.tolist()
+        assert go(start, t=-times[0]).tolist() == go(start, t=[-times[0]])[0].tolist()
+        assert np.abs(go(go(start, t=times[0]), t=-times[0]) - start).max() < 1e-12 * max(start)
+        assert go(t=times[0]).tolist() == go(go(t=0.0), t=times[0]).tolist()
+
+
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_projected_it_stays_on_the_integrals_of_its_own_start(number):
+    plain, held = (polhode.propagator(scene(), number=number, project=p) for p in (False, 16))
+    start = np.array([1.0, 0.5, -2.0, 0, 0.6, 0.8], np.longdouble)
+    start[5] = np.sqrt(1 - start[4] ** 2)
+    start = start.astype(plain(t=0.0).dtype)
+    own = scene(omega=start[:3], gamma=start[3:], normalise=True)
+    end = 300.0
+    assert held(start, t=1.0) is not None
+    eps = float(plain.number.eps)
+
+    def drift(state):
+        body = own.body
+        momentum = [float(m) * w for m, w in zip(body.moments, state[:3], strict=True)]
+        energy = np.dot(momentum, state[:3]) / 2 + np.dot([1.0, 0.5, 2.0], state[3:])
+        return np.array([energy, np.dot(momentum, state[3:]), np.dot(state[3:], state[3:])])
+
+    off = np.abs(drift(held(start, t=end)) - drift(start)).max()
+    assert off < 16 * max(eps, 2.0**-52)
+    assert plain(start, t=end).shape == (6,)
+    assert abs(held.steps - plain.steps) < 20
+    true = np.array([float(x) for x in polhode.integrate(own, "quad", at=[20]).states[0]])
+    assert np.abs(held(start, t=20.0) - true).max() < 1e-12
+
+
+def test_a_result_is_the_caller_s_own():
+    go = polhode.propagator(scene())
+    first = go(t=1.0)
+    kept = first.copy()
+    second = go(t=2.0)
+    assert first.tolist() == kept.tolist() != second.tolist()
+    second[:] = 7
+    assert go(t=1.0).tolist() == kept.tolist()
+
+
+GOOD = np.array(START)
+WRONG = [
+    ([1, 2, 3], "start", "the 6 numbers"),
+    ([[*START]], "start", "the 6 numbers"),
+    (GOOD.astype(np.longdouble), "start", "double or narrower"),
+    (GOOD.astype(complex), "start", "double or narrower"),
+    (["1", "2", "3", "1", "0", "0"], "start", "double or narrower"),
+    ([Fraction(1)] * 3 + [1, 0, 0], "start", "double or narrower"),
+    ([2**53 + 1, 0, 0, 0, 0, 1], "start", "double or narrower"),
+    ([np.nan, *START[1:]], "start", "finite"),
+    ([*START[:2], np.inf, *START[3:]], "start", "finite"),
+    ([*START[:3], np.nan, 0, 1], "start", "length 1"),
+    ([*START[:3], 0.6, 0, 0.8 + 1e-14], "start", "length 1"),
+    ([*START[:3], 0, 0, 0], "start", "length 1"),
+]
+
+
+@pytest.mark.parametrize(("start", "key", "said"), WRONG, ids=range(len(WRONG)))
+def test_what_is_no_start_is_refused_and_the_next_call_is_right(start, key, said):
+    go = polhode.propagator(scene())
+    before = go(GOOD, t=3.0).tolist()
+    with pytest.raises(polhode.BadInput, match=said) as fault:
+        go(start, t=3.0)
+    assert fault.value.key == key
+    assert "\n" not in str(fault.value)
+    assert go(GOOD, t=3.0).tolist() == before
+
+
+@pytest.mark.parametrize("t", [np.nan, np.inf, "x", [1.0, np.nan], [2.0, 1.0], None, [[1.0]]])
+def test_what_is_no_time_is_refused(t):
+    go = polhode.propagator(scene())
+    with pytest.raises(polhode.BadInput):
+        go(t=t)
+    assert np.isfinite(go(t=1.0)).all()
+
+
+@pytest.mark.parametrize(
+    ("made", "key"),
+    [
+        (lambda: polhode.propagator(scene(), number="quad"), "number"),
+        (lambda: polhode.propagator(scene(), number="mp"), "number"),
+        (lambda: polhode.propagator(scene(outputs=["angles"])), "outputs"),
+        (lambda: polhode.propagator(scene(events=[polhode.Event("nutation")])), "events"),
+        (lambda: polhode.propagator(scene(form="momentum")), "run.form"),
+        (lambda: polhode.propagator(scene(), tol=0), "tol"),
+        (lambda: polhode.propagator(scene(), project=0), "project"),
+        (lambda: polhode.propagator(scene(), project=None), "project"),
+    ],
+)
+def test_what_it_does_not_do_is_refused_when_it_is_made(made, key):
+    with pytest.raises(polhode.BadInput) as fault:
+        made()
+    assert fault.value.key == key
+
+
+def test_another_thread_has_to_take_a_copy():
+    go = polhode.propagator(scene())
+    right, found = go(t=5.0).tolist(), {}
+
+    def elsewhere():
+        try:
+            go(t=5.0)
+        except polhode.BadInput as fault:
+            found["refused"] = str(fault)
+        found["copied"] = copy.copy(go)(t=5.0).tolist()
+
+    thread = threading.Thread(target=elsewhere)
+    thread.start()
+    thread.join()
+    assert "copy.copy" in found["refused"]
+    assert found["copied"] == right == pickle.loads(pickle.dumps(go))(t=5.0).tolist()
+
+
+@pytest.mark.parametrize("project", [False, True])
+def test_an_interrupted_call_leaves_it_usable(project):
+    go = polhode.propagator(scene(), project=project)
+    right = go(t=5.0).tolist()
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    def interrupted_after(delay):
+        signal.setitimer(signal.ITIMER_REAL, delay)
+        go(t=1e7)
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        for delay in (0.001, 0.02, 0.3):
+            with pytest.raises(KeyboardInterrupt):
+                interrupted_after(delay)
+            assert go(t=5.0).tolist() == right
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def test_what_was_not_reached_is_nan_and_said():
+    go = polhode.propagator(scene())
+    go._most = 10  # of steps, to be quick about it
+    go._chunk = 10
+    assert np.isnan(go(t=1000.0)).all()
+    assert go.outcome is polhode.Outcome.STEP_LIMIT
+    rows = go(t=[0.125, 1000.0])
+    assert np.isfinite(rows[0]).all()
+    assert np.isnan(rows[1]).all()
+    assert not go.outcome.done
+
+
+@pytest.mark.parametrize("t", [1e308, [1e308], -1e308])
+def test_a_time_that_its_unit_makes_too_large_is_refused(t, recwarn):
+    go = polhode.propagator(scene(weight=2.0**20, omega=[1e3, 0, 2e3]))
+    with pytest.raises(polhode.BadInput, match="number = double: expected a type of wider range"):
+        go(START, t=t)
+    assert not recwarn.list
+
+
+@pytest.mark.parametrize(
+    "start", [[[0.5], 1, 2, 0, 0, 1], np.ma.array(START, mask=[1, 0, 0, 0, 0, 0])]
+)
+def test_what_is_no_row_of_numbers_is_refused(start):
+    with pytest.raises(polhode.BadInput, match=r"start = .*expected the 6 numbers"):
+        polhode.propagator(scene())(start, t=1.0)
+
+
+def test_a_long_way_is_gone_as_a_run_goes_it():
+    fast = scene(moments=[1, 1, 0.5], centre=[0, 0, 1], weight=1, omega=[0, 0.5, 10_000])
+    go = polhode.propagator(fast, number="extended")
+    found = go(t=4.0)
+    assert go.steps > 30_000  # more than are taken at once
+    assert found.tolist() == go(t=[4.0])[0].tolist()
+    go(t=1e300)
+    assert (go.outcome, go.steps < 10**6) == (polhode.Outcome.STEP_LIMIT, True)

@@ -1,0 +1,63 @@
+"""Cases by their names: exactly those that ship, and nothing that is a path."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+import polhode
+from polhode.scenes import library
+
+
+def test_every_name_ships():
+    assert all(map(library.ships, library.names()))
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "",
+        "/",
+        "euler",
+        "euler/",
+        "/euler/sphere",
+        "euler//sphere",
+        "./euler/sphere",
+        "euler/../euler/sphere",
+        "euler/sphere.toml",
+        "euler/sphere.toml/x",
+        "Euler/sphere",
+        "sphere",
+        "euler/*",
+        "euler/\0",
+        "euler\nsphere",
+        "euler/" + 300 * "x",
+    ],
+)
+def test_what_is_no_name_is_refused(name):
+    assert name not in library.names()
+    assert not library.ships(name)
+    with pytest.raises(polhode.BadInput):
+        polhode.load(name)
+
+
+def test_a_case_is_read_without_a_look_at_the_others(monkeypatch):
+    looked = []
+
+    def listed(place, real=os.listdir):
+        looked.append(place)
+        return real(place)
+
+    monkeypatch.setattr(os, "listdir", listed)
+    polhode.load("euler/sphere")
+    assert looked == [library.folder(), library.folder() / "euler"]
+
+
+def test_without_cases_a_path_is_read_all_the_same(tmp_path, monkeypatch):
+    path = tmp_path / "own.toml"
+    path.write_text(polhode.as_toml(polhode.top(moments=[1, 2, 2.5], omega=[1, 0, 0])))
+    monkeypatch.setattr(library, "folder", lambda: tmp_path / "nowhere")
+    assert polhode.load(path).omega == (1, 0, 0)
+    with pytest.raises(polhode.BadInput, match="euler/sphere"):
+        polhode.load("euler/sphere")

@@ -1,0 +1,152 @@
+"""Times made where they are asked for are the exact ones, rounded once."""
+
+from __future__ import annotations
+
+import pickle
+import random
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as some
+
+from polhode.common.errors import BadInput
+from polhode.numbers.exact import sqrt
+from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
+from polhode.scenes.output_times import BinaryTimes, EvenTimes, ListedTimes, OutputTimes
+from polhode.scenes.scene import Scene
+
+ENDS = [Fraction(1), Fraction(-7, 3), Fraction(1000), Fraction(10**30 + 1, 3), Fraction(1, 10**200)]
+
+
+def exactly(end: Fraction, samples: int) -> tuple[Fraction, ...]:
+    return tuple(end * Fraction(k, samples - 1) for k in range(samples))
+
+
+@given(
+    end=some.fractions(max_denominator=10**6).filter(bool) | some.sampled_from(ENDS),
+    samples=some.integers(2, 400),
+)
+def test_doubles_of_even_times_are_rounded_once(end: Fraction, samples: int) -> None:
+    true = [float(t) for t in exactly(end, samples)]
+    assert EvenTimes(end, samples).doubles().tolist() == true
+
+
+def test_a_million_doubles_are_rounded_once() -> None:
+    samples, rng = 1_000_001, random.Random(5)
+    for end in (Fraction(1000), Fraction(2**53 + 1, 7)):
+        found = EvenTimes(end, samples).doubles()
+        # k*a / (b*(n - 1)) in integers, of which Python rounds the quotient correctly
+        top, bottom = end.numerator, end.denominator * (samples - 1)
+        places = rng.sample(range(samples), 100_000)
+        assert all(found[k] == k * top / bottom for k in places)
+
+
+@pytest.mark.parametrize("off", [0, Fraction(1, 2**60), -Fraction(1, 2**60)])
+@pytest.mark.parametrize("tie", [2**53 + 1, 2**53 + 3, 2**53 + 5, Fraction(2**54 - 1, 2)])
+def test_ties_and_what_is_next_to_them_are_rounded_once(tie: Fraction, off: Fraction) -> None:
+    """Next to a tie by less than a pair of doubles holds; the last one below a power of two."""
+    end = (tie + off) * 32
+    assert EvenTimes(end, 33).doubles().tolist() == [float(t) for t in exactly(end, 33)]
+
+
+@pytest.mark.parametrize("number", [DOUBLE, EXTENDED, QUAD], ids=lambda x: x.name)
+@pytest.mark.parametrize("end", [*ENDS, sqrt(Fraction(2)), Fraction(10) ** 299], ids=str)
+def test_rounded_times_are_those_of_the_number_type(end: Fraction, number: object) -> None:
+    times = EvenTimes(end, 9)
+    rounded = times.rounded(number)  # type: ignore[arg-type]
+    assert rounded == tuple(number.rounded(t) for t in times)  # type: ignore[attr-defined]
+    assert rounded[3:5] == (rounded[3], rounded[4])
+    assert rounded.rounded(number) == rounded  # type: ignore[arg-type]
+
+
+KINDS: list[OutputTimes] = [
+    EvenTimes(Fraction(1), 4),
+    BinaryTimes(np.array([0.25, 0.5])),
+    BinaryTimes(np.array([0.1, 0.5], dtype=np.longdouble) / 3),
+    ListedTimes((Fraction(1, 3), Fraction(2))),
+]
+
+
+@pytest.mark.parametrize("times", KINDS, ids=lambda x: type(x).__name__)
+def test_they_are_as_their_tuple(times: OutputTimes) -> None:
+    held = tuple(times)
+    assert times + (1,) == (*held, 1)  # noqa: RUF005
+    assert (1,) + times == (1, *held)  # noqa: RUF005
+    assert times + times == held * 2
+    assert times == held == tuple(times[k] for k in range(len(times)))
+    assert (times[-1], times[1:], repr(times), hash(times)) == (
+        *(held[-1], held[1:]),
+        *(repr(held), hash(held)),
+    )
+    back = pickle.loads(pickle.dumps(times))
+    assert back == times
+    assert type(back) is type(times)
+    with pytest.raises(IndexError):
+        times[len(times)]
+
+
+def test_an_array_is_taken_as_it_is_and_copied(scene: Scene) -> None:
+    given = np.array([0.5, 1.0, 2.0])
+    found = scene.at(given)
+    given[0] = 7
+    assert found.times == (Fraction(1, 2), 1, 2)
+    assert scene.at(np.array([0, 1, 2])).times == (0, 1, 2)
+
+
+@pytest.mark.parametrize(
+    ("times", "place"),
+    [
+        ([1.0, 1.0], 2),
+        ([1.0, 0.5], 2),
+        ([0.0, 0.0], 2),
+        ([-1.0, 1.0], 1),
+        ([1.0, 2.0, 1.5], 3),
+        ([0.0, -1.0, 1.0], 2),
+    ],
+)
+@pytest.mark.parametrize("kind", [list, np.array])
+def test_wrong_orders_are_refused(scene: Scene, times: list[float], place: int, kind: type) -> None:
+    with pytest.raises(BadInput, match=rf"run\.at\[{place}\]"):
+        scene.at(kind(times))
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+def test_what_is_no_number_is_refused(scene: Scene, wrong: float) -> None:
+    with pytest.raises(BadInput, match=r"at\[2\]"):
+        scene.at(np.array([1.0, wrong]))
+
+
+@pytest.fixture
+def scene() -> Scene:
+    import polhode
+
+    return polhode.top(moments=[3, 2, 1], omega=[1, 1, 1])
+
+
+def test_a_place_of_numpy_s_is_a_place() -> None:
+    times = EvenTimes(Fraction(0.1) * 8191, 100_001)
+    found = times[np.int64(99_999)]  # once its product went over 2**63
+    assert found == times[99_999] == times[np.int64(-2)]
+    assert type(found.numerator) is int
+    with pytest.raises(IndexError):
+        times[100_001]
+
+
+def test_no_times_of_a_run_are_no_times(scene: Scene) -> None:
+    times = scene.at(np.array([1.0, 2.0])).times
+    assert scene.at(times[:0]).times == ()
+    assert times[2:].misplaced() is None
+
+
+@pytest.mark.parametrize("at", [["1e-400"], ["1e-400", 1]])
+def test_a_first_time_too_small_for_the_type_is_not_taken_for_zero(scene: Scene, at: list) -> None:
+    rounded = scene.at(at).output_times.rounded(DOUBLE)
+    assert rounded[0] == DOUBLE.rounded(Fraction(at[0])) > 0
+
+
+def test_a_masked_time_is_refused(scene: Scene) -> None:
+    with pytest.raises(BadInput, match=r"at\[2\] = --: expected a number"):
+        scene.at(np.ma.array([1.0, 2.0, 3.0], mask=[0, 1, 0]))
+    assert scene.at(np.ma.array([1.0, 2.0])).times == (1, 2)

@@ -1,0 +1,69 @@
+"""Settings of the whole process are put back, whoever leaves last and however."""
+
+from __future__ import annotations
+
+from threading import Barrier, Thread
+
+import pytest
+from threadpoolctl import threadpool_info
+
+import polhode
+from polhode.taylor.backend.process_settings import one_blas_thread
+
+
+def threads():
+    return [x["num_threads"] for x in threadpool_info() if x["user_api"] == "blas"]
+
+
+@pytest.fixture
+def before():
+    """Two BLAS threads, whatever the machine or the environment."""
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(2, user_api="blas"):
+        yield threads()
+
+
+def test_blas_has_one_thread_inside_and_those_of_before_outside(before):
+    with one_blas_thread():
+        assert set(threads()) == {1}
+        with one_blas_thread():
+            pass
+        assert set(threads()) == {1}
+    assert threads() == before != [1] * len(before)
+    with pytest.raises(KeyError), one_blas_thread():
+        raise KeyError
+    assert threads() == before
+
+
+def test_the_last_of_two_threads_puts_it_back(before):
+    inside, seen = Barrier(2, timeout=30), []
+
+    def work():
+        with one_blas_thread():
+            inside.wait()
+        seen.append(threads())
+
+    workers = [Thread(target=work) for _ in range(2)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    assert seen[-1] == before == threads()
+
+
+def test_a_refinement_runs_on_one(before, monkeypatch):
+    from polhode.refined import refinement
+
+    seen = []
+    step = refinement._Run.to_the_end
+
+    def noted(self, *arguments):
+        seen.extend(threads())
+        return step(self, *arguments)
+
+    monkeypatch.setattr(refinement._Run, "to_the_end", noted)
+    run = polhode.integrate("general/asymmetric-regular", "quad", at=[20], method="refined")
+    assert run.method == "refined"
+    assert set(seen) == {1}
+    assert threads() == before
