@@ -131,7 +131,7 @@ def as_fraction(value: HeyokaNumber, number: NumberType) -> Fraction:
 
 
 def cache() -> dict[str, Any]:
-    """heyoka's disk cache of compiled code: whether it is on, where, its size, its limit, or what is wrong."""
+    """heyoka's disk cache of compiled code: on or not, where, size and limit, or what is wrong."""
     state = hy.llvm_state
     enabled = bool(state.get_diskcache_enabled())
     try:
