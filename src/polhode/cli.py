@@ -24,7 +24,7 @@ from polhode.verbs import terminal
 from polhode.verbs.terminal import BAD_INPUT, DONE, INTERRUPTED
 
 VERBS = (
-    *("list", "show", "run", "reference", "check", "compare", "sweep", "plot", "view"),
+    *("list", "show", "new", "run", "reference", "check", "compare", "sweep", "plot", "view"),
     *("levels", "section", "map", "orbit", "frequencies", "study", "report", "guide", "about"),
 )
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
-from polhode.common.errors import nearest
+from polhode.common.errors import listed, nearest
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, Irrational
 from polhode.numbers.scalars import Scalar
@@ -40,10 +40,14 @@ class ExpressionError(ValueError):
 
 
 class Algebra(NamedTuple):
-    """How numbers enter the arithmetic that the names belong to, and its functions by name."""
+    """How numbers enter the arithmetic that the names belong to, and its functions by name.
+
+    ``juxtaposed``: a name that follows a value without a sign multiplies it, as a unit does.
+    """
 
     lift: Callable[[Exact], Scalar]
     functions: Mapping[str, Callable[[Scalar], Scalar]]
+    juxtaposed: bool = False
 
 
 def number(text: str) -> Exact:
@@ -95,6 +99,7 @@ class _Reader:
         self.position = 0
         self.depth = 0
         self.names, self.algebra = names, algebra
+        self.juxtaposed = algebra is not None and algebra.juxtaposed
 
     def all(self) -> Scalar:
         value = self.sum()
@@ -117,11 +122,21 @@ class _Reader:
         return value
 
     def product(self) -> Scalar:
-        value = self.signed()
-        while self.peek() in ("*", "/"):
-            operator, other = self.take(), self.signed()
+        value, divided = self.signed(), False
+        while True:
+            if self.peek() in ("*", "/"):
+                operator, other = self.take(), self.signed()
+                divided |= operator == "/" and not _is_exact(other)
+            elif self.juxtaposed and self.named(self.peek()):
+                if divided:
+                    raise ExpressionError(f"write * or / before {self.peek()!r}")
+                operator, other = "*", self.signed()
+            else:
+                return value
             value = self.combine(operator, value, other)
-        return value
+
+    def named(self, token: str) -> bool:
+        return token[:1].isalpha() and token not in FUNCTIONS and token != "pi"
 
     def signed(self) -> Scalar:
         minus = False
@@ -161,6 +176,10 @@ class _Reader:
             return self.names[token]
         if token == "":
             raise ExpressionError("it ends where a number was expected")
+        if self.juxtaposed and token[0].isalpha():
+            raise ExpressionError(
+                f"unknown unit {token[:40]!r}; known are {listed(token, [*self.names])}"
+            )
         if token[0].isalpha() or token[0] == "_":
             known = nearest(token, [*self.names, *FUNCTIONS, "pi"])
             raise ExpressionError(f"unknown name {token[:40]!r}; known are {known}")
@@ -177,10 +196,10 @@ class _Reader:
                 raise ZeroDivisionError
             a, b = self.lifted(a), self.lifted(b)
         if operator == "+":
-            return _bounded(a + b)
+            return bounded(a + b)
         if operator == "-":
-            return _bounded(a - b)
-        return _bounded(a * b) if operator == "*" else _bounded(a / b)
+            return bounded(a - b)
+        return bounded(a * b) if operator == "*" else bounded(a / b)
 
     def raised(self, base: Scalar, exponent: Scalar) -> Scalar:
         if not isinstance(exponent, Fraction):
@@ -189,18 +208,11 @@ class _Reader:
             if exponent.denominator == 1 and abs(exponent) <= MAX_EXPONENT:
                 return base ** int(exponent)
             raise ExpressionError(f"a power of a name has an integer exponent up to {MAX_EXPONENT}")
-        size = max(abs(exponent.numerator), exponent.denominator)
-        if isinstance(base, Fraction):
-            bits = max(base.numerator.bit_length(), base.denominator.bit_length())
-            if base not in (0, 1, -1) and (bits * size > MAX_BITS or size > MAX_BITS):
-                raise ExpressionError("a power too large to hold")
-        elif size > MAX_EXPONENT:
-            raise ExpressionError(f"an exponent larger than {MAX_EXPONENT}")
-        return _bounded(exact.power(base, exponent))
+        return exact_power(base, exponent)
 
     def applied(self, name: str, argument: Scalar) -> Scalar:
         if _is_exact(argument):
-            return {"sqrt": exact.sqrt, "sin": exact.sin, "cos": exact.cos}[name](argument)
+            return exact_function(name, argument)
         assert self.algebra is not None
         return self.algebra.functions[name](argument)
 
@@ -230,7 +242,27 @@ def _is_exact(value: object) -> bool:
     return isinstance(value, (Fraction, Irrational))
 
 
-def _bounded(value: Scalar) -> Scalar:
+def exact_power(base: Exact, exponent: Fraction) -> Exact:
+    """A power of a number; raises ExpressionError where it is too large to hold."""
+    size = max(abs(exponent.numerator), exponent.denominator)
+    if isinstance(base, Fraction):
+        bits = max(base.numerator.bit_length(), base.denominator.bit_length())
+        if base not in (0, 1, -1) and (bits * size > MAX_BITS or size > MAX_BITS):
+            raise ExpressionError("a power too large to hold")
+    elif size > MAX_EXPONENT:
+        raise ExpressionError(f"an exponent larger than {MAX_EXPONENT}")
+    power: Exact = bounded(exact.power(base, exponent))
+    return power
+
+
+def exact_function(name: str, argument: Exact) -> Exact:
+    """The root, sine or cosine of a number."""
+    found: Exact = {"sqrt": exact.sqrt, "sin": exact.sin, "cos": exact.cos}[name](argument)
+    return found
+
+
+def bounded(value: Scalar) -> Scalar:
+    """The value; raises ExpressionError where it is a number too large to hold."""
     if isinstance(value, Fraction):
         size = max(value.numerator.bit_length(), value.denominator.bit_length())
         if size > MAX_BITS:

@@ -35,6 +35,8 @@ def described(scene: Scene) -> dict[str, Any]:
         "moments": [shown(x) for x in body.moments],
         "torque": [shown(x) for x in body.torque],
     }
+    if scene.units:
+        facts["units"] = scene.units
     if not body.axes.trivial:
         facts["axes"] = [[shown(x) for x in row] for row in body.axes.rows]
     facts["integrals"] = {"h": shown(values.energy)}

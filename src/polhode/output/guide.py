@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from polhode.common.errors import BadInput, nearest
+from polhode.numbers.quantity import UNITS, named
 from polhode.scenes import keys
 from polhode.scenes.vocabulary import COLUMNS
 
@@ -33,6 +34,7 @@ def page(topic: str) -> str:
     text = path.read_text(encoding="utf-8")
     text = re.sub(r"<!-- keys ?([\w.]*) -->", lambda found: "\n".join(_keys(found[1])), text)
     text = re.sub(r"<!-- columns -->", lambda _: "\n".join(_columns()), text)
+    text = re.sub(r"<!-- units -->", lambda _: "\n".join(_units()), text)
     return re.sub(r"<!-- api -->", lambda _: "\n".join(_api()), text)
 
 
@@ -44,13 +46,23 @@ def _columns() -> list[str]:
     return lines
 
 
+def _units() -> list[str]:
+    """The units that numbers may have, by dimension."""
+    by_dimension: dict[str, list[str]] = {}
+    for name, unit in UNITS.items():
+        by_dimension.setdefault(named(unit.dimension), []).append(f"`{name}`")
+    lines = ["| in SI | units |", "|---|---|"]
+    return [*lines, *(f"| `{k}` | {' '.join(names)} |" for k, names in by_dimension.items())]
+
+
 def _keys(section: str) -> list[str]:
     """The keys of a section as a table, from the one that the reader of scenes goes by."""
     lines = ["| key | what | kind | default | example |", "|---|---|---|---|---|"]
     for key in keys.KEYS[section]:
         default = f"`{key.default}`" if key.default else ""
         example = f"`{key.name} = {key.example}`" if key.example else ""
-        cells = (f"`{key.name}`", key.meaning, key.kind, default, example)
+        kind = f"{key.kind}, {key.unit}" if key.unit else key.kind
+        cells = (f"`{key.name}`", key.meaning, kind.replace("**", "^"), default, example)
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return lines
 

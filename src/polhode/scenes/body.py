@@ -8,7 +8,8 @@ exactly, and projections onto an axis are formed before the axis is scaled to le
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+import sys
+from collections.abc import Iterable, Sized
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -33,6 +34,19 @@ def exact_vector(values: object, source: str = "Body", key: str = "vector") -> V
     if len(numbers) != 3:
         raise BadInput(source, key, f"{len(numbers)} numbers", "three numbers")
     return numbers[0], numbers[1], numbers[2]
+
+
+def unit_in_doubles(values: object) -> bool:
+    """Whether floats are of length 1 but for their own rounding, to 8 eps, and not exactly."""
+    if not isinstance(values, Sized) or not isinstance(values, Iterable) or isinstance(values, str):
+        return False  # an iterator is used up by looking at it
+    given = [*values]
+    if not any(isinstance(x, float) for x in given):
+        return False
+    if not all(type(x) is int or (isinstance(x, float) and math.isfinite(x)) for x in given):
+        return False
+    square = sum((Fraction(x) ** 2 for x in given), Fraction(-1))
+    return 0 < abs(square) <= 8 * Fraction(sys.float_info.epsilon)
 
 
 def dot(a: Vector, b: Vector) -> Exact:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Never
 
 from polhode.common.arguments import each, of_kind
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, listed, plain
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import keys, scene_file
+from polhode.scenes.body import unit_in_doubles
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import as_read, owned, written
@@ -44,7 +46,9 @@ def top(
     events: Sequence[Event | Mapping[str, object]] = (),
     reference: str | None = None,
     title: str = "",
+    units: str | None = None,
     name: str = "top",
+    **unknown: Never,
 ) -> Scene:
     """A scene from plain numbers, no file: the arguments are the keys of a scene file.
 
@@ -56,7 +60,10 @@ def top(
     times ``at``.  See ``polhode guide scene``.
 
     Numbers of any kind are taken exactly, a float as the binary number that it is, which
-    :func:`polhode.as_toml` shows; the text "0.1" is one tenth.  Raises BadInput, a ValueError.
+    :func:`polhode.as_toml` shows; the text "0.1" is one tenth, "600 rpm" a number with its unit.
+    A gamma or quaternion of floats that is of length 1 but for their rounding (8 eps) is brought
+    to length 1, as ``normalise`` does, and the scene's text says so.  ``units``: "SI", or left out
+    for any consistent units.  Raises BadInput, a ValueError.
 
     >>> import polhode
     >>> spun = polhode.top(moments=[1, 1, 0.5], centre=[0, 0, 1], weight=2,
@@ -70,6 +77,10 @@ def top(
     """
     of_kind("top", "name", name, str, "text")
     of_kind(name, "start.normalise", normalise, bool, "True or False")
+    for key in unknown:
+        known = [*inspect.signature(top).parameters][:-1]
+        raise BadInput(name, key, plain(unknown[key]), f"an argument: {listed(key, known)}")
+    normalise = normalise or unit_in_doubles(gamma) or unit_in_doubles(quaternion)
     given = {key: value for key, value in locals().items() if value is not None}
     data: dict[str, Any] = {
         section: {key.name: given[key.name] for key in keys.KEYS[section] if key.name in given}
@@ -81,6 +92,8 @@ def top(
         expected = "a list of Part, or of mappings"
         data["body"]["parts"] = each(name, "body.parts", parts, lambda part: part, expected)
     data["title"] = title
+    if units is not None:
+        data["units"] = units
     data["reference"] = {} if reference is None else {"kind": reference}
     data["events"] = each(name, "events", events, lambda x: x, "events")
     data["events"] = [_event(name, k, event) for k, event in enumerate(data["events"])]

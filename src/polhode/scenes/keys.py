@@ -2,11 +2,14 @@
 
 A key's ``default`` is the text that a file may give it and that means the same as leaving it out;
 empty where the key must be given, or where leaving it out has a meaning of its own, which
-``meaning`` then says.  A key's ``example`` is what may stand behind ``key =``.
+``meaning`` then says.  A key's ``example`` is what may stand behind ``key =``.  A key's ``unit``
+is what its numbers are multiples of where they are written with units
+(:mod:`polhode.numbers.quantity`); empty where they have none.
 """
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping
 from functools import cache
@@ -31,15 +34,18 @@ from polhode.scenes.vocabulary import (
 NUMBER, VECTOR, WORD, WORDS = "number", "three numbers", "text", "list of texts"
 WHOLE, TRUTH, TABLE, TABLES = "whole number", "true or false", "table", "tables"
 
+_INDEX = re.compile(r"\[[0-9]+\]")
+
 
 class Key(NamedTuple):
-    """A key of a section: its kind, meaning, default and an example, as TOML text."""
+    """A key of a section: its kind, meaning, default and an example, as TOML text; its unit."""
 
     name: str
     kind: str
     meaning: str
     example: str = ""
     default: str = ""
+    unit: str = ""
 
 
 def _listed(words: Any) -> str:
@@ -53,6 +59,14 @@ KEYS: dict[str, tuple[Key, ...]] = {
         Key("title", WORD, "what it is called in lists and figures", '"My top"', '""'),
         Key("tags", WORDS, "for `polhode list --tag`", '["fast"]', "[]"),
         Key("cite", WORDS, "where the scene comes from", '["Euler 1758"]', "[]"),
+        Key(
+            "units",
+            WORD,
+            "`SI`: m, kg, s and rad, also of numbers without a unit; so it is wherever a number "
+            "has one, as `5 cm`; left out: any consistent units",
+            '"SI"',
+            '""',
+        ),
         Key("body", TABLE, "the body"),
         Key("start", TABLE, "its state at t = 0"),
         Key("run", TABLE, "what is asked for", default="{}"),
@@ -63,12 +77,13 @@ KEYS: dict[str, tuple[Key, ...]] = {
         Key("expect", TABLE, "least and most correct digits by number type", default="{}"),
     ),
     "body": (
-        Key("moments", VECTOR, "principal moments of inertia A, B, C", "[2, 2, 1]"),
+        Key("moments", VECTOR, "principal moments of inertia A, B, C", "[2, 2, 1]", unit="kg*m**2"),
         Key(
             "inertia",
             "3 x 3 matrix",
             "or the inertia matrix in any body axes",
             '[[2, "1/2", 0], ["1/2", 2, 0], [0, 0, 3]]',
+            unit="kg*m**2",
         ),
         Key("parts", TABLES, "or the solids that the body is made of: `[[body.parts]]`"),
         Key(
@@ -84,25 +99,36 @@ KEYS: dict[str, tuple[Key, ...]] = {
             VECTOR,
             "centre of mass from the fixed point; given where there is a weight",
             "[0, 0, 1]",
+            unit="m",
         ),
-        Key("weight", NUMBER, "Mg; 0: no torque; negative: hanging", "1", "0"),
-        Key("mass", NUMBER, "mass, with `g` instead of a weight", "0.25"),
-        Key("g", NUMBER, "acceleration of gravity, with `mass` or `parts`", "9.80665"),
+        Key("weight", NUMBER, "Mg; 0: no torque; negative: hanging", "1", "0", unit="N"),
+        Key("mass", NUMBER, "mass, with `g` instead of a weight", "0.25", unit="kg"),
+        Key(
+            "g", NUMBER, "acceleration of gravity, with `mass` or `parts`", "9.80665", unit="m/s**2"
+        ),
     ),
     "body.parts": (
         Key("shape", WORD, f"one of {_listed(SHAPES)}, homogeneous", '"cone"'),
-        Key("mass", NUMBER, "its mass", "0.1"),
-        Key("size", VECTOR, "edges of a box along the body's axes", "[3, 2, 1]"),
-        Key("semi_axes", VECTOR, "of an ellipsoid, along the body's axes", "[3, 2, 1]"),
-        Key("radius", NUMBER, "of a cylinder, disc, cone or sphere", "0.03"),
-        Key("height", NUMBER, "of a cylinder, cone or rod, along its axis", "0.05"),
-        Key("inner", NUMBER, "inner radius of a hollow cylinder, disc or sphere", "0.02", "0"),
+        Key("mass", NUMBER, "its mass", "0.1", unit="kg"),
+        Key("size", VECTOR, "edges of a box along the body's axes", "[3, 2, 1]", unit="m"),
+        Key("semi_axes", VECTOR, "of an ellipsoid, along the body's axes", "[3, 2, 1]", unit="m"),
+        Key("radius", NUMBER, "of a cylinder, disc, cone or sphere", "0.03", unit="m"),
+        Key("height", NUMBER, "of a cylinder, cone or rod, along its axis", "0.05", unit="m"),
+        Key(
+            "inner",
+            NUMBER,
+            "inner radius of a hollow cylinder, disc or sphere",
+            "0.02",
+            "0",
+            unit="m",
+        ),
         Key(
             "at",
             VECTOR,
             "its centre, of a cone its tip, from the fixed point",
             "[0, 0, 1]",
             "[0, 0, 0]",
+            unit="m",
         ),
         Key(
             "axis",
@@ -113,8 +139,20 @@ KEYS: dict[str, tuple[Key, ...]] = {
         ),
     ),
     "start": (
-        Key("omega", VECTOR, "angular velocity p, q, r in body axes", '["0.3", 0.2, 1.1]'),
-        Key("momentum", VECTOR, "or angular momentum P, Q, R in body axes", "[2, 9, 1]"),
+        Key(
+            "omega",
+            VECTOR,
+            "angular velocity p, q, r in body axes",
+            '["0.3", 0.2, 1.1]',
+            unit="rad/s",
+        ),
+        Key(
+            "momentum",
+            VECTOR,
+            "or angular momentum P, Q, R in body axes",
+            "[2, 9, 1]",
+            unit="kg*m**2/s",
+        ),
         Key(
             "gamma",
             VECTOR,
@@ -127,8 +165,9 @@ KEYS: dict[str, tuple[Key, ...]] = {
             NUMBER,
             "or the energy h, with `f`: the spin is the one on that level whose vertical is gamma",
             '"9/4"',
+            unit="J",
         ),
-        Key("f", NUMBER, "area constant I w . gamma, with `h`", "1"),
+        Key("f", NUMBER, "area constant I w . gamma, with `h`", "1", unit="kg*m**2/s"),
         Key(
             "sign",
             WORD,
@@ -136,18 +175,20 @@ KEYS: dict[str, tuple[Key, ...]] = {
             f'"{SIGNS[1]}"',
             f'"{SIGNS[0]}"',
         ),
-        Key("psi", NUMBER, "precession angle, beside gamma", '"pi/3"', "0"),
+        Key("psi", NUMBER, "precession angle, beside gamma", '"pi/3"', "0", unit="rad"),
         Key(
             "angles",
             VECTOR,
             "or psi, theta, phi: R = Rz(psi) Rx(theta) Rz(phi), body to space",
             '[0, "pi/6", 0]',
+            unit="rad",
         ),
         Key(
             "rates",
             VECTOR,
             "or the rates psi', theta', phi', with `angles`",
             "[0, 0, 30]",
+            unit="rad/s",
         ),
         Key(
             "quaternion",
@@ -164,9 +205,15 @@ KEYS: dict[str, tuple[Key, ...]] = {
         ),
     ),
     "run": (
-        Key("end", NUMBER, "last time; may be negative", "200"),
+        Key("end", NUMBER, "last time; may be negative", "200", unit="s"),
         Key("samples", WHOLE, "so many times from 0 to end, evenly spread", "401", "2"),
-        Key("at", "list of numbers", "or the times themselves, in order away from 0", "[1, 10]"),
+        Key(
+            "at",
+            "list of numbers",
+            "or the times themselves, in order away from 0",
+            "[1, 10]",
+            unit="s",
+        ),
         Key("form", WORD, f"form of the equations: {_listed(FORMS)}", '"principal"', '"principal"'),
         Key("outputs", WORDS, f"beside omega and gamma: {_listed(COLUMNS)}", '["angles"]', "[]"),
     ),
@@ -187,7 +234,7 @@ KEYS: dict[str, tuple[Key, ...]] = {
         Key("stop", TRUTH, "whether the run ends at the first one", "true", "false"),
     ),
     "published": (
-        Key("t", NUMBER, "time", "30"),
+        Key("t", NUMBER, "time", "30", unit="s"),
         Key("quantity", WORD, "an expression in the columns", '"180/pi*p"'),
         Key("value", WORD, "the value, digit for digit as printed", '"12.6183907758"'),
         Key("cite", WORD, "who printed it", '"NASA/TM-2015-218675"'),
@@ -221,6 +268,12 @@ def names(section: str) -> list[str]:
 def words(section: str) -> set[str]:
     """The keys of a section that hold no number, and so cannot be varied."""
     return {key.name for key in KEYS[section] if key.kind in (WORD, WORDS, TRUTH, WHOLE)}
+
+
+def unit(key: str) -> str:
+    """The unit of a key's numbers; ``key`` in full, as ``body.parts[1].size``; "" for none."""
+    section, _, name = _INDEX.sub("", key).rpartition(".")
+    return next((x.unit for x in KEYS.get(section, ()) if x.name == name), "")
 
 
 def given(section: str, table: Mapping[str, Any], name: str) -> Any:

@@ -24,7 +24,7 @@ from polhode.scenes.body import Body, Vector, dot, exact_vector, scaled
 from polhode.scenes.event import Event, check_event
 from polhode.scenes.output_times import OutputTimes, listed_times
 from polhode.scenes.presentation import ScenePresentation
-from polhode.scenes.vocabulary import COLUMNS, FORMS, STATE
+from polhode.scenes.vocabulary import COLUMNS, FORMS, STATE, UNITS
 
 _PRESENTATION: Slot[ScenePresentation[Scene]] = Slot("scenes")
 
@@ -98,8 +98,8 @@ class Scene:
 
     ``gamma`` None: a torque-free body of which only omega is asked.  ``times``: output times, all
     of one sign (0 may be the first), |t| increasing.  Numbers of any kind are taken exactly, a
-    float as the binary number that it is.  ``normalise``: bring gamma to length 1.  Raises BadInput
-    where a value cannot be.
+    float as the binary number that it is.  ``normalise``: bring gamma to length 1.  ``units``:
+    "SI", or "" for any consistent units.  Raises BadInput where a value cannot be.
 
     >>> import polhode
     >>> body = polhode.Body.of_moments([2, 2, 1], centre=[1, 0, 0], weight=1)
@@ -128,10 +128,11 @@ class Scene:
     expect: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     source: str = ""  # the text it was read from, for the provenance
     section: SectionPlan = field(default_factory=SectionPlan)
+    units: str = ""  # "SI" where the numbers are in m, kg, s and rad
     normalise: InitVar[bool] = False
 
     def __post_init__(self, normalise: bool) -> None:
-        for key in ("name", "title", "form", "reference"):
+        for key in ("name", "title", "form", "reference", "units"):
             of_kind("Scene", key, getattr(self, key), str, "text")
         if not callable(vars(self)["_source"]):
             of_kind("Scene", "source", self.source, str, "text")
@@ -168,6 +169,8 @@ class Scene:
                 f"length {shown(exact.sqrt(dot(self.gamma, self.gamma)))}",
                 "a vector of length exactly 1, or normalise = true",
             )
+        if self.units not in UNITS:
+            raise self._bad("units", self.units, "SI, or left out for any consistent units")
         for output in self.outputs:
             if output not in COLUMNS:
                 raise self._bad("run.outputs", output, nearest(output, [*COLUMNS]))

@@ -110,12 +110,15 @@ class _File(Reading):
         kind = self.word("reference.kind", self.given("reference", judged, "kind"))
         if kind not in REFERENCES:
             raise self.bad("reference.kind", kind, nearest(kind, list(REFERENCES)))
+        times = self.times(run)
+        published = tuple(self.published(i, p) for i, p in enumerate(self.tables("published")))
+        units = self.word("units", self.given("", data, "units"))
         return Scene(
             body=body,
             omega=omega,
             gamma=gamma,
             psi=psi,
-            times=self.times(run),
+            times=times,
             name=self.name,
             title=self.word("title", self.given("", data, "title")),
             tags=self.words("tags", self.given("", data, "tags")),
@@ -123,11 +126,12 @@ class _File(Reading):
             form=self.word("run.form", self.given("run", run, "form")),
             outputs=self.words("run.outputs", self.given("run", run, "outputs")),
             events=tuple(self.event(i, e) for i, e in enumerate(self.tables("events"))),
-            published=tuple(self.published(i, p) for i, p in enumerate(self.tables("published"))),
+            published=published,
             reference=kind,
             expect=self.expect(self.table("expect", required=False)),
             source=cast(str, text),  # a function may wait there
             section=self.section(self.table("section", required=False)),
+            units=units or ("SI" if self.in_si else ""),
         )
 
     # -- sections -----------------------------------------------------------------------------

@@ -19,7 +19,7 @@ from polhode.scenes.shapes import Part
 from polhode.scenes.sweep_scenes import tables_of
 from polhode.scenes.validation import Literal
 
-_TITLES = ("title", "tags", "cite")
+_TITLES = ("title", "tags", "cite", "units")
 _OF_TIMES = ("end", "samples", "at")
 
 #: A half of a character that stands alone, which no text in a file can hold.

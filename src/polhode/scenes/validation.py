@@ -23,6 +23,7 @@ class Reading:
 
     def __init__(self, name: str, data: dict[str, Any]) -> None:
         self.name, self.data = name, data
+        self.in_si = False  # a number was written with a unit
 
     def bad(self, key: str, value: object, expected: str) -> BadInput:
         """The fault of a key's value, to be raised."""
@@ -97,7 +98,9 @@ class Reading:
                     raise ExpressionError("too large")
                 return Fraction(value)
             if isinstance(value, str):
-                return expression.number(value)
+                found, in_units = number_in_text(value, key)
+                self.in_si |= in_units
+                return found
             if isinstance(value, (Fraction, exact.Irrational)):  # a varied number
                 return value
         except ExpressionError as fault:
@@ -112,6 +115,21 @@ class Reading:
             check(text, names)
         except ExpressionError as fault:
             raise self.bad(key, text, f"an expression in {' '.join(names)} ({fault})") from None
+
+
+def number_in_text(text: str, key: str) -> tuple[Exact, bool]:
+    """The value of an expression for a key, and whether it was written with units.
+
+    Raises ExpressionError.
+    """
+    try:
+        return expression.number(text), False
+    except ExpressionError:
+        from polhode.numbers.quantity import in_unit, mentions_unit
+
+        if not mentions_unit(text):
+            raise
+        return in_unit(text, keys.unit(key)), True
 
 
 def is_int(value: object) -> bool:

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple, overload
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, plain
-from polhode.numbers import expression
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
+from polhode.scenes.validation import number_in_text
 
 MAX_MEMBERS = 10_000_000
 
@@ -124,11 +124,11 @@ def values(text: str, key: str, name: str) -> Sequence[Exact]:
     """The numbers of ``FROM:TO:N`` (N of them, evenly spaced, ends included) or of ``a,b,c``."""
     try:
         if ":" not in text:
-            return [expression.number(item) for item in text.split(",")]
+            return [number_in_text(item, key)[0] for item in text.split(",")]
         ends = text.split(":")
         if len(ends) != 3:
             raise BadInput(name, key, text, "FROM:TO:N")
-        first, last = expression.number(ends[0]), expression.number(ends[1])
+        first, last = (number_in_text(x, key)[0] for x in ends[:2])
     except ExpressionError as fault:
         raise BadInput(name, key, text, f"numbers ({fault})") from None
     count = int(ends[2]) if re.fullmatch(r"\s*\d{1,9}\s*", ends[2]) else 0

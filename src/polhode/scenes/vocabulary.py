@@ -93,6 +93,9 @@ DIRECTIONS = ("rising", "falling", "any")
 #: What moments of inertia may be about.
 FIXED_POINT, CENTRE = "fixed point", "centre"
 
+#: Systems of units that a scene may say its numbers are in; "": any consistent one.
+UNITS = ("", "SI")
+
 #: Which of the two spins on a level of h and f.
 SIGNS = ("+", "-")
 

@@ -43,19 +43,21 @@ def main(options: Namespace) -> int:
     if options.json:
         print_json(facts)
         return DONE
-    for name, version in facts["versions"].items():
-        say(f"{name:<10}{version}")
-    say(f"{'cpu':<10}{facts['cpu']}")
+    told: dict[str, str] = {**facts["versions"], "cpu": facts["cpu"]}
     for name, held in facts["number_types"].items():
         size = "any number of bits" if name == "mp" else f"{held['bits']} bits"
-        say(f"{name:<10}{size}" + ("" if name == "mp" else f", {held['digits']} digits"))
+        told[name] = size + ("" if name == "mp" else f", {held['digits']} digits")
     cache = facts["cache"]
-    say(f"{'cases':<10}{facts['cases']}")
-    state = f"{cache['bytes']} bytes in {cache['path']}" if cache["enabled"] else "off"
+    told["cases"] = str(facts["cases"])
+    told["cache"] = "off"
+    if cache["enabled"]:
+        told["cache"] = f"{cache['bytes']} bytes in {cache['path']}, at most {cache['limit']}"
     if "fault" in cache:
-        state = f"none, every run compiles again ({' '.join(cache['fault'].split())})"
-    say(f"{'cache':<10}{state}")
-    say(f"{'refined':<10}{facts['refined']}")
+        told["cache"] = f"none, every run compiles again ({' '.join(cache['fault'].split())})"
+    told["refined"] = facts["refined"]
+    width = max(map(len, told)) + 2
+    for name, fact in told.items():
+        say(f"{name:<{width}}{fact}")
     return DONE
 
 

@@ -131,7 +131,7 @@ def as_fraction(value: HeyokaNumber, number: NumberType) -> Fraction:
 
 
 def cache() -> dict[str, Any]:
-    """heyoka's disk cache of compiled code: whether it is on, where, its size, or what is wrong."""
+    """heyoka's disk cache of compiled code: on or not, where, size and limit, or what is wrong."""
     state = hy.llvm_state
     enabled = bool(state.get_diskcache_enabled())
     try:
@@ -139,9 +139,10 @@ def cache() -> dict[str, Any]:
             "enabled": enabled,
             "path": str(state.get_diskcache_path()),
             "bytes": int(state.get_diskcache_size()),
+            "limit": int(state.get_diskcache_limit()),
         }
     except (RuntimeError, ValueError) as fault:  # damaged, full, read-only, no folder, no home
-        return {"enabled": enabled, "path": None, "bytes": None, "fault": str(fault)}
+        return {"enabled": enabled, "path": None, "bytes": None, "limit": None, "fault": str(fault)}
 
 
 def disk_cache(number: NumberType) -> AbstractContextManager[None]:

@@ -1,0 +1,172 @@
+"""Numbers with units: ``"600 rpm"``, ``"5 cm"``, ``"9.81 m/s**2"``, exact, in SI.
+
+A unit is a name in an expression.  It may follow a number or another unit without a sign and is
+then multiplied from left to right: ``"1/2 deg"`` is half a degree, ``"2 rev/s"`` is two turns a
+second.  An angle counts as a dimension of its own, so that a length of ``"30 deg"`` is refused.
+"""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from typing import NamedTuple, TypeAlias
+
+from polhode.numbers import exact
+from polhode.numbers.exact import Exact
+from polhode.numbers.expression import (
+    Algebra,
+    ExpressionError,
+    bounded,
+    evaluate,
+    exact_function,
+    exact_power,
+)
+
+#: Exponents of kilogram, metre, second and radian.
+Dimension: TypeAlias = tuple[Fraction, ...]
+
+_SYMBOLS = ("kg", "m", "s", "rad")
+_NAME = re.compile(r"[A-Za-z_]+")
+_AFTER_NUMBER = re.compile(r"[0-9.)]\s*(?![eE][-+]?[0-9])[A-Za-z_]")
+_NONE: Dimension = (Fraction(0),) * 4
+_ANGLE: Dimension = (*_NONE[:3], Fraction(1))
+
+
+class Quantity(NamedTuple):
+    """An exact number of SI units: ``value`` times kilogram, metre, second, radian to powers."""
+
+    value: Exact
+    dimension: Dimension = _NONE
+
+    def __add__(self, other: object) -> Quantity:
+        assert isinstance(other, Quantity)
+        if self.dimension != other.dimension:
+            one, two = named(self.dimension), named(other.dimension)
+            raise ExpressionError(f"{one} and {two} are added")
+        return Quantity(bounded(self.value + other.value), self.dimension)
+
+    def __sub__(self, other: Quantity) -> Quantity:
+        return self + -other
+
+    def __neg__(self) -> Quantity:
+        return Quantity(-self.value, self.dimension)
+
+    def __mul__(self, other: object) -> Quantity:
+        assert isinstance(other, Quantity)
+        summed = tuple(a + b for a, b in zip(self.dimension, other.dimension, strict=True))
+        return Quantity(bounded(self.value * other.value), summed)
+
+    def __truediv__(self, other: Quantity) -> Quantity:
+        return self * other**-1
+
+    def __pow__(self, exponent: int) -> Quantity:
+        power = exact_power(self.value, Fraction(exponent))
+        return Quantity(power, tuple(a * exponent for a in self.dimension))
+
+
+def _root(x: Quantity) -> Quantity:
+    return Quantity(exact_function("sqrt", x.value), tuple(a / 2 for a in x.dimension))
+
+
+def _sine(x: Quantity) -> Quantity:
+    return _of_angle("sin", x)
+
+
+def _cosine(x: Quantity) -> Quantity:
+    return _of_angle("cos", x)
+
+
+def _of_angle(name: str, x: Quantity) -> Quantity:
+    if x.dimension not in (_NONE, _ANGLE):
+        raise ExpressionError(f"{name} of {named(x.dimension)}, not of an angle")
+    return Quantity(exact_function(name, x.value))
+
+
+_ALGEBRA = Algebra(Quantity, {"sqrt": _root, "sin": _sine, "cos": _cosine}, juxtaposed=True)
+
+
+def _dimension(kg: int = 0, m: int = 0, s: int = 0, rad: int = 0) -> Dimension:
+    return tuple(map(Fraction, (kg, m, s, rad)))
+
+
+def _units() -> dict[str, Quantity]:
+    turn, second = 2 * exact.pi(), _dimension(s=1)
+    length, mass = _dimension(m=1), _dimension(kg=1)
+    force, energy = _dimension(1, 1, -2), _dimension(1, 2, -2)
+    return {
+        **{name: Quantity(_decimal(x), length) for name, x in _LENGTHS.items()},
+        **{name: Quantity(_decimal(x), mass) for name, x in _MASSES.items()},
+        **{name: Quantity(_decimal(x), second) for name, x in _DURATIONS.items()},
+        **{name: Quantity(_decimal(x), force) for name, x in _FORCES.items()},
+        **{name: Quantity(_decimal(x), energy) for name, x in _ENERGIES.items()},
+        "rad": Quantity(Fraction(1), _ANGLE),
+        "mrad": Quantity(Fraction(1, 1000), _ANGLE),
+        "deg": Quantity(turn / 360, _ANGLE),
+        "arcmin": Quantity(turn / (360 * 60), _ANGLE),
+        "arcsec": Quantity(turn / (360 * 3600), _ANGLE),
+        "rev": Quantity(turn, _ANGLE),
+        "rpm": Quantity(turn / 60, _dimension(s=-1, rad=1)),
+    }
+
+
+def _decimal(text: str) -> Fraction:
+    return Fraction(text)
+
+
+_LENGTHS = {
+    **{"m": "1", "km": "1000", "cm": "0.01", "mm": "0.001", "um": "1e-6"},
+    **{"inch": "0.0254", "ft": "0.3048"},
+}
+_MASSES = {"kg": "1", "g": "0.001", "mg": "1e-6", "t": "1000", "lb": "0.45359237"}
+_DURATIONS = {"s": "1", "ms": "0.001", "us": "1e-6", "min": "60", "h": "3600"}
+_FORCES = {"N": "1", "kN": "1000", "mN": "0.001", "lbf": "4.4482216152605"}
+_ENERGIES = {"J": "1", "kJ": "1000", "mJ": "0.001"}
+
+#: The units by name.
+UNITS = _units()
+
+
+def quantity(text: str) -> Exact | Quantity:
+    """The exact value of an expression, a Quantity where units are in it."""
+    found = evaluate(text, UNITS, _ALGEBRA)
+    assert isinstance(found, (Quantity, Fraction, exact.Irrational))
+    return found
+
+
+def mentions_unit(text: str) -> bool:
+    """Whether a name in a text follows a number, or is a unit's."""
+    return bool(_AFTER_NUMBER.search(text)) or any(x in UNITS for x in _NAME.findall(text))
+
+
+def in_unit(text: str, unit: str) -> Exact:
+    """The exact value in SI of an expression, with units or without.
+
+    ``unit``: what it may be a multiple of, such as ``"kg*m**2"``; "" for a number without a unit.
+    An angle's unit may be left out: ``"10/s"`` for ``"10 rad/s"``.  Raises ExpressionError for
+    another dimension.
+    """
+    found = quantity(text)
+    if not isinstance(found, Quantity):
+        return found
+    wanted = quantity(unit or "1 rad/rad")
+    assert isinstance(wanted, Quantity)
+    if not unit and any(found.dimension):
+        raise ExpressionError(f"in {named(found.dimension)}, where no unit belongs")
+    if found.dimension not in (wanted.dimension, (*wanted.dimension[:3], Fraction(0))):
+        raise ExpressionError(f"in {named(found.dimension)}, not in {unit}")
+    return found.value
+
+
+def named(dimension: Dimension) -> str:
+    """A dimension as SI units: ``kg*m**2/s``; ``no unit`` for none."""
+    above = [_raised(name, x) for name, x in zip(_SYMBOLS, dimension, strict=True) if x > 0]
+    below = [_raised(name, -x) for name, x in zip(_SYMBOLS, dimension, strict=True) if x < 0]
+    if not above and not below:
+        return "no unit"
+    return "/".join(["*".join(above) or "1", *below])
+
+
+def _raised(name: str, power: Fraction) -> str:
+    if power == 1:
+        return name
+    return f"{name}**{power}" if power.denominator == 1 else f"{name}**({power})"

@@ -1,0 +1,67 @@
+"""``polhode new``: a commented scene file to begin with."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+from polhode.common.errors import BadInput
+from polhode.output import new_scene
+from polhode.scenes import library, scene_file
+from polhode.verbs.terminal import DONE, print_json, refuse_two_on_stdout, say, word
+
+HELP = "a commented scene file to begin with, from a case or a shape"
+
+_TILT, _SPIN, _END = "30 deg", "3000 rpm", "1 s"
+
+
+def options(parser: ArgumentParser) -> None:
+    """The verb's own options."""
+    parser.add_argument("file", type=word, metavar="FILE", help="the new scene: .toml")
+    way = parser.add_mutually_exclusive_group()
+    way.add_argument("--like", type=word, metavar="SCENE", help="a case that ships, or a path")
+    for name, shape in new_scene.SHAPES.items():
+        listed = ",".join(shape.numbers).upper()
+        text = f'{shape.meaning}; numbers in SI or with units, as "3 cm"'
+        way.add_argument(f"--{name}", metavar=listed, help=text)
+    parser.add_argument("--tilt", metavar="ANGLE", help=f"of its axis from the vertical: {_TILT}")
+    parser.add_argument("--spin", metavar="RATE", help=f"about its axis: {_SPIN}")
+    parser.add_argument("--end", metavar="T", help=f"last time: {_END}")
+
+
+def main(options: Namespace) -> int:
+    """Write one file."""
+    from polhode.common.files import check_writable, is_stdout, write_whole
+
+    path = Path(options.file)
+    like = None if options.like is None else library.path_of(options.like)
+    check_writable(path, [".toml"], [like])
+    refuse_two_on_stdout(path, options.json)
+    if path.exists() and not is_stdout(path):
+        raise BadInput("new", "FILE", options.file, "a file that is not there yet")
+    text = _of_case(options) if options.like else _of_shape(options)
+    scene = scene_file.parse(text, options.file)
+    write_whole({path: text})
+    if options.json:
+        print_json({"file": str(path), "title": scene.title, "units": scene.units})
+    elif not is_stdout(path):
+        say(f"{path}: {scene.title}")
+        say(f"next: polhode run {path} -o {path.stem}.csv")
+        say(f"      polhode view {path} -o {path.stem}.html")
+    return DONE
+
+
+def _of_case(options: Namespace) -> str:
+    for name in ("tilt", "spin", "end"):
+        if getattr(options, name) is not None:
+            expected = "nothing beside --like: change it in the file"
+            raise BadInput("new", f"--{name}", getattr(options, name), expected)
+    return new_scene.commented(library.load(options.like).source, options.file)
+
+
+def _of_shape(options: Namespace) -> str:
+    chosen = [name for name in new_scene.SHAPES if getattr(options, name) is not None]
+    name = chosen[0] if chosen else "cone"
+    given = getattr(options, name).split(",") if chosen else ["3 cm", "5 cm", "50 g"]
+    tilt, spin, end = options.tilt or _TILT, options.spin or _SPIN, options.end or _END
+    return new_scene.of_shape(name, given, tilt, spin, end, options.file)

@@ -1,0 +1,80 @@
+"""``polhode new``: a commented scene that reads back, and never over a file that is there."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from polhode.cli import main
+from polhode.output import new_scene
+from polhode.scenes import keys, library, scene_file
+
+
+@pytest.mark.sample(12)
+@pytest.mark.parametrize("case", library.names())
+def test_a_commented_case_is_the_case(case):
+    scene = library.load(case)
+    text = new_scene.commented(scene.source)
+    assert replace(scene_file.parse(text, scene.name), source="") == replace(scene, source="")
+    lines = [line for line in text.splitlines() if line not in scene.source.splitlines()]
+    assert lines
+    assert all(line.startswith("# ") for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("options", "moment"),
+    [
+        ([], None),
+        (["--cone", "3 cm,5 cm,50 g"], 3 * 0.05 * 0.03**2 / 10),
+        (["--disc", "0.03,0.05,0.1"], 0.1 * 0.03**2 / 2),
+        (["--sphere", "30 mm,5 cm,100 g", "--tilt", "pi/4", "--spin", "10 rev/s"], 3.6e-5),
+    ],
+)
+def test_a_solid_is_a_scene_in_si(options, moment, tmp_path, capsys):
+    path = tmp_path / "top.toml"
+    assert main(["new", str(path), *options]) == 0
+    assert f"polhode run {path}" in capsys.readouterr().out
+    scene = library.load(path)
+    assert scene.units == "SI"
+    if moment is not None:
+        assert float(scene.body.moments[2]) == pytest.approx(moment, rel=1e-14)
+    text = path.read_text()
+    given = [line.partition("=")[0].strip() for line in text.splitlines() if "=" in line]
+    for name in {"g", "shape", "mass", "angles", "rates", "end", "samples"}:
+        assert name in given
+        assert f"# {name}: " in text
+
+
+def test_a_case_is_written_with_comments(tmp_path, capsys):
+    path = tmp_path / "mine.toml"
+    assert main(["new", str(path), "--like", "lagrange/nutation", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["title"] == "Lagrange top, generic nutation"
+    (omega,) = [key for key in keys.KEYS["start"] if key.name == "omega"]
+    assert f"# omega: {omega.meaning}\nomega = [0.16, 0.3, 4.1]\n" in path.read_text()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--cone", "3 cm,5 cm"], "--cone = 3 cm,5 cm: expected RADIUS,HEIGHT,MASS"),
+        (["--cone", "3 cm,5 s,1 g"], "height = 5 s: expected a number (in s, not in m)"),
+        (["--like", "lagrange/nutation", "--spin", "3"], "nothing beside --like"),
+        (["--like", "lagrange/nutatio"], "lagrange/nutation"),
+        (["--tilt", "3 m"], "in m, not in rad"),
+    ],
+)
+def test_what_cannot_be_leaves_nothing(options, said, tmp_path, capsys):
+    path = tmp_path / "top.toml"
+    assert main(["new", str(path), *options]) == 2
+    assert said in capsys.readouterr().err
+    assert not path.exists()
+
+
+def test_a_file_that_is_there_is_left_alone(tmp_path, capsys):
+    path = tmp_path / "top.toml"
+    path.write_text("mine")
+    assert main(["new", str(path)]) == 2
+    assert "not there yet" in capsys.readouterr().err
+    assert path.read_text() == "mine"
