@@ -47,10 +47,11 @@ class NearAndFar:
         return self._of(t).arguments(t)
 
     def _of(self, t: Scalar) -> AttitudeSeries | Moving:
-        return self.near if abs(t) <= self.reach else self._far or self.near
+        return self.near if abs(t) <= self.reach else self.far or self.near
 
     @cached_property
-    def _far(self) -> Moving | None:
+    def far(self) -> Moving | None:
+        """The second; None where its series would be too long."""
         try:
             return self.made()
         except TooManyTerms:
