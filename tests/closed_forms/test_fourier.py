@@ -7,7 +7,6 @@ import pytest
 
 from polhode.closed_forms._winding import torus_line_integral
 from polhode.closed_forms.functions import fourier
-from polhode.closed_forms.functions.chebyshev_panels import Panels
 from polhode.closed_forms.functions.fourier import (
     TooManyTerms,
     cosines,
@@ -119,17 +118,6 @@ def test_integral_along_a_line_on_a_torus(second):
         )
         assert abs(found - wanted) < mpf(2) ** -110
         assert bool(made.slow) == (second != "sqrt 2")
-
-
-def test_panels():
-    with mpmath.workprec(128):
-        panels = Panels(lambda t: mpmath.cos(t) / (1 + t * t), mpf(3))
-        for t in (mpf(10), mpf(-7), mpf(1)):
-            points = mpmath.linspace(0, t, 12)
-            wanted = mpmath.quad(lambda s: mpmath.cos(s) / (1 + s * s), points)
-            assert abs(panels.at(t) - wanted) < mpf(2) ** -110
-        with pytest.raises(ValueError, match="step by step"):
-            panels.at(mpf(10) ** 6)
 
 
 def test_a_wrong_sample_is_noticed(monkeypatch):

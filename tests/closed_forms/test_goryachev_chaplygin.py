@@ -13,6 +13,7 @@ from fractions import Fraction
 import pytest
 
 from polhode.closed_forms import families
+from polhode.closed_forms._engine import attitude_series
 from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.functions import fourier
 from polhode.closed_forms.goryachev_chaplygin import (
@@ -23,6 +24,7 @@ from polhode.closed_forms.goryachev_chaplygin import (
     regimes,
     separation_variables,
 )
+from polhode.closed_forms.goryachev_chaplygin import top as goryachev_chaplygin
 from polhode.closed_forms.goryachev_chaplygin.attitude import attitude
 from polhode.closed_forms.goryachev_chaplygin.axes import failure
 from polhode.closed_forms.goryachev_chaplygin.top import GoryachevChaplyginTop
@@ -127,6 +129,52 @@ def test_attitude_agrees_with_a_taylor_run(name):
 @pytest.mark.parametrize("name", ["whole", "high", "from above", "from below"])
 def test_attitude_of_the_others_agrees_with_a_taylor_run(name):
     assert mpf("1e-70") < off(named(name), digits=25, attitudes=True) < mpf("1e-23")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["whole", "low", "high"])
+def test_attitude_near_and_far_is_one(name, monkeypatch):
+    """By series of the body, and by the azimuth of its momentum."""
+    times = [F(30), F(-17)]
+    near, angles = top(*named(name)).attitude(times, 25), top(*named(name)).angles(times, 20)
+    monkeypatch.setattr(goryachev_chaplygin, "_REACH", 0)
+    far, others = top(*named(name)).attitude(times, 25), top(*named(name)).angles(times, 20)
+    for one, other in zip(near + angles, far + others, strict=True):
+        assert checks.largest(one, other) < mpf("1e-20")
+    assert max(checks.largest(*rows) for rows in zip(near, far, strict=True)) < mpf("1e-25")
+
+
+#: Released with omega in the direction that f = 0 asks for, times these.
+NEAR_REST = ["1e-2", "1e-9", "1e-30"]
+
+
+@pytest.mark.sample(1, first=1, slow=2)
+@pytest.mark.parametrize("size", NEAR_REST)
+def test_near_rest(size):
+    """u and v both nearly vanish: their phases run on there while time nearly stands."""
+    torque = F(-105 * 9, 233 * 4), F(208 * 9, 233 * 4), F(0)
+    gamma = F(40, 77), F(-45, 77), F(48, 77)
+    start = BODY, torque, (F(size), F(0), -F(size) * 10 / 3), gamma
+    assert top(*start).regime in regimes.TWO_FREQUENCIES
+    assert LEAST < off(start, (F(1), F(9)), 40, attitudes=True) < mpf("1e-38")
+    assert LEAST < off(start, (F(-3),), 25, attitudes=True) < mpf("1e-23")
+    found = top(*start)
+    (psi, _, phi), (psi_1, _, phi_1) = found.angles([F(1, 10), F(9)], 15)
+    grown = unwound(found, F(1, 10), F(9), 120)
+    assert abs(psi_1 - psi - grown[0]) < mpf("1e-11")
+    assert abs(phi_1 - phi - grown[1]) < mpf("1e-11")
+
+
+def test_a_corrupted_body_is_noticed_where_pieces_meet(monkeypatch):
+    honest = attitude_series.Body.series
+
+    def corrupt(body, *parts):
+        a, *rest = body.torque
+        return honest(attitude_series.Body(body.moments, (a * (1 + mpf("1e-25")), *rest)), *parts)
+
+    monkeypatch.setattr(attitude_series.Body, "series", corrupt)
+    with pytest.raises(ArithmeticError, match="do not meet"):
+        top(*named("low")).attitude([F(3)], 30)
 
 
 def test_published_states_to_50_digits():

@@ -719,6 +719,32 @@ def test_attitude_of_every_type_as_theta_quotients(name):
             assert abs(mpmath.tan(phi) * right[4] - right[3]) < mpf("1e-29")
 
 
+#: Where the motion turns back at t = 0, the equations there do not tell the attitude's constants.
+TURNING_BACK = {
+    "at rest, level": ((0, 0, 0), (0, "3/5", "4/5")),
+    "at rest": ((0, 0, 0), ("3/5", "12/25", "16/25")),
+    "nearly at rest": (("1e-25", "-2e-25", "1e-25"), ("-3/5", "12/25", "-16/25")),
+}
+
+
+@pytest.mark.sample(1, first=1, slow=1)
+@pytest.mark.parametrize("name", TURNING_BACK)
+def test_attitude_and_angles_released_from_rest(name):
+    omega, gamma = map(fractions, TURNING_BACK[name])
+    top = top_of(omega, gamma)
+    assert top.regime in GENERIC
+    for t in (F(5), F(-2)):
+        (start, q), (psi, _, phi) = top.attitude([F(0), t], 40), top.angles([t], 40)[0]
+        (right,) = orbit_checks.taylor((BODY, TORQUE, omega, gamma), [t], 42, start)
+        with mpmath.workdps(55):
+            error = max(abs(a - b) for a, b in zip(q, right[6:10], strict=True))
+            assert in_band(error, 40, 30)
+            grown = [mpf(x) for x in right[10:12]]
+            assert abs(psi - number(PSI) - grown[0] - grown[1]) < mpf("1e-12")
+            begin = mpmath.atan2(number(gamma[0]), number(gamma[1]))
+            assert abs(phi - begin - grown[0] + grown[1]) < mpf("1e-12")
+
+
 @pytest.mark.slow
 @pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("name", ["-e+ (complex pair)", "ee-e+"])

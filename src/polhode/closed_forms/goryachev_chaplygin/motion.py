@@ -166,15 +166,15 @@ def _torus(start: GoryachevStart, regime: str, bits: int) -> Torus:
         else:
             other = v_part(start, bits, high=regime == regimes.GENERIC_HIGH)
         made: Oscillating = oscillating(other, spoiled)
-        return Torus(u, made, (x, made.chart.inverse(started(other, v0, sin_et, a))))
+        return Torus(u, made, (x, made.chart.inverse(started(other, v0, sin_et, a))), a)
     if regime in regimes.CONSTANT:
         zero = regime == regimes.CONSTANT_ZERO
         side = 2 if zero else -2
         z = mpmath.sqrt((number(start.H, bits) + side * a) / 3)
         v = Standing(z, 0 if zero else 1, 1 if zero else 0)
-        return Torus(u, v, (x, mpf(0)))
+        return Torus(u, v, (x, mpf(0)), a)
     v = tending(start, bits, low=regime == regimes.ASYMPTOTIC_LOW)
-    return Torus(u, v, (x, v.started(v0, sin_et)))
+    return Torus(u, v, (x, v.started(v0, sin_et)), a)
 
 
 def frequencies(found: GoryachevMotion) -> Sequence[Scalar]:

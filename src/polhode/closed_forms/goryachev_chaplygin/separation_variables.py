@@ -119,7 +119,9 @@ def cubic_roots(c1: Scalar, c0: Scalar) -> list[Scalar]:
             size = 2 * mpmath.sqrt(c1 / 3)
             angle = mpmath.atan2(mpmath.sqrt(square), -c0 * mpmath.sqrt(mpf(27)))
             thirds = [(angle + 2 * mpmath.pi * k) / 3 for k in (1, 2, 0)]
-            return [size * mpmath.cos(x) for x in thirds]
+            low, _, high = (size * mpmath.cos(x) for x in thirds)
+            # The root next to 0 keeps its digits however small it is.
+            return [low, -c0 / (low * high), high]
         size = mpmath.sqrt(abs(c1) / 3)
         if not size:
             one = -mpmath.sign(c0) * mpmath.cbrt(abs(c0))
@@ -154,9 +156,9 @@ def _positive(c1: Scalar, c0: Scalar) -> Scalar:
 
 
 def _quadratic(b: Scalar, c: Scalar) -> list[Scalar]:
-    """The roots of z^2 + b z + c."""
-    root = mpmath.sqrt(b * b / 4 - c)
-    return [-b / 2 + root, -b / 2 - root]
+    """The roots of z^2 + b z + c, b > 0; without cancellation where they are real."""
+    far = -b / 2 - mpmath.sqrt(b * b / 4 - c)
+    return [c / far, far]
 
 
 def v_roots(start: GoryachevStart, bits: int) -> tuple[Scalar, Scalar]:

@@ -9,19 +9,23 @@ w = (p, q, r) and the upward vertical gamma in body axes.  Units: any consistent
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
+from polhode.closed_forms._engine.attitude_series import AttitudeSeries, Body
 from polhode.closed_forms._engine.body_frame_motion import Between, Moving, moving
 from polhode.closed_forms._engine.from_attitude import FromAttitude
 from polhode.closed_forms._winding.asymptotic_period import Settled
+from polhode.closed_forms._winding.euler_angles import Attitude
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.quaternion import of_matrix
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
 from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.attitude.attitude import HalvesFrame, bounds
 from polhode.closed_forms.goryachev_chaplygin.attitude.momentum_azimuth import settling, turning
+from polhode.closed_forms.goryachev_chaplygin.attitude.near_and_far import NearAndFar
 from polhode.closed_forms.goryachev_chaplygin.attitude.turn_counting import TorusTurns
 from polhode.closed_forms.goryachev_chaplygin.axes import start
 from polhode.closed_forms.goryachev_chaplygin.double_root import Tending
@@ -41,6 +45,7 @@ _ZERO = Fraction(0)
 _GUARD = 64  # bits beyond the digits asked for and the growth of phases
 _SLACK = 32  # of these, what the set-up may use up; where it needs more it is made with more
 _TRIALS = 6
+_REACH = 64  # the motion's units of time within which the attitude is summed piece by piece
 
 
 class GoryachevChaplyginTop(FromAttitude):
@@ -74,7 +79,7 @@ class GoryachevChaplyginTop(FromAttitude):
         if self.regime not in regimes.EXPLICIT:
             self._extra = math.ceil(lost_bits(self._start))
         self._motions: dict[int, GoryachevMotion] = {}
-        self._attitudes: dict[int, Moving] = {}
+        self._attitudes: dict[int, Attitude] = {}
         self._rows: dict[int, list[list[Any]]] = {}
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
@@ -129,30 +134,54 @@ class GoryachevChaplyginTop(FromAttitude):
             self._motions[bits] = motion(self._start, self.regime, bits)
         return self._motions[bits]
 
-    def _attitude(self, bits: int) -> Moving:
+    def _attitude(self, bits: int) -> Attitude:
         """The attitude as a function of time, its constants made once a precision."""
         if bits not in self._attitudes:
             found = self._motion(bits)
             with mpmath.workprec(bits):
-                unit = self._moment(Fraction(1), bits)
-                rows = [[number(x, bits) for x in row] for row in self._start.rows]
-                begin = self._first_quaternion(bits)
-                turn = turning(found)
-                H, a = number(self._start.H, bits), number(self._start.a, bits)
-                scale = abs(unit)
-                wide, quick = (scale * x for x in bounds(found, H, a))
-                period = self.period(30) if self.regime not in regimes.TWO_FREQUENCIES else None
-                self._attitudes[bits] = moving(
-                    HalvesFrame(found.path, found.sg, unit),
-                    lambda t: turn(t * unit),
-                    begin,
-                    rows,
-                    (wide, quick),
-                    period,
-                    self._between(found, rows, unit, H),
-                    self._settled(found, scale),
-                )
+                made = partial(self._framed, found, bits)
+                several = self.regime in (*regimes.TWO_FREQUENCIES, *regimes.ASYMPTOTIC)
+                self._attitudes[bits] = self._near(found, made, bits) if several else made()
         return self._attitudes[bits]
+
+    def _near(self, found: GoryachevMotion, made: Callable[[], Moving], bits: int) -> NearAndFar:
+        """By series, and beyond their reach by the momentum's frame."""
+        unit = self._moment(Fraction(1), bits)
+        rows = [[number(x, bits) for x in row] for row in self._start.rows]
+        H, a = number(self._start.H, bits), number(self._start.a, bits)
+        speed = mpmath.sqrt(H + 2 * a)
+        series = AttitudeSeries(
+            Body((mpf(4), mpf(4), mpf(1)), (a, mpf(0), mpf(0))),
+            lambda t: found.at(t, MP)[1],
+            self._first_quaternion(bits),
+            of_matrix(rows),
+            unit,
+            speed * abs(unit),
+            # |w'| <= 3 w^2/8 + sqrt(a) speed, for 1 + g1 <= speed^2/2a
+            mpf(1) / 4 + mpf(3) / 16 + mpmath.sqrt(a) / speed / 2,
+        )
+        return NearAndFar(series, made, _REACH / abs(unit))
+
+    def _framed(self, found: GoryachevMotion, bits: int) -> Moving:
+        """By the momentum's frame."""
+        with mpmath.workprec(bits):
+            unit = self._moment(Fraction(1), bits)
+            rows = [[number(x, bits) for x in row] for row in self._start.rows]
+            turn = turning(found)
+            H, a = number(self._start.H, bits), number(self._start.a, bits)
+            scale = abs(unit)
+            wide, quick = (scale * x for x in bounds(found, H, a))
+            period = self.period(30) if self.regime not in regimes.TWO_FREQUENCIES else None
+            return moving(
+                HalvesFrame(found.path, found.sg, unit),
+                lambda t: turn(t * unit),
+                self._first_quaternion(bits),
+                rows,
+                (wide, quick),
+                period,
+                self._between(found, rows, unit, H),
+                self._settled(found, scale),
+            )
 
     def _between(
         self, found: GoryachevMotion, rows: list[list[Scalar]], unit: Scalar, H: Scalar

@@ -2,11 +2,17 @@
 
 Each of S, S~, U, V is linear but for a bounded part.  The linear equations give the mean phases,
 unreduced; what is left is bounded, and Newton's method finds it in doubles first.
+
+On the line S(x) - S~(y) = const both phases grow with sigma = S(x), dt/dsigma = u + v.  Where the
+body is near rest u + v is nearly 0, and a double tells the time but not sigma.  As
+|d ln(u + v)/dsigma| <= a, a step of Newton's method in sigma that is cut to 1/a comes nearer
+whatever the curve, and t is as right as it can be where (u + v) step^2 is.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
 from polhode.closed_forms.goryachev_chaplygin.abel_integrals import Clock, Halves
@@ -17,6 +23,7 @@ from polhode.numbers.scalars import Scalar
 _STEPS = 200
 _LARGEST = 0.5  # a step of Newton's method in doubles
 _CLOSE = 1e-11
+_DOUBLE = 1e-15  # of a time, about what rounding leaves of it
 
 
 @dataclass(frozen=True)
@@ -26,6 +33,7 @@ class Torus:
     u: Clock
     v: Clock
     start: tuple[Scalar, Scalar]
+    a: Scalar  # a bound of |d ln(u + v)/dsigma|
 
     @cached_property
     def constants(self) -> tuple[Scalar, Scalar]:
@@ -56,17 +64,27 @@ class Torus:
 
     def phases(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The phases of u and v at time t."""
-        x, y = self.mean(t)
-        turn = 4 * mpmath.pi
-        n, m = mpmath.nint(x / turn), mpmath.nint(y / turn) if self.v.periodic else 0
-        near = float(x - n * turn), float(y - m * turn)
-        dx, dy = (mpmath.mpf(float(z)) for z in self.doubles.corrections(*near))
+        mean = self.mean(t)
+        rest, small = self._guess(mean, t), mpmath.ldexp(1, -mpmath.prec - 16)
         for _ in range(_STEPS):
-            step = _step(self, (x, y), (dx, dy), MP)
-            dx, dy = dx - step[0], dy - step[1]
-            if max(abs(step[0]), abs(step[1])) < mpmath.ldexp(1, -mpmath.prec // 2 - 8):
-                return x + dx, y + dy
+            step = _step(self, mean, rest, MP)
+            along = min(max(step.along, -1 / self.a), 1 / self.a)
+            dx, dy = step.phases(along)
+            rest = rest[0] - dx, rest[1] - dy
+            if along * along * step.speed < small and step.across * step.across < small:
+                return mean[0] + rest[0], mean[1] + rest[1]
         raise ArithmeticError("the phases of the motion were not found")
+
+    def _guess(self, mean: tuple[Scalar, Scalar], t: Scalar) -> tuple[Scalar, Scalar]:
+        """What is nearly to be added to mean phases: as doubles tell it, or as at time 0."""
+        if not t:
+            begin = self.start
+            return begin[0] - mean[0], begin[1] - mean[1]
+        (x, y), turn = mean, 4 * mpmath.pi
+        n, m = mpmath.nint(x / turn), mpmath.nint(y / turn) if self.v.periodic else 0
+        found = self.doubles.nearly(float(x - n * turn), float(y - m * turn))
+        dx, dy = (mpmath.mpf(float(z)) for z in found)
+        return dx, dy
 
     def at(self, t: Scalar) -> tuple[tuple[Scalar, Scalar], Halves, Halves]:
         """The phases and the two variables at time t."""
@@ -87,19 +105,48 @@ class DoubleTorus:
     v: Clock
 
     def corrections(self, mean_x: Scalar, mean_y: Scalar) -> tuple[Scalar, Scalar]:
-        """What is to be added to mean phases (arrays or doubles)."""
+        """What is to be added to mean phases (arrays or doubles); ArithmeticError near rest."""
+        import numpy as np
+
+        rest, size = self._iterated(mean_x, mean_y)
+        if np.all(size < _CLOSE):
+            return rest
+        raise ArithmeticError("the phases of the motion were not found")
+
+    def nearly(self, mean_x: float, mean_y: float) -> tuple[Scalar, Scalar]:
+        """The same as far as doubles tell it."""
+        return self._iterated(mean_x, mean_y)[0]
+
+    def _iterated(self, mean_x: Scalar, mean_y: Scalar) -> tuple[tuple[Scalar, Scalar], Scalar]:
+        """What is to be added, and the size of the last step."""
         import numpy as np
 
         fn = numpy_functions()
-        dx, dy = np.zeros_like(mean_x), np.zeros_like(mean_y)
+        rest, size = (np.zeros_like(mean_x), np.zeros_like(mean_y)), np.ones_like(mean_x)
         for _ in range(_STEPS):
-            one, other = _step(self, (mean_x, mean_y), (dx, dy), fn)
+            step = _step(self, (mean_x, mean_y), rest, fn)
+            one, other = step.phases(step.along)
             size = np.maximum(np.abs(one), np.abs(other))
             share = np.where(size > _LARGEST, _LARGEST / np.maximum(size, _LARGEST), 1)
-            dx, dy = dx - share * one, dy - share * other
-            if np.all(size < _CLOSE):
-                return dx, dy
-        raise ArithmeticError("the phases of the motion were not found")
+            rest = rest[0] - share * one, rest[1] - share * other
+            if np.all((size < _CLOSE) | (np.abs(step.along) * step.speed < _DOUBLE)):
+                break
+        return rest, size
+
+
+class _Step(NamedTuple):
+    """Newton's step: in sigma, which ``across`` leaves as it is, and of both phases."""
+
+    along: Scalar
+    across: Scalar  # by how much S(x) - S~(y) is missed
+    speed: Scalar  # u + v
+    shares: tuple[Scalar, Scalar]  # v/(u + v), u/(u + v)
+    slopes: tuple[Scalar, Scalar]  # S', S~'
+
+    def phases(self, along: Scalar) -> tuple[Scalar, Scalar]:
+        """The step of the phases of u and v with that part in sigma."""
+        (one, other), (a, b) = self.shares, self.slopes
+        return (along + one * self.across) / a, (along - other * self.across) / b
 
 
 def _step(
@@ -107,13 +154,17 @@ def _step(
     mean: tuple[Scalar, Scalar],
     rest: tuple[Scalar, Scalar],
     fn: SeriesFunctions,
-) -> tuple[Scalar, Scalar]:
+) -> _Step:
     """Newton's step in what is left of the phases."""
     (dx, dy), (x, y) = rest, (mean[0] + rest[0], mean[1] + rest[1])
     (s0, u0), (t0, v0) = torus.u.means, torus.v.means
     (s, u), (t, v) = torus.u.bounded(x), torus.v.bounded(y)
     one, other = torus.u.at(x, fn), torus.v.at(y, fn)
-    first, second = s0 * dx + s - t0 * dy - t, u0 * dx + u + v0 * dy + v
-    a, b = one.slope, other.slope  # S' and S~'
-    delta = a * b * (one.z + other.z)
-    return b * (other.z * first + second) / delta, a * (second - one.z * first) / delta
+    speed = one.z + other.z
+    return _Step(
+        along=(u0 * dx + u + v0 * dy + v) / speed,
+        across=s0 * dx + s - t0 * dy - t,
+        speed=speed,
+        shares=(other.z / speed, one.z / speed),
+        slopes=(one.slope, other.slope),
+    )

@@ -16,9 +16,7 @@ from typing import Any
 import numpy as np
 
 from polhode.closed_forms._winding.torus_line_integral import plane
-from polhode.closed_forms.functions.chebyshev_panels import Panels
 from polhode.closed_forms.functions.fourier import (
-    TooManyTerms,
     WaveSeries,
     cosines,
     fixed,
@@ -44,11 +42,12 @@ from polhode.numbers.scalars import Scalar
 #: chi(t) - chi(0), t in the motion's units.
 Turning = Callable[[Scalar], Scalar]
 
-_PANEL = 12  # radians of the fastest rate in a panel
-
 
 def turning(found: GoryachevMotion) -> Turning:
-    """chi(t) - chi(0) at the precision in force, to be asked at that precision."""
+    """chi(t) - chi(0) at the precision in force, to be asked at that precision.
+
+    Raises TooManyTerms where a series would be too long.
+    """
     path, sg = found.path, found.sg
     if isinstance(path, Separatrix):
         return _of_separatrix(path, sg)
@@ -57,10 +56,7 @@ def turning(found: GoryachevMotion) -> Turning:
     assert isinstance(path, Separated)
     if isinstance(path.torus.v, Standing):
         return _of_one(path, sg)
-    try:
-        return _of_tending(found) if isinstance(path.torus.v, Tending) else _of_torus(path, sg)
-    except TooManyTerms:
-        return _of_panels(path, sg).at
+    return _of_tending(found) if isinstance(path.torus.v, Tending) else _of_torus(path, sg)
 
 
 def _of_separatrix(path: Separatrix, sg: int) -> Turning:
@@ -112,13 +108,6 @@ def _of_one(path: Separated, sg: int) -> Turning:
     series = _series_beside(path, torus.v.at(mpf(0), MP))
     begin = series.at(torus.start[0] / 2)
     return lambda t: sg * (series.at(torus.phases(t)[0] / 2) - begin)
-
-
-def _of_panels(path: Separated, sg: int) -> Panels:
-    """Panel by panel; refused beyond a limit."""
-    x, y = path.torus.rates
-    length = _PANEL / max(abs(x), abs(y))
-    return Panels(lambda t: sg * path.at(t, MP).turning, length)
 
 
 def _reach() -> Scalar:

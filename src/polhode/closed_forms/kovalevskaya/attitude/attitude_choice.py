@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, TypeVar
 
+from polhode.closed_forms._winding.counted_turns import Counted
 from polhode.closed_forms._winding.euler_angles import Attitude
 from polhode.closed_forms.functions.quaternion import Quaternion, conjugate, of_matrix, product
 from polhode.closed_forms.kovalevskaya import regimes
@@ -20,11 +21,11 @@ from polhode.closed_forms.kovalevskaya.attitude.asymptotic_attitude import (
     rate_of,
 )
 from polhode.closed_forms.kovalevskaya.attitude.attitude_panels import (
+    BEND,
     KovalevskayaAttitude,
     MovingState,
 )
 from polhode.closed_forms.kovalevskaya.attitude.cayley_klein import CayleyKlein, cayley_klein
-from polhode.closed_forms.kovalevskaya.attitude.counted_turns import Counted
 from polhode.closed_forms.kovalevskaya.attitude.degenerate_attitude import (
     AveragedAttitude,
     DegenerateAttitude,
@@ -213,7 +214,8 @@ class Attitudes:
         if (side, far) not in self._counts:
             with mpmath.workprec(TRACKING):
                 made = self._averaged(side * far, TRACKING)
-                self._counts[side, far] = Counted(partial(self._along, made), self._rate(TRACKING))
+                along = partial(self._along, made)
+                self._counts[side, far] = Counted(along, self._rate(TRACKING), BEND)
         with mpmath.workprec(TRACKING):
             return self._counts[side, far].arguments(t)
 

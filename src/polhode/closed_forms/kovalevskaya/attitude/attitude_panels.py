@@ -11,11 +11,16 @@ from dataclasses import dataclass
 from typing import Any
 
 from polhode.closed_forms._engine.azimuth_quadrature import Azimuth
+from polhode.closed_forms._winding.counted_turns import Counted
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion
-from polhode.closed_forms.kovalevskaya.attitude.counted_turns import Counted
 from polhode.common.cached_property import cached_property
+from polhode.numbers.mpmath_context import mpf
 from polhode.numbers.scalars import Scalar
+
+#: A bound of the quaternion's second derivative over that of |w|, squared: |w|^2/4 + |w'|/2 with
+#: |w'| <= |w|^2/4 + 1.2 n^2, and the bound is at least 2 n^2.
+BEND = mpf(1)
 
 #: w and gamma at a time, in the frame of the attitude, at the precision in force.
 MovingState = Callable[[Scalar], tuple[Sequence[Scalar], Sequence[Scalar]]]
@@ -59,7 +64,7 @@ class KovalevskayaAttitude:
 
     @cached_property
     def _counted(self) -> Counted:
-        return Counted(lambda t: self.at(t, _NONE), self.speed)
+        return Counted(lambda t: self.at(t, _NONE), self.speed, BEND)
 
 
 _NONE: Any = None

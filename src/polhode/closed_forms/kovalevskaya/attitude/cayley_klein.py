@@ -17,10 +17,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.kovalevskaya.abel_map import image
+from polhode.closed_forms.kovalevskaya.attitude.theta_combinations import (
+    Coefficients,
+    Jet,
+    denominator,
+    numerators,
+    place,
+    plus,
+    space,
+    tau_times,
+    theta_jets,
+)
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.curve import Unresolved
 from polhode.closed_forms.kovalevskaya.generic import Generic
@@ -29,28 +39,7 @@ from polhode.closed_forms.kovalevskaya.theta.riemann_theta import Thetas, added,
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 from polhode.numbers.scalars import Scalar
 
-_HALVES = ((0, 0), (0, 1), (1, 0), (1, 1))
 _TIMES = ("0.7", "1.9", "3.1", "4.3")  # over the bound of |w|: three to solve, one to test
-
-#: A coefficient vector over :data:`_HALVES`.
-Coefficients = tuple[Scalar, Scalar, Scalar, Scalar]
-
-
-@dataclass(frozen=True)
-class Jet:
-    """Four functions at one point with their derivatives along both coordinates, all over e^log."""
-
-    values: tuple[Scalar, ...]
-    slopes: tuple[tuple[Scalar, Scalar], ...]
-    log: Scalar
-
-    def combined(self, row: Sequence[Scalar]) -> Scalar:
-        """A combination."""
-        return mpmath.fdot(row, self.values)
-
-    def along(self, row: Sequence[Scalar], way: Pair) -> Scalar:
-        """Its derivative in a direction."""
-        return mpmath.fdot(row, [a * way[0] + b * way[1] for a, b in self.slopes])
 
 
 @dataclass(frozen=True)
@@ -96,10 +85,10 @@ class CayleyKlein:
         U, V = self.ways
         z = tuple(a + u1 * b + t * c for a, b, c in zip(self.motion.z0, U, V, strict=True))
         (_, l), (_, k) = whole_parts(self.tau, (z[0] / 2, z[1] / 2))
-        steps = _times(self.tau, k)
+        steps = tau_times(self.tau, k)
         near = z[0] - 2 * l[0] - 2 * steps[0], z[1] - 2 * l[1] - 2 * steps[1]
-        below = self.jets(_plus(near, self.h))
-        above = self.jets(_plus(near, self.h, self.e))
+        below = self.jets(plus(near, self.h))
+        above = self.jets(plus(near, self.h, self.e))
         moved = k[0] * self.e[0] + k[1] * self.e[1]
         exponent = self.rates[1] * t + self.rates[0] * u1 - 2j * mpmath.pi * moved
         factor = mpmath.exp(exponent + above.log - below.log)
@@ -134,46 +123,28 @@ def cayley_klein(start: KovalevskayaStart, motion: Generic, first: Sequence[Scal
 
     etas = made.characteristics
     k1, k2, l1, l2 = added(etas[3], etas[4])
-    h = tuple(mpf(l) / 2 + s / 2 for l, s in zip((l1, l2), _times(tau, (k1, k2)), strict=True))
+    h = tuple(mpf(l) / 2 + s / 2 for l, s in zip((l1, l2), tau_times(tau, (k1, k2)), strict=True))
     lam = mpc(0, 1) if (k1 * l1 + k2 * l2) % 2 else mpc(1)
-    spaces = {side: _space((k1, k2), (l1, l2), side * lam) for side in (1, -1)}
-    jets = _jets(tau)
+    spaces = {side: space((k1, k2), (l1, l2), side * lam) for side in (1, -1)}
+    jets = theta_jets(tau)
 
     speed = start.fastest(bits)
-    G1, G2 = number(start.G[0], bits), number(start.G[1], bits)
-    (p, q, r), _ = start.numbers(bits)
-    x = mpc(p, q)
-    X = x * x - mpc(G1, G2)
     q0, q1, q2, q3 = first
-    xi, eta = mpc(q1, q2), mpc(q3, -q0)
-    flows = (
-        (xi, 0.5j * (x * eta - r * xi), 0.5j * x.conjugate() * X * eta),
-        (eta, 0.5j * (r * eta + x.conjugate() * xi), 0.5j * x * X.conjugate() * xi),
-    )
-    shifted = _plus(motion.z0, (h[0], h[1]))
-    below, above = jets(shifted), jets(_plus(shifted, e))
-    samples = [mpf(t) / speed for t in _TIMES]
-    states = [motion.at(t)[0] for t in samples]
-    places = [jets(_plus(shifted, (t * V[0], t * V[1]))) for t in samples]
+    begin = mpc(q1, q2), mpc(q3, -q0)
+    shift = h[0], h[1]
+    moments = [mpf(0), *(mpf(t) / speed for t in _TIMES)]
+    places = [place(motion, jets, shift, e, c, t) for t in moments]
     best: CayleyKlein | None = None
     for n in (1, -1):
         bottoms, misses = zip(
-            *(
-                _denominator(spaces[side * n], places, [mpc(s[0], side * s[1]) for s in states])
-                for side in (1, -1)
-            ),
-            strict=True,
+            *(denominator(spaces[side * n], places[1:], side) for side in (1, -1)), strict=True
         )
         for s in (1, -1):
-            tops = [
-                _numerator(spaces[side * s], below, above, bottom, flow, (U, V), (c1, c))
-                for side, bottom, flow in zip((1, -1), bottoms, flows, strict=True)
-            ]
-            if tops[0] is None or tops[1] is None:
+            tops = numerators((spaces[s], spaces[-s]), bottoms, places, begin)
+            if tops is None:
                 continue
-            over, under, shift = (tops[0], tops[1]), (bottoms[0], bottoms[1]), (h[0], h[1])
             found = CayleyKlein(
-                motion, jets, tau, (U, V), (c1, c), shift, e, over, under, max(misses)
+                motion, jets, tau, (U, V), (c1, c), shift, e, tops, bottoms, max(misses)
             )
             try:
                 ends = found.at(1 / speed)
@@ -207,7 +178,7 @@ def _rates(
     way = U[0] + point * V[0], U[1] + point * V[1]
     there = made.reduced(made.images[i])
     turned = thetas(tau, way, wanted)
-    moved = [(_plus(there, (-z[0], -z[1])), _plus(there, z)) for z in E]
+    moved = [(plus(there, (-z[0], -z[1])), plus(there, z)) for z in E]
     rows = [[turned.at(z) for z in both] for both in moved]
     j = max(
         (n for n in range(5) if n != i),
@@ -227,120 +198,3 @@ def _log_slope(functions: Thetas, z: Pair, which: int) -> Scalar:
     _, (_, k) = whole_parts(functions.tau, z)
     way = functions.direction
     return slope / value - 2j * mpmath.pi * (k[0] * way[0] + k[1] * way[1])
-
-
-def _jets(tau: SymmetricMatrix) -> Callable[[Pair], Jet]:
-    """The four Theta_a with both derivatives, the exponential beside them."""
-    double = 2 * tau[0], 2 * tau[1], 2 * tau[2]
-    wanted = [(a1, a2, 0, 0) for a1, a2 in _HALVES]
-    made = thetas(double, (mpf(1), mpf(0)), wanted)
-
-    def jet(z: Pair) -> Jet:
-        (_, l), (_, k) = whole_parts(double, z)
-        steps = _times(double, k)
-        rest = z[0] - l[0] - steps[0], z[1] - l[1] - steps[1]
-        log = (
-            -1j
-            * mpmath.pi
-            * (k[0] * steps[0] + k[1] * steps[1] + 2 * (k[0] * rest[0] + k[1] * rest[1]))
-        )
-        values, slopes = [], []
-        for (a1, a2, _, _), (value, d1, d2) in zip(wanted, made.sums(rest, wanted), strict=True):
-            side = -1 if (a1 * l[0] + a2 * l[1]) % 2 else 1
-            values.append(side * value)
-            slopes.append(
-                (
-                    side * (d1 - 2j * mpmath.pi * k[0] * value),
-                    side * (d2 - 2j * mpmath.pi * k[1] * value),
-                )
-            )
-        return Jet(tuple(values), tuple(slopes), log)
-
-    return jet
-
-
-def _space(k: tuple[int, int], l: tuple[int, int], lam: Scalar) -> list[Coefficients]:
-    """A basis of the vectors with lam B_{a+k} = (-1)^{a.l} B_a: two of them."""
-    found: list[Coefficients] = []
-    seen: set[int] = set()
-    for i, half in enumerate(_HALVES):
-        if i in seen:
-            continue
-        other = _HALVES.index(((half[0] + k[0]) % 2, (half[1] + k[1]) % 2))
-        sign = -1 if (half[0] * l[0] + half[1] * l[1]) % 2 else 1
-        seen |= {i, other}
-        row: list[Any] = [mpc(0)] * 4
-        if other == i:
-            if abs(lam - sign) > 0.5:
-                continue
-            row[i] = mpc(1)
-        else:
-            row[i], row[other] = mpc(1), sign / lam
-        found.append((row[0], row[1], row[2], row[3]))
-    if len(found) != 2:
-        raise Unresolved
-    return found
-
-
-def _denominator(
-    basis: Sequence[Coefficients], places: Sequence[Jet], values: Sequence[Scalar]
-) -> tuple[Coefficients, Scalar]:
-    """B with x B.Theta = C.Theta for some C in the same space; and how a fourth time is missed."""
-    rows = []
-    for place, x in zip(places, values, strict=True):
-        one, two = (place.combined(vector) for vector in basis)
-        size = max(abs(one), abs(two)) * max(1, abs(x))
-        rows.append([x * one / size, x * two / size, -one / size, -two / size])
-    null = []
-    for skipped in range(4):
-        minor = mpmath.matrix([[row[j] for j in range(4) if j != skipped] for row in rows[:3]])
-        null.append((-1) ** skipped * mpmath.det(minor))
-    scale = max(abs(z) for z in null)
-    null = [z / scale for z in null]
-    miss = abs(mpmath.fdot(null, rows[3]))
-    row = [null[0] * y + null[1] * z for y, z in zip(*basis, strict=True)]
-    return (row[0], row[1], row[2], row[3]), miss
-
-
-def _numerator(
-    basis: Sequence[Coefficients],
-    below: Jet,
-    above: Jet,
-    bottom: Coefficients,
-    flow: tuple[Scalar, Scalar, Scalar],
-    ways: tuple[Pair, Pair],
-    rates: tuple[Scalar, Scalar],
-) -> Coefficients | None:
-    """A from the value and the better derivative at t = 0; None where neither determines it."""
-    (U, V), (c1, c) = ways, rates
-    value, slope, slope1 = flow
-    d = below.combined(bottom)
-    right = [
-        value * d,
-        slope * d + value * below.along(bottom, V) - c * value * d,
-        slope1 * d + value * below.along(bottom, U) - c1 * value * d,
-    ]
-    left = [
-        [above.combined(vector) for vector in basis],
-        [above.along(vector, V) for vector in basis],
-        [above.along(vector, U) for vector in basis],
-    ]
-    dets = [left[0][0] * left[i][1] - left[0][1] * left[i][0] for i in (1, 2)]
-    i = 1 if abs(dets[0]) >= abs(dets[1]) else 2
-    det = dets[i - 1]
-    if not det:
-        return None
-    one = (right[0] * left[i][1] - right[i] * left[0][1]) / det
-    two = (left[0][0] * right[i] - left[i][0] * right[0]) / det
-    factor = mpmath.exp(below.log - above.log)
-    row = [factor * (one * y + two * z) for y, z in zip(*basis, strict=True)]
-    return row[0], row[1], row[2], row[3]
-
-
-def _times(tau: SymmetricMatrix, k: Sequence[int]) -> Pair:
-    """tau k."""
-    return tau[0] * k[0] + tau[1] * k[1], tau[1] * k[0] + tau[2] * k[1]
-
-
-def _plus(*rows: Pair) -> Pair:
-    return sum((row[0] for row in rows), mpf(0)), sum((row[1] for row in rows), mpf(0))

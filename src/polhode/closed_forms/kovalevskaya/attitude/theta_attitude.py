@@ -12,11 +12,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from polhode.closed_forms._winding.counted_turns import Counted
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion, conjugate, product
-from polhode.closed_forms.kovalevskaya.attitude.attitude_panels import KovalevskayaAttitude
+from polhode.closed_forms.kovalevskaya.attitude.attitude_panels import (
+    BEND,
+    KovalevskayaAttitude,
+)
 from polhode.closed_forms.kovalevskaya.attitude.cayley_klein import CayleyKlein, quaternion
-from polhode.closed_forms.kovalevskaya.attitude.counted_turns import Counted
 from polhode.closed_forms.kovalevskaya.attitude.theta_turns import TorusTurns
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
@@ -97,7 +100,7 @@ class ThetaAttitude:
             xi, eta = made.at(mpmath.ldexp(t, self.exponent))
             return product(quaternion(xi, eta), self.turn)
 
-        return Counted(at, self.speed)
+        return Counted(at, self.speed, BEND)
 
 
 @dataclass(eq=False)
