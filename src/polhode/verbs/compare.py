@@ -35,7 +35,7 @@ def main(options: Namespace) -> int:
     with ProgressLine("compare") as progress:
 
         def first(brief: Judgement, count: int) -> None:
-            digits = f"{brief.worst:.2f} correct digits" if brief.digits else "no state"
+            digits = f"{min(brief.digits):.2f} correct digits" if brief.digits else "no state"
             told = f"{digits} in {len(brief.times)} of {count} rows, all of them follow"
             progress.say(told, at_once=True)
 

@@ -1,0 +1,99 @@
+"""Each judged part has its digits at each time; the headline is the worst of all."""
+
+from __future__ import annotations
+
+import csv
+import json
+from fractions import Fraction
+
+import pytest
+
+import polhode
+from polhode import cli
+from polhode.scenes.vocabulary import ATTITUDE, STATE
+
+TIMES = [Fraction(k, 50) for k in range(151)]
+
+
+@pytest.fixture(scope="module")
+def nutation():
+    """The exact motion of a Lagrange top as columns of floats."""
+    exact = polhode.reference("lagrange/nutation")
+    columns = {"t": [float(t) for t in TIMES]}
+    for names, rows in ((STATE, exact.at(TIMES, 20)), (ATTITUDE, exact.attitude(TIMES, 20))):
+        columns |= {
+            n: [float(x) for x in c] for n, c in zip(names, zip(*rows, strict=True), strict=True)
+        }
+    return columns
+
+
+def written(path, columns, every=1):
+    with path.open("w", newline="") as file:
+        out = csv.writer(file)
+        out.writerow(columns)
+        rows = [*zip(*columns.values(), strict=True)]
+        out.writerows([repr(x) for x in row] for row in rows[::every])
+    return str(path)
+
+
+def compared(capsys, *arguments):
+    """What the verb says, as JSON and as text."""
+    assert cli.main(["compare", *arguments, "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert cli.main(["compare", *arguments]) == 0
+    return answer, capsys.readouterr().out
+
+
+def test_a_file_of_the_attitude_alone_is_judged_by_an_enclosure(tmp_path, capsys):
+    path = tmp_path / "x.csv"
+    scene = polhode.load("general/asymmetric-regular")
+    rows = polhode.Certified(scene).attitude([0, 1], 20)
+    lines = [
+        ",".join([t, *(repr(float(x)) for x in row)]) for t, row in zip("01", rows, strict=True)
+    ]
+    path.write_text("\n".join(["t,q0,q1,q2,q3", *lines]) + "\n")
+    answer, text = compared(capsys, str(path), scene.name)
+    assert min(answer["parts"]["attitude"]) == answer["worst"] > 15
+    assert answer["worst_part"] == "attitude"
+    assert answer["reference_digits"] > 20
+    assert "nan" not in text
+    assert text.splitlines()[1] == "t  attitude"
+    assert " correct digits at t = " in text.splitlines()[4]
+
+
+@pytest.mark.parametrize("every", [1, 2])  # judged in columns, and row by row
+def test_a_part_that_goes_wrong_is_the_headline_and_told_from_when(
+    tmp_path, capsys, nutation, every
+):
+    """The sign of qz is wrong from t = 0.16 on; omega is right to 8 digits at t = 2."""
+    wrong = [-x if t >= 0.16 else x for t, x in zip(nutation["t"], nutation["q3"], strict=True)]
+    p = [x + 3e-8 * (t == 2) for t, x in zip(nutation["t"], nutation["p"], strict=True)]
+    path = written(tmp_path / "x.csv", nutation | {"q3": wrong, "p": p}, every)
+    answer, text = compared(capsys, path, "lagrange/nutation")
+    before = [t < 0.16 for t in map(float, answer["times"])]
+    for right, digits in zip(before, answer["parts"]["attitude"], strict=True):
+        assert (digits > 15) == right
+    assert answer["worst_part"] == "attitude"
+    assert answer["worst"] == 0
+    assert answer["right_until"]["attitude"]["since"] == "0.16"
+    assert answer["right_until"].keys() == {"attitude"}
+    assert 7 < min(answer["parts"]["omega"]) < 9
+    assert min(answer["parts"]["gamma"]) > 15
+    assert "attitude: 0.00 correct digits; right until t = 0.1" in text
+    assert ", of attitude; of the state 8." in text
+    assert "t" in text.splitlines()[1]
+    assert text.splitlines()[1].split()[-1] == "attitude"
+
+
+def test_a_motion_that_takes_the_digits_itself_is_no_part_that_goes_wrong():
+    """The separatrix takes all digits between these times, of any run in double."""
+    found = polhode.compare(polhode.integrate("euler/separatrix", at=[1, 2, 3, 90, 100]))
+    assert found.digits[2] > found.digits[3] + 5
+    assert found.departures == {}
+
+
+def test_the_headline_of_the_state_alone_is_that_of_the_state():
+    found = polhode.compare(polhode.integrate("euler/largest-axis"))
+    assert found.worst == min(found.digits)
+    assert found.worst_part == "state"
+    assert found.part_digits.keys() == {"omega", "gamma"}
