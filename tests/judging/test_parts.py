@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
+import math
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
@@ -97,3 +99,48 @@ def test_the_headline_of_the_state_alone_is_that_of_the_state():
     assert found.worst == min(found.digits)
     assert found.worst_part == "state"
     assert found.part_digits.keys() == {"omega", "gamma"}
+
+
+@pytest.mark.parametrize("every", [1, 2])  # judged in columns, and row by row
+def test_wrapped_angles_are_read_up_to_whole_turns(tmp_path, capsys, every):
+    rows = polhode.reference("lagrange/nutation").angles(TIMES[1:], 20)
+    psi, theta, phi = ([float(x) for x in column] for column in zip(*rows, strict=True))
+    assert max(phi) > 4
+    wrapped = [math.remainder(x, 2 * math.pi) for x in phi]
+    columns = {"t": [float(t) for t in TIMES[1:]], "psi": psi, "theta": theta, "phi": wrapped}
+    path = written(tmp_path / "x.csv", columns, every)
+    answer, text = compared(capsys, path, "lagrange/nutation")
+    assert answer["worst"] == min(answer["parts"]["angles"]) > 14
+    assert answer["reading"] == "psi and phi up to whole turns"
+    assert "of angles; read as psi and phi up to whole turns" in text
+    answer, text = compared(capsys, path, "lagrange/nutation", "--as-it-stands")
+    assert answer["worst"] == 0
+    assert answer["reading"] is None
+    assert "read as" not in text
+
+
+def test_wrapped_angles_of_a_rough_method_are_read_so_too(tmp_path, capsys):
+    rows = polhode.reference("lagrange/nutation").angles(TIMES[1:], 20)
+    psi, theta, phi = ([float(x) + 0.01 for x in column] for column in zip(*rows, strict=True))
+    wrapped = [math.remainder(x, 2 * math.pi) for x in phi]
+    columns = {"t": [float(t) for t in TIMES[1:]], "psi": psi, "theta": theta, "phi": wrapped}
+    answer, _ = compared(capsys, written(tmp_path / "x.csv", columns), "lagrange/nutation")
+    assert answer["worst"] == 2.0
+    assert answer["reading"] == "psi and phi up to whole turns"
+
+
+def test_angles_that_are_wrong_are_not_read_up_to_whole_turns(tmp_path, capsys):
+    rows = polhode.reference("lagrange/nutation").angles(TIMES[1:], 20)
+    psi, theta, phi = ([float(x) for x in column] for column in zip(*rows, strict=True))
+    columns = {"t": [float(t) for t in TIMES[1:]], "psi": phi, "theta": theta, "phi": psi}
+    answer, _ = compared(capsys, written(tmp_path / "x.csv", columns), "lagrange/nutation")
+    assert answer["worst"] == 0
+    assert answer["reading"] is None
+
+
+def test_a_run_through_poles_has_its_angles_up_to_whole_turns():
+    scene = replace(polhode.load("pendulum/rotating"), outputs=("angles",))
+    found = polhode.compare(polhode.integrate(scene))
+    assert found.parts["angles"] > 12
+    assert found.reading == "psi and phi up to whole turns"
+    assert polhode.compare(polhode.integrate(scene), as_it_stands=True).worst == 0

@@ -265,6 +265,7 @@ def of_judgement(judged: Judgement) -> dict[str, Any]:
         "worst_time": in_full(judged.worst_time) if told else None,
         "worst_part": judged.worst_part if told else None,
         "limit": judged.limit or None,
+        "reading": judged.reading,
         "motion": of_motion(judged.motion),
         "yardstick": subject.number.name,
         "no_digits_left_after": judged.lost_after if judged.lost else None,

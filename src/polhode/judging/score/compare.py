@@ -56,6 +56,7 @@ def compare(
     first: Callable[[Judgement, int], None] | None = None,
     workers: int = 1,
     progress: Progress | None = None,
+    as_it_stands: bool = False,
 ) -> Judgement:
     """Judge a run, a trajectory file, columns or an array of states against a reference.
 
@@ -72,6 +73,8 @@ def compare(
     ``workers``: processes that a closed form whose rows cost seconds may be asked by.
     ``progress``: called with the part of the closed form's rows that are there, and how many,
     where they take long.
+    ``as_it_stands``: judge the numbers in the conventions of the scene alone; otherwise another
+    convention that makes a part right is applied, and ``reading`` says which.
 
     Raises BadInput for what cannot be read or judged.
 
@@ -98,7 +101,7 @@ def compare(
         if not what.times:
             ended = f"a time that the run reached ({what.outcome.cause}; {what.outcome.advice})"
             raise BadInput(what.scene.name, "rows", None, ended)
-        found = Judgement(of_run(what), against, known, workers, progress)
+        found = Judgement(of_run(what), against, known, workers, progress, as_it_stands)
     else:
         scene = against.scene
         if digits is not None and number is None:
@@ -118,7 +121,7 @@ def compare(
             what = table_of_rows(what, at, named, kind)
         count = len(what.times)
         _is_told(first, what.some(few(count, SHOWN)), count, against)
-        found = Judgement(of_table(what, scene), against, known, workers, progress)
+        found = Judgement(of_table(what, scene), against, known, workers, progress, as_it_stands)
     about = found.subject
     if not (about.columns or about.angles or about.attitude or about.derived):
         expected = f"columns of {', '.join(found.reference.scene.columns)}, angles or attitude"

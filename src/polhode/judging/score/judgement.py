@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from polhode.common.cached_property import cached_property
 from polhode.common.presentation import Slot
@@ -20,6 +20,7 @@ from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.departure import Departure, departure
 from polhode.judging.diagnosis.error_budget import between, is_lost, limit
 from polhode.judging.diagnosis.omega_only import OmegaAlone, omega_alone
+from polhode.judging.diagnosis.reading import WRONG, Reading
 from polhode.judging.presentation import JudgementPresentation
 from polhode.judging.references.reference import by_sign
 from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest
@@ -31,9 +32,6 @@ from polhode.numbers.conversion import to_mpf
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.scenes.vocabulary import STATE
-
-if TYPE_CHECKING:
-    from polhode.judging.diagnosis.conventions import Reading
 
 FOLLOWED = 400  # times at which what rounding does to the motion is followed
 MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
@@ -58,7 +56,8 @@ class Judgement(ByValue):
 
     ``subject``: what was judged.  ``reference``: what against.  ``known``: kappa at the scene's
     times, where it is known already.  ``workers``: processes that may ask the reference;
-    ``progress``: told of its rows where they take long.
+    ``progress``: told of its rows where they take long.  ``as_it_stands``: whether no other
+    convention is tried.
     ``digits[k]`` belongs to ``times[k]``: -log10 of the larger
     of the error of omega over the largest |omega| of the reference, and the error of gamma.
     ``worst``: the fewest of these and of those of every other part that was judged.
@@ -75,6 +74,7 @@ class Judgement(ByValue):
     known: Conditioning | None = field(default=None, compare=False)
     workers: int = field(default=1, compare=False)
     progress: Progress | None = field(default=None, compare=False)
+    as_it_stands: bool = False
 
     def __getstate__(self) -> dict[str, object]:
         """Without what is told of progress: nobody waits for it elsewhere."""
@@ -124,12 +124,26 @@ class Judgement(ByValue):
 
     @cached_property
     def _others(self) -> dict[str, RowDigits]:
-        """Digits of what is no column of the state."""
+        """Digits of what is no column of the state, as it is read."""
+        found = {k: part for k, part in self._held.parts.items() if isinstance(part, PartDigits)}
         return {
-            name: found.digits
-            for name, found in self._held.parts.items()
-            if isinstance(found, PartDigits)
+            name: part.digits if self.as_it_stands or not part.is_turned else part.turned or ()
+            for name, part in found.items()
         }
+
+    @property
+    def _turns(self) -> tuple[Reading, ...]:
+        """That psi and phi are read up to whole turns, where they are."""
+        angles = self._held.parts.get("angles")
+        if self.as_it_stands or not isinstance(angles, PartDigits) or not angles.is_turned:
+            return ()
+        before, now = (fewest(d or (), self.subject.held) for d in angles)
+        return (Reading("angles", before, "psi and phi up to whole turns", now),)
+
+    @property
+    def reading(self) -> str | None:
+        """The convention that was applied, None where the numbers are judged as they stand."""
+        return "; ".join(one.convention for one in self._turns) or None
 
     @property
     def part_digits(self) -> dict[str, RowDigits]:
@@ -296,12 +310,12 @@ class Judgement(ByValue):
     @cached_property
     def readings(self) -> tuple[Reading, ...]:
         """Conventions in which parts of a table that is wrong as it stands would be right."""
-        from polhode.judging.diagnosis.conventions import WRONG, readings
+        from polhode.judging.diagnosis.conventions import readings
         from polhode.judging.diagnosis.time_rounding import reading
 
         source = self.subject.source
-        if not isinstance(source, Table):
-            return ()
+        if self._turns or self.as_it_stands or not isinstance(source, Table):
+            return self._turns
         wrong = {name for name, digits in self.parts.items() if digits < WRONG}
         if self.digits and min(self.digits) < WRONG:
             wrong |= {"omega", "gamma"}
@@ -345,7 +359,8 @@ class Judgement(ByValue):
     @property
     def _headline(self) -> str:
         """The fewest digits of all, and what limits those of the state."""
-        limited = f"limited by {self.limit}"
+        read = f"; read as {self.reading}" if self.reading else ""
+        limited = f"limited by {self.limit}{read}"
         if self.digits and self.lost:
             return f"{self.lost}; {limited}"
         worst = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
@@ -353,7 +368,7 @@ class Judgement(ByValue):
             return f"{worst}; {limited}"
         worst += f", of {self.worst_part}"
         if not self.digits:
-            return worst
+            return worst + read
         time = brief(self.times[self._lowest])
         return f"{worst}; of the state {min(self.digits):.2f} at t = {time}, {limited}"
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
 from polhode.judging.correct_digits import digits_of
+from polhode.judging.diagnosis.reading import GAIN
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.rows import Given
 from polhode.numbers.scalars import Scalar
@@ -15,6 +16,7 @@ from polhode.scenes.vocabulary import ANGLES, COLUMNS
 RowDigits: TypeAlias = tuple[float | None, ...]
 
 ALIKE = {"attitude": (1, -1)}  # factors of one sign at all times that change nothing
+ROUGH, MANY = 1.0, 5  # digits of angles that a rough method has, and rows that need whole turns
 TURNING = (ANGLES.index("psi"), ANGLES.index("phi"))  # angles whose whole turns mean nothing
 
 
@@ -23,6 +25,16 @@ class PartDigits(NamedTuple):
 
     digits: RowDigits
     turned: RowDigits | None = None
+
+    @property
+    def is_turned(self) -> bool:
+        """Whether whole turns make angles right: to three digits once, or to one at all times."""
+        both = zip(self.digits, self.turned or (), strict=False)
+        gains = [(t - d, t) for d, t in both if d is not None and t is not None]
+        if any(gain >= GAIN for gain, _ in gains):
+            return True
+        always = min((t for _, t in gains), default=0.0) >= ROUGH
+        return always and sum(gain >= ROUGH for gain, _ in gains) >= MANY
 
 
 def fewest(digits: RowDigits, held: float) -> float:
