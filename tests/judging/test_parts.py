@@ -144,3 +144,28 @@ def test_a_run_through_poles_has_its_angles_up_to_whole_turns():
     assert found.parts["angles"] > 12
     assert found.reading == "psi and phi up to whole turns"
     assert polhode.compare(polhode.integrate(scene), as_it_stands=True).worst == 0
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"p": "q", "q": "p"},
+        {"gamma1": "gamma2", "gamma2": "gamma1", "p": "q", "q": "p"},
+        {"p": "gamma1", "gamma3": "q"},
+    ],
+)
+def test_what_is_wrong_in_the_first_digit_has_no_limit(tmp_path, capsys, nutation, change):
+    names = {name: change.get(name, name) for name in ("t", *STATE)}
+    path = written(tmp_path / "x.csv", {name: nutation[of] for name, of in names.items()})
+    answer, text = compared(capsys, path, "lagrange/nutation", "--as-it-stands")
+    assert answer["worst"] < 1
+    assert answer["limit"] is None
+    assert "limited by" not in text
+    assert "wrong in the first digit, so no limit is named" in text
+
+
+def test_a_rough_method_is_the_limit_still(tmp_path, capsys, nutation):
+    p = [x + 1e-4 for x in nutation["p"]]
+    path = written(tmp_path / "x.csv", {name: nutation[name] for name in ("t", *STATE)} | {"p": p})
+    answer, _ = compared(capsys, path, "lagrange/nutation")
+    assert answer["limit"] == "method (steps of the program)"

@@ -18,7 +18,7 @@ from polhode.judging.conditioning.conditioning import Conditioning, conditioning
 from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.departure import Departure, departure
-from polhode.judging.diagnosis.error_budget import between, is_lost, limit
+from polhode.judging.diagnosis.error_budget import LAST, between, is_lost, limit
 from polhode.judging.diagnosis.omega_only import OmegaAlone, omega_alone
 from polhode.judging.diagnosis.reading import WRONG, Reading
 from polhode.judging.presentation import JudgementPresentation
@@ -258,10 +258,20 @@ class Judgement(ByValue):
 
     @cached_property
     def limit(self) -> str:
-        """What limits the digits, see :func:`polhode.judging.diagnosis.error_budget.limit`; empty
-        unjudged."""
+        """What limits the digits of the state, see
+        :func:`polhode.judging.diagnosis.error_budget.limit`.
+
+        Empty where the state was not judged, and of a table that is wrong in the first digit or
+        would be right in another convention: then its method is not to blame.
+        """
         if not self.digits:
             return ""
+        found = self._limit
+        blamed = self.subject.run is None and found.startswith("method")
+        return "" if blamed and (min(self.digits) < LAST or self.readings) else found
+
+    @cached_property
+    def _limit(self) -> str:
         about, agreement, worst = self.subject, self.reference.agreement, min(self.digits)
         if about.printed is not None and worst >= about.printed - 1:
             return "rounding (of the printed digits)"
@@ -357,10 +367,17 @@ class Judgement(ByValue):
         return "\n".join(lines)
 
     @property
+    def _unlimited(self) -> str:
+        """Why no limit is named."""
+        if self.readings:
+            return "no limit is named, for another convention makes it better"
+        return "wrong in the first digit, so no limit is named"
+
+    @property
     def _headline(self) -> str:
         """The fewest digits of all, and what limits those of the state."""
         read = f"; read as {self.reading}" if self.reading else ""
-        limited = f"limited by {self.limit}{read}"
+        limited = (f"limited by {self.limit}" if self.limit else self._unlimited) + read
         if self.digits and self.lost:
             return f"{self.lost}; {limited}"
         worst = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
