@@ -280,6 +280,7 @@ def of_judgement(judged: Judgement) -> dict[str, Any]:
         "drift": None if judged.drift is None else of_drift(judged.drift),
         "omega_alone": of_omega_alone(judged.omega_alone),
         "not_judged": list(judged.notes),
+        "remarks": list(subject.remarks),
     }
     if judged.readings:
         answer["read_as"] = [

@@ -363,6 +363,7 @@ class Judgement(ByValue):
             lines.append(f"drift {self.drift}")
         if self.subject.projected and self.subject.run is not None:
             lines.append(f"projected {self.subject.run.projection}")
+        lines += self.subject.remarks
         lines += [f"not judged: {note}" for note in together(self.notes)]
         return "\n".join(lines)
 

@@ -39,7 +39,7 @@ class Subject(ByValue):
     there.  ``states``: rows of all the scene's columns, None where one is not there; ``angles`` and
     ``attitude`` likewise, None where nothing of them is there; ``derived``: the same of derived
     columns, by output.  ``steps``: what is to blame where the method is.  ``printed``: significant
-    digits in a table, None of a run.
+    digits in a table, None of a run.  ``remarks``: how the table was read.
     """
 
     source: Trajectory | Table
@@ -56,6 +56,7 @@ class Subject(ByValue):
     printed: int | None
     projected: bool
     notes: tuple[str, ...]
+    remarks: tuple[str, ...] = ()
 
     def part(self, word: str) -> Given | None:
         """Rows of an output by its word, None where nothing of it is there."""
@@ -145,6 +146,7 @@ def of_table(table: Table, scene: Scene) -> Subject:
         printed=table.printed,
         projected=table.projected,
         notes=tuple(notes),
+        remarks=table.remarks,
     )
 
 
