@@ -169,3 +169,30 @@ def test_a_rough_method_is_the_limit_still(tmp_path, capsys, nutation):
     path = written(tmp_path / "x.csv", {name: nutation[name] for name in ("t", *STATE)} | {"p": p})
     answer, _ = compared(capsys, path, "lagrange/nutation")
     assert answer["limit"] == "method (steps of the program)"
+
+
+def test_no_more_digits_are_told_than_the_type_has(tmp_path, capsys, nutation):
+    """The start is exact, and printed with 17 digits."""
+    path = written(tmp_path / "x.csv", {name: nutation[name] for name in ("t", *STATE)}, 10)
+    answer, text = compared(capsys, path, "lagrange/nutation")
+    assert answer["yardstick"] == "double"
+    assert answer["correct_digits"][0] == 15.95
+    first = text.splitlines()[2].split()
+    assert first == ["0", "15.95", "15.95-15.95"]
+    for digits, band in (line.split()[1:] for line in text.splitlines()[3:12]):
+        least, most = map(float, band.split("-"))
+        assert least <= most <= 15.95
+        assert float(digits) <= 15.95
+
+
+def test_amplification_stands_beside_the_digits(capsys, tmp_path):
+    path = tmp_path / "x.csv"
+    assert cli.main(["run", "euler/separatrix", "--at", "1,20,200", "-o", str(path)]) == 0
+    answer, _ = compared(capsys, str(path), "euler/separatrix")
+    one, other, none = answer["amplification"]
+    assert 1 < one < 5
+    assert 100 < other < 1000
+    assert none is None
+    assert none == answer["correct_digits"][2]
+    known = polhode.conditioning("euler/separatrix", [1, 20, 200]).log10_amplification
+    assert other == pytest.approx(10 ** known[1], rel=1e-3)

@@ -9,7 +9,6 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.judging.tables import sidecar
 
 SCENE = "lagrange/nutation"
 
@@ -109,7 +108,7 @@ def test_what_is_no_file_is_not_waited_for(tmp_path, plain, kind):
 
 def test_the_first_megabyte_tells_of_a_long_file(tmp_path, plain):
     """As of a run of very many times, whose bits stand first."""
-    long = plain[1] | {"digits_left": [15.0] * sidecar.MOST_BYTES}
+    long = plain[1] | {"digits_left": [15.0] * (1 << 20)}
     (tmp_path / "x.json").write_text(json.dumps(long))
     found = judged(tmp_path, plain)
     assert found.subject.number.name == "double"

@@ -261,6 +261,9 @@ def of_judgement(judged: Judgement) -> dict[str, Any]:
             None if b is None else [round(d, 2) for d in b] for b in judged.expected
         ],
         "digits_inputs": [None if d is None else round(d, 2) for d in judged.inputs],
+        "amplification": [
+            None if a is None or math.isinf(a) else float(f"{a:.4g}") for a in judged.amplification
+        ],
         "worst": round(judged.worst, 2) if told and not judged.lost else None,
         "worst_time": in_full(judged.worst_time) if told else None,
         "worst_part": judged.worst_part if told else None,

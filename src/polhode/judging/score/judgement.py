@@ -217,6 +217,17 @@ class Judgement(ByValue):
             return ()
         return self._told(lambda known: known.inputs(self.subject.number, self._every))
 
+    @cached_property
+    def amplification(self) -> tuple[float | None, ...]:
+        """What a change of the state on the way is multiplied by at most; None where unknown.
+
+        Of more times than are followed the logarithm is linear between those; inf beyond doubles.
+        """
+        if not self.digits:
+            return ()
+        found = self._told(lambda known: known.log10_amplification)
+        return tuple(None if x is None else 10.0**x if x < 308 else math.inf for x in found)
+
     @property
     def _every(self) -> int:
         """Steps between two projections of the run; 0 where there are none."""

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from polhode.common.text_tables import aligned, few
 from polhode.judging.conditioning.rounding_errors import Band
-from polhode.judging.diagnosis.error_budget import shown_digits, shown_expected
+from polhode.judging.diagnosis.error_budget import shown_digits
 from polhode.numbers.decimals import decimal_string, in_full, shortest
 from polhode.numbers.number_types import NumberType
 
@@ -30,7 +30,8 @@ def table(
     columns = {"t": [_time(times[k], number) for k in shown]}
     if digits:
         columns["correct digits"] = [shown_digits(digits[k], expected[k]) for k in shown]
-        columns[f"expected in {number.name}"] = [shown_expected(expected[k]) for k in shown]
+        bands = ["unknown" if (b := expected[k]) is None else b.shown(number) for k in shown]
+        columns[f"expected in {number.name}"] = bands
     for name, of_part in parts.items():
         columns[name] = ["-" if (d := of_part[k]) is None else f"{d:.2f}" for k in shown]
     lines = aligned([*columns], [*zip(*columns.values(), strict=True)])

@@ -130,12 +130,14 @@ def of_table(table: Table, scene: Scene) -> Subject:
     notes += [f"column {name} is not in the file" for name in scene.columns if name not in there]
     if any(_gaps(there[name]) for name in columns):
         notes.append("empty cells were not judged")
+    yardstick = number or (DOUBLE if table.printed <= DOUBLE.printed_digits else mp(table.printed))
+    held = number.most_digits if number else min(table.printed + 2.0, MOST_DIGITS)
     derived = {word: table.rows(COLUMNS[word].names) for word in judged_words()}
     return Subject(
         source=table,
         name=table.name,
-        number=number or (DOUBLE if table.printed <= DOUBLE.printed_digits else mp(table.printed)),
-        held=number.most_digits if number else min(table.printed + 2.0, MOST_DIGITS),
+        number=yardstick,
+        held=min(held, yardstick.most_digits),
         times=table.times,
         columns=columns,
         states=table.rows(scene.columns),
