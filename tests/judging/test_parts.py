@@ -12,6 +12,7 @@ import pytest
 
 import polhode
 from polhode import cli
+from polhode.judging.references.reference import Reference
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 TIMES = [Fraction(k, 50) for k in range(151)]
@@ -196,3 +197,34 @@ def test_amplification_stands_beside_the_digits(capsys, tmp_path):
     assert none == answer["correct_digits"][2]
     known = polhode.conditioning("euler/separatrix", [1, 20, 200]).log10_amplification
     assert other == pytest.approx(10 ** known[1], rel=1e-3)
+
+
+def test_a_closed_form_that_has_no_answer_gives_way_to_an_enclosure():
+    """A Goryachev-Chaplygin top started near rest: the phases of its motion are not found."""
+    scene = polhode.top(
+        moments=[4, 4, 1],
+        centre=[1, 0, 0],
+        weight=1,
+        omega=["4e-9", "2e-9", "-12e-9"],
+        gamma=["3/5", 0, "4/5"],
+        end=2,
+        samples=3,
+    )
+    with pytest.raises(polhode.BadInput, match="a question that this closed form answers"):
+        polhode.reference(scene).at([1], 20)
+    found = polhode.compare(polhode.integrate(scene))
+    assert found.worst > 14
+    assert found.reference.kind == "certified"
+    assert "against certified of top (Goryachev-Chaplygin body), proven to " in str(found)
+
+
+def test_an_attitude_that_a_closed_form_does_not_answer_is_enclosed(monkeypatch):
+    """So too where the state is answered; a closed form that refuses stands in for a slow one."""
+
+    def refused(self, times, digits):
+        raise polhode.BadInput("top", "reference", "euler", "a question that it answers")
+
+    scene = polhode.load("euler/attitude").at([1, 2])
+    run = polhode.integrate(scene)
+    monkeypatch.setattr(Reference, "attitude", refused)
+    assert polhode.compare(run).parts["attitude"] > 14

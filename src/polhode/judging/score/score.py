@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeAlias
 
 from polhode.common.cached_property import cached_property
+from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging._dense_reference.parallel_evaluation import Ask, asked_by
@@ -144,12 +146,16 @@ class HeldAgainst:
                 found[name] = f"none of {'them' if name == 'angles' else 'it'} has a value"
                 continue
             try:
-                found[name] = self._part(name, own)
+                found[name] = self.part(name, own)
             except ValueError as fault:  # BadInput is one
                 found[name] = str(fault)
+                if does_not_answer(self.reference, fault):
+                    proven = replace(self, reference=Certified(self.reference.scene))
+                    with suppress(ValueError):
+                        found[name] = proven.part(name, own)
         return found
 
-    def _part(self, name: str, own: Given) -> PartDigits:
+    def part(self, name: str, own: Given) -> PartDigits:
         """Digits of such a part at all rows; raises ValueError."""
         held, bits = self.subject.held, self.bits
         many = None if self.many is None else self.many.part(name)
@@ -186,6 +192,12 @@ class HeldAgainst:
                     one[k] = d
                 left[n] = min(left[n], fewest(more, held))
         return PartDigits(*(tuple(one) for one in both))
+
+
+def does_not_answer(reference: AnyReference, fault: ValueError) -> bool:
+    """Whether it is a closed form that has no answer here, as a proven enclosure may have."""
+    refused = isinstance(fault, BadInput) and fault.key == "reference"
+    return refused and isinstance(reference, Reference)
 
 
 def _there(own: Given) -> Sequence[bool]:
