@@ -14,7 +14,6 @@ from polhode import cli
 from polhode.equations import integrals
 from polhode.judging import correct_digits as correct_digits
 from polhode.judging.conditioning.rounding_errors import Band
-from polhode.judging.diagnosis import error_budget
 from polhode.judging.references.reference import Reference
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.tables.candidate import of_table
@@ -523,8 +522,10 @@ def test_of_a_run_that_reached_no_time_no_digits_are_expected():
     assert run.expected.lost_after is None
 
 
-def test_what_is_expected_is_told_as_a_band_or_as_unknown():
-    band = Band(11.26, 12.0, 13.04)
-    assert error_budget.shown_expected(band) == "11.3-13.0"
-    assert error_budget.shown_expected(band._replace(least=0.0, most=0.0)) == "none"
-    assert error_budget.shown_expected(None) == "unknown"
+def test_what_is_expected_is_told_as_a_band():
+    """To hundredths, outward, and no more digits than the type has."""
+    band = Band(11.266, 12.0, 13.041)
+    assert band.shown(DOUBLE) == "11.26-13.05"
+    assert band._replace(most=DOUBLE.most_digits).shown(DOUBLE) == "11.26-15.95"
+    assert Band(*[DOUBLE.most_digits] * 3).shown(DOUBLE) == "15.95-15.95"
+    assert band._replace(least=0.0, most=0.0).shown(DOUBLE) == "none"

@@ -65,8 +65,26 @@ def test_compare_says_it_of_a_file(tmp_path, monkeypatch, capsys):
     lines = [",".join(repr(float(x)) for x in (t, *row[:3])) for t, row in pairs]
     (tmp_path / "omega.csv").write_text("\n".join(["t,p,q,r", *lines]) + "\n")
     assert cli.main(["compare", "omega.csv", "lagrange/nutation"]) == 0
-    assert "gamma by (3.60) from omega alone: " in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert (
+        "from omega, its derivative and the energy (Yehia, Rigid Body Dynamics, eq. 3.60)" in told
+    )
+    assert "digits or more, and so far omega satisfies the body's equations\n" in told
     assert cli.main(["compare", "omega.csv", "lagrange/nutation", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)["omega_alone"]
     assert answer["gamma_digits"] >= answer["derivative_digits"] > 5
     assert float(answer["drift"]["gamma"]) < 1e-4
+
+
+def test_the_sentence_says_what_the_numbers_mean():
+    def told(spacing, factor):
+        change = mpmath.mpf(factor)
+        return str(found("kovalevskaya/generic", spacing, lambda row: [x * change for x in row]))
+
+    assert told(Fraction(1, 40), 1).endswith("and so far omega satisfies the body's equations")
+    wrong = told(Fraction(1, 40), "1.001")
+    digits = float(wrong.rpartition(" omega satisfies the body's equations to ")[2])
+    assert 1 < digits < 4
+    assert "3.60" in wrong
+    assert "Yehia" in wrong
+    assert told(Fraction(5), 1).endswith("too far apart for derivatives, so this tells nothing")

@@ -96,7 +96,9 @@ def integrate(
     method: str = "auto",
     progress: Progress | bool | None = None,
 ) -> Trajectory:
-    """Integrate the Euler–Poisson equations (3.29) of a scene with heyoka's Taylor method.
+    """Integrate the Euler–Poisson equations of a scene with heyoka's Taylor method.
+
+    They are (3.29) of Yehia, *Rigid Body Dynamics: A Lagrangian Approach*, in principal axes.
 
     ``number``: double (default), extended, quad or mp (50 digits), or a NumberType.  ``at``: output
     times instead of the scene's.  ``tol``: the tolerance of a step, the type's eps unless given.

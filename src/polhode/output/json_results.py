@@ -243,7 +243,9 @@ def frequencies(reference: Reference, digits: int = 17) -> dict[str, str | None]
 
 def of_judgement(judged: Judgement) -> dict[str, Any]:
     """The object that ``compare --json`` prints."""
-    reference, subject, told = judged.reference, judged.subject, bool(judged.digits)
+    reference, subject = judged.reference, judged.subject
+    parts, known = judged.part_digits, judged.agreement
+    told = any(d is not None for digits in parts.values() for d in digits)
     answer: dict[str, Any] = {
         "file": subject.name,
         "scene": reference.scene.name,
@@ -259,16 +261,29 @@ def of_judgement(judged: Judgement) -> dict[str, Any]:
             None if b is None else [round(d, 2) for d in b] for b in judged.expected
         ],
         "digits_inputs": [None if d is None else round(d, 2) for d in judged.inputs],
+        "amplification": [
+            None if a is None or math.isinf(a) else float(f"{a:.4g}") for a in judged.amplification
+        ],
         "worst": round(judged.worst, 2) if told and not judged.lost else None,
         "worst_time": in_full(judged.worst_time) if told else None,
+        "worst_part": judged.worst_part if told else None,
         "limit": judged.limit or None,
+        "reading": judged.reading,
         "motion": of_motion(judged.motion),
         "yardstick": subject.number.name,
         "no_digits_left_after": judged.lost_after if judged.lost else None,
-        "parts": {name: round(d, 2) for name, d in judged.parts.items()},
+        "parts": {
+            name: [None if d is None else round(d, 2) for d in digits]
+            for name, digits in parts.items()
+        },
+        "right_until": {
+            name: {"until": in_full(where.until), "since": in_full(where.since)}
+            for name, where in judged.departures.items()
+        },
         "drift": None if judged.drift is None else of_drift(judged.drift),
         "omega_alone": of_omega_alone(judged.omega_alone),
         "not_judged": list(judged.notes),
+        "remarks": list(subject.remarks),
     }
     if judged.readings:
         answer["read_as"] = [
@@ -277,7 +292,7 @@ def of_judgement(judged: Judgement) -> dict[str, Any]:
         ]
     answer["proven"] = reference.is_proven
     if not reference.is_closed_form:
-        answer["reference_digits"] = round(reference.agreement, 1)
+        answer["reference_digits"] = None if math.isnan(known) else round(known, 1)
     return answer
 
 

@@ -24,6 +24,9 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     parser.add_argument("--number", help="the file's decimals are rounded values of this type")
     parser.add_argument("--digits", type=whole, help="digits of mp, with --number mp")
+    parser.add_argument(
+        "--as-it-stands", action="store_true", help="apply no other convention than the scene's"
+    )
 
 
 def main(options: Namespace) -> int:
@@ -35,7 +38,7 @@ def main(options: Namespace) -> int:
     with ProgressLine("compare") as progress:
 
         def first(brief: Judgement, count: int) -> None:
-            digits = f"{brief.worst:.2f} correct digits" if brief.digits else "no state"
+            digits = f"{min(brief.digits):.2f} correct digits" if brief.digits else "no state"
             told = f"{digits} in {len(brief.times)} of {count} rows, all of them follow"
             progress.say(told, at_once=True)
 
@@ -47,6 +50,7 @@ def main(options: Namespace) -> int:
             first=first,
             workers=cores(),
             progress=partial(progress.show, what="rows of the closed form"),
+            as_it_stands=options.as_it_stands,
         )
         told = json_results.of_judgement(judged) if options.json else str(judged)
     if isinstance(told, str):

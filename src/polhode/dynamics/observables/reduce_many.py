@@ -97,7 +97,7 @@ def reduce_many(
     parts: Path | None = None,
     progress: Progress | bool | None = None,
 ) -> Reductions:
-    """Integrate many variants of a scene (3.29) and keep some numbers of each.
+    """Integrate many variants of a scene and keep some numbers of each.
 
     ``keep``: "final" (the last state), "largest X" and "smallest X" (an expression in p q r gamma1
     gamma2 gamma3 t theta: its extreme over the output times, and where it is first reached), "first

@@ -59,7 +59,7 @@ class Conditioning(ByValue):
     >>> found = polhode.conditioning("euler/separatrix", [10, 120])
     >>> print(found)
                  t      kappa  amplification  expected in double  inputs  bound
-                10       41.2           14.6           14.8-15.6    15.4   14.0
+                10       41.2           14.6         14.80-15.58    15.4   14.0
     no digits left after t = 100
     >>> found.digits_bound("double")[1], found.lost
     (0.0, 'no digits left after t = 100')
@@ -193,7 +193,7 @@ class Conditioning(ByValue):
         )
         for t, kappa, log10_a, band, inputs, bound in rows:
             if kappa is not None and log10_a is not None and band is not None:
-                told = f"{band.least:.1f}-{band.most:.1f}"
+                told = band.shown(self.number)
                 lines.append(
                     f"{to_double(t):14g}  {kappa:9.3g}  {_power(log10_a):13.3g}  {told:>18}"
                     f"  {inputs:6.1f}  {bound:5.1f}"

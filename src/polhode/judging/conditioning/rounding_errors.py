@@ -78,6 +78,14 @@ class Band(NamedTuple):
     middle: float
     most: float
 
+    def shown(self, number: NumberType) -> str:
+        """The band to hundredths, rounded outward, with no more digits than the type has."""
+        if self.most == 0:
+            return "none"
+        least = math.floor(100 * self.least)
+        most = min(math.ceil(100 * self.most), math.floor(100 * number.most_digits))
+        return f"{min(least, most) / 100:.2f}-{most / 100:.2f}"
+
 
 def kappa(along: Passage) -> Iterator[tuple[float, float]]:
     """(time, log10 of kappa) at the end of each stretch, see

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polhode.common.text_tables import few
+from polhode.judging.diagnosis.reading import GAIN, WRONG, Reading
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, rows
 from polhode.judging.references.two_precisions import TwoPrecisions
@@ -20,25 +21,9 @@ from polhode.judging.tables.candidate import Subject
 from polhode.numbers.conversion import exactly, to_double
 
 MOST_ROWS = 40  # looked at
-WRONG, GAIN = 3.0, 3.0  # digits: below the first a part is wrong, the second is what a reading adds
 _TELLABLE = 15.0  # digits
 _DEGREE = math.pi / 180
 _SEQUENCES = [s for s in itertools.product("xyz", repeat=3) if s[0] != s[1] != s[2]]
-
-
-class Reading(NamedTuple):
-    """A part of a table read another way: its digits as it stands, and as it is read here."""
-
-    part: str
-    as_it_stands: float
-    convention: str
-    digits: float
-
-    def __str__(self) -> str:
-        return (
-            f"{self.part} as it stands {self.as_it_stands:.2f} digits; read as {self.convention}: "
-            f"{self.digits:.1f} digits"
-        )
 
 
 def readings(

@@ -78,13 +78,6 @@ def shown_digits(digits: float, expected: Band | None) -> str:
     return "none left" if is_lost(digits, expected) else f"{digits:.2f}"
 
 
-def shown_expected(expected: Band | None) -> str:
-    """The digits expected, for people: nine in ten runs have so many."""
-    if expected is None:
-        return "unknown"
-    return "none" if expected.most == 0 else f"{expected.least:.1f}-{expected.most:.1f}"
-
-
 def between(known: Mapping[Any, Any], times: Sequence[Fraction]) -> tuple[Any, ...]:
     """Digits (numbers or bands) at times, linear between those where they are known.
 

@@ -7,6 +7,7 @@ derivative is that of the polynomial through neighbouring samples.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -21,6 +22,8 @@ from polhode.scenes.body import is_zero
 from polhode.scenes.scene import Scene
 
 SAMPLES = 9  # that a derivative is taken from
+TELLING = 3.0  # digits of a derivative that tells anything
+SOURCE = "Yehia, Rigid Body Dynamics, eq. 3.60"
 
 
 @dataclass(frozen=True)
@@ -36,12 +39,24 @@ class OmegaAlone:
     derivative: float
     drift: Drift
 
+    @property
+    def satisfied(self) -> float:
+        """The digits to which omega satisfies the body's equations: by |gamma|² and f."""
+        off = max(abs(x) for x in (self.drift.gamma, self.drift.f) if x is not None)
+        return -math.log10(off) if off > 0 else math.inf
+
     def __str__(self) -> str:
-        return (
-            f"gamma by (3.60) from omega alone: {self.digits:.2f} correct digits, with |gamma|^2 "
-            f"off by {self.drift.gamma:.1e} and f by {self.drift.f:.1e}; "
-            f"the samples' derivatives are good for {self.derivative:.2f} digits or more"
+        found = (
+            f"gamma from omega, its derivative and the energy ({SOURCE}): "
+            f"{self.digits:.2f} correct digits, |gamma|^2 off by {self.drift.gamma:.1e} "
+            f"and f by {self.drift.f:.1e}; "
         )
+        if self.derivative < TELLING:
+            return f"{found}the samples are too far apart for derivatives, so this tells nothing"
+        good = f"{found}derivatives of these samples are good for {self.derivative:.2f} digits"
+        if self.satisfied >= self.derivative - 1:
+            return f"{good} or more, and so far omega satisfies the body's equations"
+        return f"{good} or more, omega satisfies the body's equations to {self.satisfied:.1f}"
 
 
 def omega_alone(

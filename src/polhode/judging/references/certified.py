@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 class Certified:
     """The reference of any scene: balls that contain the exact motion, and their midpoints.
 
-    ``agreement`` holds the digits proven for the last request, at its worst time.
+    ``agreement`` holds the digits proven for the last request of states, at its worst time; where
+    states were never asked for, of the last attitude or angles.
 
     >>> import polhode
     >>> proven = polhode.Certified(polhode.load("general/asymmetric-regular"))
@@ -40,7 +41,7 @@ class Certified:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.regime = kind_of_body(scene.body)
-        self.agreement = math.nan
+        self.agreement, self._states_asked = math.nan, False
         self.frequencies: dict[str, Real] = {}
         self._known: dict[tuple[tuple[Exact, ...], int, tuple[str, ...]], Enclosure] = {}
 
@@ -59,6 +60,7 @@ class Certified:
         Raises BadInput where so many cannot be proven.
         """
         found = self.enclosure(times, digits)
+        self._states_asked = True
         return [list(row) for row in found.midpoints]
 
     def enclosure(
@@ -113,5 +115,5 @@ class Certified:
             raise BadInput(self.scene.name, "start.gamma", None, "given, for an attitude")
         agreement = self.agreement
         found = self.enclosure(times, digits, (output,))
-        self.agreement = agreement  # that of the state
+        self.agreement = agreement if self._states_asked else min(getattr(found, output).digits)
         return found

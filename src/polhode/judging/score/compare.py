@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -17,7 +18,7 @@ from polhode.judging.references.reference import Reference, Remembered, referenc
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.score.judgement import Judgement
 from polhode.judging.score.report_text import SHOWN
-from polhode.judging.score.score import AnyReference
+from polhode.judging.score.score import AnyReference, does_not_answer
 from polhode.judging.tables.candidate import of_run, of_table
 from polhode.judging.tables.csv_file import open_table
 from polhode.judging.tables.table import Table, table_of_columns, table_of_rows
@@ -56,6 +57,7 @@ def compare(
     first: Callable[[Judgement, int], None] | None = None,
     workers: int = 1,
     progress: Progress | None = None,
+    as_it_stands: bool = False,
 ) -> Judgement:
     """Judge a run, a trajectory file, columns or an array of states against a reference.
 
@@ -72,6 +74,8 @@ def compare(
     ``workers``: processes that a closed form whose rows cost seconds may be asked by.
     ``progress``: called with the part of the closed form's rows that are there, and how many,
     where they take long.
+    ``as_it_stands``: judge the numbers in the conventions of the scene alone; otherwise another
+    convention that makes a part right is applied, and ``reading`` says which.
 
     Raises BadInput for what cannot be read or judged.
 
@@ -98,7 +102,7 @@ def compare(
         if not what.times:
             ended = f"a time that the run reached ({what.outcome.cause}; {what.outcome.advice})"
             raise BadInput(what.scene.name, "rows", None, ended)
-        found = Judgement(of_run(what), against, known, workers, progress)
+        subject = of_run(what)
     else:
         scene = against.scene
         if digits is not None and number is None:
@@ -118,12 +122,18 @@ def compare(
             what = table_of_rows(what, at, named, kind)
         count = len(what.times)
         _is_told(first, what.some(few(count, SHOWN)), count, against)
-        found = Judgement(of_table(what, scene), against, known, workers, progress)
-    about = found.subject
-    if not (about.columns or about.angles or about.attitude or about.derived):
-        expected = f"columns of {', '.join(found.reference.scene.columns)}, angles or attitude"
-        raise BadInput(about.name, "header", None, expected)
-    _ = found.digits  # what cannot be judged is refused here
+        subject = of_table(what, scene)
+    if not (subject.columns or subject.angles or subject.attitude or subject.derived):
+        expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
+        raise BadInput(subject.name, "header", None, expected)
+    found = Judgement(subject, against, known, workers, progress, as_it_stands)
+    try:
+        _ = found.digits  # what cannot be judged is refused here
+    except BadInput as refused:
+        if not does_not_answer(against, refused):
+            raise
+        found = replace(found, reference=Certified(against.scene))
+        _ = found.digits
     return found
 
 
@@ -133,5 +143,12 @@ def _is_told(
     """Whether ``first`` was called with some of so many rows."""
     if first is None or count <= MANY:
         return False
-    first(Judgement(of_table(some, against.scene), against), count)
+    brief = Judgement(of_table(some, against.scene), against)
+    try:
+        _ = brief.digits
+    except BadInput as refused:
+        if does_not_answer(against, refused):
+            return False
+        raise
+    first(brief, count)
     return True

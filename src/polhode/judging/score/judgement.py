@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 from polhode.common.cached_property import cached_property
 from polhode.common.presentation import Slot
@@ -16,10 +17,13 @@ from polhode.equations.integrals import Drift
 from polhode.judging.conditioning.conditioning import Conditioning, conditioning
 from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
 from polhode.judging.conditioning.rounding_errors import Band
-from polhode.judging.diagnosis.error_budget import between, is_lost, limit
+from polhode.judging.diagnosis.departure import Departure, departure
+from polhode.judging.diagnosis.error_budget import LAST, between, is_lost, limit
 from polhode.judging.diagnosis.omega_only import OmegaAlone, omega_alone
+from polhode.judging.diagnosis.reading import WRONG, Reading
 from polhode.judging.presentation import JudgementPresentation
 from polhode.judging.references.reference import by_sign
+from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest
 from polhode.judging.score.report_text import SHOWN, table, together
 from polhode.judging.score.score import AnyReference, HeldAgainst
 from polhode.judging.tables.candidate import Subject, of_table
@@ -29,11 +33,19 @@ from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.scenes.vocabulary import STATE
 
-if TYPE_CHECKING:
-    from polhode.judging.diagnosis.conventions import Reading
-
 FOLLOWED = 400  # times at which what rounding does to the motion is followed
 MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
+
+STATE_PART = "state"  # omega and gamma together
+
+
+class _Worst(NamedTuple):
+    """The fewest digits, the part that has them, and its first such row."""
+
+    digits: float
+    part: str
+    row: int
+
 
 _PRESENTATION: Slot[JudgementPresentation[Judgement]] = Slot("judgements")
 
@@ -44,9 +56,11 @@ class Judgement(ByValue):
 
     ``subject``: what was judged.  ``reference``: what against.  ``known``: kappa at the scene's
     times, where it is known already.  ``workers``: processes that may ask the reference;
-    ``progress``: told of its rows where they take long.
+    ``progress``: told of its rows where they take long.  ``as_it_stands``: whether no other
+    convention is tried.
     ``digits[k]`` belongs to ``times[k]``: -log10 of the larger
     of the error of omega over the largest |omega| of the reference, and the error of gamma.
+    ``worst``: the fewest of these and of those of every other part that was judged.
     Printed, it is what ``polhode compare`` says.
 
     >>> import polhode
@@ -60,6 +74,7 @@ class Judgement(ByValue):
     known: Conditioning | None = field(default=None, compare=False)
     workers: int = field(default=1, compare=False)
     progress: Progress | None = field(default=None, compare=False)
+    as_it_stands: bool = False
 
     def __getstate__(self) -> dict[str, object]:
         """Without what is told of progress: nobody waits for it elsewhere."""
@@ -81,15 +96,77 @@ class Judgement(ByValue):
 
     @property
     def worst(self) -> float:
-        """The fewest correct digits of the state; ValueError where no column of it is there."""
-        if not self.digits:
-            raise ValueError(f"{self.subject.name}: no column of the state was judged")
-        return min(self.digits)
+        """The fewest correct digits of any part that was judged; ValueError where none was."""
+        return self._worst.digits
 
     @property
     def worst_time(self) -> Fraction:
         """The first time at which the digits are fewest; ValueError likewise."""
-        return self.times[self.digits.index(self.worst)]
+        return self.times[self._worst.row]
+
+    @property
+    def worst_part(self) -> str:
+        """The part that has the fewest: "state", or one of ``part_digits``; ValueError likewise."""
+        return self._worst.part
+
+    @cached_property
+    def _worst(self) -> _Worst:
+        parts = {STATE_PART: self.digits, **self._others}
+        found = [
+            _Worst(d, part, k)
+            for part, digits in parts.items()
+            for k, d in enumerate(digits)
+            if d is not None
+        ]
+        if not found:
+            raise ValueError(f"{self.subject.name}: no column was judged")
+        return min(found, key=lambda one: one.digits)
+
+    @cached_property
+    def _others(self) -> dict[str, RowDigits]:
+        """Digits of what is no column of the state, as it is read."""
+        found = {k: part for k, part in self._held.parts.items() if isinstance(part, PartDigits)}
+        return {
+            name: part.digits if self.as_it_stands or not part.is_turned else part.turned or ()
+            for name, part in found.items()
+        }
+
+    @property
+    def _turns(self) -> tuple[Reading, ...]:
+        """That psi and phi are read up to whole turns, where they are."""
+        angles = self._held.parts.get("angles")
+        if self.as_it_stands or not isinstance(angles, PartDigits) or not angles.is_turned:
+            return ()
+        before, now = (fewest(d or (), self.subject.held) for d in angles)
+        return (Reading("angles", before, "psi and phi up to whole turns", now),)
+
+    @property
+    def reading(self) -> str | None:
+        """The convention that was applied, None where the numbers are judged as they stand."""
+        return "; ".join(one.convention for one in self._turns) or None
+
+    @property
+    def part_digits(self) -> dict[str, RowDigits]:
+        """Correct digits of each part at each time, None where it has no value there.
+
+        omega, gamma; angles and attitude, by absolute error; derived columns, by errors relative
+        to their largest value.
+        """
+        return self._held.halves | self._others
+
+    @cached_property
+    def departures(self) -> dict[str, Departure]:
+        """Where parts leave the motion: right until one time, wrong from the next one on."""
+        found = {
+            name: departure(self.times, digits, lambda: self._followed_digits)
+            for name, digits in self.part_digits.items()
+        }
+        return {name: where for name, where in found.items() if where is not None}
+
+    @property
+    def _lowest(self) -> int:
+        """The first row at which the digits of the state are fewest."""
+        return self.digits.index(min(self.digits))
 
     @property
     def asked(self) -> int | None:
@@ -99,7 +176,7 @@ class Judgement(ByValue):
     @property
     def reached(self) -> bool | None:
         """Whether the digits asked for were reached; None where none were asked for."""
-        return None if self.asked is None else self.worst >= self.asked
+        return None if self.asked is None else min(self.digits) >= self.asked
 
     @cached_property
     def conditionings(self) -> tuple[Conditioning, ...]:
@@ -111,7 +188,7 @@ class Judgement(ByValue):
         kept = {*range(count)}
         if count > FOLLOWED:
             kept = {*few(count, FOLLOWED), *few(count, SHOWN)}
-            kept |= {self.digits.index(self.worst)} if self.digits else set()
+            kept |= {self._lowest} if self.digits else set()
         times = [self.times[k] for k in sorted(kept)]
         return tuple(conditioning(scene, part, number) for part in by_sign(times))
 
@@ -123,6 +200,11 @@ class Judgement(ByValue):
 
         Of a projected run those that projection leaves; see :func:`polhode.conditioning`.
         """
+        return self._followed_digits if self.digits else ()
+
+    @cached_property
+    def _followed_digits(self) -> tuple[Band | None, ...]:
+        """Those of ``expected``, also where no column of the state is there."""
         return self._told(lambda known: known.expected(self.subject.number, self._every))
 
     @cached_property
@@ -131,7 +213,20 @@ class Judgement(ByValue):
 
         Of a projected run those that are left where projection has taken its part away.
         """
+        if not self.digits:
+            return ()
         return self._told(lambda known: known.inputs(self.subject.number, self._every))
+
+    @cached_property
+    def amplification(self) -> tuple[float | None, ...]:
+        """What a change of the state on the way is multiplied by at most; None where unknown.
+
+        Of more times than are followed the logarithm is linear between those; inf beyond doubles.
+        """
+        if not self.digits:
+            return ()
+        found = self._told(lambda known: known.log10_amplification)
+        return tuple(None if x is None else 10.0**x if x < 308 else math.inf for x in found)
 
     @property
     def _every(self) -> int:
@@ -141,8 +236,6 @@ class Judgement(ByValue):
 
     def _told(self, what: Callable[[Conditioning], tuple[Any, ...]]) -> tuple[Any, ...]:
         """What is known of the times judged."""
-        if not self.digits:
-            return ()
         if self.known is not None:
             return what(self.known)[: len(self.times)]
         found: dict[Exact, Any] = {}
@@ -168,27 +261,43 @@ class Judgement(ByValue):
         return lyapunov(self.reference.scene, max_steps=MOTION_STEPS)
 
     @cached_property
+    def agreement(self) -> float:
+        """The digits that the reference is good for, as it said when it was asked; inf for a
+        closed form, nan where it said nothing."""
+        _ = self.digits, self._others
+        return self.reference.agreement
+
+    @cached_property
     def limit(self) -> str:
-        """What limits the digits, see :func:`polhode.judging.diagnosis.error_budget.limit`; empty
-        unjudged."""
+        """What limits the digits of the state, see
+        :func:`polhode.judging.diagnosis.error_budget.limit`.
+
+        Empty where the state was not judged, and of a table that is wrong in the first digit or
+        would be right in another convention: then its method is not to blame.
+        """
         if not self.digits:
             return ""
-        about, agreement, worst = self.subject, self.reference.agreement, self.worst
+        found = self._limit
+        blamed = self.subject.run is None and found.startswith("method")
+        return "" if blamed and (min(self.digits) < LAST or self.readings) else found
+
+    @cached_property
+    def _limit(self) -> str:
+        about, agreement, worst = self.subject, self.reference.agreement, min(self.digits)
         if about.printed is not None and worst >= about.printed - 1:
             return "rounding (of the printed digits)"
         held, steps = min(about.held, about.number.most_digits), about.steps
         cheap = limit(worst, held, None, None, agreement, steps)
         if cheap in ("rounding", "reference"):  # needs nothing of the motion
             return cheap
-        at = self.digits.index(worst)
-        expected, inputs, times = self.expected[at], self.inputs[at], len(self.times)
+        at, times = self._lowest, len(self.times)
+        expected, inputs = self.expected[at], self.inputs[at]
         return limit(worst, held, expected, inputs, agreement, steps, times)
 
     @property
     def parts(self) -> dict[str, float]:
-        """Correct digits over all times of angles and attitude, by absolute error, and of derived
-        columns, by errors relative to their largest value."""
-        return {name: found for name, found in self._held.parts.items() if isinstance(found, float)}
+        """The fewest correct digits over all times of angles, attitude and derived columns."""
+        return {name: fewest(found, self.subject.held) for name, found in self._others.items()}
 
     @property
     def drift(self) -> Drift | None:
@@ -222,39 +331,42 @@ class Judgement(ByValue):
     @cached_property
     def readings(self) -> tuple[Reading, ...]:
         """Conventions in which parts of a table that is wrong as it stands would be right."""
-        from polhode.judging.diagnosis.conventions import WRONG, readings
+        from polhode.judging.diagnosis.conventions import readings
         from polhode.judging.diagnosis.time_rounding import reading
 
         source = self.subject.source
-        if not isinstance(source, Table):
-            return ()
+        if self._turns or self.as_it_stands or not isinstance(source, Table):
+            return self._turns
         wrong = {name for name, digits in self.parts.items() if digits < WRONG}
-        if self.digits and self.worst < WRONG:
+        if self.digits and min(self.digits) < WRONG:
             wrong |= {"omega", "gamma"}
         if wrong or not self.digits:
             return tuple(readings(self.subject, self.reference, wrong)) if wrong else ()
-        at, scene = self.digits.index(self.worst), self.reference.scene
+        at, worst, scene = self._lowest, min(self.digits), self.reference.scene
 
         def judged(table: Table) -> float:
-            return Judgement(of_table(table, scene), self.reference).worst
+            return min(Judgement(of_table(table, scene), self.reference).digits)
 
-        found = reading(source, scene, at, self.worst, 10.0**-self.worst, judged)
+        found = reading(source, scene, at, worst, 10.0**-worst, judged)
         return () if found is None else (found,)
 
     def __str__(self) -> str:
-        against = self.reference
-        known = f"to {against.agreement:.1f} digits"
+        against, others = self.reference, self._others
+        known = f"to {self.agreement:.1f} digits"
         estimated = f", which agree {known}: error estimated"
         how = f", proven {known}" if against.is_proven else estimated
-        how = "" if against.is_closed_form else how
+        how = "" if against.is_closed_form or math.isnan(self.agreement) else how
         scene = f"{against.scene.name} ({against.regime})"
         lines = [f"{self.subject.name} against {against.kind} of {scene}{how}"]
-        if self.digits:
-            lines += table(self.times, self.digits, self.expected, self.subject.number)
-            worst = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
-            lines.append(f"{self.lost or worst}; limited by {self.limit}")
+        if self.digits or others:
+            number = self.subject.number
+            lines += table(self.times, self.digits, self.expected, number, others)
+            lines.append(self._headline)
         lines.append(f"motion {self.motion}")
-        lines += [f"{name}: {digits:.2f} correct digits" for name, digits in self.parts.items()]
+        told = {name: [f"{digits:.2f} correct digits"] for name, digits in self.parts.items()}
+        for name, where in self.departures.items():
+            told.setdefault(name, []).append(str(where))
+        lines += [f"{name}: {'; '.join(texts)}" for name, texts in told.items()]
         lines += [str(reading) for reading in self.readings]
         if self.omega_alone is not None:
             lines.append(str(self.omega_alone))
@@ -262,14 +374,41 @@ class Judgement(ByValue):
             lines.append(f"drift {self.drift}")
         if self.subject.projected and self.subject.run is not None:
             lines.append(f"projected {self.subject.run.projection}")
+        lines += self.subject.remarks
         lines += [f"not judged: {note}" for note in together(self.notes)]
         return "\n".join(lines)
+
+    @property
+    def _unlimited(self) -> str:
+        """Why no limit is named."""
+        if self.readings:
+            return "no limit is named, for another convention makes it better"
+        return "wrong in the first digit, so no limit is named"
+
+    @property
+    def _headline(self) -> str:
+        """The fewest digits of all, and what limits those of the state."""
+        read = f"; read as {self.reading}" if self.reading else ""
+        limited = (f"limited by {self.limit}" if self.limit else self._unlimited) + read
+        if self.digits and self.lost:
+            return f"{self.lost}; {limited}"
+        worst = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
+        if self.worst_part == STATE_PART:
+            return f"{worst}; {limited}"
+        worst += f", of {self.worst_part}"
+        if not self.digits:
+            return worst + read
+        time = brief(self.times[self._lowest])
+        return f"{worst}; of the state {min(self.digits):.2f} at t = {time}, {limited}"
 
     def _repr_html_(self) -> str:
         return _PRESENTATION.get().html(self)
 
     def __repr__(self) -> str:
-        told = f"{self.worst:.2f} correct digits" if self.digits else "no state judged"
+        try:
+            told = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
+        except ValueError:
+            told = "nothing was judged"
         return f"<Judgement of {self.subject.name} against {self.reference.kind}: {told}>"
 
     @cached_property

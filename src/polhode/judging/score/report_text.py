@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from polhode.common.text_tables import aligned, few
 from polhode.judging.conditioning.rounding_errors import Band
-from polhode.judging.diagnosis.error_budget import shown_digits, shown_expected
+from polhode.judging.diagnosis.error_budget import shown_digits
 from polhode.numbers.decimals import decimal_string, in_full, shortest
 from polhode.numbers.number_types import NumberType
 
@@ -20,21 +20,23 @@ def table(
     digits: Sequence[float],
     expected: Sequence[Band | None],
     number: NumberType,
+    parts: Mapping[str, Sequence[float | None]],
 ) -> list[str]:
-    """The lines of the digits at a few of the times, beside those that are expected."""
-    shown = few(len(digits), SHOWN)
-    header = ["t", "correct digits", f"expected in {number.name}"]
-    rows = [
-        [
-            _time(times[k], number),
-            shown_digits(digits[k], expected[k]),
-            shown_expected(expected[k]),
-        ]
-        for k in shown
-    ]
-    lines = aligned(header, rows)
-    if len(rows) < len(digits):
-        lines.append(f"({len(rows)} of {len(digits)} times; all of them with --json)")
+    """The lines of the digits at a few of the times, beside those that are expected.
+
+    ``digits``: of the state, empty where it was not judged; ``parts``: of others.
+    """
+    shown = few(len(times), SHOWN)
+    columns = {"t": [_time(times[k], number) for k in shown]}
+    if digits:
+        columns["correct digits"] = [shown_digits(digits[k], expected[k]) for k in shown]
+        bands = ["unknown" if (b := expected[k]) is None else b.shown(number) for k in shown]
+        columns[f"expected in {number.name}"] = bands
+    for name, of_part in parts.items():
+        columns[name] = ["-" if (d := of_part[k]) is None else f"{d:.2f}" for k in shown]
+    lines = aligned([*columns], [*zip(*columns.values(), strict=True)])
+    if len(shown) < len(times):
+        lines.append(f"({len(shown)} of {len(times)} times; all of them with --json)")
     return lines
 
 

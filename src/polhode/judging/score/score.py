@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeAlias
 
 from polhode.common.cached_property import cached_property
+from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging._dense_reference.parallel_evaluation import Ask, asked_by
@@ -17,12 +19,13 @@ from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
 from polhode.judging.references.reference import Reference, Remembered, rows
 from polhode.judging.references.two_precisions import TwoPrecisions
+from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest, part_digits
 from polhode.judging.score.vectorized_score import ManyRows, digits, many_rows
 from polhode.judging.tables.candidate import Subject
-from polhode.numbers.conversion import exactly, to_mpf
+from polhode.numbers.conversion import to_mpf
 from polhode.numbers.rows import Given
 from polhode.numbers.scalars import Scalar
-from polhode.scenes.vocabulary import COLUMNS
+from polhode.scenes.vocabulary import COLUMNS, STATE
 
 SPARE_DIGITS = 6  # of the reference beyond what can be told
 _FIRST_ROWS, _MORE = 32, 16  # of rows asked for piece by piece: the first piece, and its growth
@@ -114,9 +117,27 @@ class HeldAgainst:
         return tuple(digits_of(error, self.subject.held) for error in found)
 
     @cached_property
-    def parts(self) -> dict[str, float | str]:
+    def halves(self) -> dict[str, RowDigits]:
+        """Digits of omega and of gamma at each time, of what is there of them."""
+        found: dict[str, RowDigits] = {}
+        there = self.subject.columns
+        for name, half in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
+            if not {*STATE[half]} & {*there}:
+                continue
+            if self.many is not None:
+                found[name] = tuple(digits(self.many.halves[name], self.subject.held))
+                continue
+            own = [
+                [x if k in range(*half.indices(6)) else None for k, x in enumerate(row)]
+                for row in self.subject.states
+            ]
+            found[name] = self._digits(own)
+        return found
+
+    @cached_property
+    def parts(self) -> dict[str, PartDigits | str]:
         """Digits of angles, attitude and derived columns, or why there are none."""
-        found: dict[str, float | str] = {}
+        found: dict[str, PartDigits | str] = {}
         for name in COLUMNS:
             own = self.subject.part(name)
             if own is None:
@@ -125,47 +146,67 @@ class HeldAgainst:
                 found[name] = f"none of {'them' if name == 'angles' else 'it'} has a value"
                 continue
             try:
-                found[name] = self._told(name, own)
+                found[name] = self.part(name, own)
             except ValueError as fault:  # BadInput is one
                 found[name] = str(fault)
+                if does_not_answer(self.reference, fault):
+                    proven = replace(self, reference=Certified(self.reference.scene))
+                    with suppress(ValueError):
+                        found[name] = proven.part(name, own)
         return found
 
-    def _told(self, name: str, own: Given) -> float:
-        """Digits of such a part over all rows; raises ValueError."""
+    def part(self, name: str, own: Given) -> PartDigits:
+        """Digits of such a part at all rows; raises ValueError."""
+        held, bits = self.subject.held, self.bits
         many = None if self.many is None else self.many.part(name)
-        if many is None:
+        if many is None or self.many is None:
+
+            def right(true: list[list[Scalar]]) -> float:
+                return fewest(part_digits(name, own, true, held, bits).digits, held)
+
             ask = partial(column_of, self._ask, self.reference.scene, name)
-            return self._part(name, own, self._true(ask, partial(self._part, name, own)))
-        worst = min(digits(many, self.subject.held), default=self.subject.held)
-        if name == "angles" and self.many is not None:
-            for some in _spread(self.many.untold):
-                if worst > 0:  # else they cannot be fewer
-                    times = [self.subject.times[k] for k in some]
-                    true = rows(self._ask(name), times, self._wanted)
-                    worst = min(worst, self._part(name, [own[k] for k in some], true))
-        return worst
+            return part_digits(name, own, self._true(ask, right), held, bits)
+        there = _there(own)
+        told = PartDigits(_where(there, digits(many, held)))
+        if name != "angles" or self.many.turned is None:
+            return told
+        told = told._replace(turned=_where(there, digits(self.many.turned, held)))
+        return self._with_untold(told, own, self.many.untold)
 
-    def _part(self, name: str, own: Given, true: list[list[Scalar]]) -> float:
-        signs = (1, -1) if name == "attitude" else (1,)  # a quaternion may have either
-        scale = 1 if COLUMNS[name].how == "integrated" else largest_of(true)
-        return max(self._part_digits(own, true, s, scale) for s in signs)
+    def _with_untold(self, told: PartDigits, own: Given, untold: Sequence[int]) -> PartDigits:
+        """Angles with the rows that are asked for one by one, None where no digit is left."""
+        held, both = self.subject.held, [[*rows] for rows in told if rows is not None]
+        left = [fewest(tuple(one), held) for one in both]  # theta of untold rows among them
+        for one in both:
+            for k in untold:
+                one[k] = one[k] and None  # 0 digits of theta are 0 of all
+        for some in _spread(untold):
+            if max(left) == 0:  # they cannot be fewer
+                break
+            times = [self.subject.times[k] for k in some]
+            true = rows(self._ask("angles"), times, self._wanted)
+            found = part_digits("angles", [own[k] for k in some], true, held, self.bits)
+            for n, (one, more) in enumerate(zip(both, found, strict=True)):
+                assert more is not None
+                for k, d in zip(some, more, strict=True):
+                    one[k] = d
+                left[n] = min(left[n], fewest(more, held))
+        return PartDigits(*(tuple(one) for one in both))
 
-    def _part_digits(self, own: Given, true: list[list[Scalar]], side: int, scale: Scalar) -> float:
-        from polhode.numbers.mpmath_context import mpmath
 
-        worst = self.subject.held
-        with mpmath.workprec(self.bits):
-            for mine, right in zip(own, true, strict=True):
-                for x, y in zip(mine, right, strict=True):
-                    if x is not None and y is not None:
-                        error = abs(side * to_mpf(exactly(x), self.bits) - y) / scale
-                        worst = min(worst, digits_of(error, self.subject.held))
-        return worst
+def does_not_answer(reference: AnyReference, fault: ValueError) -> bool:
+    """Whether it is a closed form that has no answer here, as a proven enclosure may have."""
+    refused = isinstance(fault, BadInput) and fault.key == "reference"
+    return refused and isinstance(reference, Reference)
 
 
-def largest_of(rows: list[list[Scalar]]) -> Scalar:
-    """The largest size of a derived column's numbers, which its errors are relative to; 1 if 0."""
-    return max((abs(x) for row in rows for x in row if x is not None), default=0) or 1
+def _there(own: Given) -> Sequence[bool]:
+    """Whether rows have any cell."""
+    return [any(x is not None for x in row) for row in own]
+
+
+def _where(there: Sequence[bool], found: Sequence[float]) -> RowDigits:
+    return tuple(d if has else None for has, d in zip(there, found, strict=True))
 
 
 def _spread(rows: Sequence[int]) -> Iterator[list[int]]:

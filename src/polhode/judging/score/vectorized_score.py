@@ -24,6 +24,7 @@ from polhode.equations.column import column
 from polhode.judging._dense_reference.columns import Columns, in_panels
 from polhode.judging._dense_reference.parallel_evaluation import Ask
 from polhode.judging.references.reference import Reference, rows
+from polhode.judging.score.part_digits import TURNING
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.double_double_columns import columns_in_pairs
 from polhode.numbers import exact
@@ -46,13 +47,16 @@ class ManyRows:
     """Errors of a subject's rows: of the state (0 without one), scaled as digits are, of the
     attitude, of the angles and of derived columns; None where these are to be judged one by one.
 
-    A quaternion may have either sign: that of the smaller largest error.  ``untold``: rows of which
-    theta is judged and psi and phi, which the subject has, are not yet.
+    A quaternion may have either sign: that which makes more of its rows right.  ``halves``: the
+    errors of omega and of gamma.  ``turned``: of angles, psi and phi up to whole turns.
+    ``untold``: rows of which theta is judged and psi and phi, which the subject has, are not yet.
     """
 
     errors: Doubles
+    halves: Mapping[str, Doubles]
     attitude: Doubles | None
     angles: Doubles | None
+    turned: Doubles | None
     derived: Mapping[str, Doubles]
     untold: tuple[int, ...] = ()
 
@@ -73,7 +77,7 @@ def many_rows(
         if found is None:
             return None
         own = [] if subject.states is None else subject.pairs
-        turned = [] if subject.attitude is None else columns_in_pairs(subject.attitude)
+        rotated = [] if subject.attitude is None else columns_in_pairs(subject.attitude)
         told_angles = None if found.angles is None else subject.angles
         angular = [] if told_angles is None else columns_in_pairs(told_angles)
         made = {word: columns_in_pairs(rows) for word, rows in subject.derived.items()}
@@ -83,11 +87,16 @@ def many_rows(
     with np.errstate(all="ignore"):
         scale = _scale(states, reference)
         scales = [scale if i < 3 else 1.0 for i in range(len(states))]
-        errors = _errors(own, states, scales) if own else np.zeros(count)
+        halves = {
+            name: _errors(own[half], states[half], scales[half])
+            for name, half in (("omega", slice(0, 3)), ("gamma", slice(3, 6)))
+            if own[half]
+        }
+        errors = np.maximum.reduce([*halves.values()]) if own else np.zeros(count)
         sides = [
-            _errors(turned, [y * side for y in quaternion], [1.0] * 4)
+            _errors(rotated, [y * side for y in quaternion], [1.0] * 4)
             for side in (1.0, -1.0)
-            if turned and quaternion
+            if rotated and quaternion
         ]
         # psi and phi are not judged where the closed form has none, or does not tell them here
         known = [
@@ -95,10 +104,11 @@ def many_rows(
             for k, x in enumerate(angular)
         ]
         angle_errors = _errors(known, told, [1.0] * 3) if angular else None
+        turned = _errors(_near(known, told), told, [1.0] * 3) if angular else None
         right = {w: _derived(w, reference.scene, states, quaternion, count) for w in made}
         by = {w: [_largest(columns)] * len(columns) for w, columns in right.items() if columns}
         derived = {w: _errors(made[w], right[w], scale) for w, scale in by.items()}
-    attitude = min(sides, key=lambda side: float(side.max()), default=None)
+    attitude = max(sides, key=lambda side: sum(digits(side, subject.held)), default=None)
     judged: list[tuple[Ask, Sequence[Pairs], Sequence[float], Doubles | None]] = [
         (reference.at, own and states, scales, errors),
         (reference.attitude, quaternion, [1.0] * 4, attitude),
@@ -114,7 +124,17 @@ def many_rows(
             if not _right(subject, ask, true, scale_of, sorted(checked)):
                 return None
     untold = [k for k in found.untold if not all(np.isnan(angular[i].hi[k]) for i in (0, 2))]
-    return ManyRows(errors, attitude, angle_errors, derived, tuple(untold))
+    return ManyRows(errors, halves, attitude, angle_errors, turned, derived, tuple(untold))
+
+
+def _near(angles: Sequence[Pairs], true: Sequence[Pairs]) -> list[Pairs]:
+    """Angles moved by the whole turns of psi and phi that bring them nearest to the true ones."""
+    turn = of_exact(2 * exact.pi())
+    counts = {k: np.rint((angles[k].hi - true[k].hi) / (2 * math.pi)) for k in TURNING}
+    return [
+        x - Pairs(np.where(np.isnan(counts[k]), 0.0, counts[k])) * turn if k in counts else x
+        for k, x in enumerate(angles)
+    ]
 
 
 def _largest(columns: Sequence[Pairs]) -> float:

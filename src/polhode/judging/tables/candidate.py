@@ -39,7 +39,7 @@ class Subject(ByValue):
     there.  ``states``: rows of all the scene's columns, None where one is not there; ``angles`` and
     ``attitude`` likewise, None where nothing of them is there; ``derived``: the same of derived
     columns, by output.  ``steps``: what is to blame where the method is.  ``printed``: significant
-    digits in a table, None of a run.
+    digits in a table, None of a run.  ``remarks``: how the table was read.
     """
 
     source: Trajectory | Table
@@ -56,6 +56,7 @@ class Subject(ByValue):
     printed: int | None
     projected: bool
     notes: tuple[str, ...]
+    remarks: tuple[str, ...] = ()
 
     def part(self, word: str) -> Given | None:
         """Rows of an output by its word, None where nothing of it is there."""
@@ -129,12 +130,14 @@ def of_table(table: Table, scene: Scene) -> Subject:
     notes += [f"column {name} is not in the file" for name in scene.columns if name not in there]
     if any(_gaps(there[name]) for name in columns):
         notes.append("empty cells were not judged")
+    yardstick = number or (DOUBLE if table.printed <= DOUBLE.printed_digits else mp(table.printed))
+    held = number.most_digits if number else min(table.printed + 2.0, MOST_DIGITS)
     derived = {word: table.rows(COLUMNS[word].names) for word in judged_words()}
     return Subject(
         source=table,
         name=table.name,
-        number=number or (DOUBLE if table.printed <= DOUBLE.printed_digits else mp(table.printed)),
-        held=number.most_digits if number else min(table.printed + 2.0, MOST_DIGITS),
+        number=yardstick,
+        held=min(held, yardstick.most_digits),
         times=table.times,
         columns=columns,
         states=table.rows(scene.columns),
@@ -145,6 +148,7 @@ def of_table(table: Table, scene: Scene) -> Subject:
         printed=table.printed,
         projected=table.projected,
         notes=tuple(notes),
+        remarks=table.remarks,
     )
 
 

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import string
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TextIO
 
-from polhode.common.errors import UNREADABLE, BadInput
+from polhode.common.errors import BadInput
 from polhode.common.files import called, read_whole
 from polhode.common.text_tables import few
 from polhode.judging.tables.column_aliases import Column, column, known
 from polhode.judging.tables.csv_columns import most_printed, values
+from polhode.judging.tables.sidecar import Sidecar, beside
 from polhode.judging.tables.table import Table, radians
 from polhode.numbers import expression
 from polhode.numbers.expression import ExpressionError
-from polhode.numbers.number_types import NAMES, NumberType
+from polhode.numbers.number_types import NumberType
 
 MAX_BYTES = 1 << 30
 MAX_LINE = 1_000_000  # characters
@@ -32,13 +32,13 @@ class TableFile:
     """The lines of a CSV file, comments blank, whose cells are still to be read.
 
     ``number``: its decimals stand for numbers of it; that which the JSON that polhode wrote beside
-    it names, unless given.  ``beside``: what that JSON says, empty where there is none.
+    it names, unless given.  ``beside``: what that JSON says.
     """
 
     path: Path
     lines: tuple[str, ...]
     number: NumberType | None
-    beside: dict[str, Any]
+    beside: Sidecar
 
     @property
     def table(self) -> Table:
@@ -93,7 +93,7 @@ def open_table(path: Path, number: NumberType | None) -> TableFile:
         lines = tuple(_uncommented(io.StringIO(found.decode("utf-8-sig"), newline="")))
     except (UnicodeDecodeError, csv.Error):
         raise _no_text(path) from None
-    return TableFile(path, lines, number, _beside(path))
+    return TableFile(path, lines, number, beside(path))
 
 
 def read_table(path: Path, number: NumberType | None) -> Table:
@@ -119,7 +119,7 @@ def _table(
     named: list[Column],
     rows: list[tuple[int, list[str]]],
     number: NumberType | None,
-    beside: dict[str, Any],
+    beside: Sidecar,
 ) -> Table:
     for line, cells in rows:
         if len(cells) != len(header):
@@ -129,10 +129,9 @@ def _table(
     for (name, _), texts in columns.items():
         if name not in (None, "t"):
             printed = most_printed(texts, printed)
-    bits = beside.get("t_bits")
-    held = NumberType("mp", bits) if isinstance(bits, int) and bits > 1 else None
-    own = _type(beside) if held and number is None else None
-    own = own if own and printed <= own.printed_digits else None
+    by_name = {found.name: texts for found, texts in columns.items()}
+    beside = beside.of(printed, by_name["t"])
+    held, own = beside.number, beside.number if number is None else None
     found: dict[str, tuple[Fraction | None, ...]] = {}
     for (name, degrees), texts in columns.items():
         if name is None:
@@ -153,7 +152,16 @@ def _table(
     if len(times) < len(rows):
         raise _first_bad(path, named, rows)
     ignored = tuple(text for text, known in zip(header, named, strict=True) if known.name is None)
-    return Table(called(path), times, found, ignored, printed, number or own, _projected(beside))
+    return Table(
+        called(path),
+        times,
+        found,
+        ignored,
+        printed,
+        number or own,
+        beside.projected,
+        beside.remarks,
+    )
 
 
 def _first_bad(path: Path, named: list[Column], rows: list[tuple[int, list[str]]]) -> BadInput:
@@ -167,28 +175,3 @@ def _first_bad(path: Path, named: list[Column], rows: list[tuple[int, list[str]]
             except ExpressionError:
                 return BadInput(f"{path}:{line}", name, cell, "a finite decimal number")
     raise AssertionError("each cell is a number")
-
-
-def _beside(path: Path) -> dict[str, Any]:
-    """What the JSON that polhode wrote beside a file says; empty where there is none."""
-    try:
-        found = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
-    except (OSError, *UNREADABLE):
-        return {}
-    return found if isinstance(found, dict) else {}
-
-
-def _type(beside: dict[str, Any]) -> NumberType | None:
-    """The type of the run's numbers."""
-    name, bits = beside.get("number"), beside.get("bits")
-    if name not in NAMES or not isinstance(bits, int) or bits < 2:
-        return None
-    return NumberType(name, bits)
-
-
-def _projected(beside: dict[str, Any]) -> bool:
-    """Whether the integrals were projected."""
-    projection = beside.get("projection")
-    if not isinstance(projection, dict):
-        return False
-    return bool(projection.get("count")) and "h" in projection.get("onto", ())

@@ -104,10 +104,11 @@ def _run(
     }
     if run.outcome.done:
         judged = compare(run, reference, known=known)
-        at = judged.digits.index(judged.worst)
+        worst = min(judged.digits)
+        at = judged.digits.index(worst)
         found |= {
-            "correct_digits": round(judged.worst, 2),
-            "worst_time": float(judged.worst_time),
+            "correct_digits": round(worst, 2),
+            "worst_time": float(judged.times[at]),
             "times": len(judged.times),
             "inputs": rounded(judged.inputs[at]),
             "expected": band(judged.expected[at]),
@@ -135,7 +136,7 @@ def _refined(steps: Trajectory, reference: Remembered) -> dict[str, Any] | None:
         return None
     held = steps.number.most_digits
     return {
-        "correct_digits": round(compare(run, reference).worst, 2),
+        "correct_digits": round(min(compare(run, reference).digits), 2),
         "agreement": round(worst_digits(run.states, steps.states, scene, held), 2),
     }
 

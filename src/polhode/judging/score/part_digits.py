@@ -1,0 +1,89 @@
+"""Correct digits of one part of a table, row by row: of a quaternion, of angles, of columns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, TypeAlias
+
+from polhode.judging.correct_digits import digits_of
+from polhode.judging.diagnosis.reading import GAIN
+from polhode.numbers.conversion import exactly, to_mpf
+from polhode.numbers.rows import Given
+from polhode.numbers.scalars import Scalar
+from polhode.scenes.vocabulary import ANGLES, COLUMNS
+
+#: Digits at each time, None where no cell of the part is there or could be judged.
+RowDigits: TypeAlias = tuple[float | None, ...]
+
+ALIKE = {"attitude": (1, -1)}  # factors of one sign at all times that change nothing
+ROUGH, MANY = 1.0, 5  # digits of angles that a rough method has, and rows that need whole turns
+TURNING = (ANGLES.index("psi"), ANGLES.index("phi"))  # angles whose whole turns mean nothing
+
+
+class PartDigits(NamedTuple):
+    """Digits of a part at each time; ``turned``: of angles, psi and phi up to whole turns."""
+
+    digits: RowDigits
+    turned: RowDigits | None = None
+
+    @property
+    def is_turned(self) -> bool:
+        """Whether whole turns make angles right: to three digits once, or to one at all times."""
+        both = zip(self.digits, self.turned or (), strict=False)
+        gains = [(t - d, t) for d, t in both if d is not None and t is not None]
+        if any(gain >= GAIN for gain, _ in gains):
+            return True
+        always = min((t for _, t in gains), default=0.0) >= ROUGH
+        return always and sum(gain >= ROUGH for gain, _ in gains) >= MANY
+
+
+def fewest(digits: RowDigits, held: float) -> float:
+    """The fewest of the digits; ``held`` where none was judged."""
+    return min((d for d in digits if d is not None), default=held)
+
+
+def most_right(candidates: Sequence[RowDigits]) -> RowDigits:
+    """Those digits that are more over all rows: one wrong row does not decide."""
+    return max(candidates, key=lambda digits: sum(d for d in digits if d is not None))
+
+
+def part_digits(
+    name: str, own: Given, true: list[list[Scalar]], held: float, bits: int
+) -> PartDigits:
+    """A part's rows against the reference's; ``held``: the most digits that can be told."""
+    scale = 1 if COLUMNS[name].how == "integrated" else largest_of(true)
+    signs = ALIKE.get(name, (1,))
+    found = most_right([_row_digits(own, true, held, bits, s, scale) for s in signs])
+    turned = _row_digits(own, true, held, bits, 1, 1, TURNING) if name == "angles" else None
+    return PartDigits(found, turned)
+
+
+def _row_digits(
+    own: Given,
+    true: list[list[Scalar]],
+    held: float,
+    bits: int,
+    side: int,
+    scale: Scalar,
+    turning: Sequence[int] = (),
+) -> RowDigits:
+    from polhode.numbers.mpmath_context import mpmath
+
+    found: list[float | None] = []
+    with mpmath.workprec(bits):
+        turn = 2 * mpmath.pi
+        for mine, right in zip(own, true, strict=True):
+            digits: list[float] = []
+            for column, (x, y) in enumerate(zip(mine, right, strict=True)):
+                if x is not None and y is not None:
+                    error = side * to_mpf(exactly(x), bits) - y
+                    if column in turning and mpmath.isfinite(error):
+                        error -= turn * mpmath.nint(error / turn)
+                    digits.append(digits_of(abs(error) / scale, held))
+            found.append(min(digits, default=None))
+    return tuple(found)
+
+
+def largest_of(rows: list[list[Scalar]]) -> Scalar:
+    """The largest size of a derived column's numbers, which its errors are relative to; 1 if 0."""
+    return max((abs(x) for row in rows for x in row if x is not None), default=0) or 1

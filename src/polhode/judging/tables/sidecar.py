@@ -1,0 +1,154 @@
+"""What the JSON that polhode wrote beside a CSV says of its numbers; anything else is no such file.
+
+Somebody's file of that name may hold anything: a megabyte of a regular file is read, each field is
+checked against the others and against the cells, and what does not fit changes nothing and is told.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from json import JSONDecoder
+from pathlib import Path
+
+from polhode.common.errors import UNREADABLE, plain
+from polhode.common.files import called
+from polhode.common.text_tables import few
+from polhode.numbers import expression
+from polhode.numbers.decimals import shortest
+from polhode.numbers.expression import ExpressionError
+from polhode.numbers.number_types import LEAST_MP_BITS, MAX_DIGITS, NAMES, NumberType, mp, named
+
+MOST_BYTES = 1 << 20
+_MOST_BITS = 4 * mp(MAX_DIGITS).bits  # of a run: the digits asked for, and those that it loses
+_ROUNDED_OFF = 3  # zeros that all numbers of a table may end with
+_CHECKED = 32  # times
+_SPACE = " \t\r\n"
+_KEYS = ("t_bits", "number", "bits", "projection")
+
+
+@dataclass(frozen=True)
+class Sidecar:
+    """Of which type a table's numbers and times are, and whether its integrals were projected.
+
+    ``remarks``: what was not believed, and why.
+    """
+
+    name: str = ""
+    number: NumberType | None = None
+    projected: bool = False
+    remarks: tuple[str, ...] = field(default=())
+
+    def of(self, printed: int, times: Sequence[str]) -> Sidecar:
+        """As far as it fits the most digits that a cell has, and the decimals of t."""
+        number, remarks, told = self.number, list(self.remarks), ""
+        if number is None:
+            return self
+        if not 0 <= number.printed_digits - printed <= _ROUNDED_OFF:
+            told = f"it has {number.printed_digits} digits, and {printed} are printed"
+        elif (odd := _not_of(times, number)) is not None:
+            told = f"t = {odd} is not how it is printed"
+        if told:
+            remarks.append(f"{self.name}: {number.name} was not believed: {told}")
+            return Sidecar(self.name, remarks=tuple(remarks))
+        remarks.append(f"{self.name}: numbers and t are of {number.name} ({number.bits} bits)")
+        return replace(self, remarks=tuple(remarks))
+
+
+def beside(path: Path) -> Sidecar:
+    """What stands beside a table's file; nothing where there is no such file."""
+    try:
+        place = path.with_suffix(".json")
+        if place == path:
+            return Sidecar()
+        with open(os.open(place, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
+            regular = stat.S_ISREG(os.fstat(file.fileno()).st_mode)
+            text = file.read(MOST_BYTES).decode("utf-8", "replace") if regular else ""
+    except FileNotFoundError:
+        return Sidecar()
+    except (OSError, ValueError) as fault:
+        reason = getattr(fault, "strerror", None) or "no such name"
+        return Sidecar(remarks=(f"the JSON beside the file was not read: {reason}",))
+    name = called(place)
+    if not regular:
+        return Sidecar(remarks=(f"{name} was not read: it is no regular file",))
+    found = _pairs(text)
+    if not found.keys() & {*_KEYS}:
+        return Sidecar(remarks=(f"{name} was not used: it says nothing of the file's numbers",))
+    return _checked(str(name), found)
+
+
+def _checked(name: str, found: dict[str, object]) -> Sidecar:
+    """The fields, as far as they can stand together in a file that polhode wrote."""
+    word, bits, held = (found.get(key) for key in ("number", "bits", "t_bits"))
+    number = _type(word, bits)
+    if number is None or type(held) is not int or held != number.bits:
+        told = f"number = {_short(word)}, bits = {_short(bits)}, t_bits = {_short(held)}"
+        return Sidecar(remarks=(f"{name} was not believed: {told}, no number type of a run",))
+    projection = found.get("projection")
+    if projection is None:
+        return Sidecar(name, number)
+    count, onto = (
+        (projection.get("count"), projection.get("onto"))
+        if isinstance(projection, dict)
+        else (None, None)
+    )
+    if type(count) is not int or not isinstance(onto, list):
+        return Sidecar(
+            name, number, remarks=(f"{name}: projection was not believed: no count with integrals",)
+        )
+    return Sidecar(name, number, count > 0 and "h" in onto)
+
+
+def _type(word: object, bits: object) -> NumberType | None:
+    if not isinstance(word, str) or word not in NAMES or type(bits) is not int:
+        return None
+    if word == "mp":
+        return NumberType(word, bits) if LEAST_MP_BITS <= bits <= _MOST_BITS else None
+    return named(word) if bits == named(word).bits else None
+
+
+def _not_of(times: Sequence[str], kind: NumberType) -> str | None:
+    """A time that is printed otherwise than a run of this type prints it; None where none is."""
+    for k in few(len(times), _CHECKED):
+        try:
+            value = expression.decimal(times[k])
+        except ExpressionError:  # refused elsewhere
+            continue
+        held = kind.rounded(value)
+        if value not in (held, Fraction(shortest(held, kind))):
+            return times[k][:40]
+    return None
+
+
+def _pairs(text: str) -> dict[str, object]:
+    """Keys and values of a JSON object, up to where its text ends or is none."""
+    decoder, found, at = JSONDecoder(), dict[str, object](), 0
+
+    def after(mark: str, place: int) -> int:
+        while text[place] in _SPACE:
+            place += 1
+        if text[place] != mark:
+            raise ValueError
+        place += 1
+        while text[place] in _SPACE:
+            place += 1
+        return place
+
+    try:
+        at = after("{", 0)
+        while True:
+            key, at = decoder.raw_decode(text, at)
+            value, at = decoder.raw_decode(text, after(":", at))
+            found.setdefault(str(key), value)
+            at = after(",", at)
+    except (IndexError, *UNREADABLE):
+        return found
+
+
+def _short(value: object) -> str:
+    text = plain(value)
+    return text if len(text) <= 40 else text[:37] + "..."

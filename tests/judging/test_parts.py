@@ -1,0 +1,230 @@
+"""Each judged part has its digits at each time; the headline is the worst of all."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+import polhode
+from polhode import cli
+from polhode.judging.references.reference import Reference
+from polhode.scenes.vocabulary import ATTITUDE, STATE
+
+TIMES = [Fraction(k, 50) for k in range(151)]
+
+
+@pytest.fixture(scope="module")
+def nutation():
+    """The exact motion of a Lagrange top as columns of floats."""
+    exact = polhode.reference("lagrange/nutation")
+    columns = {"t": [float(t) for t in TIMES]}
+    for names, rows in ((STATE, exact.at(TIMES, 20)), (ATTITUDE, exact.attitude(TIMES, 20))):
+        columns |= {
+            n: [float(x) for x in c] for n, c in zip(names, zip(*rows, strict=True), strict=True)
+        }
+    return columns
+
+
+def written(path, columns, every=1):
+    with path.open("w", newline="") as file:
+        out = csv.writer(file)
+        out.writerow(columns)
+        rows = [*zip(*columns.values(), strict=True)]
+        out.writerows([repr(x) for x in row] for row in rows[::every])
+    return str(path)
+
+
+def compared(capsys, *arguments):
+    """What the verb says, as JSON and as text."""
+    assert cli.main(["compare", *arguments, "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert cli.main(["compare", *arguments]) == 0
+    return answer, capsys.readouterr().out
+
+
+def test_a_file_of_the_attitude_alone_is_judged_by_an_enclosure(tmp_path, capsys):
+    path = tmp_path / "x.csv"
+    scene = polhode.load("general/asymmetric-regular")
+    rows = polhode.Certified(scene).attitude([0, 1], 20)
+    lines = [
+        ",".join([t, *(repr(float(x)) for x in row)]) for t, row in zip("01", rows, strict=True)
+    ]
+    path.write_text("\n".join(["t,q0,q1,q2,q3", *lines]) + "\n")
+    answer, text = compared(capsys, str(path), scene.name)
+    assert min(answer["parts"]["attitude"]) == answer["worst"] > 15
+    assert answer["worst_part"] == "attitude"
+    assert answer["reference_digits"] > 20
+    assert "nan" not in text
+    assert text.splitlines()[1] == "t  attitude"
+    assert " correct digits at t = " in text.splitlines()[4]
+
+
+@pytest.mark.parametrize("every", [1, 2])  # judged in columns, and row by row
+def test_a_part_that_goes_wrong_is_the_headline_and_told_from_when(
+    tmp_path, capsys, nutation, every
+):
+    """The sign of qz is wrong from t = 0.16 on; omega is right to 8 digits at t = 2."""
+    wrong = [-x if t >= 0.16 else x for t, x in zip(nutation["t"], nutation["q3"], strict=True)]
+    p = [x + 3e-8 * (t == 2) for t, x in zip(nutation["t"], nutation["p"], strict=True)]
+    path = written(tmp_path / "x.csv", nutation | {"q3": wrong, "p": p}, every)
+    answer, text = compared(capsys, path, "lagrange/nutation")
+    before = [t < 0.16 for t in map(float, answer["times"])]
+    for right, digits in zip(before, answer["parts"]["attitude"], strict=True):
+        assert (digits > 15) == right
+    assert answer["worst_part"] == "attitude"
+    assert answer["worst"] == 0
+    assert answer["right_until"]["attitude"]["since"] == "0.16"
+    assert answer["right_until"].keys() == {"attitude"}
+    assert 7 < min(answer["parts"]["omega"]) < 9
+    assert min(answer["parts"]["gamma"]) > 15
+    assert "attitude: 0.00 correct digits; right until t = 0.1" in text
+    assert ", of attitude; of the state 8." in text
+    assert "t" in text.splitlines()[1]
+    assert text.splitlines()[1].split()[-1] == "attitude"
+
+
+def test_a_motion_that_takes_the_digits_itself_is_no_part_that_goes_wrong():
+    """The separatrix takes all digits between these times, of any run in double."""
+    found = polhode.compare(polhode.integrate("euler/separatrix", at=[1, 2, 3, 90, 100]))
+    assert found.digits[2] > found.digits[3] + 5
+    assert found.departures == {}
+
+
+def test_the_headline_of_the_state_alone_is_that_of_the_state():
+    found = polhode.compare(polhode.integrate("euler/largest-axis"))
+    assert found.worst == min(found.digits)
+    assert found.worst_part == "state"
+    assert found.part_digits.keys() == {"omega", "gamma"}
+
+
+@pytest.mark.parametrize("every", [1, 2])  # judged in columns, and row by row
+def test_wrapped_angles_are_read_up_to_whole_turns(tmp_path, capsys, every):
+    rows = polhode.reference("lagrange/nutation").angles(TIMES[1:], 20)
+    psi, theta, phi = ([float(x) for x in column] for column in zip(*rows, strict=True))
+    assert max(phi) > 4
+    wrapped = [math.remainder(x, 2 * math.pi) for x in phi]
+    columns = {"t": [float(t) for t in TIMES[1:]], "psi": psi, "theta": theta, "phi": wrapped}
+    path = written(tmp_path / "x.csv", columns, every)
+    answer, text = compared(capsys, path, "lagrange/nutation")
+    assert answer["worst"] == min(answer["parts"]["angles"]) > 14
+    assert answer["reading"] == "psi and phi up to whole turns"
+    assert "of angles; read as psi and phi up to whole turns" in text
+    answer, text = compared(capsys, path, "lagrange/nutation", "--as-it-stands")
+    assert answer["worst"] == 0
+    assert answer["reading"] is None
+    assert "read as" not in text
+
+
+def test_wrapped_angles_of_a_rough_method_are_read_so_too(tmp_path, capsys):
+    rows = polhode.reference("lagrange/nutation").angles(TIMES[1:], 20)
+    psi, theta, phi = ([float(x) + 0.01 for x in column] for column in zip(*rows, strict=True))
+    wrapped = [math.remainder(x, 2 * math.pi) for x in phi]
+    columns = {"t": [float(t) for t in TIMES[1:]], "psi": psi, "theta": theta, "phi": wrapped}
+    answer, _ = compared(capsys, written(tmp_path / "x.csv", columns), "lagrange/nutation")
+    assert answer["worst"] == 2.0
+    assert answer["reading"] == "psi and phi up to whole turns"
+
+
+def test_angles_that_are_wrong_are_not_read_up_to_whole_turns(tmp_path, capsys):
+    rows = polhode.reference("lagrange/nutation").angles(TIMES[1:], 20)
+    psi, theta, phi = ([float(x) for x in column] for column in zip(*rows, strict=True))
+    columns = {"t": [float(t) for t in TIMES[1:]], "psi": phi, "theta": theta, "phi": psi}
+    answer, _ = compared(capsys, written(tmp_path / "x.csv", columns), "lagrange/nutation")
+    assert answer["worst"] == 0
+    assert answer["reading"] is None
+
+
+def test_a_run_through_poles_has_its_angles_up_to_whole_turns():
+    scene = replace(polhode.load("pendulum/rotating"), outputs=("angles",))
+    found = polhode.compare(polhode.integrate(scene))
+    assert found.parts["angles"] > 12
+    assert found.reading == "psi and phi up to whole turns"
+    assert polhode.compare(polhode.integrate(scene), as_it_stands=True).worst == 0
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"p": "q", "q": "p"},
+        {"gamma1": "gamma2", "gamma2": "gamma1", "p": "q", "q": "p"},
+        {"p": "gamma1", "gamma3": "q"},
+    ],
+)
+def test_what_is_wrong_in_the_first_digit_has_no_limit(tmp_path, capsys, nutation, change):
+    names = {name: change.get(name, name) for name in ("t", *STATE)}
+    path = written(tmp_path / "x.csv", {name: nutation[of] for name, of in names.items()})
+    answer, text = compared(capsys, path, "lagrange/nutation", "--as-it-stands")
+    assert answer["worst"] < 1
+    assert answer["limit"] is None
+    assert "limited by" not in text
+    assert "wrong in the first digit, so no limit is named" in text
+
+
+def test_a_rough_method_is_the_limit_still(tmp_path, capsys, nutation):
+    p = [x + 1e-4 for x in nutation["p"]]
+    path = written(tmp_path / "x.csv", {name: nutation[name] for name in ("t", *STATE)} | {"p": p})
+    answer, _ = compared(capsys, path, "lagrange/nutation")
+    assert answer["limit"] == "method (steps of the program)"
+
+
+def test_no_more_digits_are_told_than_the_type_has(tmp_path, capsys, nutation):
+    """The start is exact, and printed with 17 digits."""
+    path = written(tmp_path / "x.csv", {name: nutation[name] for name in ("t", *STATE)}, 10)
+    answer, text = compared(capsys, path, "lagrange/nutation")
+    assert answer["yardstick"] == "double"
+    assert answer["correct_digits"][0] == 15.95
+    first = text.splitlines()[2].split()
+    assert first == ["0", "15.95", "15.95-15.95"]
+    for digits, band in (line.split()[1:] for line in text.splitlines()[3:12]):
+        least, most = map(float, band.split("-"))
+        assert least <= most <= 15.95
+        assert float(digits) <= 15.95
+
+
+def test_amplification_stands_beside_the_digits(capsys, tmp_path):
+    path = tmp_path / "x.csv"
+    assert cli.main(["run", "euler/separatrix", "--at", "1,20,200", "-o", str(path)]) == 0
+    answer, _ = compared(capsys, str(path), "euler/separatrix")
+    one, other, none = answer["amplification"]
+    assert 1 < one < 5
+    assert 100 < other < 1000
+    assert none is None
+    assert none == answer["correct_digits"][2]
+    known = polhode.conditioning("euler/separatrix", [1, 20, 200]).log10_amplification
+    assert other == pytest.approx(10 ** known[1], rel=1e-3)
+
+
+def test_a_closed_form_that_has_no_answer_gives_way_to_an_enclosure():
+    """A Goryachev-Chaplygin top started near rest: the phases of its motion are not found."""
+    scene = polhode.top(
+        moments=[4, 4, 1],
+        centre=[1, 0, 0],
+        weight=1,
+        omega=["4e-9", "2e-9", "-12e-9"],
+        gamma=["3/5", 0, "4/5"],
+        end=2,
+        samples=3,
+    )
+    with pytest.raises(polhode.BadInput, match="a question that this closed form answers"):
+        polhode.reference(scene).at([1], 20)
+    found = polhode.compare(polhode.integrate(scene))
+    assert found.worst > 14
+    assert found.reference.kind == "certified"
+    assert "against certified of top (Goryachev-Chaplygin body), proven to " in str(found)
+
+
+def test_an_attitude_that_a_closed_form_does_not_answer_is_enclosed(monkeypatch):
+    """So too where the state is answered; a closed form that refuses stands in for a slow one."""
+
+    def refused(self, times, digits):
+        raise polhode.BadInput("top", "reference", "euler", "a question that it answers")
+
+    scene = polhode.load("euler/attitude").at([1, 2])
+    run = polhode.integrate(scene)
+    monkeypatch.setattr(Reference, "attitude", refused)
+    assert polhode.compare(run).parts["attitude"] > 14
