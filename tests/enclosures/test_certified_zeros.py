@@ -164,7 +164,7 @@ def test_what_is_left_of_a_step_after_so_many_intervals_is_undecided(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     whole = _of(variable(5) - constant(Fraction(1, 3)), 90)
-    monkeypatch.setattr(certified_zeros, "_MOST_PIECES", 2)
+    monkeypatch.setattr(certified_zeros, "MOST_PIECES", 2)
     found = _of(variable(5) - constant(Fraction(1, 3)), 90)
     assert found.contacts
     for crossing in whole.crossings:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from flint import arb
@@ -35,7 +35,11 @@ _MOST_ROUNDS = 60
 
 @dataclass(frozen=True)
 class Untrusted:
-    """The parts that may be wrong in any way; tests put faulty ones in their place."""
+    """The parts that may be wrong in any way; tests put faulty ones in their place.
+
+    They may write into all that they are given, copies or what nobody else uses, and into what they
+    have returned, which is copied.
+    """
 
     window: Callable[..., Any] = window_approximation.window
     matrices: Callable[..., Any] = newton_correction.matrices
@@ -131,7 +135,7 @@ def _window(
     Raises TooLong at the deadline.
     """
     deadline.check()
-    found = untrusted.window(problem, state, end, wide, pace)
+    found = untrusted.window(problem, replace(state, columns=state.columns.copy()), end, wide, pace)
     if found is None:
         return None
     shape = taylor_polynomials.of_doubles(found.times, found.series)
@@ -142,7 +146,7 @@ def _window(
         deadline.check()
         known = defect.defects(problem, shape)
         gaps = defect.gaps(problem, shape, state.centre)
-        e = untrusted.correction(a, known.values, v, gaps)
+        e = untrusted.correction(a, known.values.copy(), v, gaps)
         size = newton_correction.size(e, problem.noise)
         if size > _LOST or size >= last:
             return None

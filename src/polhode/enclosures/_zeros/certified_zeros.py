@@ -10,7 +10,7 @@ it is the polynomial g' = grad g · f, so h g' is that by tau.  With balls over 
 Otherwise I is split, off its middle; below 2**-40 of a step it is *undecided*, never counted.  So
 is one that no splitting decides: g has no certified sign at its ends, and on it g' has one, or is
 so small that g stays within a few radii of its ball at the middle.  What is left of a step after
-_MOST_PIECES is undecided, too.  Intervals that touch are one.
+MOST_PIECES is undecided, too.  Intervals that touch are one.
 
 A zero within the radius of a step's boundary has no certified sign there: the intervals on both
 sides are joined, and hold one zero if g' has one certified sign on both and the outer ends have
@@ -46,7 +46,7 @@ _SPLIT = (499, 1000)  # off the middle: zeros like to sit at halves
 _SMALL = 1 << (GRAIN - 8)  # an interval worth more than the coarse bits
 _COARSE = 64  # bits for deciding; the times are found with all that the proof has
 _NEWTONS = 60
-_MOST_PIECES = 512  # of a step; ordinary ones take up to 50
+MOST_PIECES = 512  # of a step; ordinary ones take up to 50
 _FLAT = 4  # radii
 _TIMES = 1 << 12  # bits: more than any time has
 
@@ -110,7 +110,7 @@ class Search:
             self.deadline.check()
             a, b = pending.pop()
             pieces += 1
-            if pieces > _MOST_PIECES:
+            if pieces > MOST_PIECES:
                 pending, b, found = [], WHOLE, OPEN
             else:
                 found = on.decide(a, b)
