@@ -202,6 +202,55 @@ def _by_rounding() -> float:
     return _off(centre, true) / (turned.radius * 2.0**-problem.noise)
 
 
+def _overwriting(sharp: Any, noise: int) -> Any:
+    """Right, and the polynomials of w that it was given are others afterwards."""
+    found = attitude_series.approximate(sharp, noise)
+    for _, part in sharp.parts:
+        part.low[:] = 0
+        part.high[:] = 0
+    for row in sharp.rows:
+        for x in row:
+            x[0] += 1 << 40
+    sharp.near[:] = 0.0
+    sharp.gap[:] = 0.0
+    return found
+
+
+def _of_zeroed(sharp: Any, noise: int) -> Any:
+    """The turn of a body that stands still, and the polynomials of w zeroed to match it."""
+    for _, part in sharp.parts:
+        part.low[:] = 0
+        part.high[:] = 0
+    return attitude_series.approximate(sharp, noise)
+
+
+@pytest.mark.parametrize("fault", [_overwriting, _of_zeroed])
+def test_a_turn_that_writes_into_the_polynomials_it_is_given_is_bounded(fault: Any) -> None:
+    assert _by_a_fault(fault) <= 1.0
+
+
+def test_a_turn_may_be_changed_once_it_is_returned() -> None:
+    kept: list[Any] = []
+
+    def hoarding(sharp: Any, noise: int) -> Any:
+        rows, level = attitude_series.approximate(sharp, noise)
+        kept.extend(rows)
+        return rows, level
+
+    def spoiling(known: Any, steps: Any, approximate: Any) -> Any:
+        found = honest(known, steps, approximate)
+        for row in kept:
+            for x in row:
+                x[0] = x[0] + 1
+                x[1] = x[1] * 2
+        return found
+
+    honest = quaternion.turns
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(quaternion, "turns", spoiling)
+        assert _by_a_fault(hoarding) <= 1.0
+
+
 TERMS: list[tuple[str, Any, tuple[Any, str, str, str]]] = [
     ("defect", lambda: _by_a_fault(_wrong_slope), (quaternion, "turns", "+ defect", "")),
     ("v(0)", lambda: _by_a_fault(_wrong_start), (quaternion, "turns", "begin +", "")),

@@ -12,10 +12,13 @@ import pytest
 from flint import arb, ctx
 
 import polhode
-from polhode.enclosures import certified_zeros, fixed_point_problem, proof_loop, zonotope
+from polhode.common.deadline import TooLong
+from polhode.enclosures import fixed_point_problem, proof_loop, zonotope
+from polhode.enclosures._zeros import certified_zeros
 from polhode.enclosures.events import certify_events
-from polhode.enclosures.polynomial import constant, rate, variable
-from polhode.numbers.conversion import exactly
+from polhode.enclosures.polynomial import constant, rate, total, variable
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.conversion import exact_number, exactly
 from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes.body import Body
 from polhode.scenes.event import Event
@@ -86,13 +89,108 @@ def test_a_tangency_is_undecided_and_said_to_be() -> None:
     assert all(begin <= 3.14160 and end >= 3.14158 for begin, end in found.undecided)
 
 
-def test_a_zero_at_the_start_and_at_the_end_is_undecided() -> None:
-    (found,) = certify_events(wheel("gamma2", 4))
-    assert len(found.times) == 1  # at pi
-    assert [begin for begin, _ in found.undecided] == [0.0]
-    (found,) = certify_events(replace(wheel("gamma3", Fraction(11, 7)), times=("pi/2",)))
+@pytest.mark.parametrize(
+    ("zero", "count"),
+    # zeros at 0 of order 1, 2, 3 and 4, and those after it, to t = 4
+    [("gamma2", 1), ("gamma3 - 1", 0), ("gamma2*(gamma3 - 1)", 1), ("(gamma3 - 1)**2", 0)],
+)
+def test_a_zero_at_the_start_that_is_known_exactly_is_decided(zero: str, count: int) -> None:
+    (found,) = certify_events(wheel(zero, 4))
+    assert found.proven
+    assert [round(float(event.time), 6) for event in found.times] == [3.141593] * count
+
+
+def test_a_zero_at_the_start_is_undecided_where_it_may_be_after_it() -> None:
+    # one that is 0 by the rule for "equal" alone, and one of order 6
+    for zero, most in (("gamma2 + sqrt(2)*sqrt(3) - sqrt(6)", 1e-9), ("(gamma3 - 1)**3", 2.0)):
+        (found,) = certify_events(wheel(zero, 2))
+        assert found.times == ()
+        ((begin, end),) = found.undecided
+        assert begin == 0.0 < end <= most
+
+
+@pytest.mark.parametrize("end", ["1/3", "-1/3", "sqrt(2)"])
+def test_a_zero_at_the_end_is_undecided_and_the_interval_holds_it(end: str) -> None:
+    last = exact_number(end)
+    zero = f"gamma3 - cos({end})"
+    (found,) = certify_events(replace(wheel(zero), times=(last,)))
     assert found.times == ()
-    assert len(found.undecided) == 1
+    ((low, high),) = found.undecided
+    assert exact_number(low) <= last <= exact_number(high)
+    assert high - low < 1e-9
+
+
+#: gamma1**2, and its derivative 2 gamma1 gamma1', which is no simpler.
+TANGENT = "gamma1**2 + gamma1**2 + gamma2**2 + gamma3**2 - 1"
+
+
+@pytest.mark.parametrize("digits", [4, 10, 15])
+def test_contacts_below_the_radius_are_one_interval_each(digits: int) -> None:
+    (whole,) = certify_events(top("3", Event("e", "gamma1")), end=3, digits=20)
+    (found,) = certify_events(top("3", Event("e", TANGENT)), end=3, digits=digits)
+    assert found.times == ()
+    assert len(found.undecided) == len(whole.times) == 3
+    for (begin, end), event in zip(found.undecided, whole.times, strict=True):
+        assert Fraction(begin) <= event.time <= Fraction(end)
+        assert end - begin < 10 ** (-digits / 3)
+
+
+@pytest.mark.parametrize("zero", ["gamma1", "q", TANGENT, "sqrt(2)*gamma1*gamma3"])
+def test_what_is_zero_all_along_is_refused(zero: str) -> None:
+    with pytest.raises(polhode.BadInput, match=r"events\[1\].zero.*not zero all along"):
+        certify_events(wheel(zero))
+
+
+def _of(g: Any, noise: int, **given: Any) -> certified_zeros.Search:
+    """What a search finds of a polynomial on the wheel to t = 12."""
+    motion = fixed_point_problem.motion(wheel("gamma3"))
+    problem = fixed_point_problem.problem(motion, noise)
+    search = certified_zeros.Search(g.balls(400), rate(g, motion.field).balls(400), **given)
+    proof_loop.run(problem, fixed_point_problem.times(motion, [Fraction(12)]), watchers=[search])
+    return search
+
+
+def test_what_is_below_the_radius_all_along_is_one_interval() -> None:
+    gammas = [variable(3), variable(4), variable(5)]
+    for g in (variable(3), variable(1) * gammas[0], total([x * x for x in gammas]) - constant(1)):
+        search = _of(g, 60)
+        assert search.crossings == []
+        ((begin, end),) = search.contacts
+        assert begin == 0
+        assert end >= 12
+
+
+def test_what_is_left_of_a_step_after_so_many_intervals_is_undecided(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    whole = _of(variable(5) - constant(Fraction(1, 3)), 90)
+    monkeypatch.setattr(certified_zeros, "MOST_PIECES", 2)
+    found = _of(variable(5) - constant(Fraction(1, 3)), 90)
+    assert found.contacts
+    for crossing in whole.crossings:
+        assert any(crossing.time.overlaps(other.time) for other in found.crossings) or any(
+            x.begin < crossing.time < x.end for x in found.contacts
+        )
+
+
+def test_a_search_looks_at_the_clock() -> None:
+    class Clock:
+        looks = 0
+
+        def check(self) -> None:
+            self.looks += 1
+            if self.looks == 5:
+                raise TooLong
+
+    clock: Any = Clock()
+    motion = fixed_point_problem.motion(wheel("gamma3"))
+    problem = fixed_point_problem.problem(motion, 90)
+    g = variable(5) * variable(4)
+    search = certified_zeros.Search(g.balls(400), rate(g, motion.field).balls(400), deadline=clock)
+    end = fixed_point_problem.times(motion, [Fraction(12)])
+    proof = proof_loop.run(problem, end, watchers=[search])
+    assert proof.outcome is Outcome.TIME_LIMIT
+    assert proof.end.time == 0
 
 
 def _searched(

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import random
 import statistics
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -106,6 +108,89 @@ def _faulty_runs(seed: int, count: int) -> tuple[int, int, float]:
             contained += 1
             largest = max(largest, *trials.ratios(proof.rows, what.states))
     return contained, refused, largest
+
+
+def _written(part: str, change: Any, **others: Any) -> list[float]:
+    """The ratios of a proof, one of whose parts is right and then does something to arrays."""
+    what = trials.trial(trials.random_scene(random.Random(8), "generic"), [Fraction(61, 7)], 260)
+    problem = fixed_point_problem.problem(what.motion, 79)
+    honest = getattr(proof_loop.HONEST, part)
+
+    def faulty(*given: Any) -> Any:
+        found = honest(*given)
+        change(given, found)
+        return found
+
+    untrusted = replace(proof_loop.HONEST, **{part: faulty}, **others)
+    proof = proof_loop.run(problem, trials.asked(what, problem), (), untrusted)
+    return trials.ratios(proof.rows, what.states)
+
+
+def test_parts_that_write_into_what_they_are_given_change_nothing() -> None:
+    def nothing(*_: Any) -> None:
+        pass
+
+    def no_set(given: Any, _: Any) -> None:
+        given[1].columns[:] = 0.0
+
+    def no_defect(given: Any, found: Any) -> None:
+        given[1][:] = 0.0
+        found[:] = 0.0  # which is right where there is none
+
+    def bent(*given: Any) -> Any:
+        found = proof_loop.HONEST.window(*given)
+        found.series[:, 1] *= 1.0 + 1e-9
+        found.series[:, 2] -= 1e-9 * found.series[:, 1]  # so that the steps end where they did
+        return found
+
+    assert _written("window", no_set) == _written("window", nothing)
+    with contextlib.suppress(Refused):
+        assert max(_written("correction", no_defect, window=bent)) <= 1.0
+
+
+def test_what_was_returned_may_be_changed_afterwards() -> None:
+    """The series of a window, once its polynomials are made; V and e, once they are bounded."""
+    what = trials.trial(trials.random_scene(random.Random(8), "generic"), [Fraction(20)], 260)
+    problem = fixed_point_problem.problem(what.motion, 79)
+    kept: list[Any] = []
+
+    def window(*given: Any) -> Any:
+        found = proof_loop.HONEST.window(*given)
+        kept.append(found.series)
+        return found
+
+    def matrices(a: Any) -> Any:
+        kept[-1][:] *= 1.001
+        found = proof_loop.HONEST.matrices(a)
+        kept.append(found)
+        return found
+
+    def correction(*given: Any) -> Any:
+        found = proof_loop.HONEST.correction(*given)
+        kept.append(found)
+        return found
+
+    class Spoiler:
+        """Watches the proof, as those that look for zeros do, and overwrites what was returned."""
+
+        worst = 0.0
+
+        def window(self, known: Any, steps: Any) -> None:
+            before = [x.copy() for x in (known.matrices, known.correction, known.pieces.near)]
+            for array in kept:
+                array[:] = 0.0
+            after = (known.matrices, known.correction, known.pieces.near)
+            for x, y in zip(before, after, strict=True):
+                self.worst = max(self.worst, float(np.max(np.abs(x - y))))
+
+        def finish(self) -> None:
+            pass
+
+    spoiler = Spoiler()
+    untrusted = proof_loop.Untrusted(window, matrices, correction)
+    proof = proof_loop.run(problem, trials.asked(what, problem), (), untrusted, watchers=[spoiler])
+    assert max(trials.ratios(proof.rows, what.states)) <= 1.0
+    assert spoiler.worst == 0.0
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.enclosures import proof_loop
+from polhode.common import deadline
 from polhode.motion.outcomes import Outcome
 
 SCENE = "general/asymmetric-regular"
@@ -19,20 +19,23 @@ EVENTS = """
 name = "level"
 zero = "gamma3 - 9/10"
 """
+_PILOT = 257  # looks at the clock before the proof
 
 
 class _Clock:
-    """A clock that passes a second at each look."""
+    """A clock that stands still for so many looks, and is far on from then."""
 
-    def __init__(self) -> None:
-        self.now = 0.0
+    def __init__(self, looks: int) -> None:
+        self.left = looks
 
     def monotonic(self) -> float:
-        self.now += 1.0
-        return self.now
+        self.left -= 1
+        return 0.0 if self.left >= 0 else 1e9
 
-    def process_time(self) -> float:
-        return 0.0
+
+def _stand(monkeypatch: pytest.MonkeyPatch, looks: int) -> None:
+    """The clock of all deadlines."""
+    monkeypatch.setattr(deadline, "time", _Clock(looks))
 
 
 def _stop(fraction: float, _: int) -> None:
@@ -50,10 +53,9 @@ def test_what_was_proven_until_an_interruption_is_kept() -> None:
     assert "interrupted" in repr(found)
 
 
-def test_a_limit_on_the_time_stops_between_windows(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_was_proven_until_a_limit_on_the_time_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = polhode.certify(SCENE, at=[1, 300], digits=15)
-    monkeypatch.setattr(proof_loop, "time", _Clock())
-    monkeypatch.setattr("polhode.enclosures.certify.time", _Clock())
+    _stand(monkeypatch, _PILOT + 10)
     found = polhode.certify(SCENE, at=[1, 300], digits=15, max_seconds=3)
     assert found.outcome is Outcome.TIME_LIMIT
     assert found.times == (1,)
@@ -63,8 +65,7 @@ def test_a_limit_on_the_time_stops_between_windows(monkeypatch: pytest.MonkeyPat
 
 
 def test_a_proof_stopped_before_the_first_time_has_no_rows(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(proof_loop, "time", _Clock())
-    monkeypatch.setattr("polhode.enclosures.certify.time", _Clock())
+    _stand(monkeypatch, 5)  # at the fifth look of the pilot run
     found = polhode.certify(SCENE, at=[300], digits=15, max_seconds=2)
     assert found.times == found.centres == found.digits == ()
     assert repr(found) == f"<Enclosure of {SCENE}: 0 times, time limit>"
@@ -101,8 +102,7 @@ def test_the_command_line_prints_what_is_proven(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = ("reference", SCENE, "--certified", "--digits", "15", "--at", "1,300", "--json")
-    monkeypatch.setattr(proof_loop, "time", _Clock())
-    monkeypatch.setattr("polhode.enclosures.certify.time", _Clock())
+    _stand(monkeypatch, _PILOT + 10)
     assert cli.main((*asked, "--max-seconds", "3")) == 3
     out, err = capsys.readouterr()
     answer = json.loads(out)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,12 +12,65 @@ import numpy as np
 from polhode.enclosures import newton_correction, window_approximation
 from polhode.enclosures.proof_loop import Untrusted
 
+#: Ways of writing into an array.
+WRITES: tuple[Callable[[Any], Any], ...] = (
+    lambda x: np.multiply(x, 0, out=x),
+    lambda x: np.negative(x, out=x),
+    lambda x: np.multiply(x, 1.0 + 1e-9, out=x, casting="unsafe"),
+    lambda x: x.flat.__setitem__(0, 1000),
+)
+
+
+def arrays(thing: Any) -> list[Any]:
+    """All arrays in a value, and in what it is made of."""
+    if isinstance(thing, np.ndarray):
+        return [thing]
+    if isinstance(thing, (list, tuple)):
+        return [x for part in thing for x in arrays(part)]
+    return arrays(list(vars(thing).values())) if hasattr(thing, "__dataclass_fields__") else []
+
+
+class Hoard:
+    """Arrays that a faulty part was given or has returned, written into at any later call."""
+
+    def __init__(self, rng: random.Random, often: float = 0.3) -> None:
+        self.rng, self.often = rng, often
+        self.kept: list[Any] = []
+
+    def around(self, honest: Callable[..., Any]) -> Callable[..., Any]:
+        """The same part, which writes into what is kept and keeps all that it comes to see."""
+
+        def faulty(*given: Any) -> Any:
+            self.write(self.kept)
+            found = honest(*given)
+            self.write(arrays(given))
+            self.kept = [*arrays(given), *arrays(found), *self.kept][:40]
+            return found
+
+        return faulty
+
+    def write(self, into: Sequence[Any]) -> None:
+        """Some of them overwritten."""
+        for array in into:
+            if array.flags.writeable and array.size and self.rng.random() < self.often:
+                self.rng.choice(WRITES)(array)
+
+
+def hoarder(rng: random.Random) -> Untrusted:
+    """Parts that are right, write into their arguments, keep their results and change them."""
+    hoard = Hoard(rng, rng.choice((0.03, 0.3)))
+    honest = Untrusted()
+    return Untrusted(*map(hoard.around, (honest.window, honest.matrices, honest.correction)))
+
+
 #: How large an alteration is, relative to what is altered.
 SIZES = (1e-15, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 0.5, 3.0)
 
 
 def random_fault(rng: random.Random) -> tuple[str, Untrusted]:
     """A fault in one of the untrusted parts, in every window or in some, and its name."""
+    if rng.random() < 0.2:
+        return "all: hoards and writes", hoarder(rng)
     part, name, fault = rng.choice(FAULTS)
     often = rng.choice((1.0, 0.3))
     honest = getattr(Untrusted(), part)

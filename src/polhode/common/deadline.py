@@ -2,14 +2,42 @@
 
 from __future__ import annotations
 
+import math
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import NamedTuple
 
 
 class TooLong(Exception):
     """The work took longer than it may."""
+
+
+class Deadline(NamedTuple):
+    """The reading of time.monotonic() at which work is to end."""
+
+    at: float = math.inf
+
+    @classmethod
+    def after(cls, seconds: float) -> Deadline:
+        """So many seconds from now."""
+        return cls(time.monotonic() + seconds)
+
+    @property
+    def passed(self) -> bool:
+        """Whether it is over."""
+        return time.monotonic() > self.at
+
+    def check(self) -> None:
+        """Raise TooLong once it is over."""
+        if self.passed:
+            raise TooLong
+
+
+#: For work that may take as long as it takes.
+NONE = Deadline()
 
 
 @contextmanager

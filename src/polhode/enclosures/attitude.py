@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb
 
+from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures import quaternion
 from polhode.enclosures.fixed_point_problem import TIME_BITS, UP, Motion, Problem, sharp
 from polhode.enclosures.polynomial import ball
@@ -42,7 +43,7 @@ class Pose(NamedTuple):
 class Watch:
     """The attitude at times >= 0, increasing, given as balls, as the windows of a proof go by.
 
-    ``angles``: whether psi and phi are followed too.
+    ``angles``: whether psi and phi are followed too.  ``deadline``: looked at with each step.
     """
 
     def __init__(
@@ -52,8 +53,10 @@ class Watch:
         times: Sequence[Any],
         approximate: Approximation,
         angles: bool,
+        deadline: Deadline = NONE,
     ) -> None:
         self.problem, self.times, self.approximate = problem, times, approximate
+        self.deadline = deadline
         self.poses: list[Pose] = []
         self._turned = Turned(problem)
         scene = what.scene
@@ -102,6 +105,7 @@ class Watch:
         with ctx.workprec(TIME_BITS):
             where = places(pieces.times, asked)
         for n, step in enumerate(steps):
+            self.deadline.check()
             taus = [tau for place, tau in where if place == n]
             followed = self._follow(known, found, n, step, taus)
             for k, tau in enumerate(taus):

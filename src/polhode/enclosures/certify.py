@@ -14,6 +14,7 @@ from typing import Any
 from flint import arb
 
 from polhode.common.arguments import each, steps, whole
+from polhode.common.deadline import NONE, Deadline
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.enclosures import (
@@ -91,7 +92,7 @@ def certify(
         if (needed := precision_choice.steps(side.motion, side.last)) > max_steps:
             expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
             raise BadInput(scene.name, "at", shown(side.last), expected)
-    noise = max(precision_choice.noise(side.motion, side.last, digits) for side in sides)
+    noise = max(precision_choice.noise(side.motion, side.last, digits, deadline) for side in sides)
     if forecast is not None:
         forecast(sum(precision_choice.seconds(side.motion, side.last, noise) for side in sides))
     best: Enclosure | None = None
@@ -122,13 +123,13 @@ def certify(
     raise BadInput(scene.name, "digits", digits, expected)
 
 
-def time_limit(scene: Scene, seconds: float | None) -> float:
-    """The reading of time.monotonic() so many seconds from now; raises BadInput."""
+def time_limit(scene: Scene, seconds: float | None) -> Deadline:
+    """The deadline so many seconds from now; raises BadInput."""
     if seconds is None:
-        return math.inf
+        return NONE
     if isinstance(seconds, bool) or not isinstance(seconds, Real) or not seconds > 0:
         raise BadInput(scene.name, "max_seconds", seconds, "a number above 0")
-    return time.monotonic() + seconds
+    return Deadline.after(float(seconds))
 
 
 class _Side:
@@ -159,7 +160,7 @@ def _found(
     noise: int,
     integrals: bool,
     progress: Progress | None,
-    deadline: float,
+    deadline: Deadline,
 ) -> Enclosure:
     """The enclosure at one noise level, as far as it came; raises Refused."""
     rows: dict[int, list[Any]] = {}
@@ -173,7 +174,7 @@ def _found(
         known = (
             integral_contraction.prepared(side.motion, 2 * problem.fine + 100) if integrals else []
         )
-        watch = _watch(side, problem, asked)
+        watch = _watch(side, problem, asked, deadline)
         proof = proof_loop.run(
             problem, asked, known, progress=progress, watchers=watch, deadline=deadline
         )
@@ -217,14 +218,15 @@ def _found(
 
 
 def _watch(
-    side: _Side, problem: fixed_point_problem.Problem, times: Sequence[Any]
+    side: _Side, problem: fixed_point_problem.Problem, times: Sequence[Any], deadline: Deadline
 ) -> list[attitude.Watch]:
     """What follows the attitude, if the scene's outputs ask for it."""
     modelled = side.motion.scene.modelled
     if not {"angles", "attitude"} & {*modelled}:
         return []
     approximate = attitude_series.approximate
-    return [attitude.Watch(side.motion, problem, times, approximate, "angles" in modelled)]
+    angles = "angles" in modelled
+    return [attitude.Watch(side.motion, problem, times, approximate, angles, deadline)]
 
 
 def _balls(rows: Sequence[Sequence[Any]], bits: int) -> tuple[Any, Any]:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from flint import arb
 
 from polhode.common.arguments import each, steps, whole
+from polhode.common.deadline import Deadline
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.enclosures import (
@@ -19,12 +21,13 @@ from polhode.enclosures import (
     precision_choice,
     proof_loop,
 )
-from polhode.enclosures.certified_zeros import Crossing, Search
+from polhode.enclosures._zeros.certified_zeros import Crossing, Search
+from polhode.enclosures._zeros.zero_at_start import first_derivative, is_still
 from polhode.enclosures.certify import MAX_STEPS, MOST_DIGITS, time_limit
-from polhode.enclosures.fixed_point_problem import Motion, Refused, motion, upper
+from polhode.enclosures.fixed_point_problem import TIME_BITS, Motion, Refused, motion, upper
 from polhode.enclosures.polynomial import Polynomial, constant, rate, total, variable
 from polhode.numbers import exact, expression
-from polhode.numbers.conversion import exact_number, to_double
+from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import Algebra, ExpressionError
@@ -51,8 +54,9 @@ class EventTime(NamedTuple):
 class CertifiedEvents:
     """The events of one name between 0 and the end, in the order in which they are met.
 
-    ``undecided``: intervals of time in which it is not decided whether, or how often, the event
-    happens: a grazing contact, a zero at 0 or at the end.  The count is proven if there are none.
+    Zeros at 0 and at the end are not among them, as in a run.  ``undecided``: intervals of time in
+    which it is not decided whether, or how often, the event happens: a grazing contact, a zero at
+    the end, or at 0 where that is not known exactly.  The count is proven if there are none.
 
     >>> import polhode
     >>> event = polhode.Event("level", "gamma3 - 1/2")
@@ -89,7 +93,8 @@ def certify_events(
 
     ``end``: the scene's own unless given.  ``digits``: those of the state that is proven along the
     way; more of them make the radii smaller and separate zeros that are closer.  An event is a
-    polynomial in p q r gamma1 gamma2 gamma3; ``stop`` is not heeded.  ``progress``, ``max_steps``,
+    polynomial in p q r gamma1 gamma2 gamma3 that is not 0 all along; ``stop`` is not heeded.
+    ``progress``, ``max_steps``,
     ``max_seconds``, ``forecast``: as of :func:`polhode.certify`; what comes after the time that was
     reached is undecided.  Raises BadInput for another, and where the digits cannot be had.
 
@@ -115,8 +120,13 @@ def certify_events(
         expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
         raise BadInput(scene.name, "end", shown(last), expected)
     polynomials = [of_event(what, n, event) for n, event in enumerate(scene.events)]
-    noise = precision_choice.noise(what, last, digits)
+    for n, (event, g) in enumerate(zip(scene.events, polynomials, strict=True)):
+        if is_still(what, g):
+            key, text = f"events[{n + 1}].zero", event.expression or event.name
+            expected = "an expression that is not zero all along the motion"
+            raise BadInput(scene.name, key, text, expected)
     deadline = time_limit(scene, max_seconds)
+    noise = precision_choice.noise(what, last, digits, deadline)
     if forecast is not None:
         forecast(_DEARER * precision_choice.seconds(what, last, noise))
     for _ in range(_MOST_TRIES):
@@ -133,13 +143,17 @@ def _found(
     last: Exact,
     noise: int,
     progress: Progress | None,
-    deadline: float,
+    deadline: Deadline,
 ) -> tuple[CertifiedEvents, ...]:
     problem = fixed_point_problem.problem(what, noise)
     bits = 2 * problem.fine + 100
     end = fixed_point_problem.times(what, [last])[0]
     field = what.field
-    searches = [Search(g.balls(bits), rate(g, field).balls(bits)) for g in polynomials]
+    searches = []
+    for g in polynomials:
+        first = first_derivative(what, g)
+        at_start = None if first is None else first.balls(bits)
+        searches.append(Search(g.balls(bits), rate(g, field).balls(bits), at_start, deadline))
     known = integral_contraction.prepared(what, bits)
     proof = proof_loop.run(
         problem, [end], known, progress=progress, watchers=searches, deadline=deadline
@@ -151,8 +165,7 @@ def _found(
         for event, search in zip(what.scene.events, searches, strict=True)
     ]
     if not done:
-        rest = float(until.mid()) * float(_unit(what)), to_double(last)
-        missed = min(rest), max(rest)
+        missed = _interval(what, until, end, end)
         found = [replace(row, undecided=(*row.undecided, missed)) for row in found]
     return tuple(found)
 
@@ -162,7 +175,7 @@ def _unit(what: Motion) -> Fraction:
     return Fraction(2) ** what.unit * (-1 if what.backward else 1)
 
 
-def _named(what: Motion, event: Event, search: Search, end: Any, noise: int) -> CertifiedEvents:
+def _named(what: Motion, event: Event, search: Search, end: arb, noise: int) -> CertifiedEvents:
     """What one search found up to the end, in the scene's unit and direction of time."""
     by = _unit(what)
     times, undecided = [], []
@@ -174,18 +187,35 @@ def _named(what: Motion, event: Event, search: Search, end: Any, noise: int) -> 
             if crossing.time < end and crossing.time > 0:
                 times.append(_time(crossing, by, slope))
             else:
-                edge = float(by) * float(crossing.time.mid())
-                undecided.append((edge, edge))
-        for contact in search.contacts:
-            if not contact.begin > end:
-                one, other = (float(by) * float(x.mid()) for x in contact)
-                undecided.append((min(one, other), max(one, other)))
+                undecided.append(_interval(what, crossing.time, crossing.time, end))
+    for contact in search.contacts:
+        if not contact.begin > end:
+            undecided.append(_interval(what, contact.begin, contact.end, end))
     return CertifiedEvents(event.name, tuple(times), tuple(undecided))
 
 
+def _interval(what: Motion, begin: arb, end: arb, last: arb) -> tuple[float, float]:
+    """Doubles of the scene around all times of two balls, of those from 0 to ``last``."""
+    by = _unit(what)
+    with ctx.workprec(TIME_BITS):
+        low, high = (_fraction(x) for x in (begin.lower(), end.upper()))
+        most = _fraction(last.upper())
+    one, other = sorted((by * max(low, Fraction(0)), by * min(high, most)))
+    below, above = float(one), float(other)
+    return (
+        below if Fraction(below) <= one else math.nextafter(below, -math.inf),
+        above if Fraction(above) >= other else math.nextafter(above, math.inf),
+    )
+
+
+def _fraction(x: arb) -> Fraction:
+    """The exact value of a ball of radius zero."""
+    mantissa, exponent = x.man_exp()
+    return exact.binary(int(mantissa), int(exponent))
+
+
 def _time(crossing: Crossing, by: Fraction, slope: int) -> EventTime:
-    mantissa, exponent = crossing.time.mid().man_exp()
-    near = exact.binary(int(mantissa), int(exponent))
+    near = _fraction(crossing.time.mid())
     radius = arb(crossing.time.rad())
     return EventTime(near * by, upper(radius) * abs(float(by)), slope)
 

@@ -10,6 +10,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures import window_approximation
 from polhode.enclosures.fixed_point_problem import LEAST_NOISE, Motion
 from polhode.numbers.conversion import to_double
@@ -22,9 +23,12 @@ _MARGIN = 1.0  # bits
 _OF_OUTPUTS = {"attitude": 6.0, "angles": 9.0}  # the same of a turn, and of angles near a pole
 
 
-def noise(what: Motion, last: Exact, digits: float) -> int:
-    """The noise level P at which the radii at the time ``last`` should leave so many digits."""
-    grown, fastest = growth(what, last)
+def noise(what: Motion, last: Exact, digits: float, deadline: Deadline = NONE) -> int:
+    """The noise level P at which the radii at the time ``last`` should leave so many digits.
+
+    At the deadline it is told from what is known then.
+    """
+    grown, fastest = growth(what, last, deadline)
     slow = max(0.0, -math.log2(fastest)) if fastest > 0.0 else 0.0  # digits of w are relative
     bits = digits * BITS_A_DIGIT + _MARGIN + max(0.0, grown) + slow
     more = max((_OF_OUTPUTS.get(name, 0.0) for name in what.scene.modelled), default=0.0)
@@ -44,13 +48,13 @@ def seconds(what: Motion, last: Exact, noise: int) -> float:
     return outputs * _SECONDS_A_STEP * noise * noise * steps(what, last)
 
 
-def growth(what: Motion, last: Exact) -> tuple[float, float]:
+def growth(what: Motion, last: Exact, deadline: Deadline = NONE) -> tuple[float, float]:
     """log2 of the sum over the steps of what an error made there is at the end; the largest |w|.
 
     The latter in the proof's unit of time.
     """
     count = max(1.0, steps(what, last))
-    logs, fastest = window_approximation.tangents(what, to_double(last))
+    logs, fastest = window_approximation.tangents(what, to_double(last), deadline)
     if len(logs) < 2:
         return 2.0 * math.log2(1.0 + count), fastest
     ahead = max(logs)  # an error is no smaller later than where the tangent is short by chance

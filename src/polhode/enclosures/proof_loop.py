@@ -6,13 +6,13 @@ Nothing here is believed: a state and balls come only out of ``zonotope.advance`
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from flint import arb
 
+from polhode.common.deadline import NONE, Deadline, TooLong
 from polhode.common.progress import Progress
 from polhode.enclosures import (
     defect,
@@ -35,7 +35,11 @@ _MOST_ROUNDS = 60
 
 @dataclass(frozen=True)
 class Untrusted:
-    """The parts that may be wrong in any way; tests put faulty ones in their place."""
+    """The parts that may be wrong in any way; tests put faulty ones in their place.
+
+    They may write into all that they are given, copies or what nobody else uses, and into what they
+    have returned, which is copied.
+    """
 
     window: Callable[..., Any] = window_approximation.window
     matrices: Callable[..., Any] = newton_correction.matrices
@@ -75,13 +79,12 @@ def run(
     untrusted: Untrusted = HONEST,
     progress: Progress | None = None,
     watchers: Sequence[Watcher] = (),
-    deadline: float = math.inf,
+    deadline: Deadline = NONE,
 ) -> Proof:
     """Balls around the states at times >= 0, increasing, given as balls.  Raises Refused.
 
-    ``deadline``: the reading of time.monotonic() after which no window is begun.  What is proven
-    until then, or until Ctrl-C, is kept.  ``watchers``: what looks for zeros on the way, or follows
-    the attitude.
+    What is proven until the ``deadline``, or until Ctrl-C, is kept.  ``watchers``: what looks for
+    zeros on the way, or follows the attitude; they may raise TooLong.
     """
     state = zonotope.beginning(problem)
     rows: list[list[arb]] = []
@@ -91,10 +94,7 @@ def run(
     whole, outcome = state, Outcome.REACHED_END  # the watchers have seen all up to there
     try:
         while state.time < end:
-            if time.monotonic() > deadline:
-                outcome = Outcome.TIME_LIMIT
-                break
-            tried = _window(problem, state, end, wide, pace, untrusted)
+            tried = _window(problem, state, end, wide, pace, untrusted, deadline)
             if tried is None:
                 if wide <= _FEWEST:
                     raise Refused("the approximation loses the motion")
@@ -102,7 +102,7 @@ def run(
                 continue
             asked = zonotope.inside(times[len(rows) :], tried.pieces.times[-1])
             before = state.time
-            state, found, taken = zonotope.advance(state, tried, asked)
+            state, found, taken = zonotope.advance(state, tried, asked, deadline)
             rows += found
             for watcher in watchers:
                 watcher.window(tried, taken)
@@ -112,6 +112,8 @@ def run(
             whole, wide = state, min(most, 2 * wide)
             if progress is not None:
                 progress(state.time / end, steps)
+    except TooLong:
+        outcome = Outcome.TIME_LIMIT
     except KeyboardInterrupt:
         outcome = Outcome.INTERRUPTED
     for watcher in watchers:
@@ -120,10 +122,20 @@ def run(
 
 
 def _window(
-    problem: Problem, state: State, end: int, wide: int, pace: float, untrusted: Untrusted
+    problem: Problem,
+    state: State,
+    end: int,
+    wide: int,
+    pace: float,
+    untrusted: Untrusted,
+    deadline: Deadline = NONE,
 ) -> step_bound.Bounds | None:
-    """A window, corrected as far as the noise level asks; None where the motion is lost."""
-    found = untrusted.window(problem, state, end, wide, pace)
+    """A window, corrected as far as the noise level asks; None where the motion is lost.
+
+    Raises TooLong at the deadline.
+    """
+    deadline.check()
+    found = untrusted.window(problem, replace(state, columns=state.columns.copy()), end, wide, pace)
     if found is None:
         return None
     shape = taylor_polynomials.of_doubles(found.times, found.series)
@@ -131,9 +143,10 @@ def _window(
     v = untrusted.matrices(a)
     last = 10**6
     for _ in range(_MOST_ROUNDS):
+        deadline.check()
         known = defect.defects(problem, shape)
         gaps = defect.gaps(problem, shape, state.centre)
-        e = untrusted.correction(a, known.values, v, gaps)
+        e = untrusted.correction(a, known.values.copy(), v, gaps)
         size = newton_correction.size(e, problem.noise)
         if size > _LOST or size >= last:
             return None

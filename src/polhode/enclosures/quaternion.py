@@ -101,7 +101,11 @@ def turns(known: Bounds, steps: Sequence[Step], approximate: Approximation) -> T
     problem, old = known.problem, known.pieces
     level = max(problem.fine, old.level)
     sharp = improved(old, known.correction, problem.noise, level)
-    rows, fine = approximate(sharp, problem.noise)
+    made, level = approximate(sharp.copy(), problem.noise)
+    fine = int(level)
+    rows = [[fmpz_poly(x) for x in row] for row in made]  # who made them may change them
+    if len(rows) != sharp.count or any(len(row) != 4 for row in rows):
+        raise Refused("an approximation does not fit")
     _, defect = defects(sharp, rows, fine, problem.noise)
     # w is within r of x~ + e, whose coefficients are rounded by half a unit of 2**-level each
     rounded = 0.5 * old.near.shape[1] * math.ldexp(1.0, problem.noise - level)

@@ -116,13 +116,15 @@ def product(left: Any, right: Any, count: int) -> Any:
 def bounds(problem: Problem, known: Defects, correction: Any, matrices: Any) -> Bounds:
     """alpha, delta, sigma and rho of every step, from what the untrusted parts have left.
 
-    ``correction``: e, (W, p + 1, 6); ``matrices``: V, (W, m + 1, 6, 6), of any origin.  Raises
-    Refused where they do not fit the polynomials; numbers that are not finite make bounds that no
-    test accepts.
+    ``correction``: e, (W, p + 1, 6); ``matrices``: V, (W, m + 1, 6, 6), of any origin, and copied:
+    who made them may keep them and change them.  Raises Refused where they do not fit the
+    polynomials; numbers that are not finite make bounds that no test accepts.
     """
     pieces = known.pieces
     steps, count = pieces.near.shape[:2]
-    if correction.shape != pieces.near.shape or matrices.shape[::2] != (steps, 6):
+    correction, matrices = np.array(correction, dtype=float), np.array(matrices, dtype=float)
+    fits = matrices.ndim == 4 and matrices.shape[::2] == (steps, 6) == matrices.shape[::3]
+    if correction.shape != pieces.near.shape or not (fits and matrices.shape[1]):
         raise Refused("an approximation does not fit")
     lengths = pieces.lengths
     a = jacobian(problem, pieces.near, lengths)

@@ -41,6 +41,14 @@ class Pieces:
     near: Any
     gap: Any
 
+    def copy(self) -> Pieces:
+        """The same in arrays of its own, for those who may write into them."""
+        parts = tuple((level, Double(x.high.copy(), x.low.copy())) for level, x in self.parts)
+        found = Pieces(self.times, self.level, parts, self.near.copy(), self.gap.copy())
+        # made once for both: what takes time are the integers
+        vars(found)["rows"] = [[fmpz_poly(x) for x in row] for row in self.rows]
+        return found
+
     @property
     def count(self) -> int:
         """The number of steps."""
@@ -81,8 +89,12 @@ class Pieces:
 def of_doubles(times: Sequence[int], near: Any) -> Pieces:
     """The polynomials with these doubles as coefficients, rounded to integers.
 
-    Raises Refused where the numbers cannot be used.
+    What is given is copied: who made it may keep it and change it.  Raises Refused where the
+    numbers cannot be used.
     """
+    times, near = tuple(int(t) for t in times), np.array(near, dtype=float)
+    if near.ndim != 3 or near.shape[2] != 6 or 0 in near.shape:
+        raise Refused("an approximation does not fit")
     if len(times) != near.shape[0] + 1 or any(
         not 0 < b - a < 1 << (CLOCK + 16) for a, b in itertools.pairwise(times)
     ):
@@ -93,7 +105,7 @@ def of_doubles(times: Sequence[int], near: Any) -> Pieces:
     level = FIRST_LEVEL - max(0, math.frexp(largest)[1] - 1)
     whole = _integers(np.ldexp(near, level))
     gap = np.full(near.shape[:2], math.ldexp(1.0, -level - 1))
-    return Pieces(tuple(times), level, ((level, double(whole)),), near, gap)
+    return Pieces(times, level, ((level, double(whole)),), near, gap)
 
 
 def improved(old: Pieces, correction: Any, noise: int, level: int) -> Pieces:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures.fixed_point_problem import CLOCK, CYCLE, Motion, Problem
 from polhode.enclosures.zonotope import State
 from polhode.equations.system import system
@@ -120,10 +121,10 @@ def _series(problem: Problem, states: Any, lengths: Any, count: int) -> Any:
     return found
 
 
-def tangents(what: Motion, last: float) -> tuple[list[float], float]:
+def tangents(what: Motion, last: float, deadline: Deadline = NONE) -> tuple[list[float], float]:
     """log2 of a tangent's length along the motion, at even times, and the largest |w| there.
 
-    The list is short where double fails; |w| is in the proof's unit of time.
+    The list is short where double fails, or at the deadline; |w| is in the proof's unit of time.
     """
     scene = what.scene
     plain = system(replace(scene, form="principal", events=(), outputs=()), ())
@@ -137,7 +138,9 @@ def tangents(what: Motion, last: float) -> tuple[list[float], float]:
     logs = [math.log2(float(np.max(np.abs(tangent))))]
     fastest = float(np.linalg.norm(start[:3]))
     for k in range(1, _LOOKS + 1):
-        if not (flow.to(end * k / _LOOKS, _MOST_STEPS - flow.steps) and flow.finite):
+        if deadline.passed or not (
+            flow.to(end * k / _LOOKS, _MOST_STEPS - flow.steps) and flow.finite
+        ):
             break
         flow.rescale()
         logs.append(flow.exponent + math.log2(float(np.max(np.abs(flow.tangents)))))

@@ -33,6 +33,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, arb_poly
 
+from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures.defect import difference, gaps
 from polhode.enclosures.fixed_point_problem import CLOCK, TIME_BITS, UP, Problem, Refused, upper
 from polhode.enclosures.step_bound import TINY, Bounds, gamma
@@ -73,12 +74,12 @@ def beginning(problem: Problem) -> State:
 
 
 def advance(
-    state: State, known: Bounds, asked: Sequence[Any]
+    state: State, known: Bounds, asked: Sequence[Any], deadline: Deadline = NONE
 ) -> tuple[State, list[list[Any]], list[Step]]:
     """Carry the set through a window's steps; balls at the times asked for, and the steps.
 
     ``asked``: balls around times inside the window, increasing.  Raises Refused where a step
-    fails its test; nothing of the window is then to be used.
+    fails its test, TooLong at the deadline; nothing of the window is then to be used.
     """
     problem, pieces = known.problem, known.pieces
     if pieces.times[0] != state.time:
@@ -97,6 +98,7 @@ def advance(
         step = _accepted(known, n, eps, float(hbs[n]))
         steps.append(step)
         while where and where[0][0] == n:
+            deadline.check()
             rows.append(_ball(known, n, where.pop(0)[1], carried, jump, hull, eps, step))
         carried.step(known.ends[n], jump, hull, step.s)
     centre, rest = _centre(known)

@@ -7,11 +7,18 @@ it is the polynomial g' = grad g · f, so h g' is that by tau.  With balls over 
     0 not in g'(I)               at most one, and exactly one if g has certified opposite signs at
                                  the ends; interval Newton I and (m - g(m)/(h g'(I))) tells where.
 
-Otherwise I is split, off its middle; below 2**-40 of a step it is *undecided*, never counted.  A
-zero within the radius of a step's boundary has no certified sign there: the intervals on both
+Otherwise I is split, off its middle; below 2**-40 of a step it is *undecided*, never counted.  So
+is one that no splitting decides: g has no certified sign at its ends, and on it g' has one, or is
+so small that g stays within a few radii of its ball at the middle.  What is left of a step after
+MOST_PIECES is undecided, too.  Intervals that touch are one.
+
+A zero within the radius of a step's boundary has no certified sign there: the intervals on both
 sides are joined, and hold one zero if g' has one certified sign on both and the outer ends have
-opposite ones.  An interval that touches the first or the last time stays undecided.  Ends are
-multiples of 2**-48 of a step, so that a ball's midpoint and radius hold them exactly.
+opposite ones.  Where g' has one on an undecided interval, only the ball that Newton's steps leave
+of it is undecided, or nothing.  An interval that touches the last time stays undecided; one that
+touches the first does, unless g and its first derivatives along the motion are known to be 0
+there: if g and k - 1 derivatives are, and the k-th is not 0 on [0, b], g has no zero in (0, b].
+Ends are multiples of 2**-48 of a step, so that a ball's midpoint and radius hold them exactly.
 """
 
 from __future__ import annotations
@@ -23,6 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, arb_poly
 
+from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures.fixed_point_problem import CLOCK, UP
 from polhode.enclosures.integral_contraction import Contradiction
 from polhode.enclosures.polynomial import BallPolynomial
@@ -32,12 +40,15 @@ from polhode.numbers.flint_context import ctx
 
 GRAIN = 48  # ends of intervals are integers times 2**-GRAIN of a step
 WHOLE = 1 << GRAIN
-EMPTY, SPLIT = "no zero", "not decided"
+EMPTY, SPLIT, OPEN = "no zero", "not decided", "not to be decided"
 _FINEST = 1 << (GRAIN - 40)
 _SPLIT = (499, 1000)  # off the middle: zeros like to sit at halves
 _SMALL = 1 << (GRAIN - 8)  # an interval worth more than the coarse bits
 _COARSE = 64  # bits for deciding; the times are found with all that the proof has
 _NEWTONS = 60
+MOST_PIECES = 512  # of a step; ordinary ones take up to 50
+_FLAT = 4  # radii
+_TIMES = 1 << 12  # bits: more than any time has
 
 
 class Crossing(NamedTuple):
@@ -66,10 +77,16 @@ class _Part(NamedTuple):
 
 @dataclass
 class Search:
-    """The zeros of one polynomial as the steps of a proof go by."""
+    """The zeros of one polynomial as the steps of a proof go by.
+
+    ``first``: the first of its derivatives along the motion that is not 0 at t = 0, where it is
+    known that g and those before are; None elsewhere.  ``deadline``: looked at with each interval.
+    """
 
     g: BallPolynomial
     rate: BallPolynomial
+    first: BallPolynomial | None = None
+    deadline: Deadline = NONE
     crossings: list[Crossing] = field(default_factory=list)
     contacts: list[Contact] = field(default_factory=list)
     _left: _Part | None = None  # an interval up to the last boundary, where no sign was certified
@@ -87,15 +104,21 @@ class Search:
 
     def _step(self, on: _OnStep) -> None:
         self._boundary(on)
-        pending = [(0, WHOLE)]
+        pending, pieces = [(0, WHOLE)], 0
+        found: Crossing | _Part | str
         while pending:
+            self.deadline.check()
             a, b = pending.pop()
-            found = on.decide(a, b)
+            pieces += 1
+            if pieces > MOST_PIECES:
+                pending, b, found = [], WHOLE, OPEN
+            else:
+                found = on.decide(a, b)
             if found == SPLIT and b - a > _FINEST:
                 middle = on.split(a, b)
                 pending += [(middle, b), (a, middle)]
                 continue
-            if found == SPLIT:
+            if found in (SPLIT, OPEN):
                 found = _Part(0, 0, None, on.time(a), on.time(b))
             if isinstance(found, _Part):
                 self._part(found, a == 0 and not on.sign(0), b == WHOLE and not on.sign(WHOLE))
@@ -144,8 +167,18 @@ class Search:
             self._left = part._replace(sign=0) if at_begin else part
 
     def _undecided(self, part: _Part | None) -> None:
-        if part is not None:
-            self.contacts.append(Contact(part.begin, part.end))
+        if part is None:
+            return
+        begin, end = part.begin, part.end
+        if part.slope:  # one zero at the most, and only where Newton's steps leave it
+            if part.time is None:
+                return
+            with ctx.workprec(_TIMES):
+                begin, end = part.time.lower(), part.time.upper()
+        if self.contacts and not self.contacts[-1].end < begin:
+            last = self.contacts.pop()
+            begin, end = last.begin, last.end if last.end > end else end
+        self.contacts.append(Contact(begin, end))
 
 
 class _OnStep:
@@ -154,6 +187,7 @@ class _OnStep:
     def __init__(self, search: Search, known: Bounds, n: int, step: Step) -> None:
         self.g, self.rate = search.g, search.rate
         self.known, self.n, self.step = known, n, step
+        self.first = None if known.pieces.times[n] else search.first
         self.bits = known.problem.noise + 104
         pieces = known.pieces
         unit = arb((1, -known.problem.noise))
@@ -199,18 +233,23 @@ class _OnStep:
             return arb((times[self.n], -CLOCK)) + arb((at, -GRAIN)) * self.h
 
     def decide(self, a: int, b: int) -> Crossing | _Part | str:
-        """EMPTY, a zero, an interval that has no sign at a boundary of the step, or SPLIT."""
+        """EMPTY, a zero, an interval that has no sign at a boundary of the step, SPLIT or OPEN."""
         with ctx.workprec(_COARSE):
             over = _ball(a, b)
             states = self.coarse(over)
             value, slope = self.g.at(states), self.rate.at(states)
             if not value.contains(0):
                 return EMPTY
-            if slope.contains(0):
-                return EMPTY if b - a < _SMALL and self._away(a, b) else SPLIT
+            if a == 0 and self.first is not None:
+                return SPLIT if self.first.at(states).contains(0) else EMPTY
+            steep = not slope.contains(0)
+        if not steep and b - a < _SMALL and self._away(a, b):
+            return EMPTY
         left, right = self.sign(a), self.sign(b)
+        if not steep:
+            return OPEN if not (left or right) and self._flat(a, b) else SPLIT
         if not (left or a == 0) or not (right or b == WHOLE):
-            return SPLIT
+            return SPLIT if left or right else OPEN
         if left == right != 0:
             return EMPTY
         where = self._newton(a, b, slope)
@@ -229,6 +268,16 @@ class _OnStep:
             middle = arb(over.mid())
             value = self.g.at(around(self.known, self.n, middle, radii))
             return not (value + slope * (over - middle)).contains(0)
+
+    def _flat(self, a: int, b: int) -> bool:
+        """Whether g on [a, b] is nowhere far from what its radius at the middle leaves open."""
+        value = self.fine((a + b) // 2)
+        radii = [self.step.r] * 6
+        with ctx.workprec(self.bits):
+            over = _ball(a, b)
+            slope = self.rate.at(around(self.known, self.n, over, radii)) * self.h
+            off = (slope * (over - arb(over.mid()))).abs_upper()
+            return bool(value.contains(0) and off <= _FLAT * arb(value.rad()))
 
     def _newton(self, a: int, b: int, slope: Any) -> Any:
         """A ball around the time of the zero in [a, b], if it has one; None if it has none.
@@ -263,7 +312,7 @@ def _ball(a: int, b: int) -> Any:
 
 def _union(balls: Sequence[Any]) -> Any:
     found = balls[0]
-    with ctx.workprec(1 << 12):
+    with ctx.workprec(_TIMES):
         for ball in balls[1:]:
             found = found.union(ball)
     return found
