@@ -9,6 +9,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol
 
 from flint import arb
@@ -43,6 +44,8 @@ class Untrusted:
 
 
 HONEST = Untrusted()
+#: For derivatives of the flow: exp(int |A|) of a step multiplies the errors of V.
+SHORT_STEPS = Untrusted(window=partial(window_approximation.window, turn=1.0))
 
 
 class Watcher(Protocol):
