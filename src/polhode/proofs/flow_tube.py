@@ -33,7 +33,7 @@ class Tube:
         """``radius``: of the box, in units of 2**-noise; ``times``: balls, the last one the end."""
         self.times = times
         self.rows: list[list[arb]] = []
-        self.steepness = 0.0
+        self.steepness, self.fine = 0.0, problem.fine
         box = UP * np.array(problem.spread) + radius
         self._state = State(0, problem.start, np.diag(box))
         self._derivatives = Derivatives(times[-1:])

@@ -121,13 +121,14 @@ def prove(level: Level, candidate: Candidate, follow: Follow) -> Theorem:
         period = flow_tube.exactly(candidate.period, fine)
         if not period > span:
             raise Refused("the period is no longer than its box")
-        tested, slope = _tested(known, candidate, centre, ends[0], tube, r)
+        matrix = slope(known, candidate, tube)
+        tested = _tested(known, candidate, centre, ends[0], matrix)
         if not tested.passed:
-            raise NotContracted(tested, _condition(slope))
+            raise NotContracted(tested, _condition(matrix))
         box = [x + arb(0, 1) * r for x in centre]
         _independent(known, candidate, box, span)
         moved = tested.moved
-        trace = sum((slope[i, i] + 1 for i in range(6)), arb(0))
+        trace = sum((matrix[i, i] + 1 for i in range(6)), arb(0))
         residue = (6 - trace) / 4
         return Theorem(
             [x + d for x, d in zip(centre, moved, strict=False)],
@@ -153,41 +154,43 @@ def _problem(level: Level, candidate: Candidate) -> Problem:
     return found
 
 
-def _tested(
-    known: LevelBalls,
-    candidate: Candidate,
-    centre: list[arb],
-    end: list[arb],
-    tube: Tube,
-    r: arb,
-) -> tuple[Contraction, arb_mat]:
-    """Krawczyk's test on Y, and DF(Y)."""
+def slope(known: LevelBalls, candidate: Candidate, tube: Tube) -> arb_mat:
+    """DF(Y), at the precision that holds."""
+    r, fine = arb((1, -candidate.bits)), tube.fine
     span = SPAN * r
+    box = [flow_tube.exactly(x, fine) + arb(0, 1) * r for x in candidate.start]
     reached = flow_tube.around(tube.rows[-1], span, known)
     wider = flow_tube.spread_of_derivative(reached, span, known)
     d, columns = tube.derivative()
-    box = [x + arb(0, 1) * r for x in centre]
-    rates, gradients = known.field(reached.box), known.gradients(box)
-    w, a = candidate.w.tolist(), candidate.a.tolist()
-    zero = [arb(0)] * 4
+    rates, zero = known.field(reached.box), [arb(0)] * 4
     rows = []
-    for i in range(6):
+    for i, w in enumerate(candidate.w.tolist()):
         row = [d[i][j] + arb(0, 1) * (wider * columns[j]) for j in range(6)]
         row[i] = row[i] - 1
-        rows.append([*row, rates[i], *(arb(-x) for x in w[i])])
-    rows.append([*(arb(x) for x in a), *zero])
-    rows += [[*row, *zero] for row in gradients]
-    slope = arb_mat(rows)
+        rows.append([*row, rates[i], *(arb(-x) for x in w)])
+    rows.append([*(arb(x) for x in candidate.a.tolist()), *zero])
+    rows += [[*row, *zero] for row in known.gradients(box)]
+    return arb_mat(rows)
+
+
+def _tested(
+    known: LevelBalls, candidate: Candidate, centre: list[arb], end: list[arb], matrix: arb_mat
+) -> Contraction:
+    """Krawczyk's test on Y."""
     value = [x - y for x, y in zip(end, centre, strict=True)] + [arb(0)]
     value += [x - c for x, c in zip(known.integrals(centre), known.values, strict=True)]
-    middle = np.array([[float(slope[i, j].mid()) for j in range(10)] for i in range(10)])
     try:
-        inverse = candidate.inverse(middle)
+        inverse = candidate.inverse(_middle(matrix))
     except np.linalg.LinAlgError:
-        raise Refused("the ten equations are singular: a further multiplier is 1") from None
+        raise Unproved("the ten equations are singular: a further multiplier is 1") from None
     if inverse.shape != (10, 10) or not np.all(np.isfinite(inverse)):
-        raise Refused("the approximate inverse is no matrix of numbers")
-    return krawczyk.contraction(value, slope, inverse, [r] * 6 + [span] * 4), slope
+        raise Unproved("the approximate inverse is no matrix of numbers")
+    r = arb((1, -candidate.bits))
+    return krawczyk.contraction(value, matrix, inverse, [r] * 6 + [SPAN * r] * 4)
+
+
+def _middle(matrix: arb_mat) -> Doubles:
+    return np.array([float(x.mid()) for x in matrix.entries()]).reshape(10, 10)
 
 
 def _independent(known: LevelBalls, candidate: Candidate, box: list[arb], span: arb) -> None:
@@ -226,8 +229,8 @@ def _unique(
     return (near - largest(moved[:6])).lower()
 
 
-def _condition(slope: arb_mat) -> float:
+def _condition(matrix: arb_mat) -> float:
     """About the condition number of the ten equations, for a message."""
-    middle = np.array([[float(slope[i, j].mid()) for j in range(10)] for i in range(10)])
+    middle = _middle(matrix)
     sizes = np.linalg.svd(middle)[1] if np.all(np.isfinite(middle)) else np.array([1.0, 0.0])
     return float(sizes[0] / sizes[-1]) if sizes[-1] else float("inf")

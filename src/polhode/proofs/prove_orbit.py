@@ -64,9 +64,9 @@ def prove_orbit(
     >>> import polhode
     >>> found = polhode.prove_orbit("grioli/precession")
     >>> found
-    <ProvedOrbit of grioli/precession: period 6.28319, elliptic, 33 digits proven>
-    >>> print(found.period)  # 2 pi
-    6.28318530717958647692528676655901
+    <ProvedOrbit of grioli/precession: period 6.28319, elliptic>
+    >>> print(str(found.period)[:32])  # 2 pi
+    6.283185307179586476925286766559
     """
     scene = library.load(scene)
     wanted = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
@@ -88,6 +88,17 @@ def prove_found(
     state = [Fraction(x) for x in known.state.tolist()]
     guess = (*(w / on.unit for w in state[:3]), *state[3:])
     return proved(on, (guess, Fraction(float(known.period)) * on.unit), digits, progress)
+
+
+def prove_all(found: OrbitSearch, digits: int = DIGITS) -> list[ProvedOrbit | NotProved]:
+    """The proof of each orbit of a search, or why there is none."""
+    proofs: list[ProvedOrbit | NotProved] = []
+    for k in range(len(found.orbits)):
+        try:
+            proofs.append(prove_found(found, k, digits))
+        except NotProved as why:
+            proofs.append(why)
+    return proofs
 
 
 def _guess_of(on: Surface, near: Scene) -> Guess:

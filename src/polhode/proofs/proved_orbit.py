@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -29,7 +28,7 @@ class Ball(NamedTuple):
     radius: float
 
     def __str__(self) -> str:
-        return guaranteed(self.centre, self.radius)
+        return guaranteed(self.centre, self.radius) if self.radius else str(self.centre)
 
     def __float__(self) -> float:
         return to_double(self.centre)
@@ -37,7 +36,7 @@ class Ball(NamedTuple):
     @property
     def decimals(self) -> tuple[str, str]:
         """A decimal midpoint and radius of a ball that holds this one."""
-        return decimal_ball(self.centre, self.radius)
+        return decimal_ball(self.centre, self.radius) if self.radius else (str(self.centre), "0")
 
 
 class Within(NamedTuple):
@@ -99,10 +98,8 @@ class ProvedOrbit(ByValue):
             return (ball_of(first), zero), (ball_of(1 / first), zero)
 
     def __repr__(self) -> str:
-        return (
-            f"<ProvedOrbit of {self.scene.name}: period {float(self.period):.6g}, {self.kind}, "
-            f"{math.floor(self.digits)} digits proven>"
-        )
+        name, period = self.scene.name, float(self.period)
+        return f"<ProvedOrbit of {name}: period {period:.6g}, {self.kind}>"
 
     def __str__(self) -> str:
         """The theorem in words."""

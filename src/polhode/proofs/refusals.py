@@ -12,7 +12,10 @@ class NotProved(ArithmeticError):
     """A claim that polhode did not prove: the message says which condition failed, and by how much.
 
     >>> import polhode
-    >>> near = polhode.top([2, 1, 1], ["1/2", 0, 0], 1, [3, "1/5", 1], ["4/5", "3/5", 0])
+    >>> polhode.prove_orbit("euler/largest-axis")  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    polhode.proofs.refusals.NotProved: euler/largest-axis: the orbit is not isolated, ...
     """
 
 

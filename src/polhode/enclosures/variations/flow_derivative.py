@@ -49,7 +49,7 @@ class FlowDerivative(ByValue):
     >>> import polhode
     >>> found = polhode.certify("euler/separatrix", at=[10], derivatives=True).derivatives
     >>> found
-    <FlowDerivative at 1 times: amplification up to 14.5>
+    <FlowDerivative at 1 times: amplification up to 12.7>
     >>> low, high = found.amplification[0]
     >>> low < high < 1.002 * low
     True
