@@ -42,6 +42,7 @@ if _TYPE_CHECKING:
     from polhode.enclosures.events import CertifiedEvents as CertifiedEvents
     from polhode.enclosures.events import certify_events as certify_events
     from polhode.enclosures.result import Enclosure as Enclosure
+    from polhode.enclosures.variations.flow_derivative import FlowDerivative as FlowDerivative
     from polhode.equations.plain_field import field as field
     from polhode.figures.drawing import plot as plot
     from polhode.figures.drawing import view as view
@@ -62,6 +63,9 @@ if _TYPE_CHECKING:
     from polhode.motion.outcomes import Outcome as Outcome
     from polhode.motion.outcomes import Projection as Projection
     from polhode.output.archive import load_run as load_run
+    from polhode.proofs.prove_orbit import prove_orbit as prove_orbit
+    from polhode.proofs.proved_orbit import ProvedOrbit as ProvedOrbit
+    from polhode.proofs.refusals import NotProved as NotProved
     from polhode.runs.propagator import Propagator as Propagator
     from polhode.runs.propagator import propagator as propagator
     from polhode.runs.sweep.ensemble import Ensemble as Ensemble
@@ -88,10 +92,12 @@ _HOMES = {
     "Ensemble": "runs.sweep.ensemble",
     "Event": "scenes.event",
     "EventTimes": "motion.outcomes",
+    "FlowDerivative": "enclosures.variations.flow_derivative",
     "Frequencies": "dynamics.frequencies.frequencies",
     "Judgement": "judging.score.judgement",
     "Levels": "dynamics.levels.levels",
     "Lyapunov": "judging.conditioning.lyapunov",
+    "NotProved": "proofs.refusals",
     "Orbit": "dynamics.periodic_orbits.orbit",
     "OrbitFamily": "dynamics.periodic_orbits.families",
     "OrbitSearch": "dynamics.periodic_orbits.search",
@@ -100,6 +106,7 @@ _HOMES = {
     "Part": "scenes.shapes",
     "Projection": "motion.outcomes",
     "Propagator": "runs.propagator",
+    "ProvedOrbit": "proofs.proved_orbit",
     "Published": "scenes.scene",
     "Reductions": "dynamics.observables.reduce_many",
     "Reference": "judging.references.reference",
@@ -128,6 +135,7 @@ _HOMES = {
     "orbit_family": "dynamics.periodic_orbits.families",
     "orbit_search": "dynamics.periodic_orbits.search",
     "plot": "figures.drawing",
+    "prove_orbit": "proofs.prove_orbit",
     "propagator": "runs.propagator",
     "reduce_many": "dynamics.observables.reduce_many",
     "reference": "judging.references.reference",

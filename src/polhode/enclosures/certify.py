@@ -7,11 +7,10 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from numbers import Real
 from pathlib import Path
 from typing import Any
-
-from flint import arb
 
 from polhode.common.arguments import each, steps, whole
 from polhode.common.deadline import NONE, Deadline
@@ -26,9 +25,19 @@ from polhode.enclosures import (
     proof_loop,
 )
 from polhode.enclosures.derived import derived_balls
-from polhode.enclosures.fixed_point_problem import MOST_NOISE, Motion, Refused, motion, upper
-from polhode.enclosures.polynomial import ball
+from polhode.enclosures.fixed_point_problem import (
+    MOST_NOISE,
+    Motion,
+    Refused,
+    in_scene_axes,
+    motion,
+    upper,
+)
+from polhode.enclosures.proof_loop import HONEST, SHORT_STEPS
 from polhode.enclosures.result import Enclosure, Part, digits_of
+from polhode.enclosures.variations import flow_derivative
+from polhode.enclosures.variations.flow_derivative import BallMatrix, FlowDerivative
+from polhode.enclosures.variations.variational_bound import Derivatives
 from polhode.equations.column import derived_words
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
@@ -56,6 +65,7 @@ def certify(
     max_steps: int = MAX_STEPS,
     max_seconds: float | None = None,
     forecast: Callable[[float], None] | None = None,
+    derivatives: bool = False,
 ) -> Enclosure:
     """Proven balls around the exact motion of any body.
 
@@ -65,8 +75,10 @@ def certify(
     shrink the set.  ``max_steps``: a time that will take more is refused before the start; a step
     costs about 0.4 ms at 16 digits, 0.9 ms at 30.  ``max_seconds``: a limit on the time by the
     clock; what is proven until then is kept, as it is at Ctrl-C, and the ``outcome`` says so.
-    ``forecast``: called once, before the proof, with the seconds that it will take, roughly.  The
-    memory does not grow with the time.  Raises BadInput where the digits cannot be had.
+    ``forecast``: called once, before the proof, with the seconds that it will take, roughly.
+    ``derivatives``: whether the derivative of the states by the start is enclosed too, to as many
+    digits as doubles leave; its steps are shorter.  The memory does not grow with the time.  Raises
+    BadInput where the digits cannot be had.
 
     >>> import polhode
     >>> found = polhode.certify("general/asymmetric-regular", at=[10], digits=30)
@@ -101,7 +113,9 @@ def certify(
         noise = min(noise, MOST_NOISE)
         started = time.process_time()
         try:
-            found = _found(scene, times, sides, digits, noise, integrals, progress, deadline)
+            found = _found(
+                scene, times, sides, digits, noise, integrals, progress, deadline, derivatives
+            )
         except Refused as why:
             refusal = str(why)
             if noise == MOST_NOISE:
@@ -161,10 +175,12 @@ def _found(
     integrals: bool,
     progress: Progress | None,
     deadline: Deadline,
+    derivatives: bool,
 ) -> Enclosure:
     """The enclosure at one noise level, as far as it came; raises Refused."""
     rows: dict[int, list[Any]] = {}
     poses: dict[int, attitude.Pose] = {}
+    slopes: dict[int, BallMatrix] = {}
     steps, outcome = 0, Outcome.REACHED_END
     for side in sides:
         if not outcome.done:
@@ -175,16 +191,27 @@ def _found(
             integral_contraction.prepared(side.motion, 2 * problem.fine + 100) if integrals else []
         )
         watch = _watch(side, problem, asked, deadline)
+        flow = [Derivatives(asked)] if derivatives else []
         proof = proof_loop.run(
-            problem, asked, known, progress=progress, watchers=watch, deadline=deadline
+            problem,
+            asked,
+            known,
+            untrusted=SHORT_STEPS if derivatives else HONEST,
+            progress=progress,
+            watchers=[*watch, *flow],
+            deadline=deadline,
         )
         steps, outcome = steps + proof.steps, proof.outcome
-        turned = [_in_scene_axes(side.motion, row, noise + 100) for row in proof.rows]
-        had = min([len(turned), *(len(one.poses) for one in watch)])
+        turned = [in_scene_axes(side.motion, row, noise + 100) for row in proof.rows]
+        followed = [len(one.poses) for one in watch] + [len(one.found) for one in flow]
+        had = min([len(turned), *followed])
         reached = {n: place for n, place in side.places.items() if place < had}
         rows |= {n: turned[place] for n, place in reached.items()}
         for one in watch:
             poses |= {n: one.poses[place] for n, place in reached.items()}
+        for derived in flow:
+            turn = partial(flow_derivative.matrix_in_scene_axes, side.motion, bits=noise + 100)
+            slopes |= {n: turn(derived.found[place]) for n, place in reached.items()}
     order = sorted(rows)
     centres, radii = _balls([rows[n] for n in order], noise + 100)
     given: dict[str, Sequence[Sequence[Any]]] = {"state": [rows[n] for n in order]}
@@ -214,6 +241,13 @@ def _found(
         parts.pop("attitude", None),
         outcome,
         parts,
+        FlowDerivative(
+            tuple(times[n] for n in order),
+            tuple(slopes[n] for n in order),
+            flow_derivative.fastest(scene, centres),
+        )
+        if derivatives
+        else None,
     )
 
 
@@ -236,25 +270,6 @@ def _balls(rows: Sequence[Sequence[Any]], bits: int) -> tuple[Any, Any]:
             tuple(tuple(None if x is None else _fraction(x.mid()) for x in row) for row in rows),
             tuple(tuple(0.0 if x is None else upper(x - x.mid()) for x in row) for row in rows),
         )
-
-
-def _in_scene_axes(what: Motion, row: Sequence[Any], bits: int) -> list[Any]:
-    """A state in principal axes and the proof's unit as balls in the scene's axes and unit."""
-    scene = what.scene
-    with ctx.workprec(bits):
-        by = arb((-1 if what.backward else 1, -what.unit))
-        vectors = [[by * x for x in row[:3]]]
-        if scene.gamma is not None:
-            vectors.append(list(row[3:]))
-        axes = scene.body.axes
-        if axes.trivial:
-            return [x for vector in vectors for x in vector]
-        turn = [[ball(x, bits) for x in unit] for unit in axes.rows]
-        return [
-            turn[0][i] * v[0] + turn[1][i] * v[1] + turn[2][i] * v[2]
-            for v in vectors
-            for i in range(3)
-        ]
 
 
 def _digits(scene: Scene, sides: Sequence[_Side], centres: Any, radii: Any) -> tuple[float, ...]:

@@ -27,7 +27,7 @@ from polhode.enclosures.polynomial import Polynomial, ball, total, variable
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
-from polhode.scenes.body import dot
+from polhode.scenes.body import Body, Vector, dot
 from polhode.scenes.scene import Scene
 
 CLOCK = 14  # times of the grid are integers times 2**-CLOCK
@@ -106,11 +106,15 @@ class Motion:
 CYCLE = ((1, 2), (2, 0), (0, 1))
 
 
-def motion(scene: Scene, backward: bool = False) -> Motion:
-    """The exact motion of a scene, to positive or to negative times."""
+def motion(scene: Scene, backward: bool = False, unit: int | None = None) -> Motion:
+    """The exact motion of a scene, to positive or to negative times.
+
+    ``unit``: of time, the one of the module unless given.
+    """
     body, axes = scene.body, scene.body.axes
     moments, torque = body.moments, axes.components(body.torque)
-    unit = _unit(scene, min(moments))
+    if unit is None:
+        unit = unit_for(scene.body, scene.omega)
     by = Fraction(2) ** unit
     k = [by * by * x for x in torque]
     bends = [(moments[a] - moments[b]) / moments[i] for i, (a, b) in enumerate(CYCLE)]
@@ -129,10 +133,10 @@ def motion(scene: Scene, backward: bool = False) -> Motion:
     )
 
 
-def _unit(scene: Scene, smallest: Exact) -> int:
+def unit_for(body: Body, omega: Vector) -> int:
     """The power of two that brings the fastest rate to about 1."""
-    square = dot(scene.omega, scene.omega)
-    torque = scene.body.torque
+    square, smallest = dot(omega, omega), min(body.moments)
+    torque = body.torque
     fourth = max(square * square, dot(torque, torque) / (smallest * smallest))
     if sign(fourth) == 0:
         return 0
@@ -233,3 +237,22 @@ def times(what: Motion, asked: Sequence[Exact], bits: int = TIME_BITS) -> list[A
     """Balls around times of the scene, in the proof's unit and forward."""
     by = Fraction(2) ** -what.unit * (-1 if what.backward else 1)
     return [ball(exact.multiply(by, t), bits) for t in asked]
+
+
+def in_scene_axes(what: Motion, row: Sequence[arb], bits: int) -> list[arb]:
+    """A state in principal axes and the proof's unit as balls in the scene's axes and unit."""
+    scene = what.scene
+    with ctx.workprec(bits):
+        by = arb((-1 if what.backward else 1, -what.unit))
+        vectors = [[by * x for x in row[:3]]]
+        if scene.gamma is not None:
+            vectors.append(list(row[3:]))
+        axes = scene.body.axes
+        if axes.trivial:
+            return [x for vector in vectors for x in vector]
+        turn = [[ball(x, bits) for x in unit] for unit in axes.rows]
+        return [
+            turn[0][i] * v[0] + turn[1][i] * v[1] + turn[2][i] * v[2]
+            for v in vectors
+            for i in range(3)
+        ]

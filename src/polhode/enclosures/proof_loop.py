@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Protocol
 
 from flint import arb
@@ -47,6 +48,8 @@ class Untrusted:
 
 
 HONEST = Untrusted()
+#: For derivatives of the flow: exp(int |A|) of a step multiplies the errors of V.
+SHORT_STEPS = Untrusted(window=partial(window_approximation.window, turn=1.0))
 
 
 class Watcher(Protocol):

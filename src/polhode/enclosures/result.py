@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from polhode.common.cached_property import cached_property
 from polhode.common.value_semantics import ByValue
+from polhode.enclosures.variations.flow_derivative import FlowDerivative
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.decimals import shown
@@ -55,11 +56,11 @@ class Enclosure(ByValue):
     ``digits``: proven correct digits at each time (-log10 of the larger of the radius of w over the
     largest |w| at the times and the radius of gamma).  ``angles`` (psi theta phi) and ``attitude``
     (q0 q1 q2 q3): where the scene's outputs ask for them, None else; ``derived``: outputs made of
-    these, by their words.  ``outcome``: REACHED_END, or
-    TIME_LIMIT or INTERRUPTED: ``times`` are then those reached.  ``noise``: the proof's noise level
-    is 2**-noise in its own unit of time.  ``steps`` and ``seconds``: of the run that proved it;
-    ``tries``: the runs that it took; ``seconds_in_all``: CPU, those of all
-    of them and of the pilot.
+    these, by their words.  ``derivatives``: of the states by the start, where they were asked for.
+    ``outcome``: REACHED_END, or TIME_LIMIT or INTERRUPTED: ``times`` are then those reached.
+    ``noise``: the proof's noise level is 2**-noise in its own unit of time.  ``steps`` and
+    ``seconds``: of the run that proved it; ``tries``: the runs that it took; ``seconds_in_all``:
+    CPU, those of all of them and of the pilot.
 
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
@@ -84,6 +85,7 @@ class Enclosure(ByValue):
     attitude: Part | None = None
     outcome: Outcome = Outcome.REACHED_END
     derived: Mapping[str, Part] = field(default_factory=dict)
+    derivatives: FlowDerivative | None = None
 
     @cached_property
     def midpoints(self) -> list[list[Real]]:
@@ -117,7 +119,7 @@ class Enclosure(ByValue):
     def decimals(self) -> list[list[tuple[str, str]]]:
         """Balls as decimals: midpoints rounded a little beyond the radius, radii that allow it."""
         return [
-            [_decimal_ball(x, r) for x, r in zip(row, radii, strict=True)]
+            [decimal_ball(x, r) for x, r in zip(row, radii, strict=True)]
             for row, radii in zip(self.centres, self.radii, strict=True)
         ]
 
@@ -159,7 +161,7 @@ def guaranteed(centre: Fraction, radius: float) -> str:
     return ""
 
 
-def _decimal_ball(centre: Fraction, radius: float) -> tuple[str, str]:
+def decimal_ball(centre: Fraction, radius: float) -> tuple[str, str]:
     """A decimal midpoint and a decimal radius of a ball that holds this one."""
     places = max(0, 3 - math.floor(math.log10(radius)))
     near = round(centre * 10**places)

@@ -41,10 +41,13 @@ def degree(noise: int) -> int:
     return max(_LEAST_DEGREE, math.ceil((0.6 if noise <= 150 else 0.5) * noise))
 
 
-def window(problem: Problem, state: State, end: int, steps: int, pace: float) -> Window | None:
+def window(
+    problem: Problem, state: State, end: int, steps: int, pace: float, turn: float = MOST_TURN
+) -> Window | None:
     """Up to so many steps from a state towards the time ``end``; None where heyoka fails.
 
-    ``pace``: the length of a step that is expected, to know how far to run.
+    ``pace``: the length of a step that is expected, to know how far to run.  ``turn``: h |f'(x)| of
+    a step, at most.
     """
     wide = [np.longdouble(x >> max(0, problem.fine - 80)) for x in state.centre]
     start = list(np.ldexp(np.array(wide), -min(problem.fine, 80)))
@@ -55,7 +58,7 @@ def window(problem: Problem, state: State, end: int, steps: int, pace: float) ->
     )
     if run is None:
         return None
-    times, terms = _grid(problem, run, state.time, end, steps)
+    times, terms = _grid(problem, run, state.time, end, steps, turn)
     offsets = np.ldexp(np.array(times) - state.time, -CLOCK).astype(float)
     states = run.at(offsets[:-1])
     if not np.all(np.isfinite(states)):
@@ -64,15 +67,20 @@ def window(problem: Problem, state: State, end: int, steps: int, pace: float) ->
 
 
 def _grid(
-    problem: Problem, run: double_trajectory.Path, begin: int, end: int, steps: int
+    problem: Problem,
+    run: double_trajectory.Path,
+    begin: int,
+    end: int,
+    steps: int,
+    turn: float,
 ) -> tuple[list[int], int]:
     """The times of the steps, as far as heyoka's run goes, and the degree that they need."""
     p, bits = degree(problem.noise), problem.noise + 8
     theta = 2.0 ** (-bits / p)
     speeds = _speeds(problem, run.at(run.ends))
     fastest = np.maximum(speeds[:-1], speeds[1:])
-    turn = MOST_TURN * (_LESS if problem.noise < _COARSE else 1.0)
-    longest = np.minimum(theta * run.convergence, turn / np.maximum(fastest, 1e-300))
+    most = turn * (_LESS if problem.noise < _COARSE else 1.0)
+    longest = np.minimum(theta * run.convergence, most / np.maximum(fastest, 1e-300))
     ticks = np.maximum(1, np.floor(np.ldexp(np.minimum(longest, 2.0**15), CLOCK))).astype(int)
     ends = run.ends
     reach = begin + math.floor(math.ldexp(float(ends[-1]), CLOCK))

@@ -30,6 +30,7 @@ from polhode.verbs.terminal import (
 if TYPE_CHECKING:
     from polhode.dynamics.periodic_orbits.families import FamilyPoint, OrbitFamily
     from polhode.dynamics.periodic_orbits.orbit import Orbit
+    from polhode.proofs.proved_orbit import ProvedOrbit
 
 HELP = "periodic orbits to any number of digits, their stability, their families"
 
@@ -47,6 +48,8 @@ def options(parser: ArgumentParser) -> None:
     along = "the family along h (or f), at most N orbits (200), through folds"
     parser.add_argument("--continue", dest="along", metavar="h=[FROM:]TO[:N]", help=along)
     output = "the start as a scene, .toml; of a family or a search .npz; of a family .svg .png .pdf"
+    proof = "the orbit is proved to exist, or each of a search: see polhode prove"
+    parser.add_argument("--prove", action="store_true", help=proof)
     level_options(parser, output)
 
 
@@ -57,6 +60,8 @@ def main(options: Namespace) -> int:
         raise BadInput(scene.name, "--pick", options.pick, "--search, whose orbits it counts")
     if options.search is not None and (options.along or options.period):
         raise BadInput(scene.name, "--search", options.search, "neither --continue nor --period")
+    if options.prove and options.along:
+        raise BadInput(scene.name, "--prove", None, "no --continue: a family is not proved")
     if options.along is not None:
         return _family(options, scene)
     if options.search is not None:
@@ -96,14 +101,31 @@ def _scene_file(options: Namespace) -> Path | None:
 def _one(options: Namespace, path: Path | None, found: Orbit) -> int:
     from polhode.common.files import is_stdout, write_whole
     from polhode.output import orbits as output
+    from polhode.output import proofs
     from polhode.scenes.scene_text import toml
 
+    proof: ProvedOrbit | None = None
+    if options.prove:
+        from polhode.proofs.prove_orbit import DIGITS, MOST_DIGITS, prove_orbit
+        from polhode.proofs.refusals import NotProved
+
+        surface, digits = found.surface, min(max(DIGITS, found.digits), MOST_DIGITS)
+        try:
+            proof = prove_orbit(surface.scene, found, digits, surface.h, surface.f)
+        except NotProved as why:
+            note(f"polhode: not proved: {why}")
+            return NOT_REACHED
     if path is not None:
         write_whole({path: toml(found.scene)})
     if options.json:
-        print_json(output.of_orbit(found))
+        answer = output.of_orbit(found)
+        if proof is not None:
+            answer["proof"] = proofs.of_proof(proof)
+        print_json(answer)
     elif path is None or not is_stdout(path):
         _say(found)
+        if proof is not None:
+            say(f"proof       {proof}")
     return DONE
 
 
@@ -141,6 +163,7 @@ def _search(options: Namespace, scene: Any) -> int:
     from polhode.dynamics.periodic_orbits.orbit import DIGITS
     from polhode.dynamics.periodic_orbits.search import orbit_search
     from polhode.output import orbits as output
+    from polhode.output import proofs
     from polhode.verbs.answer_file import ARRAYS, answer_file
 
     path, file = None, None
@@ -161,8 +184,16 @@ def _search(options: Namespace, scene: Any) -> int:
         return _one(options, path, one)
     if file is not None:
         file.save(output.arrays(found))
+    proved = None
+    if options.prove:
+        from polhode.proofs.prove_orbit import prove_all
+
+        proved = prove_all(found)
     if options.json:
-        print_json(output.of_search(found))
+        answer = output.of_search(found)
+        if proved is not None:
+            answer["proofs"] = [proofs.of_result(one) for one in proved]
+        print_json(answer)
     elif file is None or not file.on_stdout:
         columns = ["orbit", "period", "residue", "kind", "p", "q", "r"]
         rows = [
@@ -175,9 +206,15 @@ def _search(options: Namespace, scene: Any) -> int:
             ]
             for k, point in enumerate(found.orbits, 1)
         ]
+        if proved is not None:
+            columns.append("proof")
+            rows = [[*row, proofs.line_of(one)] for row, one in zip(rows, proved, strict=True)]
         print_table(columns, rows)
-    note(f"{scene.name}: {found!r}; no list is complete")
-    return INTERRUPTED if found.interrupted else DONE
+    counted = "" if proved is None else f", {proofs.count(proved)}"
+    note(f"{scene.name}: {found!r}{counted}; no list is complete")
+    if found.interrupted:
+        return INTERRUPTED
+    return DONE if proved is None or proofs.all_proved(proved) else NOT_REACHED
 
 
 class Range(NamedTuple):

@@ -1,0 +1,1 @@
+"""Derivatives of the flow along an enclosed motion."""

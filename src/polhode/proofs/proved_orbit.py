@@ -1,0 +1,145 @@
+"""A proved periodic orbit: the theorem in the scene's axes and units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import NamedTuple
+
+from flint import arb
+
+from polhode.common.value_semantics import ByValue
+from polhode.enclosures.fixed_point_problem import upper
+from polhode.enclosures.result import decimal_ball, guaranteed
+from polhode.numbers import exact
+from polhode.numbers.conversion import to_double
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact
+from polhode.numbers.flint_context import ctx
+from polhode.proofs.periodic_orbit import ELLIPTIC, HYPERBOLIC
+from polhode.scenes.scene import Scene
+
+
+class Ball(NamedTuple):
+    """All numbers within ``radius`` of ``centre``; as text the digits that are proven."""
+
+    centre: Fraction
+    radius: float
+
+    def __str__(self) -> str:
+        return guaranteed(self.centre, self.radius) if self.radius else str(self.centre)
+
+    def __float__(self) -> float:
+        return to_double(self.centre)
+
+    @property
+    def decimals(self) -> tuple[str, str]:
+        """A decimal midpoint and radius of a ball that holds this one."""
+        return decimal_ball(self.centre, self.radius) if self.radius else (str(self.centre), "0")
+
+
+class Within(NamedTuple):
+    """How near a motion passes by, and how near its period is; lower bounds."""
+
+    omega: float
+    gamma: float
+    period: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ProvedOrbit(ByValue):
+    """A periodic orbit of (omega, gamma) that exists: a theorem about the exact level.
+
+    ``scene``, ``h``, ``f``: the body and the level, exact.  ``period``: the least one; ``omega``,
+    ``gamma``: a point of the orbit, in the scene's body axes; ``residue``: Greene's, (6 - tr M)/4.
+    ``kind``: hyperbolic, elliptic, inverse hyperbolic: of the linear motion on this level alone.
+    ``unique_within``: a motion of the level that passes so near to the point, in the Euclidean
+    norms of omega and gamma, and has a period so near to this one, is this orbit.  ``noise``: the
+    proof's noise level is 2**-noise; ``runs``: of the enclosure, with those that corrected the
+    guess; ``seconds``: CPU.
+
+    >>> import polhode
+    >>> found = polhode.prove_orbit("grioli/precession")
+    >>> found.kind, str(found.residue)[:8]
+    ('elliptic', '0.002448')
+    >>> found.unique_within.period > 1e-26
+    True
+    """
+
+    scene: Scene
+    h: Exact
+    f: Exact
+    period: Ball
+    omega: tuple[Ball, ...]
+    gamma: tuple[Ball, ...]
+    residue: Ball
+    kind: str
+    unique_within: Within
+    digits: float
+    noise: int
+    runs: int
+    seconds: float = field(compare=False)
+    provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
+
+    @property
+    def multipliers(self) -> tuple[tuple[Ball, Ball], tuple[Ball, Ball]]:
+        """Real and imaginary part of the two that are not 1 always; their product is 1."""
+        with ctx.workprec(self.noise + 128):
+            r = as_arb(self.residue)
+            half, square = 1 - 2 * r, 4 * r * (r - 1)  # mu + 1/mu = 2 half, square = half**2 - 1
+            zero = Ball(Fraction(0), 0.0)
+            if self.kind == ELLIPTIC:
+                side = ball_of((-square).sqrt())
+                middle = ball_of(half)
+                return (middle, side), (middle, Ball(-side.centre, side.radius))
+            root = square.sqrt()
+            first = half + root if self.kind == HYPERBOLIC else half - root
+            return (ball_of(first), zero), (ball_of(1 / first), zero)
+
+    def __repr__(self) -> str:
+        name, period = self.scene.name, float(self.period)
+        return f"<ProvedOrbit of {name}: period {period:.6g}, {self.kind}>"
+
+    def __str__(self) -> str:
+        """The theorem in words."""
+        near, (middle, radius) = self.unique_within, self.period.decimals
+        point = " and ".join(
+            f"{name} ({', '.join(map(str, balls))})"
+            for name, balls in (("omega", self.omega), ("gamma", self.gamma))
+        )
+        mu = self.multipliers[0]
+        side = f" + {mu[1]} i" if self.kind == ELLIPTIC else ""
+        return (
+            f"proved: on the level {self.level} exactly one periodic orbit with a period within "
+            f"{down(near.period)} of {self.period} passes within {down(near.omega)} and "
+            f"{down(near.gamma)} of {point}; its least period is {middle} +- {radius}; "
+            f"{self.kind}, multiplier {mu[0]}{side}"
+        )
+
+    @property
+    def level(self) -> str:
+        """h and f in words; irrational ones rounded."""
+        return ", ".join(
+            f"{name} = {shown(x)}" + " (rounded)" * (not isinstance(x, Fraction))
+            for name, x in (("h", self.h), ("f", self.f))
+        )
+
+
+def ball_of(x: arb) -> Ball:
+    """A ball with a radius that is a double."""
+    middle = x.mid()
+    mantissa, exponent = middle.man_exp()
+    return Ball(exact.binary(int(mantissa), int(exponent)), upper(x - middle))
+
+
+def as_arb(x: Ball) -> arb:
+    """A ball of FLINT's that holds this one."""
+    top, bottom = x.centre.numerator, x.centre.denominator
+    return arb(top) / arb(bottom) + arb(0, x.radius)
+
+
+def down(value: float) -> str:
+    """A positive bound as a short decimal that is not above it."""
+    text = f"{value:.1e}"
+    return text if Fraction(text) <= Fraction(value) else f"{value * 0.97:.1e}"

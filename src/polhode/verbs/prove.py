@@ -1,0 +1,139 @@
+"""``polhode prove``: computer-assisted proofs."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from typing import TYPE_CHECKING
+
+from polhode.common.errors import BadInput
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+from polhode.verbs.section import read_grid
+from polhode.verbs.terminal import (
+    DONE,
+    INTERRUPTED,
+    NOT_REACHED,
+    ProgressLine,
+    note,
+    positive,
+    print_json,
+    print_table,
+    say,
+    word,
+)
+
+if TYPE_CHECKING:
+    from polhode.proofs.proved_orbit import ProvedOrbit
+    from polhode.proofs.refusals import NotProved
+
+HELP = "proofs: that a periodic orbit exists, where, how stable it is"
+
+
+def options(parser: ArgumentParser) -> None:
+    """The verb's own options."""
+    parser.add_argument("what", choices=["orbit"], help="what is to be proved")
+    parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
+    parser.add_argument("--digits", type=positive, metavar="D", help="of start and period (30)")
+    parser.add_argument("--orbit", type=word, metavar="FILE", help="a guess: a scene of one period")
+    parser.add_argument("--period", metavar="T", help="a guess of the period")
+    returns = "near returns of the motion that are tried (10); of a search crossings (3)"
+    parser.add_argument("--returns", type=positive, metavar="N", help=returns)
+    search = "all orbits of a search from N x M cells of the level's section (20x20)"
+    parser.add_argument("--search", metavar="NxM", nargs="?", const="20x20", help=search)
+    parser.add_argument("--pick", type=positive, metavar="K", help="the K-th orbit of the search")
+    for key in ("h", "f"):
+        parser.add_argument(f"--{key}", metavar="X", help=f"{key} of the level, if not the scene's")
+
+
+def main(options: Namespace) -> int:
+    """Prove one orbit, or those of a search."""
+    scene = library.load(options.scene)
+    guesses = [
+        f"--{key}" for key in ("orbit", "period", "search") if getattr(options, key) is not None
+    ]
+    if len(guesses) > 1:
+        raise BadInput(scene.name, guesses[1], None, f"not both it and {guesses[0]}")
+    if options.orbit is not None and options.returns is not None:
+        raise BadInput(scene.name, "--returns", options.returns, "not with --orbit")
+    if options.pick is not None and options.search is None:
+        raise BadInput(scene.name, "--pick", options.pick, "--search, whose orbits it counts")
+    if options.search is not None:
+        return _search(options, scene)
+    return _orbit(options, scene)
+
+
+def _orbit(options: Namespace, scene: Scene) -> int:
+    from polhode.proofs.prove_orbit import DIGITS, prove_orbit
+    from polhode.proofs.refusals import NotProved
+
+    with ProgressLine("prove") as progress:
+        try:
+            found = prove_orbit(
+                scene,
+                options.orbit,
+                options.digits or DIGITS,
+                options.h,
+                options.f,
+                options.period,
+                options.returns,
+                progress.say,
+            )
+        except NotProved as why:
+            progress.clear()
+            return _refused(why)
+    return _one(options, found)
+
+
+def _one(options: Namespace, found: ProvedOrbit) -> int:
+    from polhode.output import proofs as output
+
+    if options.json:
+        print_json(output.of_proof(found))
+        return DONE
+    for line in output.lines(found):
+        say(line)
+    say(str(found))
+    note(
+        f"{found.scene.name}: every digit is proven; {found.runs} runs at a noise level of "
+        f"2**-{found.noise}, {found.seconds:.2f} s"
+    )
+    return DONE
+
+
+def _refused(why: NotProved) -> int:
+    note(f"polhode: not proved: {why}")
+    return NOT_REACHED
+
+
+def _search(options: Namespace, scene: Scene) -> int:
+    from polhode.dynamics.periodic_orbits.search import orbit_search
+    from polhode.output import orbits
+    from polhode.output import proofs as output
+    from polhode.proofs.prove_orbit import DIGITS, prove_all, prove_found
+    from polhode.proofs.refusals import NotProved
+
+    grid = read_grid(scene.name, options.search)
+    digits = options.digits or DIGITS
+    with ProgressLine("prove") as progress:
+        found = orbit_search(scene, grid, options.returns, options.h, options.f, progress.say)
+        if options.pick is not None:
+            if options.pick > len(found.orbits):
+                expected = f"a number to {len(found.orbits)}: so many orbits were found"
+                raise BadInput(scene.name, "--pick", options.pick, expected)
+            try:
+                one = prove_found(found, options.pick - 1, digits, progress.say)
+            except NotProved as why:
+                progress.clear()
+                return _refused(why)
+    if options.pick is not None:
+        return _one(options, one)
+    proofs = prove_all(found, digits)
+    if options.json:
+        print_json(orbits.of_search(found) | {"proofs": [output.of_result(one) for one in proofs]})
+    else:
+        rows = [[str(k), output.line_of(one)] for k, one in enumerate(proofs, 1)]
+        print_table(["orbit", "proof"], rows)
+    note(f"{scene.name}: {found!r}, {output.count(proofs)}; no list is complete")
+    if found.interrupted:
+        return INTERRUPTED
+    return DONE if output.all_proved(proofs) else NOT_REACHED
