@@ -6,6 +6,7 @@ from bisect import bisect_right
 from collections import OrderedDict
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
+from typing import NamedTuple, Protocol
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, plain
@@ -17,10 +18,29 @@ from polhode.numbers.exact import sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Row, Rows
 from polhode.numbers.scalars import AnyNumber, numbers_given, of_mpmath
-from polhode.runs.methods.taylor import Leg, Run
+from polhode.scenes.scene import Scene
 from polhode.taylor.integrator.protocols import Integrating, Mark, Piece
 
 _MOST_BYTES = 2**28  # of polynomials kept at a time
+
+
+class Leg(NamedTuple):
+    """One integrator's part of a motion: its system, when that began, where its chunks began."""
+
+    system: System
+    origin: Fraction
+    marks: list[Mark]
+    projected: bool
+
+
+class Retaken(Protocol):
+    """A motion before its start, whose steps can be taken again."""
+
+    def start(self) -> Row:
+        """The start of the variables, in the motion's own unit, rounded to its type."""
+
+    def again(self, leg: Leg) -> Integrating:
+        """An integrator that takes a leg's steps again, without looking for events."""
 
 
 class Dense:
@@ -34,9 +54,16 @@ class Dense:
     so that the state is that at t and not at a number nearby.
     """
 
-    def __init__(self, run: Run) -> None:
-        self.scene, self.number, self.reached = run.scene, run.number, run.reached
-        self._unit, self._run, self._legs = run.problem.unit, run.afresh(), tuple(run.legs)
+    def __init__(
+        self,
+        scene: Scene,
+        number: NumberType,
+        reached: Fraction,
+        legs: Sequence[Leg],
+        afresh: Retaken,
+    ) -> None:
+        self.scene, self.number, self.reached = scene, number, reached
+        self._legs, self._afresh = tuple(legs), afresh
         self._kept: OrderedDict[int, Sequence[Piece]] = OrderedDict()
         # the leg taken up last, and its integrator
         self._ready: tuple[Leg, Integrating] | None = None
@@ -75,12 +102,12 @@ class Dense:
             raise BadInput(self.scene.name, "t", shown(exact), reach)
         if not isinstance(exact, Fraction):
             exact = NumberType("mp", 2 * self.number.bits + 128).rounded(exact)
-        return exact / self._unit
+        return exact / Fraction(2) ** self.scene.time_unit
 
     def _row(self, t: Fraction) -> Row:
         """The variables of the run's form, in its own unit."""
         if not self._chunks:
-            return self._run.start()
+            return self._afresh.start()
         from polhode.taylor.backend import heyoka_numbers
 
         index = bisect_right(self._begun, abs(t)) - 1
@@ -112,7 +139,7 @@ class Dense:
         if index not in self._kept:
             leg, mark = self._chunks[index]
             if self._ready is None or self._ready[0] is not leg:
-                self._ready = leg, self._run.again(leg)
+                self._ready = leg, self._afresh.again(leg)
             self._kept[index] = self._ready[1].again(mark)
             while len(self._kept) > 1 and self._bytes() > _MOST_BYTES:
                 self._kept.popitem(last=False)

@@ -1,0 +1,129 @@
+"""Scene, number type and options to trajectory: methods and plans in turn, until one serves."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Iterator, Mapping
+from itertools import product
+from typing import cast
+
+from polhode.common.errors import BadInput
+from polhode.common.progress import Progress
+from polhode.common.provenance import provenance
+from polhode.motion.outcomes import Outcome
+from polhode.motion.protocols import CannotSolve, Motion
+from polhode.numbers.number_types import NumberType
+from polhode.runs._observers.protocol import CannotObserve, Observed
+from polhode.runs.methods import refined, taylor
+from polhode.runs.methods.protocol import Method
+from polhode.runs.plan import Plan, plans
+from polhode.runs.problem.options import Options
+from polhode.runs.problem.problem import Problem, problem
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes.scene import Scene
+
+_LOG = logging.getLogger("polhode")
+
+_DEFAULT = Options()
+
+
+def solve(
+    scene: Scene,
+    number: NumberType,
+    options: Options = _DEFAULT,
+    progress: Progress | None = None,
+    *,
+    interruptible: bool = True,
+) -> Trajectory:
+    """Solve the Euler–Poisson equations (3.29) of a scene in one number type, once.
+
+    Ctrl-C ends the run within a second, and the trajectory holds what was reached; of a run on the
+    way to something else, not ``interruptible``, it goes on as KeyboardInterrupt.  Raises BadInput
+    for what cannot be integrated.
+    """
+    ready = problem(scene, number, options.tolerance, options.inputs)
+    schedule = ready.schedule(scene)
+    failed: dict[str, str] = {}
+    for method, plan in product(_methods(scene, number, options), plans(ready, scene, schedule)):
+        began = time.perf_counter()
+        motion = method.motion(ready, scene, plan.variables, plan.watched, options)
+        try:
+            found = _observed(ready, motion, plan, progress)
+        except CannotObserve:
+            continue
+        except CannotSolve as fault:
+            _LOG.info("%s: not %s: %s", scene.name, method.NAME, fault)
+            failed[f"not {method.NAME}"] = str(fault)
+            continue
+        break
+    seconds = time.perf_counter() - began
+    _LOG.info(
+        "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
+        *(scene.name, number.name, number.bits, found.outcome.value, motion.steps),
+        *(seconds, motion.build_seconds),
+    )
+    if found.outcome is Outcome.INTERRUPTED and not interruptible:
+        raise KeyboardInterrupt
+    parts = {"build": motion.build_seconds, "run": seconds - motion.build_seconds}
+    rows, read = found.rows, motion.read
+    return Trajectory(
+        scene=scene,
+        number=number,
+        times=schedule.exact[: len(rows)],
+        states=read.states(rows),
+        attitude=read.attitude(rows),
+        angles=read.angles(rows),
+        events=found.events,
+        projection=motion.projection,
+        outcome=found.outcome,
+        steps=motion.steps,
+        reached=found.reached,
+        tolerance=float(options.tolerance or number.eps),
+        digits=options.digits,
+        provenance=_made_of(scene, parts, {**failed, **motion.remarks}),
+        dense=motion.interpolant(found.reached),
+        method=method.NAME,
+        errors=motion.errors,
+    )
+
+
+def _methods(scene: Scene, number: NumberType, options: Options) -> Iterator[Method]:
+    """Those to try, in order; raises BadInput where the one that was named does not serve."""
+    if options.method != taylor.NAME:
+        hindrance = refined.hindrance(scene, number, options)
+        named = options.method == refined.NAME
+        if hindrance is not None and named:
+            wanted = f"{hindrance}, or the method {taylor.NAME}"
+            raise BadInput(scene.name, "method", options.method, wanted)
+        if hindrance is None and (named or refined.worth_it(scene, number)):
+            yield refined
+    yield taylor
+
+
+def _observed(problem: Problem, motion: Motion, plan: Plan, progress: Progress | None) -> Observed:
+    """What a plan makes of a motion; raises CannotSolve."""
+    way = plan.way
+    if way is None:
+        rows, outcome = motion.advance(plan.times, progress)
+        return Observed(rows, outcome, motion.reached, motion.events)
+    share, tell = way.share, progress
+
+    def first(done: float, steps: int) -> None:
+        assert tell is not None
+        tell(share * done, steps)
+
+    rows, outcome = motion.advance(plan.times, None if progress is None else first)
+    found = Observed(rows, outcome, motion.reached, motion.events)
+    return way.observe(problem, motion, found, progress)
+
+
+def _made_of(
+    scene: Scene, seconds: Mapping[str, float], more: Mapping[str, str]
+) -> Mapping[str, object]:
+    """A trajectory's provenance, made when it is wanted: it takes as long as a short run."""
+
+    def found() -> dict[str, object]:
+        return {**provenance(scene.text), "seconds": seconds, **more}
+
+    return cast(Mapping[str, object], found)
