@@ -33,6 +33,8 @@ def plans(problem: Problem, scene: Scene, schedule: Schedule) -> tuple[Plan, ...
 
     They are kept as long as the schedule is.
     """
+    if not (scene.events or scene.modelled):
+        return (Plan(schedule.inside, (), False),)
     return _kept.get(schedule, None, lambda: _planned(problem, scene, schedule.inside))
 
 

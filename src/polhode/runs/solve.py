@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Iterator, Mapping
-from itertools import product
 from typing import cast
 
 from polhode.common.errors import BadInput
@@ -45,47 +44,48 @@ def solve(
     ready = problem(scene, number, options.tolerance, options.inputs)
     schedule = ready.schedule(scene)
     failed: dict[str, str] = {}
-    for method, plan in product(_methods(scene, number, options), plans(ready, scene, schedule)):
-        began = time.perf_counter()
-        motion = method.motion(ready, scene, plan.variables, plan.watched, options)
-        try:
-            found = _observed(ready, motion, plan, progress)
-        except CannotObserve:
-            continue
-        except CannotSolve as fault:
-            _LOG.info("%s: not %s: %s", scene.name, method.NAME, fault)
-            failed[f"not {method.NAME}"] = str(fault)
-            continue
-        break
-    seconds = time.perf_counter() - began
-    _LOG.info(
-        "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
-        *(scene.name, number.name, number.bits, found.outcome.value, motion.steps),
-        *(seconds, motion.build_seconds),
-    )
-    if found.outcome is Outcome.INTERRUPTED and not interruptible:
-        raise KeyboardInterrupt
-    parts = {"build": motion.build_seconds, "run": seconds - motion.build_seconds}
-    rows, read = found.rows, motion.read
-    return Trajectory(
-        scene=scene,
-        number=number,
-        times=schedule.exact[: len(rows)],
-        states=read.states(rows),
-        attitude=read.attitude(rows),
-        angles=read.angles(rows),
-        events=found.events,
-        projection=motion.projection,
-        outcome=found.outcome,
-        steps=motion.steps,
-        reached=found.reached,
-        tolerance=float(options.tolerance or number.eps),
-        digits=options.digits,
-        provenance=_made_of(scene, parts, {**failed, **motion.remarks}),
-        dense=motion.interpolant(found.reached),
-        method=method.NAME,
-        errors=motion.errors,
-    )
+    for method in _methods(scene, number, options):
+        for plan in plans(ready, scene, schedule):
+            began = time.perf_counter()
+            motion = method.motion(ready, scene, plan.variables, plan.watched, options)
+            try:
+                found = _observed(ready, motion, plan, progress)
+            except CannotObserve:
+                continue
+            except CannotSolve as fault:
+                _LOG.info("%s: not %s: %s", scene.name, method.NAME, fault)
+                failed[f"not {method.NAME}"] = str(fault)
+                continue
+            if found.outcome is Outcome.INTERRUPTED and not interruptible:
+                raise KeyboardInterrupt
+            seconds = time.perf_counter() - began
+            _LOG.info(
+                "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
+                *(scene.name, number.name, number.bits, found.outcome.value, motion.steps),
+                *(seconds, motion.build_seconds),
+            )
+            parts = {"build": motion.build_seconds, "run": seconds - motion.build_seconds}
+            rows, read, times = found.rows, motion.read, schedule.exact
+            return Trajectory(
+                scene=scene,
+                number=number,
+                times=times if len(rows) == len(times) else times[: len(rows)],
+                states=read.states(rows),
+                attitude=read.attitude(rows),
+                angles=read.angles(rows),
+                events=found.events,
+                projection=motion.projection,
+                outcome=found.outcome,
+                steps=motion.steps,
+                reached=found.reached,
+                tolerance=float(options.tolerance or number.eps),
+                digits=options.digits,
+                provenance=_made_of(scene, parts, {**failed, **motion.remarks}),
+                dense=motion.interpolant(found.reached),
+                method=method.NAME,
+                errors=motion.errors,
+            )
+    raise AssertionError("the last plan of the last method serves")
 
 
 def _methods(scene: Scene, number: NumberType, options: Options) -> Iterator[Method]:

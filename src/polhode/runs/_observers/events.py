@@ -22,7 +22,6 @@ from polhode.motion.protocols import Motion
 from polhode.numbers.rows import Doubles, doubles
 from polhode.runs._observers.protocol import CannotObserve, Observed, Way
 from polhode.runs.problem.problem import Problem
-from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.time_grid import Times
 
@@ -63,15 +62,8 @@ def fits(problem: Problem, times: Times) -> bool:
         and scene.form == "principal"
         and not scene.modelled
         and not problem.still
-        and all(quiet(scene, event) for event in scene.events)
+        and problem.quiet_events
     )
-
-
-def quiet(scene: Scene, event: Event) -> bool:
-    """Whether an event never ends a run, and the state alone tells it everywhere."""
-    from polhode.taylor.events.callbacks import is_entire, tells_time
-
-    return not event.stop and is_entire(scene, event) and not tells_time(scene, event)
 
 
 def planned(problem: Problem, scene: Scene, times: Times) -> Knots | None:

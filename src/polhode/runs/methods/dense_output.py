@@ -34,7 +34,7 @@ class Leg(NamedTuple):
 
 
 class Retaken(Protocol):
-    """A motion before its start, whose steps can be taken again."""
+    """A motion whose steps can be taken again."""
 
     def start(self) -> Row:
         """The start of the variables, in the motion's own unit, rounded to its type."""
@@ -60,10 +60,10 @@ class Dense:
         number: NumberType,
         reached: Fraction,
         legs: Sequence[Leg],
-        afresh: Retaken,
+        motion: Retaken,
     ) -> None:
         self.scene, self.number, self.reached = scene, number, reached
-        self._legs, self._afresh = tuple(legs), afresh
+        self._legs, self._retaken = tuple(legs), motion
         self._kept: OrderedDict[int, Sequence[Piece]] = OrderedDict()
         # the leg taken up last, and its integrator
         self._ready: tuple[Leg, Integrating] | None = None
@@ -107,7 +107,7 @@ class Dense:
     def _row(self, t: Fraction) -> Row:
         """The variables of the run's form, in its own unit."""
         if not self._chunks:
-            return self._afresh.start()
+            return self._retaken.start()
         from polhode.taylor.backend import heyoka_numbers
 
         index = bisect_right(self._begun, abs(t)) - 1
@@ -139,7 +139,7 @@ class Dense:
         if index not in self._kept:
             leg, mark = self._chunks[index]
             if self._ready is None or self._ready[0] is not leg:
-                self._ready = leg, self._afresh.again(leg)
+                self._ready = leg, self._retaken.again(leg)
             self._kept[index] = self._ready[1].again(mark)
             while len(self._kept) > 1 and self._bytes() > _MOST_BYTES:
                 self._kept.popitem(last=False)

@@ -104,9 +104,7 @@ class TaylorMotion:
 
     def interpolant(self, reached: Fraction) -> Dense:
         """The state at any time up to the one that was reached."""
-        given = self.variables, self.watched, self.max_steps, self._every
-        afresh = TaylorMotion(self.problem, self.scene, *given)
-        return Dense(self.scene, self.number, reached, self.legs, afresh)
+        return Dense(self.scene, self.number, reached, self.legs, self)
 
     @property
     def begun(self) -> list[Fraction]:
@@ -126,6 +124,14 @@ class TaylorMotion:
         corrector = self._corrector(leg.system.form, watch) if leg.projected else None
         return self._built(leg.system, leg.origin, watch, corrector)
 
+    def _begun(
+        self, what: System, origin: Fraction, watch: Watcher | None, corrector: Corrector | None
+    ) -> Integrating:
+        """The integrator of the next leg."""
+        built = self._built(what, origin, watch, corrector)
+        self.legs.append(Leg(what, origin, built.marks, corrector is not None))
+        return built
+
     def advance(
         self, times: Sequence[Fraction], progress: Progress | None = None
     ) -> tuple[Rows, Outcome]:
@@ -144,6 +150,7 @@ class TaylorMotion:
                 self.events = tuple(event.until(self.reached) for event in self.events)
             if self._working is not None and outcome.done:
                 self._working.release()
+            self._watch = self._working = None
         return rows, outcome
 
     @property
@@ -189,7 +196,7 @@ class TaylorMotion:
         outcome = Outcome.STOPPED_AT_EVENT
         if not self._stopped:
             corrector = self._corrector(whole.form, self._watch)
-            integrator = self._built(whole, origin, self._watch, corrector)
+            integrator = self._begun(whole, origin, self._watch, corrector)
             self._refuse_what_never_moves()
             choices = defaults.of(self.number)
             limit = self.max_steps if self.max_steps is not None else choices.max_steps
@@ -277,7 +284,7 @@ class TaylorMotion:
         watch: Watcher | None,
         corrector: Corrector | None,
     ) -> Integrating:
-        """The integrator of a leg of the run."""
+        """An integrator that stands at the start of a system."""
         from polhode.taylor.integrator.build import blueprint
         from polhode.taylor.integrator.stepping import Integrator
 
@@ -288,7 +295,6 @@ class TaylorMotion:
             plan = blueprint(what, self.number, self.problem.tolerance)
         built = Integrator(plan, origin, watch, corrector)
         self.build_seconds += time.perf_counter() - began
-        self.legs.append(Leg(what, origin, built.marks, corrector is not None))
         return built
 
     def _off_the_pole(self, whole: System, first: Fraction) -> tuple[System, Fraction]:
@@ -300,7 +306,7 @@ class TaylorMotion:
         """
         moment = max(-_OFF_THE_POLE, min(_OFF_THE_POLE, first / 2))
         bridge = self.problem.system(("attitude",))
-        leading = self._built(bridge, Fraction(0), self._watch, None)
+        leading = self._begun(bridge, Fraction(0), self._watch, None)
         self._refuse_what_never_moves()
         found, outcome = leading.chunk([moment], 10**6)
         self.steps += leading.steps

@@ -125,6 +125,17 @@ class Problem:
         return np.array([to_extended(x) for x in (*q, self.scene.psi)])
 
     @cached_property
+    def quiet_events(self) -> bool:
+        """Whether no event ever ends a run, and the state alone tells all of them everywhere."""
+        from polhode.taylor.events.callbacks import is_entire, tells_time
+
+        scene = self.scene
+        return all(
+            not event.stop and is_entire(scene, event) and not tells_time(scene, event)
+            for event in scene.events
+        )
+
+    @cached_property
     def outlooks(self) -> Idle[Outlook]:
         """What the events are sought with beside a run, compiled, while no run uses it."""
         from polhode.taylor.backend.integrator_pool import Idle
