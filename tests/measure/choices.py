@@ -33,6 +33,7 @@ from polhode.judging.correct_digits import rate_scale
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
 from polhode.runs.methods.taylor import TaylorMotion
+from polhode.runs.problem.options import Options
 from polhode.runs.problem.problem import problem
 from polhode.runs.sweep import plan as sweep_plan
 from polhode.scenes import library, scene_file
@@ -111,7 +112,11 @@ def tolerances() -> None:
     true = []
     for scene in scenes:
         made = problem(scene, number_types.QUAD, inputs=number_types.DOUBLE)
-        true.append(TaylorMotion(made, scene).advance(made.schedule(scene).inside)[0][-1])
+        true.append(
+            TaylorMotion(made, scene, options=Options(project=False)).advance(
+                made.schedule(scene).inside
+            )[0][-1]
+        )
     rows = []
     for name, tol in [
         ("eps/1000", number_types.DOUBLE.eps / 1000),
@@ -126,7 +131,10 @@ def tolerances() -> None:
         best, errors = float("inf"), []
         for scene, exact in [*zip(scenes, true, strict=True), *[(scenes[0], true[0])] * 14]:
             made = problem(scene, number_types.DOUBLE, tol)
-            motion, began = TaylorMotion(made, scene), time.perf_counter()
+            motion, began = (
+                TaylorMotion(made, scene, options=Options(project=False)),
+                time.perf_counter(),
+            )
             row = motion.advance(made.schedule(scene).inside)[0][-1]
             taken = time.perf_counter() - began
             pairs = zip(row, exact, strict=True)

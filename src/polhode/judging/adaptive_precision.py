@@ -142,16 +142,8 @@ def integrate(
         chosen, free, need = choose_number(scene, number, None), False, Need(0.0, math.inf)
     else:
         chosen, free, need = _chosen(scene, number, digits, tol is None and inputs is None)
-    options = checked_options(
-        scene,
-        chosen,
-        method=method,
-        max_steps=max_steps,
-        project=project,
-        tol=tol,
-        inputs=inputs,
-        digits=digits,
-    )
+    given = Options(method, max_steps, project, None, inputs, digits)
+    options = checked_options(scene, chosen, given, tol)
     for attempt in range(MOST_RUNS):
         run = solve(scene, chosen, options, progress)
         if digits is None or not (run.outcome.done and run.times):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 from polhode.common.progress import Progress
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
@@ -16,11 +16,8 @@ class CannotSolve(Exception):
     """What was tried does not serve here, and the next method or way is; the message says why."""
 
 
-class Interpolant(Protocol):
-    """The state at any time that a motion reached; it may be pickled."""
-
-    def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> Row | Rows:
-        """The state at t in the scene's axes and units, or rows at several times."""
+#: The state at any time that a motion reached, or rows at several, in the scene's axes and units.
+Interpolant: TypeAlias = Callable[[AnyNumber | Iterable[AnyNumber]], "Row | Rows"]
 
 
 class RowReader(Protocol):
@@ -44,6 +41,7 @@ class Motion(Protocol):
     them.  ``build_seconds``: the time that compiling took.  ``remarks``: for the provenance.
     """
 
+    method: str
     steps: int
     reached: Fraction
     events: tuple[EventTimes, ...]

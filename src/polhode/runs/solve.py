@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Iterator, Mapping
-from typing import cast
+from collections.abc import Callable, Iterator, Mapping
+from typing import TypeAlias, cast
 
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
@@ -14,23 +14,24 @@ from polhode.motion.outcomes import Outcome
 from polhode.motion.protocols import CannotSolve, Motion
 from polhode.numbers.number_types import NumberType
 from polhode.runs._observers.protocol import CannotObserve, Observed
-from polhode.runs.methods import refined, taylor
-from polhode.runs.methods.protocol import Method
+from polhode.runs.methods import refined
+from polhode.runs.methods.taylor import TaylorMotion
 from polhode.runs.plan import Plan, plans
-from polhode.runs.problem.options import Options
+from polhode.runs.problem.options import USUAL, Options
 from polhode.runs.problem.problem import Problem, problem
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 
-_LOG = logging.getLogger("polhode")
+#: What begins a motion of a problem: see :class:`polhode.runs.methods.taylor.TaylorMotion`.
+Method: TypeAlias = Callable[[Problem, Scene, tuple[str, ...], bool, Options], Motion]
 
-_DEFAULT = Options()
+_LOG = logging.getLogger("polhode")
 
 
 def solve(
     scene: Scene,
     number: NumberType,
-    options: Options = _DEFAULT,
+    options: Options = USUAL,
     progress: Progress | None = None,
     *,
     interruptible: bool = True,
@@ -44,17 +45,17 @@ def solve(
     ready = problem(scene, number, options.tolerance, options.inputs)
     schedule = ready.schedule(scene)
     failed: dict[str, str] = {}
-    for method in _methods(scene, number, options):
+    for begun in _methods(scene, number, options):
         for plan in plans(ready, scene, schedule):
             began = time.perf_counter()
-            motion = method.motion(ready, scene, plan.variables, plan.watched, options)
+            motion = begun(ready, scene, plan.variables, plan.watched, options)
             try:
                 found = _observed(ready, motion, plan, progress)
             except CannotObserve:
                 continue
             except CannotSolve as fault:
-                _LOG.info("%s: not %s: %s", scene.name, method.NAME, fault)
-                failed[f"not {method.NAME}"] = str(fault)
+                _LOG.info("%s: not %s: %s", scene.name, motion.method, fault)
+                failed[f"not {motion.method}"] = str(fault)
                 continue
             if found.outcome is Outcome.INTERRUPTED and not interruptible:
                 raise KeyboardInterrupt
@@ -82,7 +83,7 @@ def solve(
                 digits=options.digits,
                 provenance=_made_of(scene, parts, {**failed, **motion.remarks}),
                 dense=motion.interpolant(found.reached),
-                method=method.NAME,
+                method=motion.method,
                 errors=motion.errors,
             )
     raise AssertionError("the last plan of the last method serves")
@@ -90,15 +91,17 @@ def solve(
 
 def _methods(scene: Scene, number: NumberType, options: Options) -> Iterator[Method]:
     """Those to try, in order; raises BadInput where the one that was named does not serve."""
-    if options.method != taylor.NAME:
+    named = options.method == "refined"
+    if options.method != "taylor":
         hindrance = refined.hindrance(scene, number, options)
-        named = options.method == refined.NAME
         if hindrance is not None and named:
-            wanted = f"{hindrance}, or the method {taylor.NAME}"
+            wanted = f"{hindrance}, or the method taylor"
             raise BadInput(scene.name, "method", options.method, wanted)
         if hindrance is None and (named or refined.worth_it(scene, number)):
-            yield refined
-    yield taylor
+            from polhode.runs.methods.refined_motion import RefinedMotion
+
+            yield RefinedMotion
+    yield TaylorMotion
 
 
 def _observed(problem: Problem, motion: Motion, plan: Plan, progress: Progress | None) -> Observed:

@@ -11,7 +11,7 @@ import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -68,9 +68,9 @@ def fits(problem: Problem, times: Times) -> bool:
 
 def planned(problem: Problem, scene: Scene, times: Times) -> Knots | None:
     """The way, for outputs at these times; None where it needs too many knots."""
-    tools, end = _Tools.of(problem), float(times[-1])
-    width = _width(doubles(problem.prepared().first)[0], end, tools)
-    tools.release(problem)
+    (hops, outlook), end = _taken(problem), float(times[-1])
+    width = _width(doubles(problem.prepared().first)[0], end, hops, outlook)
+    _left(problem, hops, outlook)
     count = max(_FEWEST_KNOTS, math.ceil(abs(end) / width)) if width else MOST_KNOTS
     if count >= MOST_KNOTS:
         return None
@@ -113,7 +113,7 @@ class Knots:
         if outcome not in (Outcome.REACHED_END, Outcome.STEP_LIMIT, Outcome.INTERRUPTED):
             raise CannotObserve("a motion without an end")
         began = time.perf_counter()
-        tools = _Tools.of(problem)
+        hops, outlook = _taken(problem)
         motion.build_seconds += time.perf_counter() - began
         watch = Watch(problem.scene, problem.number, self.rules)
         kept = self.knots[: int(np.searchsorted(self.knots, len(states)))]
@@ -122,47 +122,41 @@ class Knots:
         if outcome is Outcome.REACHED_END:
             reached = float(at[-1])
         blueprint = problem.prepared().blueprint
-        sought = dense_search.Sightings(watch, tools.outlook, tools.hops, blueprint)
+        sought = dense_search.Sightings(watch, outlook, hops, blueprint)
         knots = dense_search.Knots(at, states[kept], self.width, reached)
         if not sought.find(knots, outcome is Outcome.INTERRUPTED):
             raise CannotObserve("events that are left open")
         events = watch.found()
         sought.release()
-        tools.release(problem)
+        _left(problem, hops, outlook)
         kept = self.outputs[: int(np.searchsorted(self.outputs, len(states)))]
         return found._replace(rows=states[kept], events=events)
 
 
-class _Tools(NamedTuple):
-    """What events are sought with, compiled: of one run at a time."""
+def _taken(problem: Problem) -> tuple[Hops, Outlook]:
+    """What events are sought with, compiled: for one run at a time."""
+    from polhode.taylor.batches.short_arcs import Hops
+    from polhode.taylor.events.dense_search import Outlook
 
-    hops: Hops
-    outlook: Outlook
-
-    @classmethod
-    def of(cls, problem: Problem) -> _Tools:
-        from polhode.taylor.batches.short_arcs import Hops
-        from polhode.taylor.events.dense_search import Outlook
-
-        blueprint = problem.prepared().blueprint
-        outlook = problem.outlooks.take(problem.number) or Outlook(problem.scene, blueprint)
-        return cls(Hops(blueprint), outlook)
-
-    def release(self, problem: Problem) -> None:
-        """Leave them to the next run."""
-        self.hops.release()
-        self.outlook.desk.watch = None
-        problem.outlooks.put(problem.number, self.outlook)
+    blueprint = problem.prepared().blueprint
+    outlook = problem.outlooks.take(problem.number) or Outlook(problem.scene, blueprint)
+    return Hops(blueprint), outlook
 
 
-def _width(start: Doubles, end: float, tools: _Tools) -> float:
+def _left(problem: Problem, hops: Hops, outlook: Outlook) -> None:
+    """Leave it to the next run."""
+    hops.release()
+    outlook.desk.watch = None
+    problem.outlooks.put(problem.number, outlook)
+
+
+def _width(start: Doubles, end: float, hops: Hops, outlook: Outlook) -> float:
     """How far apart knots may be: 8 to 1/2 steps, as interpolation allows at first; 0 for no way.
 
     A power of two, that last bits do not change it.
     """
     from polhode.taylor.events import hermite_roots
 
-    hops, outlook = tools
     pace = hops.pace(start)
     if not 0 < pace < math.inf:
         return 0.0

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import OrderedDict
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, plain
+from polhode.equations.form import equations
 from polhode.equations.readout import Readout
 from polhode.equations.system import System
 from polhode.numbers.conversion import exact_number, number_value
@@ -33,16 +34,6 @@ class Leg(NamedTuple):
     projected: bool
 
 
-class Retaken(Protocol):
-    """A motion whose steps can be taken again."""
-
-    def start(self) -> Row:
-        """The start of the variables, in the motion's own unit, rounded to its type."""
-
-    def again(self, leg: Leg) -> Integrating:
-        """An integrator that takes a leg's steps again, without looking for events."""
-
-
 class Dense:
     """A run's state at time t, from the Taylor polynomials of the step that t lies in.
 
@@ -60,10 +51,11 @@ class Dense:
         number: NumberType,
         reached: Fraction,
         legs: Sequence[Leg],
-        motion: Retaken,
+        first: Rows,
+        again: Callable[[Leg], Integrating],
     ) -> None:
         self.scene, self.number, self.reached = scene, number, reached
-        self._legs, self._retaken = tuple(legs), motion
+        self._legs, self._first, self._again = tuple(legs), first, again
         self._kept: OrderedDict[int, Sequence[Piece]] = OrderedDict()
         # the leg taken up last, and its integrator
         self._ready: tuple[Leg, Integrating] | None = None
@@ -107,7 +99,8 @@ class Dense:
     def _row(self, t: Fraction) -> Row:
         """The variables of the run's form, in its own unit."""
         if not self._chunks:
-            return self._retaken.start()
+            first: Row = self._first[0][: len(equations(self.scene).variables)]
+            return first
         from polhode.taylor.backend import heyoka_numbers
 
         index = bisect_right(self._begun, abs(t)) - 1
@@ -139,7 +132,7 @@ class Dense:
         if index not in self._kept:
             leg, mark = self._chunks[index]
             if self._ready is None or self._ready[0] is not leg:
-                self._ready = leg, self._retaken.again(leg)
+                self._ready = leg, self._again(leg)
             self._kept[index] = self._ready[1].again(mark)
             while len(self._kept) > 1 and self._bytes() > _MOST_BYTES:
                 self._kept.popitem(last=False)

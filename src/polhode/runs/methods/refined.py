@@ -3,19 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from polhode.equations import equilibrium
 from polhode.numbers.number_types import NumberType
 from polhode.runs.problem.options import Options
-from polhode.runs.problem.problem import Problem
 from polhode.scenes.scene import Scene
-
-if TYPE_CHECKING:
-    from polhode.runs.methods.refined_motion import RefinedMotion
-
-NAME = "refined"
 
 #: Forms whose variables are linear functions of the principal one's.  Gauss collocation gives the
 #: same states in each of them, so it is done in principal axes.
@@ -61,23 +53,6 @@ def worth_it(scene: Scene, number: NumberType, loaded: bool = False) -> bool:
     if int(number.most_digits) > 34:
         least = max(least, _LEAST_ANGLE_MP)
     return bool(scene.log10_angle >= math.log10(least))
-
-
-def motion(
-    problem: Problem,
-    scene: Scene,
-    variables: tuple[str, ...],
-    watched: bool,
-    options: Options,
-) -> RefinedMotion:
-    """A motion at its start, see :class:`polhode.runs.methods.protocol.Method`.
-
-    What the scene wants beside the state is refined with it.
-    """
-    from polhode.runs.methods.refined_motion import RefinedMotion
-
-    plain = scene if scene.form == "principal" else replace(scene, form="principal")
-    return RefinedMotion(plain, problem.number, options, plain is not scene)
 
 
 def _all_entire(scene: Scene) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -23,7 +24,8 @@ from polhode.refined.errors import CannotRefine, Stalled
 from polhode.refined.events import Search
 from polhode.refined.refinement import MOST_DIGITS, Accuracy, Motion, accuracy, refine
 from polhode.runs.methods.dense_output import Dense
-from polhode.runs.problem.options import Options
+from polhode.runs.problem.options import USUAL, Options
+from polhode.runs.problem.problem import Problem
 from polhode.scenes.scene import Scene
 
 _MORE_DIGITS, _OTHER_INTERVALS = 10, 5  # of a second run, which tells the error of the first
@@ -33,28 +35,35 @@ _TRIES = 3  # with more digits each, until the estimate holds those asked for
 
 
 class RefinedMotion:
-    """A scene in the principal form on its way by refinement, with all that it wants told.
+    """A problem on its way by refinement, in the principal form.
 
-    ``errors``: largest error over the columns of each state, absolute, its rounding to the number
-    type included; None where the motion multiplies errors too much for an estimate.  ``turned``:
-    whether the scene was given in another form.
+    What the scene wants beside the state, and its events, are refined with it.  ``errors``: largest
+    error over the columns of each state, absolute, its rounding to the number type included; None
+    where the motion multiplies errors too much for an estimate.
     """
 
+    method = "refined"
     projection: Projection | None = None
     begun: Sequence[Fraction] = ()
 
     def __init__(
-        self, scene: Scene, number: NumberType, options: Options, turned: bool = False
+        self,
+        problem: Problem,
+        scene: Scene,
+        variables: tuple[str, ...] = (),
+        watched: bool = False,
+        options: Options = USUAL,
     ) -> None:
-        self.scene, self.number = scene, number
-        self.read = Readout(scene, number)
+        plain = scene if scene.form == "principal" else replace(scene, form="principal")
+        self.scene, self.number = plain, problem.number
+        self.variables, self.watched, self.options = variables, watched, options
+        self.read = Readout(plain, problem.number)
         self.steps, self.reached, self.build_seconds = 0, ZERO, 0.0
         self.events: tuple[EventTimes, ...] = ()
         self.errors: tuple[float | None, ...] | None = None
-        self.remarks: Mapping[str, str] = (
-            {"refined in": "principal axes, the same states"} if turned else {}
-        )
-        self._options = options
+        self.remarks: Mapping[str, str] = {}
+        if plain is not scene:
+            self.remarks = {"refined in": "principal axes, the same states"}
         self._found: Motion
 
     def advance(
@@ -65,7 +74,7 @@ class RefinedMotion:
         With more digits until the estimate holds those wanted, where it can.  Raises CannotRefine.
         """
         scene, number, times = self.scene, self.number, [*times]
-        wanted, digits = max(34, int(number.most_digits)), self._options.digits
+        wanted, digits = max(34, int(number.most_digits)), self.options.digits
         for _ in range(_TRIES):
             try:
                 search, found = self._run(times, wanted, progress)
@@ -106,17 +115,17 @@ class RefinedMotion:
     ) -> tuple[Search | None, Motion]:
         """One refinement to so many digits, with a search and a following of its own."""
         scene = self.scene
-        search = Search(scene, self.number) if scene.events else None
+        search = Search(scene, self.number) if self.watched else None
         following = None
-        if scene.modelled:
+        if self.variables:
             finest = accuracy(wanted).limbs.finest
-            following = Following(scene, finest, "angles" in scene.modelled)
+            following = Following(scene, finest, "angles" in self.variables)
         return search, refine(
             scene,
             times,
             accuracy(wanted),
             progress=progress,
-            max_steps=self._options.max_steps,
+            max_steps=self.options.max_steps,
             search=search,
             following=following,
         )
@@ -131,7 +140,7 @@ class RefinedMotion:
         digits = wanted + _MORE_DIGITS
         if digits > MOST_DIGITS:
             return errors
-        most = self._options.max_steps
+        most = self.options.max_steps
         steps = None if most is None else 2 * most
         wider = accuracy(digits)
         try:

@@ -14,17 +14,15 @@ from polhode.common.progress import Progress
 from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form
 from polhode.equations.pole_passage import phi_leaving_the_pole
-from polhode.equations.readout import Readout
 from polhode.equations.system import System, system
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly, number_value
 from polhode.numbers.exact import ZERO
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Row, Rows
+from polhode.numbers.rows import Rows
 from polhode.runs.methods.dense_output import Dense, Leg
 from polhode.runs.methods.output_loop import march
-from polhode.runs.problem.options import Options, cadence
+from polhode.runs.problem.options import USUAL, Options, cadence
 from polhode.runs.problem.problem import Prepared, Problem
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
@@ -34,44 +32,18 @@ from polhode.taylor.integrator.protocols import Corrector, Integrating, Watcher
 if TYPE_CHECKING:
     from polhode.taylor.events.stepwise import Watch
 
-NAME = "taylor"
-
 #: Where a start at a pole is left, in the scene's own unit of time: a fraction of a radian on.
 _OFF_THE_POLE = Fraction(1, 2)
-
-
-def hindrance(scene: Scene, number: NumberType, options: Options) -> str | None:
-    """None: nothing stands against steps."""
-    return None
-
-
-def worth_it(scene: Scene, number: NumberType) -> bool:
-    """True: where another method is not worth it, steps are the faster way."""
-    return True
-
-
-def motion(
-    problem: Problem,
-    scene: Scene,
-    variables: tuple[str, ...],
-    watched: bool,
-    options: Options,
-) -> TaylorMotion:
-    """A motion at its start, see :class:`polhode.runs.methods.protocol.Method`."""
-    every = None
-    if options.inputs is None:
-        every = cadence(scene, problem.number, options.tolerance, options.project)
-    return TaylorMotion(problem, scene, variables, watched, options.max_steps, every)
 
 
 class TaylorMotion:
     """A problem on its way by Taylor steps in one number type.
 
     ``scene``: the problem's own, with the times of this run.  ``variables``: integrated beside the
-    state.  ``watched``: whether its events are looked for as steps are taken.  ``every``: steps
-    between two corrections of the state, None for none.
+    state.  ``watched``: whether its events are looked for as steps are taken.
     """
 
+    method = "taylor"
     errors: tuple[float | None, ...] | None = None
     remarks: Mapping[str, str] = {}
 
@@ -81,40 +53,29 @@ class TaylorMotion:
         scene: Scene,
         variables: tuple[str, ...] = (),
         watched: bool = False,
-        max_steps: int | None = None,
-        every: int | None = None,
+        options: Options = USUAL,
     ) -> None:
         self.problem, self.number, self.scene = problem, problem.number, scene
-        self.variables, self.watched = variables, watched
-        self.max_steps = max_steps
+        self.variables, self.watched, self.options = variables, watched, options
+        self.read = problem.read
         self.steps = 0
         self.reached = ZERO
         self.build_seconds = 0.0
         self.events: tuple[EventTimes, ...] = ()
         self.legs: list[Leg] = []
         self.projection: Projection | None = None
-        self._every = every
         self._watch: Watcher | None = None
         self._working: Integrating | None = None
 
-    @property
-    def read(self) -> Readout:
-        """What reads its rows."""
-        return self.problem.read
-
     def interpolant(self, reached: Fraction) -> Dense:
         """The state at any time up to the one that was reached."""
-        return Dense(self.scene, self.number, reached, self.legs, self)
+        first = self._prepared.first
+        return Dense(self.scene, self.number, reached, self.legs, first, self.again)
 
     @property
     def begun(self) -> list[Fraction]:
         """Where the steps' clock began anew."""
         return [mark.offset for leg in self.legs for mark in leg.marks]
-
-    def start(self) -> Row:
-        """The start of the variables, in the run's own unit, rounded to its type."""
-        first: Row = self._prepared.first[0][: len(self.problem.form.variables)]
-        return first
 
     def again(self, leg: Leg) -> Integrating:
         """An integrator that takes a leg's steps again, without looking for events."""
@@ -124,7 +85,7 @@ class TaylorMotion:
         corrector = self._corrector(leg.system.form, watch) if leg.projected else None
         return self._built(leg.system, leg.origin, watch, corrector)
 
-    def _begun(
+    def _next_leg(
         self, what: System, origin: Fraction, watch: Watcher | None, corrector: Corrector | None
     ) -> Integrating:
         """The integrator of the next leg."""
@@ -196,10 +157,11 @@ class TaylorMotion:
         outcome = Outcome.STOPPED_AT_EVENT
         if not self._stopped:
             corrector = self._corrector(whole.form, self._watch)
-            integrator = self._begun(whole, origin, self._watch, corrector)
+            integrator = self._next_leg(whole, origin, self._watch, corrector)
             self._refuse_what_never_moves()
             choices = defaults.of(self.number)
-            limit = self.max_steps if self.max_steps is not None else choices.max_steps
+            most = self.options.max_steps
+            limit = choices.max_steps if most is None else most
             rows, outcome = march(integrator, times, rows, limit, choices.chunk, progress)
             if corrector is not None:
                 self.projection = corrector.found()
@@ -240,11 +202,13 @@ class TaylorMotion:
             from polhode.taylor.corrections.quaternion_norm import UnitNorm
 
             return UnitNorm(form.unit, self.number)
-        if self._every is None or self.problem.still:
+        problem = self.problem
+        every = cadence(self.scene, self.number, problem.tolerance, self.options.project)
+        if every is None or problem.inputs is not None or problem.still:
             return None
         from polhode.taylor.corrections.integral_projection import Projector
 
-        return Projector(self.problem.target, self._every, watch)
+        return Projector(problem.target, every, watch)
 
     def _new_watch(self) -> Watch | None:
         """What looks for the scene's events; None where they are not watched."""
@@ -306,7 +270,7 @@ class TaylorMotion:
         """
         moment = max(-_OFF_THE_POLE, min(_OFF_THE_POLE, first / 2))
         bridge = self.problem.system(("attitude",))
-        leading = self._begun(bridge, Fraction(0), self._watch, None)
+        leading = self._next_leg(bridge, Fraction(0), self._watch, None)
         self._refuse_what_never_moves()
         found, outcome = leading.chunk([moment], 10**6)
         self.steps += leading.steps

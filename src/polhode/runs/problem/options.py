@@ -19,8 +19,7 @@ METHODS = ("auto", "taylor", "refined")
 
 
 class Options(NamedTuple):
-    """How a scene is run in a number type; :func:`checked_options` checks
-    what a user gives.
+    """How a scene is run in a number type; :func:`checked_options` checks what a user gives.
 
     ``tolerance``: of a step, the type's eps where it is None.  ``inputs``: the narrower type that
     start and coefficients are rounded to first.  ``digits``: those wanted, where the method can
@@ -35,23 +34,20 @@ class Options(NamedTuple):
     digits: int | None = None
 
 
+USUAL = Options()
+
+
 def checked_options(
-    scene: Scene,
-    number: NumberType,
-    *,
-    method: str = "auto",
-    max_steps: int | None = None,
-    project: bool | int | None = None,
-    tol: AnyNumber | None = None,
-    inputs: NumberType | None = None,
-    digits: int | None = None,
+    scene: Scene, number: NumberType, given: Options, tol: AnyNumber | None
 ) -> Options:
-    """The options of a run, checked; raises BadInput."""
-    if max_steps is not None:
-        max_steps = steps(scene.name, max_steps)
-    check_method(scene, method)
-    tolerance = rounded_tolerance(scene, number, tol)
-    return Options(method, max_steps, corrections(scene, project), tolerance, inputs, digits)
+    """Options as a user gives them, and the tolerance, checked; raises BadInput."""
+    most = given.max_steps
+    check_method(scene, given.method)
+    return given._replace(
+        max_steps=None if most is None else steps(scene.name, most),
+        project=corrections(scene, given.project),
+        tolerance=rounded_tolerance(scene, number, tol),
+    )
 
 
 def check_method(scene: Scene, method: str) -> None:

@@ -11,7 +11,8 @@ from polhode.motion.protocols import CannotSolve
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Rows
 from polhode.runs.methods import refined
-from polhode.runs.problem.options import Options
+from polhode.runs.problem.options import USUAL, Options
+from polhode.runs.problem.problem import Problem
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
@@ -34,9 +35,9 @@ def wanted(number: NumberType, method: str, members: tuple[Scene, ...]) -> bool:
 
 def chosen(member: Scene, number: NumberType, method: str) -> bool:
     """Whether a member is to be refined."""
-    if method == "taylor" or refined.hindrance(member, number, Options()) is not None:
+    if method == "taylor" or refined.hindrance(member, number, USUAL) is not None:
         return False
-    return method == refined.NAME or refined.worth_it(member, number, loaded=True)
+    return method == "refined" or refined.worth_it(member, number, loaded=True)
 
 
 def prepare(job: Job) -> None:
@@ -96,7 +97,8 @@ def _refined(
     from polhode.runs.methods.refined_motion import RefinedMotion
 
     unit = Fraction(2) ** member.time_unit
-    motion = RefinedMotion(member, steps.number, Options(max_steps=steps.max_steps))
+    options = Options(max_steps=steps.max_steps)
+    motion = RefinedMotion(Problem(member, steps.number), member, options=options)
     try:
         rows, outcome = motion.advance([t / unit for t in steps.times], look)
     except CannotSolve:
