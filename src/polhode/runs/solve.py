@@ -44,11 +44,14 @@ def solve(
     """
     ready = problem(scene, number, options.tolerance, options.inputs)
     schedule = ready.schedule(scene)
+    began = time.perf_counter()
+    planned = plans(ready, scene, schedule)
+    planning = time.perf_counter() - began
     failed: dict[str, str] = {}
-    for begun in _methods(scene, number, options):
-        for plan in plans(ready, scene, schedule):
+    for method in _methods(scene, number, options):
+        for plan in planned:
             began = time.perf_counter()
-            motion = begun(ready, scene, plan.variables, plan.watched, options)
+            motion = method(ready, scene, plan.variables, plan.watched, options)
             try:
                 found = _observed(ready, motion, plan, progress)
             except CannotObserve:
@@ -59,13 +62,13 @@ def solve(
                 continue
             if found.outcome is Outcome.INTERRUPTED and not interruptible:
                 raise KeyboardInterrupt
-            seconds = time.perf_counter() - began
+            seconds, building = time.perf_counter() - began, motion.build_seconds
             _LOG.info(
                 "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
                 *(scene.name, number.name, number.bits, found.outcome.value, motion.steps),
-                *(seconds, motion.build_seconds),
+                *(planning + seconds, planning + building),
             )
-            parts = {"build": motion.build_seconds, "run": seconds - motion.build_seconds}
+            parts = {"build": planning + building, "run": seconds - building}
             rows, read, times = found.rows, motion.read, schedule.exact
             return Trajectory(
                 scene=scene,
