@@ -121,13 +121,13 @@ def test_a_crossing_that_lanes_lose_is_found_by_a_run_of_its_own(lost, monkeypat
     batch_first_crossings._compiled.cache_clear()
     batch_first_crossings._mine.__dict__.clear()
     singles = []
-    alone = module.solve.__globals__["integrate"]
+    alone = module.solve.__globals__["solve_one"]
 
     def single(*a, **k):
         singles.append(alone(*a, **k))
         return singles[-1]
 
-    monkeypatch.setitem(module.solve.__globals__, "integrate", single)
+    monkeypatch.setitem(module.solve.__globals__, "solve_one", single)
     found = polhode.reduce_many(scene, VARIED, "first level", workers=1)["t of first level"]
     batch_first_crossings._compiled.cache_clear()
     assert seen

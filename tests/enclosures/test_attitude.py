@@ -26,9 +26,9 @@ from polhode.enclosures import (
 )
 from polhode.enclosures.quaternion import Turned, Turns
 from polhode.enclosures.result import Part
+from polhode.judging.adaptive_precision import integrate
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from shared import enclosure_trials as trials

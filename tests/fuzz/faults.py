@@ -207,7 +207,7 @@ def _imported() -> None:
     import polhode.figures.canvas.canvas
     import polhode.judging.references.reference
     import polhode.output.sweeps
-    import polhode.runs.integrate
+    import polhode.runs.solve
     import polhode.taylor.batches.batch_integrator  # noqa: F401
 
 

@@ -12,7 +12,6 @@ from polhode.judging import adaptive_precision
 from polhode.judging.correct_digits import worst_digits
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE, mp
-from polhode.runs.integrate import integrate as once
 
 
 @pytest.mark.slow
@@ -21,7 +20,7 @@ def test_digits_of_a_chaotic_motion_are_had():
     run = polhode.integrate("general/asymmetric-chaotic", digits=15, at=[200, 400], method="taylor")
     assert run.outcome is Outcome.REACHED_END
     assert run.checked_by == "second run"
-    true = once(run.scene, mp(70)).states
+    true = polhode.integrate(run.scene, mp(70)).states
     had = worst_digits(run.states, true, run.scene, cap=run.number.most_digits)
     assert 15 <= run.correct_digits < 15 + 8
     assert abs(had - run.correct_digits) < 0.01
@@ -104,7 +103,7 @@ def test_an_ordinary_run_is_not_warned_of(capsys):
 )
 def test_what_is_expected_is_what_is_had(name, number):
     """Within a digit and a half: one tangent, and roundings at random."""
-    run = once(name, number, project=False, method="taylor")
+    run = polhode.integrate(name, number, project=False, method="taylor")
     had = polhode.compare(run).digits[-1]
     assert -0.5 < had - run.expected.digits[-1] < 1.5
 
@@ -129,5 +128,5 @@ def test_half_of_the_digits_are_told_to_be_gone_where_they_are():
 
 
 def test_a_state_that_stands_still_loses_nothing():
-    run = once("euler/rest")
+    run = polhode.integrate("euler/rest")
     assert min(run.expected.digits) == run.number.most_digits

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from polhode.enclosures.certify import certify
+from polhode.judging.adaptive_precision import integrate
 from polhode.numbers.conversion import exactly, to_mpf
-from polhode.runs.integrate import integrate
 from polhode.scenes import catalogue, library
 from shared import plain_taylor
 

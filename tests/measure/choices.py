@@ -32,7 +32,8 @@ from polhode.judging.correct_digits import errors as state_errors
 from polhode.judging.correct_digits import rate_scale
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
-from polhode.runs.methods.taylor import Run
+from polhode.runs.methods.taylor import TaylorMotion
+from polhode.runs.problem.options import Options
 from polhode.runs.problem.problem import problem
 from polhode.runs.sweep import plan as sweep_plan
 from polhode.scenes import library, scene_file
@@ -111,7 +112,11 @@ def tolerances() -> None:
     true = []
     for scene in scenes:
         made = problem(scene, number_types.QUAD, inputs=number_types.DOUBLE)
-        true.append(Run(made).to(made.schedule(scene))[1][-1])
+        true.append(
+            TaylorMotion(made, scene, options=Options(project=False)).advance(
+                made.schedule(scene).inside
+            )[0][-1]
+        )
     rows = []
     for name, tol in [
         ("eps/1000", number_types.DOUBLE.eps / 1000),
@@ -125,12 +130,17 @@ def tolerances() -> None:
     ]:
         best, errors = float("inf"), []
         for scene, exact in [*zip(scenes, true, strict=True), *[(scenes[0], true[0])] * 14]:
-            run = Run(problem(scene, number_types.DOUBLE, tol))
-            row = run.to(run.problem.schedule(scene))[1][-1]
+            made = problem(scene, number_types.DOUBLE, tol)
+            motion, began = (
+                TaylorMotion(made, scene, options=Options(project=False)),
+                time.perf_counter(),
+            )
+            row = motion.advance(made.schedule(scene).inside)[0][-1]
+            taken = time.perf_counter() - began
             pairs = zip(row, exact, strict=True)
             errors.append(max(abs(float(exactly(a) - exactly(b))) for a, b in pairs))
             if scene is scenes[0]:
-                steps, seconds = run.steps, run.seconds - run.build_seconds
+                steps, seconds = motion.steps, taken - motion.build_seconds
                 best = min(best, seconds)
         rows.append([name, steps, f"{best * 1e3:.2f}", f"{np.median(errors[:7]):.1e}"])
     table(["tolerance", "steps", "ms", "error"], rows)

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode.judging.adaptive_precision import integrate
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
 from polhode.refined.attitude import Following
 from polhode.refined.refinement import QUAD, refine
-from polhode.runs.integrate import integrate
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from shared.motions import asymmetric

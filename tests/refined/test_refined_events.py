@@ -8,6 +8,7 @@ import pytest
 
 import polhode
 from polhode.common.errors import BadInput
+from polhode.judging.adaptive_precision import integrate
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import expression, number_types
 from polhode.numbers.conversion import exactly
@@ -15,7 +16,6 @@ from polhode.refined import refinement
 from polhode.refined.errors import CannotRefine
 from polhode.refined.events import Search
 from polhode.refined.refinement import QUAD, refine
-from polhode.runs.integrate import integrate
 from polhode.scenes.event import Event
 
 SCENE = "kovalevskaya/generic"

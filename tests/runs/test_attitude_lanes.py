@@ -10,10 +10,11 @@ import pytest
 
 import polhode
 from polhode.equations import quaternion_products
+from polhode.judging.adaptive_precision import integrate
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE
 from polhode.runs._observers import attitude_lanes
-from polhode.runs.integrate import integrate
+from polhode.runs.plan import plans
 from polhode.runs.problem.problem import problem
 from polhode.taylor.batches.attitude_lanes import Turning
 from shared.policies import change_policy
@@ -34,11 +35,11 @@ def scene(name, at, outputs=BOTH):
     return replace(polhode.load(name), events=(), outputs=outputs).at(at)
 
 
-def together(monkeypatch, *arguments, **options):
-    """The same run with all of it integrated as one system."""
+def together(monkeypatch, what, **options):
+    """The same run with all of it integrated as one system; plans are kept with their scene."""
     with monkeypatch.context() as patch:
         patch.setattr(attitude_lanes, "fits", lambda *_: False)
-        return integrate(*arguments, **options)
+        return integrate(replace(what), **options)
 
 
 @pytest.mark.sample(1, slow=3)
@@ -100,7 +101,10 @@ def test_a_scene_asked_at_other_times_is_read_at_those():
 
 def test_short_runs_and_what_has_events_or_a_pole_at_the_start_are_one_system():
     def fits(what, number=DOUBLE):
-        return attitude_lanes.fits(problem(what, number), problem(what, number).schedule(what))
+        ready = problem(what, number)
+        beside = [plan.way for plan in plans(ready, what, ready.schedule(what))[:-1]]
+        assert all(isinstance(way, attitude_lanes.Lanes) for way in beside)
+        return bool(beside)
 
     name = "kovalevskaya/generic"
     assert fits(scene(name, [100]))

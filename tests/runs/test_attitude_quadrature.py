@@ -10,13 +10,14 @@ import pytest
 
 import polhode
 from polhode.equations import attitude_phase, quaternion_products
+from polhode.judging.adaptive_precision import integrate
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
 from polhode.numbers.gauss_lobatto import enough
 from polhode.numbers.number_types import EXTENDED
 from polhode.runs._observers import attitude_quadrature, panel_splitting
-from polhode.runs.integrate import integrate
+from polhode.runs.plan import plans
 from polhode.runs.problem.problem import problem
 from shared.policies import change_policy
 
@@ -37,18 +38,19 @@ TIMES = {
 
 def planned(scene, number, **options):
     ready = problem(scene, number, **options)
-    return attitude_quadrature.plan(ready, ready.schedule(scene))
+    beside, way = plans(ready, scene, ready.schedule(scene))[:-1], attitude_quadrature.Quadrature
+    return next((plan for plan in beside if isinstance(plan.way, way)), None)
 
 
 def scene(name, at, outputs=BOTH):
     return replace(polhode.load(name), events=(), outputs=outputs).at(at)
 
 
-def together(monkeypatch, *arguments, **options):
-    """The same run with all of it integrated as one system."""
+def together(monkeypatch, what, *more, **options):
+    """The same run with all of it integrated as one system; plans are kept with their scene."""
     with monkeypatch.context() as patch:
-        patch.setattr(attitude_quadrature, "plan", lambda *_: None)
-        return integrate(*arguments, **options)
+        patch.setattr(attitude_quadrature, "fits", lambda *_: False)
+        return integrate(replace(what), *more, **options)
 
 
 def worst(run, other, column):
@@ -63,14 +65,14 @@ def worst(run, other, column):
 
 def settled(what):
     """The run, which was not left to one system: its states are those of a plain one."""
-    rows, found = attitude_quadrature.rows, []
+    observe, found = attitude_quadrature.Quadrature.observe, []
 
     def noted(*arguments):
-        found.append(rows(*arguments))
+        found.append(observe(*arguments))
         return found[-1]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(attitude_quadrature, "rows", noted)
+        patch.setattr(attitude_quadrature.Quadrature, "observe", noted)
         run = integrate(what, "extended")
     assert len(found) == 1
     assert found[0] is not None

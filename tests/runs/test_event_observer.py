@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode.judging.adaptive_precision import integrate
 from polhode.motion.outcomes import Outcome
 from polhode.runs._observers import events as event_observer
-from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.event import Event
 from polhode.taylor.events import dense_search, hermite_roots
@@ -30,22 +30,22 @@ def watched(name, at, *events, **changes):
     return replace(polhode.load(name), events=every, outputs=(), **changes).at(at)
 
 
-def on_the_way(monkeypatch, *arguments, **options):
-    """The same run with heyoka looking for events on its way."""
+def on_the_way(monkeypatch, scene, *more, **options):
+    """The same run with heyoka looking for events on its way; plans are kept with their scene."""
     with monkeypatch.context() as patch:
         patch.setattr(event_observer, "fits", lambda *_: False)
-        return integrate(*arguments, **options)
+        return integrate(replace(scene), *more, **options)
 
 
 def beside(monkeypatch, *arguments, **options):
     """A run whose events are found beside it, or else an error."""
     with monkeypatch.context() as patch:
-        patch.setattr("polhode.runs.methods.taylor.Run._new_watch", lambda run: _none(run))
+        patch.setattr("polhode.runs.methods.taylor.TaylorMotion._new_watch", lambda run: _none(run))
         return integrate(*arguments, **options)
 
 
 def _none(run):
-    assert not run.scene.events
+    assert not run.watched
     return None
 
 
@@ -242,14 +242,14 @@ def test_an_interrupted_run_tells_the_events_up_to_where_it_came(monkeypatch):
     ],
 )
 def test_what_may_end_a_run_or_needs_the_time_or_has_a_pole_is_met_on_the_way(event, monkeypatch):
-    monkeypatch.setattr(event_observer, "rows", None)
+    monkeypatch.setattr(event_observer, "planned", None)
     scene = watched("euler/largest-axis", [600], event, "gamma3")
     assert integrate(scene).outcome is Outcome.REACHED_END
 
 
 @pytest.mark.slow
 def test_short_runs_other_types_and_tolerances_are_as_before(monkeypatch):
-    monkeypatch.setattr(event_observer, "rows", None)
+    monkeypatch.setattr(event_observer, "planned", None)
     integrate(watched("euler/largest-axis", [100], "q"))
     integrate(watched("euler/largest-axis", [300], "q"), "extended")
     integrate(watched("euler/largest-axis", [300], "q"), tol="1e-10")

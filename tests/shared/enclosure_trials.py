@@ -16,10 +16,10 @@ from flint import arb, ctx
 
 from polhode.enclosures import fixed_point_problem
 from polhode.enclosures.fixed_point_problem import Motion, Problem
+from polhode.judging.adaptive_precision import integrate
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.runs.integrate import integrate
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 

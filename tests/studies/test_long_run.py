@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from polhode.equations.integrals import departures, drift
+from polhode.judging.adaptive_precision import integrate
 from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.references.reference import reference
-from polhode.runs.integrate import integrate
 from polhode.scenes.body import dot
 from polhode.studies.ensembles import random_scene
 from polhode.studies.long_run import figure, growth, late_time, page

@@ -44,7 +44,7 @@ def products(ta) -> int:
 @pytest.mark.parametrize(("name", "kept", "left"), TOPS)
 @pytest.mark.parametrize("number", [DOUBLE, EXTENDED, QUAD], ids=lambda x: x.name)
 def test_what_the_equations_keep_is_multiplied_as_a_number(name, kept, left, number):
-    made = built(problem(plain(name, 1), number).blueprint, None, None)
+    made = built(problem(plain(name, 1), number).prepared().blueprint, None, None)
     assert made.kept == kept
     assert products(made.heyoka) == left
 
@@ -119,7 +119,7 @@ def test_each_lane_has_its_own_spin():
 def test_what_no_rate_asks_for_is_no_parameter():
     """A sphere turning freely, without gamma: nothing changes, one by one and in lanes."""
     scene = replace(plain("euler/sphere", 3), gamma=None)
-    made = built(problem(scene, DOUBLE).blueprint, None, None)
+    made = built(problem(scene, DOUBLE).prepared().blueprint, None, None)
     assert (made.kept, len(made.heyoka.pars)) == ((), 0)
     events = (Event("alarm", "t - 1"),)
     run = polhode.integrate(replace(scene, events=events))

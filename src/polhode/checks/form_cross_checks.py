@@ -12,7 +12,8 @@ from fractions import Fraction
 from polhode.common.errors import BadInput
 from polhode.common.executors import in_order
 from polhode.judging.correct_digits import worst_digits
-from polhode.runs.integrate import integrate, undisturbed
+from polhode.runs.problem.options import Options, choose_number
+from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.vocabulary import FORMS
@@ -51,15 +52,16 @@ def cross_checks(
 
 
 def _in_all_forms(name: str) -> list[CrossCheck]:
-    scene = replace(library.load(name), outputs=(), events=(), form="principal")
-    trusted = undisturbed(integrate(scene, digits=DIGITS, at=[TIME]))
+    scene = replace(library.load(name), outputs=(), events=(), form="principal").at([TIME])
+    number = choose_number(scene, None, DIGITS)
+    trusted = solve(scene, number, Options(digits=DIGITS), interruptible=False)
     return [_checked(form, trusted) for form in FORMS if form != scene.form]
 
 
 def _checked(form: str, trusted: Trajectory) -> CrossCheck:
     scene = trusted.scene
     try:
-        run = undisturbed(integrate(replace(scene, form=form), trusted.number))
+        run = solve(replace(scene, form=form), trusted.number, interruptible=False)
     except BadInput as refusal:
         return CrossCheck(scene.name, form, None, f"refused: {refusal.expected}")
     if not run.outcome.done:

@@ -19,7 +19,8 @@ from polhode.judging.references.reference import reference as reference_of
 from polhode.judging.score.compare import compare
 from polhode.judging.score.judgement import Judgement
 from polhode.numbers import number_types
-from polhode.runs.integrate import integrate, undisturbed
+from polhode.runs.problem.options import Options, choose_number
+from polhode.runs.solve import solve
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 
@@ -125,7 +126,8 @@ def _line(scene: Scene, reference: Remembered, number: str, known: Conditioning 
     band = scene.expect.get(number)
     digits = number_types.DEFAULT_MP_DIGITS if number == "mp" else None
     # the bands are those of heyoka's own steps
-    run = undisturbed(integrate(scene, number, digits=digits, method="taylor"))
+    options = Options("taylor", digits=digits)
+    run = solve(scene, choose_number(scene, number, digits), options, interruptible=False)
     if not run.outcome.done:
         return Line(scene.name, number, 0.0, band, None, run.outcome.value)
     judged = compare(run, reference, known=known)

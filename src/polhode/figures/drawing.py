@@ -17,7 +17,6 @@ from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import AnyNumber
-from polhode.runs.integrate import undisturbed
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -140,7 +139,9 @@ def _samples(what_of: Trajectory | Scene | str | Path, what: str, end: AnyNumber
     long = what in OVER_TIME
     times = curve_sampling.shown_times(scene, last, over_time.SAMPLES if long else None)
     project = False if what == "integrals" else None
-    found = undisturbed(curve_sampling.run(scene, times, OUTPUTS[what], number, project=project))
+    found = curve_sampling.run(
+        *(scene, times, OUTPUTS[what], number), project=project, interruptible=False
+    )
     if not found.outcome.done:
         raise BadInput(scene.name, "end", float(times[-1]), f"an earlier end: {found.cause}")
     if what == "error":

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal, NamedTuple, TypedDict, Unpack, overload
 
-from polhode.common.arguments import steps, whole
+from polhode.common.arguments import whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress, bar
 from polhode.common.text_tables import few
@@ -17,8 +17,8 @@ from polhode.numbers import number_types
 from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NumberType, wider
 from polhode.numbers.rows import Doubles, Extendeds, Given
 from polhode.numbers.scalars import AnyNumber, Real
-from polhode.runs import integrate as runs
-from polhode.runs.problem.options import choose_number
+from polhode.runs.problem.options import Options, checked_options, choose_number
+from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -140,24 +140,14 @@ def integrate(
         scene = scene.at(at)
     if digits is not None:
         digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
-    if max_steps is not None:
-        max_steps = steps(scene.name, max_steps)
     if digits is None:
         chosen, free, need = choose_number(scene, number, None), False, Need(0.0, math.inf)
     else:
         chosen, free, need = _chosen(scene, number, digits, tol is None and inputs is None)
+    given = Options(method, max_steps, project, None, inputs, digits)
+    options = checked_options(scene, chosen, given, tol)
     for attempt in range(MOST_RUNS):
-        run = runs.integrate(
-            scene,
-            chosen,
-            digits=digits,
-            tol=tol,
-            max_steps=max_steps,
-            inputs=inputs,
-            project=project,
-            method=method,
-            progress=progress,
-        )
+        run = solve(scene, chosen, options, progress)
         if digits is None or not (run.outcome.done and run.times):
             return run
         hopeless = need.lost > need.most
@@ -258,9 +248,7 @@ def checked(run: Trajectory, progress: Progress | None = None) -> Trajectory:
     if true is None:
         plain = replace(scene, events=(), outputs=(), form="principal", reference="auto")
         longer = max(10 * run.steps, 1000)
-        second = runs.integrate(
-            plain, wider(run.number), max_steps=longer, method="taylor", progress=progress
-        )
+        second = solve(plain, wider(run.number), Options("taylor", longer), progress)
         if second.outcome is Outcome.INTERRUPTED:
             return replace(run, outcome=Outcome.INTERRUPTED)
         if not second.outcome.done:

@@ -1,1 +1,1 @@
-"""What a motion under way leaves behind: how it ended, its events, its corrections."""
+"""What a motion under way is asked and leaves behind: its end, its events, its corrections."""

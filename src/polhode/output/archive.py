@@ -25,7 +25,7 @@ from polhode.numbers.number_types import LEAST_MP_BITS, NAMES, NumberType, named
 from polhode.numbers.rows import Given, Row, Rows
 from polhode.numbers.scalars import AnyNumber
 from polhode.output.json_results import as_json
-from polhode.runs import integrate as runs
+from polhode.runs.reevaluate import made_again
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
 from polhode.scenes.scene import Scene
@@ -222,15 +222,7 @@ class _Again:
         """The dense output of the run made once more."""
         if self.made is None:
             run = self.run
-            every = None if run.projection is None else run.projection.every
-            again = runs.integrate(
-                run.scene,
-                run.number,
-                digits=run.digits,
-                tol=None if run.at_full_tolerance else run.tolerance,
-                project=False if every is None else every,
-                method=run.method,
-            )
+            again = made_again(run, run.scene)
             kept = len(run.times)
             if not same(list(again.states[:kept]), list(run.states)):
                 warnings.warn(

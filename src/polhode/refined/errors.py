@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from polhode.motion.protocols import CannotSolve
 
-class CannotRefine(ArithmeticError):
+
+class CannotRefine(CannotSolve):
     """A run that cannot be refined; the message says why.  Take heyoka's own steps instead."""
 
 

@@ -14,7 +14,7 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers.rows import Doubles, Extendeds, Flat, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.runs.methods.output_loop import march
-from polhode.runs.problem.options import cadence, choose_number, rounded_tolerance
+from polhode.runs.problem.options import cadence, choose_number, corrections, rounded_tolerance
 from polhode.runs.problem.problem import Problem, problem
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -68,7 +68,7 @@ class Propagator:
         self.outcome, self.steps = Outcome.REACHED_END, 0
         self._problem, self._every = problem, every
         self._owner = get_ident()
-        self._compiled = Compiled(problem.blueprint)
+        self._compiled = Compiled(problem.prepared().blueprint)
         self._heyoka, self._state = self._compiled.heyoka, self._compiled.state
         self._first: Flat = self._state.copy()
         self._kind = self._first.dtype
@@ -202,7 +202,7 @@ class Propagator:
             onto = StartTarget(self._problem.target, self._state.copy())
             corrector = Projector(onto, self._every)
         integrator = Integrator(
-            self._problem.blueprint, corrector=corrector, compiled=self._compiled
+            self._problem.prepared().blueprint, corrector=corrector, compiled=self._compiled
         )
         integrator.steps = taken
         rows = self._state[None].copy()[: times[0] == 0]
@@ -276,5 +276,5 @@ def propagator(
     if project is None:
         raise BadInput(scene.name, "project", None, "True, False or a number of steps")
     tolerance = rounded_tolerance(scene, kind, tol)
-    every = cadence(scene, kind, tolerance, project)
+    every = cadence(scene, kind, tolerance, corrections(scene, project))
     return Propagator(problem(scene, kind, tolerance), every)

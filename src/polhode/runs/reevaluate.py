@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from fractions import Fraction
 
 from polhode.common.errors import BadInput, plain
 from polhode.numbers.conversion import exact_number
@@ -11,8 +12,10 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, binary, rounded, sign
 from polhode.numbers.rows import Reread
 from polhode.numbers.scalars import AnyNumber, numbers_given
-from polhode.runs.integrate import integrate, undisturbed
+from polhode.runs.problem.options import Options
+from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
+from polhode.scenes.scene import Scene
 
 NEAR = 400  # bits to which times are told apart
 
@@ -34,17 +37,7 @@ def at_times(run: Trajectory, what: str, t: AnyNumber | Iterable[AnyNumber]) -> 
     events = tuple(event for event in scene.events if event.stop)
     times = tuple(distinct.values())
     changed = replace(scene, outputs=(what,), events=events, times=times)
-    every = None if run.projection is None else run.projection.every
-    again = undisturbed(
-        integrate(
-            changed,
-            run.number,
-            digits=run.digits,
-            tol=None if run.at_full_tolerance else run.tolerance,
-            project=every or False,
-            method=run.method,
-        )
-    )
+    again = made_again(run, changed, interruptible=False)
     if len(again.times) < len(times):  # angles are singular where the state is not
         expected = f"a time at which there are {what}; {again.outcome.cause}"
         at = f"t = {shown(again.reached)}"
@@ -52,6 +45,14 @@ def at_times(run: Trajectory, what: str, t: AnyNumber | Iterable[AnyNumber]) -> 
     rows = dict(zip(distinct, getattr(again, what), strict=True))
     found = [rows[x] for x in near]
     return found if several else found[0]
+
+
+def made_again(run: Trajectory, scene: Scene, *, interruptible: bool = True) -> Trajectory:
+    """A run of its own scene, or of that with other outputs, as it was made."""
+    every = None if run.projection is None else run.projection.every
+    tolerance = None if run.at_full_tolerance else Fraction(run.tolerance)
+    options = Options(run.method, None, every or False, tolerance, None, run.digits)
+    return solve(scene, run.number, options, interruptible=interruptible)
 
 
 def _time(run: Trajectory, t: object) -> Exact:

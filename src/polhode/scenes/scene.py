@@ -218,7 +218,8 @@ class Scene:
     def apart(self) -> Scene:
         """The same scene with an identity of its own, for who is to live no longer than this."""
         found = object.__new__(type(self))
-        found.__dict__.update((k, x) for k, x in vars(self).items() if k != "identity")
+        found.__dict__.update(vars(self))
+        found.__dict__.pop("identity", None)
         return found
 
     def __getstate__(self) -> dict[str, object]:

@@ -44,8 +44,8 @@ def load() -> str:
 
 def build(job: Job) -> Solve:
     """Compile the integrator at the type's own tolerance, and the projection."""
+    from polhode.judging.adaptive_precision import integrate
     from polhode.numbers.number_types import named
-    from polhode.runs.integrate import integrate
 
     eps = float(named(job.number).eps)
 

@@ -17,15 +17,15 @@ from polhode.common.errors import BadInput, nearest
 from polhode.common.provenance import provenance
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.frequencies import naff
-from polhode.judging.adaptive_precision import integrate
 from polhode.judging.references.reference import reference
 from polhode.judging.tables.csv_file import read_table
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Complexes, Doubles
 from polhode.numbers.scalars import AnyNumber
-from polhode.runs.integrate import undisturbed
+from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.output_times import even_times
@@ -134,7 +134,8 @@ def frequencies(
         expected = f"a time up to {MOST_SAMPLES / PER_LINE / speed:.6g}: more samples take too long"
         raise BadInput(scene.name, "end", to_double(last), expected)
     bare = replace(scene, outputs=outputs, events=(), published=(), source=scene.source)
-    run = undisturbed(integrate(bare.at(even_times(last, max(64, samples)))))
+    times = even_times(last, max(64, samples))
+    run = solve(bare.at(times), DOUBLE, interruptible=False)
     if not run.outcome.done:
         expected = f"a time that is reached: {run.outcome.cause}"
         raise BadInput(scene.name, "end", to_double(last), expected)

@@ -14,8 +14,10 @@ from polhode.dynamics.observables.reductions import FIRST, LYAPUNOV, Reduction, 
 from polhode.judging.conditioning import lyapunov
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import number_value, to_double
+from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, doubles
-from polhode.runs.integrate import integrate
+from polhode.runs.problem.options import Options
+from polhode.runs.solve import solve as solve_one
 from polhode.runs.sweep.plan import Plan
 from polhode.runs.sweep.results import Reader, reader
 from polhode.scenes.event import Event
@@ -237,11 +239,11 @@ def _first(
         if stop is not None and stop():
             raise KeyboardInterrupt  # the run's own way to be stopped
 
+    options = Options(max_steps=singles.max_steps, project=False)
     for k in np.flatnonzero(found.unsure).tolist():
         if stop is not None and stop():
             break
-        most, scene = singles.max_steps, singles.scene(k)
-        run = integrate(scene, "double", max_steps=most, project=False, progress=heard)
+        run = solve_one(singles.scene(k), DOUBLE, options, heard)
         steps[k] = run.steps
         met = run.events[0]
         times[k] = float(met.times[0]) if met.times else np.nan

@@ -15,7 +15,8 @@ from polhode.numbers.exact import ZERO
 from polhode.numbers.mpmath_context import mpmath, ordinary
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Real
-from polhode.runs.integrate import integrate, undisturbed
+from polhode.runs.problem.options import Options
+from polhode.runs.solve import solve
 from polhode.scenes.scene import Scene
 
 
@@ -29,14 +30,16 @@ class Advance(NamedTuple):
 def advance(scene: Scene, number: NumberType) -> Advance:
     """Of a scene that ends after one period, by one run from 0 to there."""
     asked = replace(scene, outputs=("angles", "attitude"), events=(), times=(ZERO, scene.end))
-    run = undisturbed(integrate(asked, number, project=False))
+    options = Options(project=False)
+    run = solve(asked, number, options, interruptible=False)
     if run.outcome.done and run.angles is not None:
         try:
             first, last = (exactly(row[0]) for row in run.angles)
             return Advance(ordinary(to_mpf(last - first, number.bits)), True)
         except ValueError:  # no number: the third axis is vertical
             pass
-    run = undisturbed(integrate(replace(asked, outputs=("attitude",)), number, project=False))
+    alone = replace(asked, outputs=("attitude",))
+    run = solve(alone, number, options, interruptible=False)
     if not run.outcome.done or run.attitude is None:
         return Advance(None, False)
     with mpmath.workprec(number.bits):

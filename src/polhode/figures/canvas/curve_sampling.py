@@ -21,7 +21,8 @@ from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Given
-from polhode.runs.integrate import integrate
+from polhode.runs.problem.options import Options, choose_number
+from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
@@ -88,11 +89,15 @@ def run(
     digits: int | None = None,
     progress: Progress | None = None,
     project: bool | None = None,
+    *,
+    interruptible: bool = True,
 ) -> Trajectory:
     """A scene integrated at these times with these outputs; of its events only a stop."""
     events = tuple(event for event in scene.events if event.stop)
     asked = replace(scene, times=times, outputs=outputs, events=events)
-    return integrate(asked, number, digits=digits, progress=progress, project=project)
+    chosen = choose_number(asked, number, digits)
+    options = Options(project=project, digits=digits)
+    return solve(asked, chosen, options, progress, interruptible=interruptible)
 
 
 def of_run(found: Trajectory) -> Samples:

@@ -65,7 +65,8 @@ class TwoPrecisions:
         return [list(row) for row in rows]
 
     def _integrated(self, times: tuple[Exact, ...], digits: int) -> tuple[Rows, float]:
-        from polhode.runs.integrate import integrate, undisturbed
+        from polhode.runs.problem.options import Options
+        from polhode.runs.solve import solve
 
         # The coarse run has some digits to spare, the fine one 12 more; where a motion multiplies
         # errors, what was lost is added and both are made again.
@@ -75,7 +76,7 @@ class TwoPrecisions:
             coarse_type = number_types.mp_for(digits + spare, scene.log10_angle)
             fine_type = number_types.NumberType("mp", coarse_type.bits + 40)
             coarse, fine = (
-                undisturbed(integrate(scene, kind, method="taylor"))
+                solve(scene, kind, Options("taylor"), interruptible=False)
                 for kind in (coarse_type, fine_type)
             )
             if not (coarse.outcome.done and fine.outcome.done):

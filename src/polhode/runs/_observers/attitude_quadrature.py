@@ -10,9 +10,10 @@ it would be a fifth, and lanes are cheaper (:mod:`polhode.runs._observers.attitu
 from __future__ import annotations
 
 import math
-import time
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, cast
+from fractions import Fraction
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -20,14 +21,15 @@ import numpy.typing as npt
 from polhode.common.progress import Progress
 from polhode.equations.attitude_phase import Panels, Turned
 from polhode.motion.outcomes import Outcome
+from polhode.motion.protocols import Motion
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.gauss_lobatto import Lobatto, enough, lobatto
-from polhode.numbers.rows import Extendeds, Flat, Rows, beside, flat
+from polhode.numbers.number_types import EXTENDED
+from polhode.numbers.rows import Extendeds, beside, flat
 from polhode.runs._observers import attitude_assembly
 from polhode.runs._observers.panel_splitting import Halves
-from polhode.runs.methods.taylor import Run
-from polhode.runs.problem.problem import Problem, Schedule
-from polhode.scenes.output_times import ListedTimes
+from polhode.runs._observers.protocol import Observed
+from polhode.runs.problem.problem import Problem
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.time_grid import Times, exact_sum
 
@@ -56,7 +58,6 @@ _MOSTLY = 0.9
 #: In Taylor steps: panels up to these lengths have as many nodes as the longest; the first two.
 _LENGTHS = (1e-6, 1e-3, 0.03, 0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
 _TOGETHER = 512  # panels, so that their arrays stay in a processor's cache
-_SHARE = 0.9  # of the time, that the plain run takes
 
 
 class Group(NamedTuple):
@@ -72,53 +73,35 @@ class Group(NamedTuple):
     shift: Extendeds | None
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """The times of a plain run: the outputs', and those of the panels' nodes between them.
-
-    ``asked``: all of them, without exact ones.  ``times``: the same.  ``outputs``: which of them
-    were asked for.  ``stretches``: panels that are consecutive, by rule.
-    """
-
-    asked: Schedule
-    times: Extendeds
-    outputs: npt.NDArray[np.intp]
-    stretches: tuple[tuple[Group, ...], ...]
+def fits(problem: Problem) -> bool:
+    """Whether the states are as right as extended can have them, and psi as right as those."""
+    scene = problem.scene
+    of_spin = "angles" in scene.modelled and _spins(scene)
+    return problem.number.name == "extended" and problem.full and not of_spin
 
 
-def plan(made: Problem, times: Schedule) -> Plan | None:
-    """The times of a plain run, kept with the outputs'; None where all is one system."""
-    if made.number.name != "extended" or not made.apart or not made.full:
-        return None
-    if "quadrature" not in times.kept:
-        times.kept["quadrature"] = _plan(made, times)
-    found = cast(Plan | None, times.kept["quadrature"])
-    return found
-
-
-def _plan(made: Problem, times: Schedule) -> Plan | None:
-    if "angles" in made.whole.outputs and _spins(made.scene):
-        return None
-    grid = flat(times.inside.grid)
+def planned(problem: Problem, times: Times) -> Quadrature | None:
+    """The way, for outputs at these times; None where one system is better."""
+    grid = flat(times.grid)
     if grid[-1] == 0:  # the start alone
         return None
-    found = _first_steps(made, grid[-1])
+    found = _first_steps(problem, grid[-1])
     if found is None:
         return None
     step, steps = found
     knots = grid if grid[0] == 0 else np.concatenate([grid[:1] * 0, grid])
     gaps = np.diff(knots)
     parts = np.maximum(np.ceil(np.abs(gaps) / (steps * step)), 1).astype(np.intp)
-    if parts.sum() * enough(steps, _digits(made)) + len(knots) > MOST_NODES:
+    if parts.sum() * enough(steps, _digits(problem)) + len(knots) > MOST_NODES:
         return None
     which = np.repeat(np.arange(len(gaps)), parts)
     inner = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts)
     begin = knots[which] + gaps[which] * (inner / parts[which].astype(grid.dtype))
     length = np.diff(np.concatenate([begin, knots[-1:]]))
     size = np.searchsorted(np.array(_LENGTHS[:-1]), (np.abs(gaps) / parts / step).astype(float))
-    counts = np.array([enough(x, _digits(made)) if x > _LENGTHS[0] else 2 for x in _LENGTHS])
+    counts = np.array([enough(x, _digits(problem)) if x > _LENGTHS[0] else 2 for x in _LENGTHS])
     count = counts[size][which]
-    most = MOST_WITH_ANGLES if "angles" in made.whole.outputs else MOST_A_STEP
+    most = MOST_WITH_ANGLES if "angles" in problem.scene.modelled else MOST_A_STEP
     if (count - 1).sum() - len(grid) > most * abs(grid[-1]) / step:
         return None
     first = np.cumsum(count - 1) - (count - 1)
@@ -138,14 +121,13 @@ def _plan(made: Problem, times: Schedule) -> Plan | None:
         stretches.append(tuple(groups))
     if not (np.diff(np.abs(every)) > 0).all():
         return None
-    inside = Times.of_grid(every, made.number)
     outputs = first[np.cumsum(parts) - parts]
     outputs = np.append(outputs, len(every) - 1)[len(knots) - len(grid) :]
-    return Plan(Schedule(ListedTimes(()), inside), every, outputs, tuple(stretches))
+    return Quadrature(Times.of_grid(every, problem.number), every, outputs, tuple(stretches))
 
 
-def _digits(made: Problem) -> float:
-    return made.number.bits * math.log10(2) + 0.5
+def _digits(problem: Problem) -> float:
+    return problem.number.bits * math.log10(2) + 0.5
 
 
 def _spins(scene: Scene) -> bool:
@@ -155,14 +137,14 @@ def _spins(scene: Scene) -> bool:
     return abs(r) > MOST_SPIN * max(math.hypot(p, q), swing)
 
 
-def _first_steps(made: Problem, end: np.longdouble) -> tuple[np.longdouble, float] | None:
+def _first_steps(problem: Problem, end: np.longdouble) -> tuple[np.longdouble, float] | None:
     """The mean of a run's first Taylor steps, and how many of them a panel holds.
 
     None for a run that is too short.
     """
     from polhode.taylor.integrator.stepping import Integrator
 
-    leading = Integrator(made.bare.blueprint)
+    leading = Integrator(problem.prepared().blueprint)
     start, zero = leading.state.copy(), end * 0
     count = leading.heyoka.propagate_until(end, max_steps=PILOT)[3]
     reached = leading.heyoka.time
@@ -170,10 +152,10 @@ def _first_steps(made: Problem, end: np.longdouble) -> tuple[np.longdouble, floa
     if abs(end) < SHORTEST_RUN * step:
         leading.release()
         return None
-    halves = Halves(made)
+    halves = Halves(problem)
     for steps in STEPS:
         parts = math.ceil(count / steps)
-        rule = lobatto(enough(steps, _digits(made)))
+        rule = lobatto(enough(steps, _digits(problem)))
         length = np.full(parts, reached / parts)
         begin = np.arange(parts) * length
         times = (begin[:, None] + length[:, None] * rule.nodes.astype(end.dtype)).ravel()
@@ -187,54 +169,53 @@ def _first_steps(made: Problem, end: np.longdouble) -> tuple[np.longdouble, floa
     return step, steps
 
 
-def rows(
-    run: Run, made: Problem, wanted: Plan, progress: Progress | None
-) -> tuple[Outcome, Rows] | None:
-    """The outcome of a plain run, and its rows with quaternion, psi and phi at the outputs.
+@dataclass(frozen=True, eq=False)
+class Quadrature:
+    """Panels between the outputs.
 
-    None where panels cannot be settled, next to a pole: then all has to be integrated together.
+    ``times``: of the outputs and of the panels' nodes, in the run's unit; ``grid``: the same.
+    ``outputs``: which of them were asked for.  ``stretches``: consecutive panels, by rule.
     """
 
-    def first(done: float, steps: int) -> None:
-        if progress is not None:
-            progress(_SHARE * done, steps)
+    times: Times
+    grid: Extendeds
+    outputs: npt.NDArray[np.intp]
+    stretches: tuple[tuple[Group, ...], ...]
+    share: ClassVar[float] = 0.9
 
-    outcome, given = run.to(wanted.asked, first if progress is not None else None)
-    states = flat(given)
-    began, end = time.perf_counter(), 0
-    found: list[Turned] = []
-    columns: Extendeds = np.ascontiguousarray(states.T)
-    late, halves = _late(run, wanted), Halves(made)
-    try:
-        for stretch in wanted.stretches:
-            parts: list[Turned] = []
-            reached = end
-            for group in stretch:
-                nodes = group.nodes[group.nodes[:, -1] < len(states)]
-                if len(nodes):
-                    panels = _panels(group, nodes, columns, late)
-                    some = halves.settled(panels, group.rule)
-                    if some is None:
-                        return None
-                    parts += some
-                    reached = max(reached, int(nodes[-1, -1]))
-            found += parts
-            end = reached
-            if progress is not None:
-                progress(_SHARE + (1 - _SHARE) * (end + 1) / len(states), run.steps)
-    except KeyboardInterrupt:
-        outcome = Outcome.INTERRUPTED
-        run.reached = exactly(wanted.times[end]) * made.unit
-    kept = wanted.outputs[wanted.outputs <= end] if len(states) else wanted.outputs[:0]
-    if not end:  # the start, or nothing
-        more: Flat = flat(made.first)[: len(kept), states.shape[1] :]
-    else:
-        turned = attitude_assembly.rows(made, found, states[kept], np.abs(wanted.times[kept]))
-        if turned is None:
-            return None
-        more = turned
-    run.seconds += time.perf_counter() - began
-    return outcome, beside(states[kept], more)
+    def observe(
+        self, problem: Problem, motion: Motion, found: Observed, progress: Progress | None
+    ) -> Observed:
+        """Rows with quaternion, psi and phi; raises CannotObserve next to a pole."""
+        outcome, reached = found.outcome, found.reached
+        states, end = flat(found.rows), 0
+        turned: list[Turned] = []
+        columns: Extendeds = np.ascontiguousarray(states.T)
+        late, halves = _late(motion.begun, self.grid), Halves(problem)
+        try:
+            for stretch in self.stretches:
+                parts: list[Turned] = []
+                done = end
+                for group in stretch:
+                    nodes = group.nodes[group.nodes[:, -1] < len(states)]
+                    if len(nodes):
+                        parts += halves.settled(_panels(group, nodes, columns, late), group.rule)
+                        done = max(done, int(nodes[-1, -1]))
+                turned += parts
+                end = done
+                if progress is not None:
+                    progress(self.share + (1 - self.share) * (end + 1) / len(states), motion.steps)
+        except KeyboardInterrupt:
+            outcome = Outcome.INTERRUPTED
+            reached = exactly(self.grid[end]) * problem.unit
+        kept = self.outputs[self.outputs <= end] if len(states) else self.outputs[:0]
+        if end:
+            times = np.abs(self.grid[kept])
+            more = attitude_assembly.rows(problem, turned, states[kept], times)
+        else:  # the start, or nothing
+            first = problem.prepared(problem.scene.modelled).first
+            more = flat(first)[: len(kept), states.shape[1] :]
+        return found._replace(rows=beside(states[kept], more), outcome=outcome, reached=reached)
 
 
 def _panels(
@@ -248,18 +229,18 @@ def _panels(
     return Panels(group.begin[some], group.length[some], at[:3], at[3:], shift)
 
 
-def _late(run: Run, wanted: Plan) -> Extendeds | None:
+def _late(begun: Sequence[Fraction], grid: Extendeds) -> Extendeds | None:
     """By how much states are later than their times, which are rounded anew in later chunks."""
-    marks = [mark for leg in run.legs for mark in leg.marks if mark.offset]
-    if not marks:
+    offsets = [offset for offset in begun if offset]
+    if not offsets:
         return None
-    found, kind = np.zeros_like(wanted.times), wanted.times.dtype.type
-    for mark in marks:
-        high = to_extended(mark.offset) if kind is np.longdouble else kind(mark.offset)
-        low = kind(mark.offset - exactly(high))
-        first = np.searchsorted(np.abs(wanted.times), abs(high), side="right")
-        times = wanted.times[first:]
+    found, kind = np.zeros_like(grid), grid.dtype.type
+    for offset in offsets:
+        high = to_extended(offset) if kind is np.longdouble else kind(offset)
+        low = kind(offset - exactly(high))
+        first = np.searchsorted(np.abs(grid), abs(high), side="right")
+        times = grid[first:]
         near, rest = exact_sum(times, -high)
-        since = Times.of_grid(times, run.number).since(mark.offset)
+        since = Times.of_grid(times, EXTENDED).since(offset)
         found[first:] = (since - near) - rest + low
     return found

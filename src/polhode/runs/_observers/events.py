@@ -9,23 +9,26 @@ from __future__ import annotations
 
 import math
 import time
-from typing import TYPE_CHECKING, NamedTuple, cast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
 from polhode.common.progress import Progress
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.rows import Doubles, Rows, doubles
-from polhode.runs.methods.taylor import Run
-from polhode.runs.problem.problem import Problem, Schedule
-from polhode.scenes.output_times import ListedTimes
+from polhode.motion.protocols import Motion
+from polhode.numbers.rows import Doubles, doubles
+from polhode.runs._observers.protocol import CannotObserve, Observed, Way
+from polhode.runs.problem.problem import Problem
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.time_grid import Times
 
 if TYPE_CHECKING:
     from polhode.taylor.batches.short_arcs import Hops
     from polhode.taylor.events.dense_search import Outlook
+    from polhode.taylor.events.rules import Rules
 
 #: In the run's own unit, a radian or two of the fastest rate: a shorter run costs less than what
 #: is compiled here.
@@ -40,98 +43,111 @@ _LOOKED_AT = 64  # times at first
 _CLOSE = 2.0**-8
 
 
-class Plan(NamedTuple):
-    """The times of a plain run, ``outputs`` and ``knots`` among them; ``width``: between knots."""
+def ways(problem: Problem, scene: Scene, times: Times) -> Iterator[Way]:
+    """One, or none where heyoka has to look for the events on its way.
 
-    asked: Schedule
-    outputs: npt.NDArray[np.intp]
-    knots: npt.NDArray[np.intp]
-    width: float
+    ``scene``: the problem's own, with these times.
+    """
+    if fits(problem, times) and (way := planned(problem, scene, times)) is not None:
+        yield way
 
 
-def fits(made: Problem, times: Schedule) -> bool:
-    """Whether a run's events are had like this."""
-    scene = made.scene
+def fits(problem: Problem, times: Times) -> bool:
+    """Whether a run's events may be found beside it."""
+    scene = problem.scene
     return (
-        bool(scene.events)
-        and abs(times.inside[-1]) >= SHORTEST_RUN
-        and made.number.name == "double"
-        and made.tolerance is None
+        abs(times[-1]) >= SHORTEST_RUN
+        and problem.number.name == "double"
+        and problem.tolerance is None
         and scene.form == "principal"
         and not scene.modelled
-        and not made.still
-        and made.quiet_events
+        and not problem.still
+        and problem.quiet_events
     )
 
 
-def rows(
-    run: Run, scene: Scene, made: Problem, times: Schedule, progress: Progress | None
-) -> tuple[Outcome, Rows] | None:
-    """The outcome of a plain run and its rows at the outputs; the run's events are told.
-
-    ``scene``: whose times these are; the problem is shared by scenes of other times.  None where
-    they are not found like this: then heyoka has to look for them on its way.
-    """
-    from polhode.taylor.batches.short_arcs import Hops
-    from polhode.taylor.events.dense_search import Knots, Outlook, Sightings
-    from polhode.taylor.events.stepwise import Watch
-
-    began = time.perf_counter()
-    if "events" in times.kept and times.kept["events"] is None:
-        return None
-    bare = run.problem
-    blueprint = bare.blueprint
-    hops = Hops(blueprint)
-    outlook = made.outlooks.take(made.number) or Outlook(made.scene, blueprint)
-    if "events" not in times.kept:
-        times.kept["events"] = _plan(bare, times, hops, outlook)
-    wanted = cast(Plan | None, times.kept["events"])
-    built = time.perf_counter() - began
-    if wanted is None:
-        return None
-    watch = Watch(scene, made.number, made.rules(scene))
-    outcome, given = run.to(wanted.asked, progress)
-    states = doubles(given)
-    if outcome not in (Outcome.REACHED_END, Outcome.STEP_LIMIT, Outcome.INTERRUPTED):
-        return None
-    began = time.perf_counter()
-    run.build_seconds += built
-    kept = wanted.knots[: int(np.searchsorted(wanted.knots, len(states)))]
-    at = doubles(wanted.asked.inside.grid)[kept]
-    reached = float(run.reached / made.unit)
-    if outcome is Outcome.REACHED_END:
-        reached = float(at[-1])
-    found = Sightings(watch, outlook, hops, blueprint)
-    if not found.find(
-        Knots(at, states[kept], wanted.width, reached), outcome is Outcome.INTERRUPTED
-    ):
-        return None
-    run.events = watch.found()
-    found.release()
-    hops.release()
-    outlook.desk.watch = None
-    made.outlooks.put(made.number, outlook)
-    run.seconds += built + time.perf_counter() - began
-    kept = wanted.outputs[: int(np.searchsorted(wanted.outputs, len(states)))]
-    return outcome, states[kept]
-
-
-def _plan(bare: Problem, times: Schedule, hops: Hops, outlook: Outlook) -> Plan | None:
-    end = float(times.inside[-1])
-    width = _width(doubles(bare.first)[0], end, hops, outlook)
+def planned(problem: Problem, scene: Scene, times: Times) -> Knots | None:
+    """The way, for outputs at these times; None where it needs too many knots."""
+    (hops, outlook), end = _taken(problem), float(times[-1])
+    width = _width(doubles(problem.prepared().first)[0], end, hops, outlook)
+    _left(problem, hops, outlook)
     count = max(_FEWEST_KNOTS, math.ceil(abs(end) / width)) if width else MOST_KNOTS
     if count >= MOST_KNOTS:
         return None
     knots = np.abs(end) * (np.arange(count + 1) / count)
-    asked = np.abs(times.inside.grid)
+    asked = np.abs(times.grid)
     every = np.unique(np.concatenate([knots, asked]))
     signed: Doubles = every if end > 0 else 0.0 - every
-    return Plan(
-        Schedule(ListedTimes(()), Times.of_grid(signed, bare.number)),
+    return Knots(
+        Times.of_grid(signed, problem.number),
         np.searchsorted(every, np.asarray(asked)),
         np.searchsorted(every, knots),
         end / count,
+        problem.rules(scene),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Knots:
+    """Even knots between the outputs.
+
+    ``times``: of both, in the run's unit.  ``outputs`` and ``knots``: which are what.  ``width``:
+    between knots.  ``rules``: what the events are looked for by.
+    """
+
+    times: Times
+    outputs: npt.NDArray[np.intp]
+    knots: npt.NDArray[np.intp]
+    width: float
+    rules: Rules
+    share: ClassVar[float] = 1.0
+
+    def observe(
+        self, problem: Problem, motion: Motion, found: Observed, progress: Progress | None
+    ) -> Observed:
+        """Rows at the outputs, and the events; raises CannotObserve where too much is open."""
+        from polhode.taylor.events import dense_search
+        from polhode.taylor.events.stepwise import Watch
+
+        states, outcome = doubles(found.rows), found.outcome
+        if outcome not in (Outcome.REACHED_END, Outcome.STEP_LIMIT, Outcome.INTERRUPTED):
+            raise CannotObserve("a motion without an end")
+        began = time.perf_counter()
+        hops, outlook = _taken(problem)
+        motion.build_seconds += time.perf_counter() - began
+        watch = Watch(problem.scene, problem.number, self.rules)
+        kept = self.knots[: int(np.searchsorted(self.knots, len(states)))]
+        at = doubles(self.times.grid)[kept]
+        reached = float(found.reached / problem.unit)
+        if outcome is Outcome.REACHED_END:
+            reached = float(at[-1])
+        blueprint = problem.prepared().blueprint
+        sought = dense_search.Sightings(watch, outlook, hops, blueprint)
+        knots = dense_search.Knots(at, states[kept], self.width, reached)
+        if not sought.find(knots, outcome is Outcome.INTERRUPTED):
+            raise CannotObserve("events that are left open")
+        events = watch.found()
+        sought.release()
+        _left(problem, hops, outlook)
+        kept = self.outputs[: int(np.searchsorted(self.outputs, len(states)))]
+        return found._replace(rows=states[kept], events=events)
+
+
+def _taken(problem: Problem) -> tuple[Hops, Outlook]:
+    """What events are sought with, compiled: for one run at a time."""
+    from polhode.taylor.batches.short_arcs import Hops
+    from polhode.taylor.events.dense_search import Outlook
+
+    blueprint = problem.prepared().blueprint
+    outlook = problem.outlooks.take(problem.number) or Outlook(problem.scene, blueprint)
+    return Hops(blueprint), outlook
+
+
+def _left(problem: Problem, hops: Hops, outlook: Outlook) -> None:
+    """Leave it to the next run."""
+    hops.release()
+    outlook.desk.watch = None
+    problem.outlooks.put(problem.number, outlook)
 
 
 def _width(start: Doubles, end: float, hops: Hops, outlook: Outlook) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from polhode.equations.attitude_phase import Panels, Turned, turned
 from polhode.numbers.gauss_lobatto import Lobatto
 from polhode.numbers.rows import Doubles
+from polhode.runs._observers.protocol import CannotObserve
 from polhode.runs.problem.problem import Problem
 
 _DEEPEST = 12  # splits of a panel
@@ -16,29 +17,29 @@ _SPLITS = 4  # for each panel of a run, on the average
 class Halves:
     """What panels of a run turn by, from the states at their nodes or at more of them."""
 
-    def __init__(self, made: Problem) -> None:
-        self._made, self._counted = made, "angles" in made.whole.outputs
+    def __init__(self, problem: Problem) -> None:
+        self._turn, self._counted = problem.turn, "angles" in problem.scene.modelled
+        self._plain = problem.prepared().blueprint
         self._left = 0
 
     def enough(self, panels: Panels, rule: Lobatto) -> float:
         """The fraction of these panels that are settled by their nodes."""
-        return float(turned(panels, rule, self._made.turn, self._counted).settled.mean())
+        return float(turned(panels, rule, self._turn, self._counted).settled.mean())
 
-    def settled(self, panels: Panels, rule: Lobatto, depth: int = 0) -> list[Turned] | None:
-        """What these panels turn by, in parts of any order; None where some cannot be settled."""
-        found = turned(panels, rule, self._made.turn, self._counted)
+    def settled(self, panels: Panels, rule: Lobatto, depth: int = 0) -> list[Turned]:
+        """What these panels turn by, in parts of any order; raises CannotObserve."""
+        found = turned(panels, rule, self._turn, self._counted)
         if found.settled.all():
             return [found]
         splits = int(np.count_nonzero(found.split))
         self._left += 0 if depth else _SPLITS * len(found.split)
         if depth == _DEEPEST or splits > self._left:
-            return None
+            raise CannotObserve("panels that cannot be settled")
         self._left -= splits
         halves = self._halves(panels, rule, found.split)
         done = found.settled
         whole = Turned._make(x[..., done] for x in found)
-        rest = self.settled(halves, rule, depth + 1)
-        return None if rest is None else [whole, *rest]
+        return [whole, *self.settled(halves, rule, depth + 1)]
 
     def _halves(self, panels: Panels, rule: Lobatto, split: Doubles) -> Panels:
         """Both parts of the panels to be split, integrated from where those begin."""
@@ -51,7 +52,7 @@ class Halves:
         at = np.empty((6, 2 * len(which), count), dtype=kind)
         first = panels.length[which] * split[which].astype(kind)
         rest = panels.length[which] - first
-        again = Integrator(self._made.bare.blueprint)
+        again = Integrator(self._plain)
         for i, k in enumerate(which.tolist()):
             again.heyoka.time = kind.type(0)
             again.stand_at(np.concatenate([panels.omega[:, k, 0], panels.gamma[:, k, 0]]))

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import OrderedDict
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
+from typing import NamedTuple
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, plain
+from polhode.equations.form import equations
 from polhode.equations.readout import Readout
 from polhode.equations.system import System
 from polhode.numbers.conversion import exact_number, number_value
@@ -17,10 +19,19 @@ from polhode.numbers.exact import sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Row, Rows
 from polhode.numbers.scalars import AnyNumber, numbers_given, of_mpmath
-from polhode.runs.methods.taylor import Leg, Run
+from polhode.scenes.scene import Scene
 from polhode.taylor.integrator.protocols import Integrating, Mark, Piece
 
 _MOST_BYTES = 2**28  # of polynomials kept at a time
+
+
+class Leg(NamedTuple):
+    """One integrator's part of a motion: its system, when that began, where its chunks began."""
+
+    system: System
+    origin: Fraction
+    marks: list[Mark]
+    projected: bool
 
 
 class Dense:
@@ -34,9 +45,17 @@ class Dense:
     so that the state is that at t and not at a number nearby.
     """
 
-    def __init__(self, run: Run) -> None:
-        self.scene, self.number, self.reached = run.scene, run.number, run.reached
-        self._unit, self._run, self._legs = run.problem.unit, run.afresh(), tuple(run.legs)
+    def __init__(
+        self,
+        scene: Scene,
+        number: NumberType,
+        reached: Fraction,
+        legs: Sequence[Leg],
+        first: Rows,
+        again: Callable[[Leg], Integrating],
+    ) -> None:
+        self.scene, self.number, self.reached = scene, number, reached
+        self._legs, self._first, self._again = tuple(legs), first, again
         self._kept: OrderedDict[int, Sequence[Piece]] = OrderedDict()
         # the leg taken up last, and its integrator
         self._ready: tuple[Leg, Integrating] | None = None
@@ -75,12 +94,13 @@ class Dense:
             raise BadInput(self.scene.name, "t", shown(exact), reach)
         if not isinstance(exact, Fraction):
             exact = NumberType("mp", 2 * self.number.bits + 128).rounded(exact)
-        return exact / self._unit
+        return exact / Fraction(2) ** self.scene.time_unit
 
     def _row(self, t: Fraction) -> Row:
         """The variables of the run's form, in its own unit."""
         if not self._chunks:
-            return self._run.start()
+            first: Row = self._first[0][: len(equations(self.scene).variables)]
+            return first
         from polhode.taylor.backend import heyoka_numbers
 
         index = bisect_right(self._begun, abs(t)) - 1
@@ -112,7 +132,7 @@ class Dense:
         if index not in self._kept:
             leg, mark = self._chunks[index]
             if self._ready is None or self._ready[0] is not leg:
-                self._ready = leg, self._run.again(leg)
+                self._ready = leg, self._again(leg)
             self._kept[index] = self._ready[1].again(mark)
             while len(self._kept) > 1 and self._bytes() > _MOST_BYTES:
                 self._kept.popitem(last=False)

@@ -1,13 +1,13 @@
-"""One integration under way: the equations that the scene needs, marched from time to time."""
+"""Taylor steps: the equations that a plan needs, marched from time to time."""
 
 from __future__ import annotations
 
 import time
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
@@ -19,12 +19,15 @@ from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly, number_value
 from polhode.numbers.exact import ZERO
-from polhode.numbers.rows import Row, Rows
+from polhode.numbers.rows import Rows
+from polhode.runs.methods.dense_output import Dense, Leg
 from polhode.runs.methods.output_loop import march
-from polhode.runs.problem.problem import Problem, Schedule
+from polhode.runs.problem.options import USUAL, Options, cadence
+from polhode.runs.problem.problem import Prepared, Problem
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
-from polhode.taylor.integrator.protocols import Corrector, Integrating, Mark, Watcher
+from polhode.taylor.backend.time_grid import Times
+from polhode.taylor.integrator.protocols import Corrector, Integrating, Watcher
 
 if TYPE_CHECKING:
     from polhode.taylor.events.stepwise import Watch
@@ -33,49 +36,46 @@ if TYPE_CHECKING:
 _OFF_THE_POLE = Fraction(1, 2)
 
 
-class Leg(NamedTuple):
-    """One integrator's part of a run: its system, when that began, and its chunks' beginnings."""
+class TaylorMotion:
+    """A problem on its way by Taylor steps in one number type.
 
-    system: System
-    origin: Fraction
-    marks: list[Mark]
-    projected: bool
-
-
-class Run:
-    """One run of a scene in one number type; rows of its form's variables come out.
-
-    ``project``: steps between two corrections of the state, None for none.  ``scene``: whose times
-    and events are meant, where it is not the problem's own; it differs in its times alone.
+    ``scene``: the problem's own, with the times of this run.  ``variables``: integrated beside the
+    state.  ``watched``: whether its events are looked for as steps are taken.
     """
+
+    method = "taylor"
+    errors: tuple[float | None, ...] | None = None
+    remarks: Mapping[str, str] = {}
 
     def __init__(
         self,
         problem: Problem,
-        max_steps: int | None = None,
-        project: int | None = None,
-        scene: Scene | None = None,
+        scene: Scene,
+        variables: tuple[str, ...] = (),
+        watched: bool = False,
+        options: Options = USUAL,
     ) -> None:
-        self.problem, self.number = problem, problem.number
-        self.scene = problem.scene if scene is None else scene
-        self.max_steps = max_steps
+        self.problem, self.number, self.scene = problem, problem.number, scene
+        self.variables, self.watched, self.options = variables, watched, options
+        self.read = problem.read
         self.steps = 0
         self.reached = ZERO
-        self.build_seconds = self.seconds = 0.0
+        self.build_seconds = 0.0
         self.events: tuple[EventTimes, ...] = ()
         self.legs: list[Leg] = []
         self.projection: Projection | None = None
-        self._every = project
         self._watch: Watcher | None = None
         self._working: Integrating | None = None
 
-    def afresh(self) -> Run:
-        """The same run before its start."""
-        return Run(self.problem, self.max_steps, self._every, self.scene)
+    def interpolant(self, reached: Fraction) -> Dense:
+        """The state at any time up to the one that was reached."""
+        first = self._prepared.first
+        return Dense(self.scene, self.number, reached, self.legs, first, self.again)
 
-    def start(self) -> Row:
-        """The start of the variables, in the run's own unit, rounded to its type."""
-        return self.problem.first[0][: len(self.problem.form.variables)]
+    @property
+    def begun(self) -> list[Fraction]:
+        """Where the steps' clock began anew."""
+        return [mark.offset for leg in self.legs for mark in leg.marks]
 
     def again(self, leg: Leg) -> Integrating:
         """An integrator that takes a leg's steps again, without looking for events."""
@@ -85,14 +85,23 @@ class Run:
         corrector = self._corrector(leg.system.form, watch) if leg.projected else None
         return self._built(leg.system, leg.origin, watch, corrector)
 
-    def to(self, asked: Schedule, progress: Progress | None = None) -> tuple[Outcome, Rows]:
-        """The outcome, and rows at the times, as far as they were reached."""
+    def _next_leg(
+        self, what: System, origin: Fraction, watch: Watcher | None, corrector: Corrector | None
+    ) -> Integrating:
+        """The integrator of the next leg."""
+        built = self._built(what, origin, watch, corrector)
+        self.legs.append(Leg(what, origin, built.marks, corrector is not None))
+        return built
+
+    def advance(
+        self, times: Sequence[Fraction], progress: Progress | None = None
+    ) -> tuple[Rows, Outcome]:
+        """Rows at the times, in the run's own unit, as far as they were reached; the outcome."""
         from polhode.taylor.backend import heyoka_numbers
 
-        began = time.perf_counter()
         try:
             watch = self._watch = self._new_watch()
-            outcome, rows = self._to(asked, progress)
+            rows, outcome = self._to(Times.of(times, self.number), progress)
         except heyoka_numbers.OutOfRange as fault:
             expected = f"a type of wider range ({fault})"
             raise BadInput(self.scene.name, "number", self.number.name, expected) from None
@@ -102,40 +111,44 @@ class Run:
                 self.events = tuple(event.until(self.reached) for event in self.events)
             if self._working is not None and outcome.done:
                 self._working.release()
-        self.seconds = time.perf_counter() - began
-        return outcome, rows
+            self._watch = self._working = None
+        return rows, outcome
 
-    def _to(self, asked: Schedule, progress: Progress | None) -> tuple[Outcome, Rows]:
-        problem, inside = self.problem, asked.inside
+    @property
+    def _prepared(self) -> Prepared:
+        return self.problem.prepared(self.variables)
+
+    def _to(self, times: Times, progress: Progress | None) -> tuple[Rows, Outcome]:
+        problem = self.problem
         if problem.still:
-            return self._stand_still(asked, progress)
+            return self._stand_still(times, progress)
         began = time.perf_counter()
-        whole = problem.whole
-        rows = problem.first[: inside[0] == 0]
+        prepared = self._prepared
+        whole, rows = prepared.system, prepared.first[: times[0] == 0]
         self.build_seconds += time.perf_counter() - began
-        if len(rows) == len(inside):
-            return Outcome.REACHED_END, rows
+        if len(rows) == len(times):
+            return rows, Outcome.REACHED_END
         if problem.singular:
-            return Outcome.SINGULAR, rows
+            return rows, Outcome.SINGULAR
         origin = ZERO
-        if "angles" in self.scene.modelled and self.scene.starts_at_pole:
-            whole, origin = self._off_the_pole(whole, inside[len(rows)])
+        if "angles" in self.variables and self.scene.starts_at_pole:
+            whole, origin = self._off_the_pole(whole, times[len(rows)])
             if not isinstance(rows, list):  # a motion that stays at the pole has no angles
                 rows = rows[:, : len(whole.start)]
-        rows, outcome = self._advanced(whole, origin, asked, rows, progress)
-        return outcome, rows[: self._before_stop(asked.exact, len(rows))]
+        rows, outcome = self._advanced(whole, origin, times, rows, progress)
+        return rows[: self._before_stop(times, len(rows))], outcome
 
     def _before_stop(self, times: Sequence[Fraction], count: int) -> int:
         """How many of the first times are not beyond an event that ended the run."""
         if not self._stopped:
             return count
-        return bisect_right(times, abs(self.reached), hi=count, key=abs)
+        return bisect_right(times, abs(self.reached / self.problem.unit), hi=count, key=abs)
 
     def _advanced(
         self,
         whole: System,
         origin: Fraction,
-        asked: Schedule,
+        times: Times,
         rows: Rows,
         progress: Progress | None,
     ) -> tuple[Rows, Outcome]:
@@ -144,18 +157,19 @@ class Run:
         outcome = Outcome.STOPPED_AT_EVENT
         if not self._stopped:
             corrector = self._corrector(whole.form, self._watch)
-            integrator = self._built(whole, origin, self._watch, corrector)
+            integrator = self._next_leg(whole, origin, self._watch, corrector)
             self._refuse_what_never_moves()
             choices = defaults.of(self.number)
-            limit = self.max_steps if self.max_steps is not None else choices.max_steps
-            rows, outcome = march(integrator, asked.inside, rows, limit, choices.chunk, progress)
+            most = self.options.max_steps
+            limit = choices.max_steps if most is None else most
+            rows, outcome = march(integrator, times, rows, limit, choices.chunk, progress)
             if corrector is not None:
                 self.projection = corrector.found()
                 self.build_seconds += corrector.seconds
             self.steps += integrator.steps
             # the end itself, not its rounding relative to where the last chunk began
             done = outcome is Outcome.REACHED_END
-            last = asked.inside[-1] if done else integrator.time
+            last = times[-1] if done else integrator.time
             self.reached = last if problem.unit == 1 else last * problem.unit
             if self._watch is not None:
                 self._working = integrator  # its events are told first
@@ -165,25 +179,22 @@ class Run:
             self.reached = self.number.rounded(self._watch.stop) * problem.unit
         return rows, outcome
 
-    def _stand_still(self, asked: Schedule, progress: Progress | None) -> tuple[Outcome, Rows]:
+    def _stand_still(self, times: Times, progress: Progress | None) -> tuple[Rows, Outcome]:
         """Rows of a state that never changes; only its events, those of t, need an integrator."""
-        times, inside = asked.exact, asked.inside
-        rows = self.problem.rows(
+        unit, prepared = self.problem.unit, self._prepared
+        rows = prepared.rows(
             [
-                [number_value(x, self.number) for x in equilibrium.variables(self.scene, t)]
+                [number_value(x, self.number) for x in equilibrium.variables(self.scene, t * unit)]
                 for t in times
             ]
         )
-        outcome, self.reached = Outcome.REACHED_END, times[-1]
+        outcome, self.reached = Outcome.REACHED_END, times[-1] * unit
         if self._watch is None or self.reached == 0:
-            return outcome, rows
+            return rows, outcome
         whole = replace(system(self.scene, ()), still=True)
-        columns = len(whole.start)
-        passed = [row[:columns] for row in rows[: inside[0] == 0]]
-        watched, outcome = self._advanced(
-            whole, Fraction(0), asked, self.problem.rows(passed), progress
-        )
-        return outcome, rows[: self._before_stop(times, len(watched))]
+        passed = [row[: len(whole.start)] for row in rows[: times[0] == 0]]
+        watched, outcome = self._advanced(whole, ZERO, times, prepared.rows(passed), progress)
+        return rows[: self._before_stop(times, len(watched))], outcome
 
     def _corrector(self, form: Form, watch: Watcher | None) -> Corrector | None:
         """What corrects the state now and then; None where nothing does."""
@@ -191,15 +202,17 @@ class Run:
             from polhode.taylor.corrections.quaternion_norm import UnitNorm
 
             return UnitNorm(form.unit, self.number)
-        if self._every is None or self.problem.still:
+        problem = self.problem
+        every = cadence(self.scene, self.number, problem.tolerance, self.options.project)
+        if every is None or problem.inputs is not None or problem.still:
             return None
         from polhode.taylor.corrections.integral_projection import Projector
 
-        return Projector(self.problem.target, self._every, watch)
+        return Projector(problem.target, every, watch)
 
     def _new_watch(self) -> Watch | None:
-        """What looks for the scene's events; None for a scene without any."""
-        if not self.scene.events:
+        """What looks for the scene's events; None where they are not watched."""
+        if not self.watched:
             return None
         from polhode.taylor.events.stepwise import Watch
 
@@ -235,17 +248,17 @@ class Run:
         watch: Watcher | None,
         corrector: Corrector | None,
     ) -> Integrating:
-        """The integrator of a leg of the run."""
+        """An integrator that stands at the start of a system."""
         from polhode.taylor.integrator.build import blueprint
         from polhode.taylor.integrator.stepping import Integrator
 
-        began, problem = time.perf_counter(), self.problem
-        plan = problem.blueprint if what is problem.whole else None
-        if plan is None:
-            plan = blueprint(what, self.number, problem.tolerance)
+        began, prepared = time.perf_counter(), self._prepared
+        if what is prepared.system:
+            plan = prepared.blueprint
+        else:
+            plan = blueprint(what, self.number, self.problem.tolerance)
         built = Integrator(plan, origin, watch, corrector)
         self.build_seconds += time.perf_counter() - began
-        self.legs.append(Leg(what, origin, built.marks, corrector is not None))
         return built
 
     def _off_the_pole(self, whole: System, first: Fraction) -> tuple[System, Fraction]:
@@ -256,8 +269,8 @@ class Run:
         the pole has no psi and phi at all.
         """
         moment = max(-_OFF_THE_POLE, min(_OFF_THE_POLE, first / 2))
-        bridge = self.problem.rounded(system(self.scene, ("attitude",)))
-        leading = self._built(bridge, Fraction(0), self._watch, None)
+        bridge = self.problem.system(("attitude",))
+        leading = self._next_leg(bridge, Fraction(0), self._watch, None)
         self._refuse_what_never_moves()
         found, outcome = leading.chunk([moment], 10**6)
         self.steps += leading.steps

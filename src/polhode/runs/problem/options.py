@@ -1,10 +1,11 @@
-"""What was asked of a run, checked: number type, times and tolerance."""
+"""How a run is to be made, checked where it is asked for: number type, times, tolerance, method."""
 
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import NamedTuple
 
-from polhode.common.arguments import of_kind, whole
+from polhode.common.arguments import of_kind, steps, whole
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exact_number
@@ -13,6 +14,54 @@ from polhode.numbers.scalars import AnyNumber
 from polhode.scenes.output_times import OutputTimes
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
+
+METHODS = ("auto", "taylor", "refined")
+
+
+class Options(NamedTuple):
+    """How a scene is run in a number type; :func:`checked_options` checks what a user gives.
+
+    ``tolerance``: of a step, the type's eps where it is None.  ``inputs``: the narrower type that
+    start and coefficients are rounded to first.  ``digits``: those wanted, where the method can
+    see to it by itself.
+    """
+
+    method: str = "auto"
+    max_steps: int | None = None
+    project: bool | int | None = None
+    tolerance: Fraction | None = None
+    inputs: NumberType | None = None
+    digits: int | None = None
+
+
+USUAL = Options()
+
+
+def checked_options(
+    scene: Scene, number: NumberType, given: Options, tol: AnyNumber | None
+) -> Options:
+    """Options as a user gives them, and the tolerance, checked; raises BadInput."""
+    most = given.max_steps
+    check_method(scene, given.method)
+    return given._replace(
+        max_steps=None if most is None else steps(scene.name, most),
+        project=corrections(scene, given.project),
+        tolerance=rounded_tolerance(scene, number, tol),
+    )
+
+
+def check_method(scene: Scene, method: str) -> None:
+    """Raise BadInput for a method that is none."""
+    of_kind(scene.name, "method", method, str, ", ".join(METHODS))
+    if method not in METHODS:
+        raise BadInput(scene.name, "method", method, nearest(method, list(METHODS)))
+
+
+def corrections(scene: Scene, project: bool | int | None) -> bool | int | None:
+    """Whether, or after how many steps, the state is corrected, checked; None: as types have it."""
+    if project is None or isinstance(project, bool):
+        return project
+    return whole(scene.name, "project", project, 1)
 
 
 def choose_number(
@@ -76,11 +125,9 @@ def cadence(
     scene: Scene, number: NumberType, tolerance: Fraction | None, project: bool | int | None
 ) -> int | None:
     """Steps between two corrections of the run, None for none."""
-    if project is not None and not isinstance(project, bool):
-        project = whole(scene.name, "project", project, 1)
+    choices = defaults.of(number)
     if project is None:
-        full = tolerance is None or tolerance <= number.eps
-        project = full and defaults.of(number).projected
+        project = choices.projected and (tolerance is None or tolerance <= number.eps)
     if scene.form != "principal" or project is False:
         return None
-    return defaults.of(number).project_every if project is True else project
+    return choices.project_every if project is True else project

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields
 from fractions import Fraction
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from polhode.common.cached_property import cached_property
 from polhode.common.recent import Recent
@@ -13,7 +13,7 @@ from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
 from polhode.equations.system import System, system
-from polhode.numbers.conversion import joined, number_value, to_extended
+from polhode.numbers.conversion import number_value, to_extended
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Extendeds, Row, Rows
@@ -77,41 +77,28 @@ class Problem:
         away = self.form.distance(self.form.start, self.form.coefficients, EXACT)
         return away is not None and bool(away <= nearest(self.number))
 
-    @cached_property
-    def apart(self) -> bool:
-        """Whether attitude and angles may be had from a plain run's states, in double and extended.
-
-        Not beside events, whose expressions take part in choosing the steps, and no angles from a
-        pole on (polhode.runs._observers.attitude_lanes).
-        """
-        scene = self.scene
-        return (
-            self.number.flat
-            and bool(scene.modelled)
-            and scene.form == "principal"
-            and scene.gamma is not None
-            and not scene.events
-            and not self.still
-            and not ("angles" in scene.modelled and scene.starts_at_pole)
-        )
-
     @property
     def full(self) -> bool:
         """Whether inputs and steps are as accurate as the number type is."""
         tolerance = self.tolerance
         return self.inputs is None and (tolerance is None or tolerance <= self.number.eps)
 
-    @cached_property
-    def whole(self) -> System:
-        """The equations with all that the outputs ask for."""
-        return self.rounded(system(self.scene, self.scene.modelled))
+    def prepared(self, variables: tuple[str, ...] = ()) -> Prepared:
+        """The equations of the state, and of what is integrated beside it."""
+        found = self._prepared.get(variables)
+        if found is None:
+            made = Prepared(self.system(variables), self.number, self.tolerance)
+            found = self._prepared.setdefault(variables, made)  # another thread's may be there
+        return found
 
     @cached_property
-    def blueprint(self) -> Blueprint:
-        """What an integrator of the whole is built from."""
-        from polhode.taylor.integrator.build import blueprint
+    def _prepared(self) -> dict[tuple[str, ...], Prepared]:
+        return {}
 
-        return blueprint(self.whole, self.number, self.tolerance)
+    def system(self, variables: tuple[str, ...] = ()) -> System:
+        """The same, not kept: its inputs rounded to the narrower type, where that is wanted."""
+        found = system(self.scene, variables)
+        return found if self.inputs is None else found.rounded(self.inputs)
 
     @cached_property
     def target(self) -> Target:
@@ -119,11 +106,6 @@ class Problem:
         from polhode.taylor.corrections.integral_projection import Target
 
         return Target(self.scene, self.number)
-
-    @cached_property
-    def first(self) -> Rows:
-        """The start of the whole as the one row of a run; not to be written to."""
-        return self.rows([[number_value(x, self.number) for x in self.whole.start]])
 
     @cached_property
     def turn(self) -> Extendeds | None:
@@ -141,30 +123,6 @@ class Problem:
         assert self.scene.gamma is not None
         q = kinematics.starting_attitude(self.scene.gamma, self.scene.psi)
         return np.array([to_extended(x) for x in (*q, self.scene.psi)])
-
-    def rounded(self, what: System) -> System:
-        """A system with its inputs rounded to the narrower type, where that was asked for."""
-        return what if self.inputs is None else what.rounded(self.inputs)
-
-    def rows(self, rows: Sequence[Row]) -> Rows:
-        """Rows of the run's numbers, as a run holds them: an array, or a list above extended."""
-        if not self.number.flat:
-            return [[*row] for row in rows]
-        import numpy as np
-
-        width = len(rows[0]) if rows else len(self.whole.start)
-        wide = np.array(rows, dtype=np.longdouble).reshape(-1, width)
-        return wide if self.number.name == "extended" else wide.astype(np.float64)
-
-    def joined(self, parts: Sequence[Rows]) -> Rows:
-        """Several parts' rows in one."""
-        return joined(parts, self.number)
-
-    @cached_property
-    def bare(self) -> Problem:
-        """The problem without outputs and events."""
-        bare = replace(self.scene, outputs=(), events=())
-        return Problem(bare, self.number, self.tolerance, self.inputs)
 
     @cached_property
     def quiet_events(self) -> bool:
@@ -200,32 +158,58 @@ class Problem:
         return found
 
     def rules(self, scene: Scene) -> Rules:
-        """What a run's watch goes by, kept with the times: t in an event is as large as those."""
+        """What the events are looked for by, kept with the times: t in one is as large as those."""
         from polhode.taylor.events.rules import Rules
 
-        kept = self.schedule(scene).kept
-        if "rules" not in kept:
-            kept["rules"] = Rules(scene, self.number, self.tolerance, self.still)
-        return cast("Rules", kept["rules"])
+        def made() -> Rules:
+            return Rules(scene, self.number, self.tolerance, self.still)
+
+        return _rules.get(self.schedule(scene), None, made)
 
     @cached_property
     def _schedules(self) -> list[tuple[OutputTimes[Exact], Schedule]]:
         return []
 
 
+class Prepared:
+    """A system of equations as its runs begin with it, in one number type.  Immutable."""
+
+    def __init__(self, system: System, number: NumberType, tolerance: Fraction | None) -> None:
+        self.system, self.number, self.tolerance = system, number, tolerance
+
+    @cached_property
+    def blueprint(self) -> Blueprint:
+        """What an integrator is built from."""
+        from polhode.taylor.integrator.build import blueprint
+
+        return blueprint(self.system, self.number, self.tolerance)
+
+    @cached_property
+    def first(self) -> Rows:
+        """The start as the one row of a run; not to be written to."""
+        return self.rows([[number_value(x, self.number) for x in self.system.start]])
+
+    def rows(self, rows: Sequence[Row]) -> Rows:
+        """Rows of the run's numbers, as a run holds them: an array, or a list above extended."""
+        if not self.number.flat:
+            return [[*row] for row in rows]
+        import numpy as np
+
+        width = len(rows[0]) if rows else len(self.system.start)
+        wide = np.array(rows, dtype=np.longdouble).reshape(-1, width)
+        return wide if self.number.name == "extended" else wide.astype(np.float64)
+
+
 @dataclass(frozen=True, eq=False)
 class Schedule:
-    """Times rounded to a run's type: ``exact``, and ``inside`` its own unit.
-
-    ``kept``: what else depends on the times, by name: each observer's plan, the events' rules.
-    """
+    """Output times rounded to a run's type: ``exact``, and ``inside`` its own unit."""
 
     exact: OutputTimes[Fraction]
     inside: Times
-    kept: dict[str, object] = field(default_factory=dict)
 
 
 _kept: Recent[Problem] = Recent(16)
+_rules: Recent[Rules] = Recent(1)
 
 
 def problem(

@@ -15,7 +15,7 @@ from polhode.common.progress import Progress, bar
 from polhode.common.provenance import provenance
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
-from polhode.runs.methods.refined import check_method
+from polhode.runs.problem.options import check_method
 from polhode.runs.sweep import refined_members
 from polhode.runs.sweep.ensemble import Ensemble
 from polhode.runs.sweep.plan import Plan, planned

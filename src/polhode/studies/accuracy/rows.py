@@ -8,6 +8,7 @@ from typing import Any
 
 from polhode.common.executors import cores, in_order
 from polhode.common.provenance import digest
+from polhode.judging.adaptive_precision import integrate
 from polhode.judging.conditioning.conditioning import Conditioning, conditioning
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.correct_digits import worst_digits
@@ -15,7 +16,6 @@ from polhode.judging.references.reference import Remembered
 from polhode.judging.references.reference import reference as reference_of
 from polhode.judging.score.compare import compare
 from polhode.numbers import conversion, decimals, number_types
-from polhode.runs.integrate import integrate
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene

@@ -15,11 +15,11 @@ from polhode.common.executors import cores, in_order
 from polhode.common.progress import Message
 from polhode.enclosures import fixed_point_problem, precision_choice
 from polhode.enclosures.certify import certify
+from polhode.judging.adaptive_precision import integrate
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.studies.row_filter import Only

@@ -18,9 +18,9 @@ import numpy as np
 from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections.section import section
 from polhode.equations.forms import principal
+from polhode.judging.adaptive_precision import integrate
 from polhode.numbers.conversion import exactly, to_double
 from polhode.peers.field import TERMS, returning
-from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.studies.row_filter import Only

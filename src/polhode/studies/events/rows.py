@@ -12,11 +12,11 @@ from typing import Any
 from polhode.common.executors import cores, in_order
 from polhode.common.progress import Message
 from polhode.enclosures.events import certify_events
+from polhode.judging.adaptive_precision import integrate
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import decimals, exact, number_types
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 from polhode.common.errors import BadInput
 from polhode.common.executors import cores, in_order
 from polhode.equations.form import source
+from polhode.judging.adaptive_precision import integrate
 from polhode.judging.references.reference import Remembered
 from polhode.judging.references.reference import reference as reference_of
 from polhode.judging.score.compare import compare
-from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.body import Body, Vector
 from polhode.scenes.output_times import even_times

@@ -12,9 +12,9 @@ import numpy as np
 from polhode.equations.hodographs import turned
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.sphere import apex
+from polhode.judging.adaptive_precision import integrate
 from polhode.judging.references.reference import reference as reference_of
 from polhode.judging.score.compare import compare
-from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.output_times import even_times
 from polhode.studies.row_filter import Only

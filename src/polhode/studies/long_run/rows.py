@@ -21,12 +21,12 @@ from typing import Any, NamedTuple
 from polhode.common.executors import in_order
 from polhode.common.progress import Message
 from polhode.equations.integrals import departures
+from polhode.judging.adaptive_precision import integrate
 from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.correct_digits import errors, rate_scale
 from polhode.judging.references.reference import Reference
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.number_types import DOUBLE, bits_for
-from polhode.runs.integrate import integrate
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import TOPS, random_scene
 from polhode.studies.long_run import growth, late_time

@@ -15,12 +15,12 @@ from typing import Any, NamedTuple
 
 from polhode.common.executors import cores, in_order
 from polhode.common.progress import Message
+from polhode.judging.adaptive_precision import integrate
 from polhode.judging.correct_digits import digits_of, rate_scale
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, bits_for
 from polhode.numbers.rows import Rows
-from polhode.runs.integrate import integrate
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import TOPS, random_scene

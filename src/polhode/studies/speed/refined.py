@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
+from polhode.judging.adaptive_precision import integrate
 from polhode.judging.correct_digits import worst_digits
 from polhode.judging.references.reference import reference
 from polhode.numbers import number_types
 from polhode.numbers.rows import Given
-from polhode.runs.integrate import integrate
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene

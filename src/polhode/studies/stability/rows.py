@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 from polhode.common.executors import cores, in_order
 from polhode.common.progress import Message
 from polhode.equations.equilibrium import at_rest
+from polhode.judging.adaptive_precision import integrate
 from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import number_types
-from polhode.runs.integrate import integrate
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.studies.accuracy.rows import case_rows

@@ -10,12 +10,12 @@ from typing import Any
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.readout import Readout
 from polhode.equations.system import system
+from polhode.judging.adaptive_precision import integrate
 from polhode.judging.correct_digits import errors, rate_scale
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, number_value, to_mpf
 from polhode.numbers.number_types import NumberType, bits_for
 from polhode.numbers.rows import Given, Row, Rows
-from polhode.runs.integrate import integrate
 from polhode.scenes.body import Body, dot, scaled
 from polhode.scenes.scene import Scene
 from polhode.taylor.integrator.protocols import Integrating

@@ -1,0 +1,254 @@
+"""A refined motion (polhode.refined): steps in double, corrected by exact arithmetic."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+
+from polhode.common.progress import Progress
+from polhode.equations import kinematics
+from polhode.equations.form import equations
+from polhode.equations.readout import Readout
+from polhode.motion.outcomes import EventTimes, Outcome, Projection
+from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
+from polhode.numbers.exact import ZERO
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Doubles, Row, Rows
+from polhode.numbers.scalars import AnyNumber, Real, Scalar, numbers_given
+from polhode.refined.attitude import Attitude, Following
+from polhode.refined.errors import CannotRefine, Stalled
+from polhode.refined.events import Search
+from polhode.refined.refinement import MOST_DIGITS, Accuracy, Motion, accuracy, refine
+from polhode.runs.methods.dense_output import Dense
+from polhode.runs.problem.options import USUAL, Options
+from polhode.runs.problem.problem import Problem
+from polhode.scenes.scene import Scene
+
+_MORE_DIGITS, _OTHER_INTERVALS = 10, 5  # of a second run, which tells the error of the first
+_PARTED = 1e-2  # so far apart two runs say nothing of each other
+_GUARD = 16  # bits for what is read from states
+_TRIES = 3  # with more digits each, until the estimate holds those asked for
+
+
+class RefinedMotion:
+    """A problem on its way by refinement, in the principal form.
+
+    What the scene wants beside the state, and its events, are refined with it.  ``errors``: largest
+    error over the columns of each state, absolute, its rounding to the number type included; None
+    where the motion multiplies errors too much for an estimate.
+    """
+
+    method = "refined"
+    projection: Projection | None = None
+    begun: Sequence[Fraction] = ()
+
+    def __init__(
+        self,
+        problem: Problem,
+        scene: Scene,
+        variables: tuple[str, ...] = (),
+        watched: bool = False,
+        options: Options = USUAL,
+    ) -> None:
+        plain = scene if scene.form == "principal" else replace(scene, form="principal")
+        self.scene, self.number = plain, problem.number
+        self.variables, self.watched, self.options = variables, watched, options
+        self.read = Readout(plain, problem.number)
+        self.steps, self.reached, self.build_seconds = 0, ZERO, 0.0
+        self.events: tuple[EventTimes, ...] = ()
+        self.errors: tuple[float | None, ...] | None = None
+        self.remarks: Mapping[str, str] = {}
+        if plain is not scene:
+            self.remarks = {"refined in": "principal axes, the same states"}
+        self._found: Motion
+
+    def advance(
+        self, times: Sequence[Fraction], progress: Progress | None = None
+    ) -> tuple[Rows, Outcome]:
+        """Rows at the times: the form's variables as rationals, then numbers of the run's type.
+
+        With more digits until the estimate holds those wanted, where it can.  Raises CannotRefine.
+        """
+        scene, number, times = self.scene, self.number, [*times]
+        wanted, digits = max(34, int(number.most_digits)), self.options.digits
+        for _ in range(_TRIES):
+            try:
+                search, found = self._run(times, wanted, progress)
+            except Stalled:  # near a separatrix
+                wanted += _MORE_DIGITS
+                search, found = self._run(times, wanted, progress)
+            told = found.estimate.errors
+            if len(told) and not found.stopped and not math.isfinite(told.max()):
+                told = self._by_a_second_run(found, wanted, progress)
+            lacking = 0 if digits is None else _lacking(found, told, digits)
+            if not 0 < lacking <= MOST_DIGITS - wanted or found.stopped:
+                break
+            wanted += lacking
+        outcome = Outcome(found.stopped) if found.stopped else Outcome.REACHED_END
+        at_event = outcome is Outcome.STOPPED_AT_EVENT
+        last = number.rounded(found.reached) if at_event else found.reached
+        self._found, self.steps = found, found.steps
+        self.reached = last * Fraction(2) ** scene.time_unit
+        rows = [found.exactly(i) for i in range(len(found.states))]
+        self.errors = _errors(scene, number, told, rows)
+        if search is not None:
+            self.events = _events(scene, number, search, found)
+        count = len(equations(scene).variables)
+        turned: list[list[Real]] = [[]] * len(rows)
+        if found.attitudes is not None:
+            turned = _turned(scene, number, found.attitudes)
+        whole: list[list[Scalar]] = [
+            [*row[:count], *more] for row, more in zip(rows, turned, strict=True)
+        ]
+        return whole, outcome
+
+    def interpolant(self, reached: Fraction) -> RefinedDense:
+        """The state at any time up to the one that was reached."""
+        return RefinedDense(self.scene, self.number, reached, self._found)
+
+    def _run(
+        self, times: Sequence[Fraction], wanted: int, progress: Progress | None
+    ) -> tuple[Search | None, Motion]:
+        """One refinement to so many digits, with a search and a following of its own."""
+        scene = self.scene
+        search = Search(scene, self.number) if self.watched else None
+        following = None
+        if self.variables:
+            finest = accuracy(wanted).limbs.finest
+            following = Following(scene, finest, "angles" in self.variables)
+        return search, refine(
+            scene,
+            times,
+            accuracy(wanted),
+            progress=progress,
+            max_steps=self.options.max_steps,
+            search=search,
+            following=following,
+        )
+
+    def _by_a_second_run(self, found: Motion, wanted: int, progress: Progress | None) -> Doubles:
+        """Errors as the estimates are; where infinite, twice the distance from another run.
+
+        That one has other intervals and so many more digits that the distance is the first run's
+        error.  Still infinite from where on the two have parted, or the second did not come.
+        """
+        errors: Doubles = found.estimate.errors.copy()
+        digits = wanted + _MORE_DIGITS
+        if digits > MOST_DIGITS:
+            return errors
+        most = self.options.max_steps
+        steps = None if most is None else 2 * most
+        wider = accuracy(digits)
+        try:
+            other = refine(
+                self.scene, found.times, wider, _OTHER_INTERVALS, progress=progress, max_steps=steps
+            )
+        except CannotRefine:
+            return errors
+        for i in range(len(other.states)):
+            pairs = zip(found.exactly(i), other.exactly(i), strict=True)
+            apart = [abs(float(a - b)) for a, b in pairs]
+            if max(apart) > _PARTED:
+                break
+            if not np.isfinite(errors[i]).all():
+                errors[i] = 2 * max(apart[:3]), 2 * max(apart[3:])
+        return errors
+
+
+def accuracy_for(number: NumberType) -> Accuracy:
+    """What a run in a number type is refined to, at first."""
+    return accuracy(max(34, int(number.most_digits)))
+
+
+def _turned(scene: Scene, number: NumberType, attitudes: list[Attitude]) -> list[list[Real]]:
+    """Quaternion, psi and phi as a run's rows have them behind the state, what is asked of them.
+
+    psi is the sum of the arguments of q0 + i q3 and q1 + i q2; phi only tells its branch.
+    """
+    from polhode.numbers.mpmath_context import mpmath, ordinary
+
+    bits, found = number.bits + _GUARD, []
+    assert scene.gamma is not None  # else a scene has no outputs
+    phi_0 = to_double(kinematics.starting_phi(scene.gamma))
+    with mpmath.workprec(bits):
+        psi_0 = to_mpf(scene.psi, bits)
+        for quaternion, (sum_half, difference_half) in attitudes:
+            row = []
+            if "attitude" in scene.modelled:
+                row += [number_value(x, number) for x in quaternion]
+            if "angles" in scene.modelled:
+                q0, q1, q2, q3 = (to_mpf(x, bits) for x in quaternion)
+                psi = mpmath.atan2(q3, q0) + mpmath.atan2(q2, q1)
+                near, whole = psi_0 + sum_half + difference_half, 2 * mpmath.pi
+                psi += whole * mpmath.nint((near - psi) / whole)
+                phi = mpmath.mpf(phi_0 + sum_half - difference_half)
+                row += [number_value(exactly(psi), number), ordinary(phi)]
+            found.append(row)
+    return found
+
+
+def _events(
+    scene: Scene, number: NumberType, search: Search, found: Motion
+) -> tuple[EventTimes, ...]:
+    """The events in scene axes and units, in order of integration."""
+    read, unit = Readout(scene, number), Fraction(2) ** scene.time_unit
+    count = len(equations(scene).variables)
+    return tuple(
+        EventTimes(
+            name=event.name,
+            times=tuple(number.rounded(m.time) * unit for m in marks),
+            states=read.states([m.row[:count] for m in marks]),
+            grazing=tuple(m.slope == 0 for m in marks),
+            complete=complete,
+        )
+        for event, (marks, complete) in zip(
+            scene.events, search.sorted_out(found.reached), strict=True
+        )
+    )
+
+
+def _lacking(found: Motion, errors: Doubles, digits: int) -> int:
+    """How many more digits the errors ask for; 0 where they are infinite: no more would help."""
+    if not len(errors) or not math.isfinite(errors.max()):
+        return 0
+    fastest = max(abs(x) for row in found.states for x in row[:3]) / 2.0**found.bits
+    worst = max(errors[:, 0].max() / (fastest or 1.0), errors[:, 1].max())
+    return max(0, math.ceil(digits + math.log10(worst)))
+
+
+def _errors(
+    scene: Scene, number: NumberType, told: Doubles, rows: list[list[Fraction]]
+) -> tuple[float | None, ...]:
+    """The estimate of each row in the scene's axes and units, rounded to its type."""
+    turned = 1.0 if scene.body.axes.trivial else math.sqrt(3.0)  # of a vector's largest component
+    scale, half_eps = 2.0**-scene.time_unit, float(number.eps) / 2
+    errors: list[float | None] = []
+    for row, (omega, gamma) in zip(rows, told.tolist(), strict=True):
+        w, g = (float(max(map(abs, part))) for part in (row[:3], row[3:]))
+        error = turned * max(scale * (omega + half_eps * w), gamma + half_eps * g)
+        errors.append(error if math.isfinite(error) else None)
+    return tuple(errors)
+
+
+class RefinedDense(Dense):
+    """A refined run's state at any time: refined again from the block before it."""
+
+    def __init__(self, scene: Scene, number: NumberType, reached: Fraction, motion: Motion) -> None:
+        self.scene, self.number, self.reached = scene, number, reached
+        self._unit = Fraction(2) ** scene.time_unit
+        self._motion = motion
+
+    def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> Row | Rows:
+        """The state at t, or rows at several times; see
+        :class:`polhode.runs.methods.dense_output.Dense`."""
+        given, several = numbers_given(t)
+        times = [self._time(x) for x in given]
+        count = len(equations(self.scene).variables)
+        bits = self._motion.bits
+        rows = [[Fraction(x, 1 << bits) for x in row[:count]] for row in self._motion.at(times)]
+        states = Readout(self.scene, self.number).states(rows)
+        return states if several else states[0]

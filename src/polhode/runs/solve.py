@@ -1,0 +1,135 @@
+"""Scene, number type and options to trajectory: methods and plans in turn, until one serves."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable, Iterator, Mapping
+from typing import TypeAlias, cast
+
+from polhode.common.errors import BadInput
+from polhode.common.progress import Progress
+from polhode.common.provenance import provenance
+from polhode.motion.outcomes import Outcome
+from polhode.motion.protocols import CannotSolve, Motion
+from polhode.numbers.number_types import NumberType
+from polhode.runs._observers.protocol import CannotObserve, Observed
+from polhode.runs.methods import refined
+from polhode.runs.methods.taylor import TaylorMotion
+from polhode.runs.plan import Plan, plans
+from polhode.runs.problem.options import USUAL, Options
+from polhode.runs.problem.problem import Problem, problem
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes.scene import Scene
+
+#: What begins a motion of a problem: see :class:`polhode.runs.methods.taylor.TaylorMotion`.
+Method: TypeAlias = Callable[[Problem, Scene, tuple[str, ...], bool, Options], Motion]
+
+_LOG = logging.getLogger("polhode")
+
+
+def solve(
+    scene: Scene,
+    number: NumberType,
+    options: Options = USUAL,
+    progress: Progress | None = None,
+    *,
+    interruptible: bool = True,
+) -> Trajectory:
+    """Solve the Euler–Poisson equations (3.29) of a scene in one number type, once.
+
+    Ctrl-C ends the run within a second, and the trajectory holds what was reached; of a run on the
+    way to something else, not ``interruptible``, it goes on as KeyboardInterrupt.  Raises BadInput
+    for what cannot be integrated.
+    """
+    ready = problem(scene, number, options.tolerance, options.inputs)
+    schedule = ready.schedule(scene)
+    began = time.perf_counter()
+    planned = plans(ready, scene, schedule)
+    planning = time.perf_counter() - began
+    failed: dict[str, str] = {}
+    for method in _methods(scene, number, options):
+        for plan in planned:
+            began = time.perf_counter()
+            motion = method(ready, scene, plan.variables, plan.watched, options)
+            try:
+                found = _observed(ready, motion, plan, progress)
+            except CannotObserve:
+                continue
+            except CannotSolve as fault:
+                _LOG.info("%s: not %s: %s", scene.name, motion.method, fault)
+                failed[f"not {motion.method}"] = str(fault)
+                continue
+            if found.outcome is Outcome.INTERRUPTED and not interruptible:
+                raise KeyboardInterrupt
+            seconds, building = time.perf_counter() - began, motion.build_seconds
+            _LOG.info(
+                "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
+                *(scene.name, number.name, number.bits, found.outcome.value, motion.steps),
+                *(planning + seconds, planning + building),
+            )
+            parts = {"build": planning + building, "run": seconds - building}
+            rows, read, times = found.rows, motion.read, schedule.exact
+            return Trajectory(
+                scene=scene,
+                number=number,
+                times=times if len(rows) == len(times) else times[: len(rows)],
+                states=read.states(rows),
+                attitude=read.attitude(rows),
+                angles=read.angles(rows),
+                events=found.events,
+                projection=motion.projection,
+                outcome=found.outcome,
+                steps=motion.steps,
+                reached=found.reached,
+                tolerance=float(options.tolerance or number.eps),
+                digits=options.digits,
+                provenance=_made_of(scene, parts, {**failed, **motion.remarks}),
+                dense=motion.interpolant(found.reached),
+                method=motion.method,
+                errors=motion.errors,
+            )
+    raise AssertionError("the last plan of the last method serves")
+
+
+def _methods(scene: Scene, number: NumberType, options: Options) -> Iterator[Method]:
+    """Those to try, in order; raises BadInput where the one that was named does not serve."""
+    named = options.method == "refined"
+    if options.method != "taylor":
+        hindrance = refined.hindrance(scene, number, options)
+        if hindrance is not None and named:
+            wanted = f"{hindrance}, or the method taylor"
+            raise BadInput(scene.name, "method", options.method, wanted)
+        if hindrance is None and (named or refined.worth_it(scene, number)):
+            from polhode.runs.methods.refined_motion import RefinedMotion
+
+            yield RefinedMotion
+    yield TaylorMotion
+
+
+def _observed(problem: Problem, motion: Motion, plan: Plan, progress: Progress | None) -> Observed:
+    """What a plan makes of a motion; raises CannotSolve."""
+    way = plan.way
+    if way is None:
+        rows, outcome = motion.advance(plan.times, progress)
+        return Observed(rows, outcome, motion.reached, motion.events)
+    share, tell = way.share, progress
+
+    def first(done: float, steps: int) -> None:
+        assert tell is not None
+        tell(share * done, steps)
+
+    rows, outcome = motion.advance(plan.times, None if progress is None else first)
+    found = Observed(rows, outcome, motion.reached, motion.events)
+    return way.observe(problem, motion, found, progress)
+
+
+def _made_of(
+    scene: Scene, seconds: Mapping[str, float], more: Mapping[str, str]
+) -> Mapping[str, object]:
+    """A trajectory's provenance, made when it is wanted: it takes as long as a short run."""
+
+    def found() -> dict[str, object]:
+        return {**provenance(scene.text), "seconds": seconds, **more}
+
+    return cast(Mapping[str, object], found)
