@@ -27,7 +27,6 @@ _GUARD = 32  # bits of the integers beyond the precision in force
 _CLOSER = 0.9  # of a piece's reach, to the middle of the next one
 _SHARE = 2.9  # bits that a term of a series loses to the one before it, nearly
 _LONGEST = 1  # unit of time that a piece may last: integers keep their digits
-_DOUBT = 16  # bits by which two states at a joint may differ
 _MOST = 20_000  # pieces
 
 _CYCLE = ((1, 2), (2, 0), (0, 1))
@@ -122,6 +121,7 @@ class AttitudeSeries:
     unit: Scalar
     speed: Scalar  # a bound of |w|, in the attitude's unit of time
     bend: Scalar  # a bound of the quaternion's second derivative over speed^2
+    lost: int  # the last bits of a state that need not be right
     _rows: dict[int, list[_Piece]] = field(default_factory=dict)
     _ends: dict[int, list[Scalar]] = field(default_factory=dict)
 
@@ -167,7 +167,7 @@ class AttitudeSeries:
             if found.length >= _CLOSER * reach:
                 break
             reach = found.length
-        doubt = mpmath.ldexp(1, _DOUBT - mpmath.prec)
+        doubt = mpmath.ldexp(1, self.lost - mpmath.prec)
         both = zip(last.state(end), found.state(end), strict=True)
         if not max(abs(x - y) for x, y in both) < doubt:
             raise ArithmeticError("two pieces of the attitude do not meet")

@@ -159,6 +159,7 @@ class GoryachevChaplyginTop(FromAttitude):
             speed * abs(unit),
             # |w'| <= 3 w^2/8 + sqrt(a) speed, for 1 + g1 <= speed^2/2a
             mpf(1) / 4 + mpf(3) / 16 + mpmath.sqrt(a) / speed / 2,
+            self._extra + _SLACK + 8,
         )
         return NearAndFar(series, made, _REACH / abs(unit))
 

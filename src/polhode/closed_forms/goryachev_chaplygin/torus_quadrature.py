@@ -11,6 +11,7 @@ whatever the curve, and t is as right as it can be where (u + v) step^2 is.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -114,8 +115,9 @@ class DoubleTorus:
         raise ArithmeticError("the phases of the motion were not found")
 
     def nearly(self, mean_x: float, mean_y: float) -> tuple[Scalar, Scalar]:
-        """The same as far as doubles tell it."""
-        return self._iterated(mean_x, mean_y)[0]
+        """The same as far as doubles tell it: not at all where they do not part two roots."""
+        dx, dy = self._iterated(mean_x, mean_y)[0]
+        return (dx, dy) if math.isfinite(dx) and math.isfinite(dy) else (0.0, 0.0)
 
     def _iterated(self, mean_x: Scalar, mean_y: Scalar) -> tuple[tuple[Scalar, Scalar], Scalar]:
         """What is to be added, and the size of the last step."""
@@ -124,7 +126,8 @@ class DoubleTorus:
         fn = numpy_functions()
         rest, size = (np.zeros_like(mean_x), np.zeros_like(mean_y)), np.ones_like(mean_x)
         for _ in range(_STEPS):
-            step = _step(self, (mean_x, mean_y), rest, fn)
+            with np.errstate(all="ignore"):
+                step = _step(self, (mean_x, mean_y), rest, fn)
             one, other = step.phases(step.along)
             size = np.maximum(np.abs(one), np.abs(other))
             share = np.where(size > _LARGEST, _LARGEST / np.maximum(size, _LARGEST), 1)

@@ -8,6 +8,7 @@ attitude has series that know nothing of that.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -44,7 +45,9 @@ class NearAndFar:
 
     def arguments(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
-        return self._of(t).arguments(t)
+        with contextlib.suppress(ArithmeticError):  # where doubles are too few to count with
+            return self._of(t).arguments(t)
+        return self.near.arguments(t)
 
     def _of(self, t: Scalar) -> AttitudeSeries | Moving:
         return self.near if abs(t) <= self.reach else self.far or self.near
