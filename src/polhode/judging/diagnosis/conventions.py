@@ -55,6 +55,8 @@ def readings(
     if not whole:
         return []
     states = asked(reference.at)
+    if states is None:  # a proof that had no more time
+        return []
     turns = asked(reference.attitude)
     right = _Right(states, None if turns is None else _matrices(turns))
     found = [_best(part, _ways(part, values, right)) for part, values in whole.items()]

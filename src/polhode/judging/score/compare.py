@@ -6,13 +6,14 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, TypedDict
 
 from polhode.common.arguments import of_kind, whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.conditioning.conditioning import Conditioning
+from polhode.judging.diagnosis.time_unit import time_unit
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, reference
 from polhode.judging.references.two_precisions import TwoPrecisions
@@ -34,6 +35,15 @@ if TYPE_CHECKING:
 
 #: Columns by name.
 Columns: TypeAlias = "Mapping[str, AnyVector] | pd.DataFrame | xr.Dataset"
+
+
+class _Limits(TypedDict, total=False):
+    """What a proof is told and allowed."""
+
+    progress: Progress | None
+    max_seconds: float | None
+    forecast: Callable[[float], None]
+
 
 MANY = 1000  # rows of a table that has a first answer
 
@@ -58,6 +68,8 @@ def compare(
     workers: int = 1,
     progress: Progress | None = None,
     as_it_stands: bool = False,
+    max_seconds: float | None = None,
+    forecast: Callable[[float, str], None] | None = None,
 ) -> Judgement:
     """Judge a run, a trajectory file, columns or an array of states against a reference.
 
@@ -70,10 +82,12 @@ def compare(
     floats, of Python or of arrays (single, double or long double), are known as such.
     ``known``: the scene's conditioning, to spare its computation.
     ``first``: called with a judgement of a few rows of a table of more than a thousand, and how
-    many those are, before the others are judged; of a file, before they are read.
+    many those are, before the others are judged by a closed form; of a file, before they are read.
     ``workers``: processes that a closed form whose rows cost seconds may be asked by.
-    ``progress``: called with the part of the closed form's rows that are there, and how many,
-    where they take long.
+    ``progress``: called with the part of the reference's rows that are there, and how many (of a
+    proof, of the time and the steps), where they take long.  ``max_seconds``: a limit on proofs,
+    where no closed form answers; beyond it BadInput.  ``forecast``: called before each proof with
+    the seconds that it will take, roughly, and with the unit that the times seem to have, if any.
     ``as_it_stands``: judge the numbers in the conventions of the scene alone; otherwise another
     convention that makes a part right is applied, and ``reading`` says which.
 
@@ -96,8 +110,13 @@ def compare(
     workers = whole("compare", "workers", workers, 1)
     kinds = (Reference, Certified, TwoPrecisions, Remembered, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
+    limits: _Limits = {"progress": progress, "max_seconds": max_seconds}
+    if forecast is not None:
+        limits["forecast"] = lambda seconds: forecast(seconds, _unit(found))
     if isinstance(against, (Scene, str, Path)):
         against = reference(against)
+        if isinstance(against, Certified):
+            against = Certified(against.scene, **limits)
     if isinstance(what, Trajectory):
         if not what.times:
             ended = f"a time that the run reached ({what.outcome.cause}; {what.outcome.advice})"
@@ -131,17 +150,26 @@ def compare(
         _ = found.digits  # what cannot be judged is refused here
     except BadInput as refused:
         if not does_not_answer(against, refused):
+            if refused.key == "at" and (unit := _unit(found)):  # a proof of too many steps
+                expected = f"{refused.expected}; t looks like {unit}"
+                raise BadInput(refused.source, "t", refused.value, expected) from None
             raise
-        found = replace(found, reference=Certified(against.scene))
+        found = replace(found, reference=Certified(against.scene, **limits))
         _ = found.digits
     return found
+
+
+def _unit(found: Judgement) -> str:
+    """The unit that the times seem to have, empty where it is the scene's."""
+    unit = time_unit(found.subject, found.reference.scene)
+    return "" if unit is None else unit.name
 
 
 def _is_told(
     first: Callable[[Judgement, int], None] | None, some: Table, count: int, against: AnyReference
 ) -> bool:
     """Whether ``first`` was called with some of so many rows."""
-    if first is None or count <= MANY:
+    if first is None or count <= MANY or isinstance(against, Certified):
         return False
     brief = Judgement(of_table(some, against.scene), against)
     try:
