@@ -260,3 +260,28 @@ def test_a_limit_that_is_not_reached_changes_nothing(tmp_path, capsys):
     limited, _ = compared(capsys, path, name, "--max-seconds", "100")
     assert plain == limited
     assert plain["worst"] > 14
+
+
+def test_steps_of_a_needle_are_not_blamed_for_what_they_lose_beyond_the_band():
+    found = polhode.compare(polhode.integrate("euler/needle"))
+    expected = found.expected[found.digits.index(found.worst)]
+    assert expected.least - 2 < found.worst < expected.least - 0.3
+    assert found.limit.startswith("unknown (steps of so thin a body")
+    assert found.chance is None
+    loose = polhode.compare(polhode.integrate("euler/needle", tol=1e-7, project=False))
+    assert loose.limit.startswith("method")
+
+
+def test_chance_explains_some_of_many_runs(tmp_path, capsys, nutation):
+    """A run just below what nineteen in twenty have, and one far below."""
+    columns = {name: nutation[name] for name in ("t", *STATE)}
+    clean = polhode.compare(columns, "lagrange/nutation")
+    least = clean.expected[-1].least
+    for short, by_chance in ((0.3, True), (1.0, False)):
+        error = 4.2 * 10.0 ** -(least - short)  # over the largest |omega|
+        wrong = [*nutation["p"][:-1], nutation["p"][-1] + error]
+        path = written(tmp_path / "x.csv", columns | {"p": wrong})
+        answer, text = compared(capsys, path, "lagrange/nutation", "--number", "double")
+        assert answer["limit"] == "method (steps of the program)"
+        assert (1e-3 < answer["chance"] < 0.05) == by_chance
+        assert ("or by chance: one run in " in text) == by_chance

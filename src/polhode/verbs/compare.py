@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
 from polhode.output import json_results
@@ -63,7 +63,7 @@ def main(options: Namespace) -> int:
     return DONE
 
 
-def _judged(options: Namespace) -> str | dict[str, Any]:
+def _judged(options: Namespace) -> str | dict[str, object]:
     """The judgement as text, or as an object for JSON."""
     from polhode.common.executors import cores
     from polhode.judging.score.compare import compare

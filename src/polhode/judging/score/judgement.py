@@ -18,7 +18,7 @@ from polhode.judging.conditioning.conditioning import Conditioning, conditioning
 from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.departure import Departure, departure
-from polhode.judging.diagnosis.error_budget import LAST, between, is_lost, limit
+from polhode.judging.diagnosis.error_budget import LAST, between, chance, is_lost, is_thin, limit
 from polhode.judging.diagnosis.omega_only import OmegaAlone, omega_alone
 from polhode.judging.diagnosis.reading import WRONG, Reading
 from polhode.judging.presentation import JudgementPresentation
@@ -33,6 +33,7 @@ from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.scenes.vocabulary import STATE
 
+RARE = 1e-4  # a share of runs of which nobody judges so many
 FOLLOWED = 400  # times at which what rounding does to the motion is followed
 MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
 
@@ -292,7 +293,21 @@ class Judgement(ByValue):
             return cheap
         at, times = self._lowest, len(self.times)
         expected, inputs = self.expected[at], self.inputs[at]
-        return limit(worst, held, expected, inputs, agreement, steps, times)
+        thin = is_thin(self.reference.scene.body)
+        return limit(worst, held, expected, inputs, agreement, steps, times, thin)
+
+    @cached_property
+    def chance(self) -> float | None:
+        """The share of runs that chance alone leaves so few digits; None where the limit is not
+        the method.
+
+        The limit allows for the many times of one run.  Of hundreds of runs chance alone explains
+        those of a share of one in hundreds.
+        """
+        if not self.limit.startswith("method"):
+            return None
+        expected = self.expected[self._lowest]
+        return None if expected is None else chance(min(self.digits), expected, len(self.times))
 
     @property
     def parts(self) -> dict[str, float]:
@@ -389,7 +404,10 @@ class Judgement(ByValue):
     def _headline(self) -> str:
         """The fewest digits of all, and what limits those of the state."""
         read = f"; read as {self.reading}" if self.reading else ""
-        limited = (f"limited by {self.limit}" if self.limit else self._unlimited) + read
+        limited = f"limited by {self.limit}" if self.limit else self._unlimited
+        if self.chance is not None and self.chance > RARE:
+            limited += f", or by chance: one run in {1 / self.chance:.0f} has so few digits"
+        limited += read
         if self.digits and self.lost:
             return f"{self.lost}; {limited}"
         worst = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
