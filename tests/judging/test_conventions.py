@@ -160,6 +160,24 @@ def test_times_that_are_off_by_a_step_are_named(tmp_path):
     right_once(polhode.compare(path, SCENE), "omega", "one step of t early")
 
 
+@pytest.mark.parametrize("names", [STATE, STATE[3:], ATTITUDE, (*STATE, *ATTITUDE)])
+def test_each_part_that_is_off_by_a_step_is_named(tmp_path, names):
+    moved = {name: COLUMNS[name][1:] for name in names}
+    found = polhode.compare(written(tmp_path / "x.csv", t=COLUMNS["t"][:-1], **moved), SCENE)
+    parts = {"omega": "p" in names, "gamma": "gamma1" in names, "attitude": "q0" in names}
+    assert {reading.part for reading in found.readings} == {p for p, has in parts.items() if has}
+    for reading in found.readings:
+        right_once(found, reading.part, "one step of t early")
+    assert found.limit == ""
+
+
+def test_a_step_that_does_not_explain_all_parts_is_not_named(tmp_path):
+    moved = {name: COLUMNS[name][1:] for name in STATE[:3]}
+    noise = {name: [math.sin(7 * k) for k in range(len(TIMES) - 1)] for name in STATE[3:]}
+    path = written(tmp_path / "x.csv", t=COLUMNS["t"][:-1], **moved, **noise)
+    assert polhode.compare(path, SCENE).readings == ()
+
+
 def test_what_is_right_or_hopeless_gets_no_other_reading(tmp_path):
     assert judged(tmp_path, **of([*STATE, *ATTITUDE])).readings == ()
     noise = {name: [math.sin(7 * k) for k in range(len(TIMES))] for name in STATE}

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Collection, Iterator
-from typing import Any, NamedTuple
+from collections.abc import Callable, Collection, Iterator, Sequence
+from fractions import Fraction
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.tables.candidate import Subject
 from polhode.numbers.conversion import exactly, to_double
 
+AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
+
 MOST_ROWS = 40  # looked at
 _TELLABLE = 15.0  # digits
 _DEGREE = math.pi / 180
@@ -28,7 +31,7 @@ _SEQUENCES = [s for s in itertools.product("xyz", repeat=3) if s[0] != s[1] != s
 
 def readings(
     subject: Subject,
-    reference: Reference | Certified | TwoPrecisions | Remembered,
+    reference: AnyReference,
     wrong: Collection[str],
 ) -> list[Reading]:
     """For each part that is wrong, the convention that makes most of it right, if one does.
@@ -54,23 +57,44 @@ def readings(
     whole = {k: part for k, part in _whole(subject, doubles).items() if k in wrong}
     if not whole:
         return []
-    states = asked(reference.at)
-    if states is None:  # a proof that had no more time
+    right = _right(asked, reference, times)
+    if right is None:
         return []
-    turns = asked(reference.attitude)
-    right = _Right(states, None if turns is None else _matrices(turns))
     found = [_best(part, _ways(part, values, right)) for part, values in whole.items()]
     good = [reading for reading in found if reading is not None]
-    if not good and "omega" in whole and len(times) > 2:
+    if not good and len(times) > 2:
         step = subject.times[1] - subject.times[0]
         for sign, word in ((1, "late"), (-1, "early")):
-            moved = asked(reference.at, [t - sign * step for t in times])
+            moved = _right(asked, reference, [t - sign * step for t in times])
             if moved is not None:
-                ways = [("", _against(whole["omega"], states[:, :3], True))]
-                ways.append((f"one step of t {word}", _against(whole["omega"], moved[:, :3], True)))
-                best = _best("omega", iter(ways))
-                good += [] if best is None else [best]
+                good += _moved(whole, right, moved, f"one step of t {word}")
     return good
+
+
+def _right(
+    asked: Callable[..., Any], reference: AnyReference, times: Sequence[Fraction]
+) -> _Right | None:
+    """The reference's states and attitudes at these times; None where it gives no states."""
+    states, turns = (asked(question, times) for question in (reference.at, reference.attitude))
+    if states is None:  # a proof that had no more time
+        return None
+    return _Right(states, None if turns is None else _matrices(turns))
+
+
+def _moved(whole: dict[str, Any], right: _Right, moved: _Right, words: str) -> list[Reading]:
+    """Readings of all parts at other times, where none of them contradicts."""
+    found = []
+    for part, values in whole.items():
+        plain, there = (next(_ways(part, values, held), None) for held in (right, moved))
+        if plain is None or there is None:
+            continue
+        if plain[1] >= WRONG:
+            continue
+        best = _best(part, iter((plain, (words, there[1]))))
+        if best is None:
+            return []
+        found.append(best)
+    return found
 
 
 class _Right(NamedTuple):
