@@ -40,6 +40,11 @@ def options(parser: ArgumentParser) -> None:
         "--as-it-stands", action="store_true", help="apply no other convention than the scene's"
     )
     parser.add_argument(
+        "--columns",
+        metavar="NAMES",
+        help="the file's columns in order, t,qw,qx,...; or of some: 'time_ms=t*1e-3, Q.W=q0'",
+    )
+    parser.add_argument(
         "--max-seconds",
         type=seconds,
         metavar="S",
@@ -90,6 +95,7 @@ def _judged(options: Namespace) -> str | dict[str, object]:
             options.scene,
             number=number,
             digits=digits,
+            columns=None if options.columns is None else options.columns.split(","),
             first=first,
             workers=cores(),
             progress=partial(progress.show, what="rows or steps of the reference"),

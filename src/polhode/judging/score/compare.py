@@ -22,6 +22,7 @@ from polhode.judging.score.report_text import SHOWN
 from polhode.judging.score.score import AnyReference, does_not_answer
 from polhode.judging.tables.candidate import of_run, of_table
 from polhode.judging.tables.csv_file import open_table
+from polhode.judging.tables.csv_layout import naming
 from polhode.judging.tables.table import Table, table_of_columns, table_of_rows
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
@@ -76,7 +77,9 @@ def compare(
     ``what``: a Trajectory; the path of a CSV file with a column t and any of p q r gamma1 gamma2
     gamma3 psi theta phi q0 q1 q2 q3, or of a derived output; the same columns as a mapping of names
     to arrays, a pandas DataFrame or an xarray Dataset; or rows of numbers, which hold at the times
-    ``at`` and have the columns ``columns`` (those of the scene unless given).  ``against``: a
+    ``at`` and have the columns ``columns`` (those of the scene unless given).  Of a file
+    ``columns`` are those that it has, in order, where it has no header or another; or what single
+    names of its header mean: ``["time_ms=t*1e-3", "Q.W=q0"]``.  ``against``: a
     reference, or the scene whose reference it is; of a run its own scene unless given.  ``number``
     (and ``digits`` of mp): the type whose rounded values a file's decimals, or the rows, are;
     floats, of Python or of arrays (single, double or long double), are known as such.
@@ -128,7 +131,8 @@ def compare(
             raise BadInput(scene.name, "digits", digits, "number given with it: mp")
         kind = None if number is None else choose_number(scene, number, digits)
         if isinstance(what, (str, Path)):
-            file = open_table(Path(what), kind)
+            names = None if columns is None else naming(",".join(columns))
+            file = open_table(Path(what), kind, names)
             some = None if first is None else file.some(SHOWN)
             with suppress(BadInput):  # first what is wrong with the file, if anything is
                 if some is not None and _is_told(first, *some, against):
