@@ -2,10 +2,38 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from polhode.judging.tables.candidate import Subject
+from polhode.judging.tables.table import radians
+from polhode.numbers.conversion import exactly
 
 #: Digits: below the first a part is wrong as it stands, the second is what a reading must add.
 WRONG, GAIN = 3.0, 3.0
+
+
+class Change(NamedTuple):
+    """What makes a part's numbers those of the scene's convention, exactly.
+
+    Column k becomes ``signs[k]`` times column ``order[k]``, in radians where these are
+    ``degrees``; ``late``: by so many times the first step between times the rows' times are moved.
+    """
+
+    order: tuple[int, ...] = ()
+    signs: tuple[int, ...] = ()
+    degrees: bool = False
+    late: int = 0
+
+    def row(self, row: Sequence[Any]) -> list[Fraction | None]:
+        """A row's cells changed; empty ones stay so."""
+        if not self.order:
+            return [None if x is None else exactly(x) for x in row]
+        cells = [None if (x := row[k]) is None else exactly(x) for k in self.order]
+        turned = (None if x is None else s * x for s, x in zip(self.signs, cells, strict=True))
+        return [radians(x) if x and self.degrees else x for x in turned]
 
 
 class Reading(NamedTuple):
@@ -15,9 +43,30 @@ class Reading(NamedTuple):
     as_it_stands: float
     convention: str
     digits: float
+    change: Change | None = None  # None where it is told, and not applied
 
     def __str__(self) -> str:
         return (
             f"{self.part} as it stands {self.as_it_stands:.2f} digits; read as {self.convention}: "
             f"{self.digits:.1f} digits"
         )
+
+
+def as_read(subject: Subject, readings: Sequence[Reading]) -> Subject:
+    """A subject whose parts are read so, as far as readings can be applied."""
+    for part, _, _, _, change in readings:
+        if change is None:
+            continue
+        if part == "attitude" and subject.attitude is not None:
+            subject = replace(subject, attitude=[change.row([*row]) for row in subject.attitude])
+        elif part in ("omega", "gamma") and subject.states is not None and change.order:
+            place = slice(0, 3) if part == "omega" else slice(3, 6)
+            states = [[None if x is None else exactly(x) for x in row] for row in subject.states]
+            for row in states:
+                row[place] = change.row(row[place])
+            subject = replace(subject, states=states)
+    late = {one.change.late for one in readings if one.change is not None} - {0}
+    if len(late) == 1:
+        step = late.pop() * (subject.times[1] - subject.times[0])
+        subject = replace(subject, times=tuple(t - step for t in subject.times))
+    return replace(subject, readings=(*subject.readings, *readings))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias, TypedDict
 
@@ -13,14 +14,16 @@ from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.conditioning.conditioning import Conditioning
+from polhode.judging.diagnosis.reading import GAIN, WRONG, Reading, as_read
 from polhode.judging.diagnosis.time_unit import time_unit
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, reference
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.score.judgement import Judgement
+from polhode.judging.score.part_digits import fewest
 from polhode.judging.score.report_text import SHOWN
 from polhode.judging.score.score import AnyReference, does_not_answer
-from polhode.judging.tables.candidate import of_run, of_table
+from polhode.judging.tables.candidate import Subject, of_run, of_table
 from polhode.judging.tables.csv_file import open_table
 from polhode.judging.tables.csv_layout import naming
 from polhode.judging.tables.table import Table, table_of_columns, table_of_rows
@@ -46,6 +49,7 @@ class _Limits(TypedDict, total=False):
     forecast: Callable[[float], None]
 
 
+_FIRST = 5  # rows that tell whether the times have another unit
 MANY = 1000  # rows of a table that has a first answer
 
 
@@ -149,6 +153,8 @@ def compare(
     if not (subject.columns or subject.angles or subject.attitude or subject.derived):
         expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
         raise BadInput(subject.name, "header", None, expected)
+    if not as_it_stands and subject.run is None:
+        subject = _in_seconds(subject, against)
     found = Judgement(subject, against, known, workers, progress, as_it_stands)
     try:
         _ = found.digits  # what cannot be judged is refused here
@@ -160,7 +166,40 @@ def compare(
             raise
         found = replace(found, reference=Certified(against.scene, **limits))
         _ = found.digits
-    return found
+    return found if as_it_stands or found.subject.run is not None else _as_read(found)
+
+
+def _as_read(found: Judgement) -> Judgement:
+    """The judgement in the conventions that make its wrong parts right, where some do."""
+    if not found.is_wrong:
+        return found
+    readings = [one for one in found.offers if one.change is not None]
+    if not readings:
+        return found
+    other = replace(found, subject=as_read(found.subject, readings))
+    wanted = {name: fewest(digits, 0.0) - GAIN for name, digits in found.part_digits.items()}
+    wanted |= {one.part: one.as_it_stands + GAIN for one in readings}
+    good = all(fewest(other.part_digits.get(k, ()), 0.0) >= d for k, d in wanted.items())
+    return other if good else found
+
+
+def _in_seconds(subject: Subject, against: AnyReference) -> Subject:
+    """A table with the times of its unit, where its first rows are right so alone."""
+    unit = time_unit(subject, against.scene)
+    if unit is None:
+        return subject
+    first = sorted(range(len(subject.times)), key=lambda k: abs(subject.times[k]))[:_FIRST]
+    some = subject.some([k for k in first if subject.times[k] != 0])
+    with suppress(BadInput):
+        before, now = (
+            Judgement(replace(some, times=tuple(t * by for t in some.times)), against).worst
+            for by in (Fraction(1), unit.length)
+        )
+        if before < WRONG and now >= before + GAIN:
+            reading = Reading("t", before, unit.name, now)
+            times = tuple(t * unit.length for t in subject.times)
+            return replace(subject, times=times, readings=(reading,))
+    return subject
 
 
 def _unit(found: Judgement) -> str:

@@ -144,7 +144,14 @@ class Judgement(ByValue):
     @property
     def reading(self) -> str | None:
         """The convention that was applied, None where the numbers are judged as they stand."""
-        return "; ".join(one.convention for one in self._turns) or None
+        told = [*dict.fromkeys(f"{r.part} {r.convention}" for r in self.subject.readings)]
+        return "; ".join([*told, *(one.convention for one in self._turns)]) or None
+
+    @property
+    def is_wrong(self) -> bool:
+        """Whether a part has few digits, so that another convention may be meant."""
+        found = [d for digits in self.part_digits.values() for d in digits if d is not None]
+        return min(found, default=WRONG) < WRONG
 
     @property
     def part_digits(self) -> dict[str, RowDigits]:
@@ -343,15 +350,22 @@ class Judgement(ByValue):
         given = [[to_mpf(x, held.bits) for x in row[:3]] for row in omega]
         return omega_alone(scene, self.times, given, held.rows, held.bits)
 
-    @cached_property
+    @property
     def readings(self) -> tuple[Reading, ...]:
-        """Conventions in which parts of a table that is wrong as it stands would be right."""
+        """Conventions in which parts of a table that is wrong as it stands are right: those that
+        were applied; where none was, those in which they would be."""
+        known = (*self.subject.readings, *self._turns)
+        return known or self.offers
+
+    @cached_property
+    def offers(self) -> tuple[Reading, ...]:
+        """Those that are not applied, of a table."""
         from polhode.judging.diagnosis.conventions import readings
         from polhode.judging.diagnosis.time_rounding import reading
 
         source = self.subject.source
-        if self._turns or self.as_it_stands or not isinstance(source, Table):
-            return self._turns
+        if self.as_it_stands or not isinstance(source, Table):
+            return ()
         wrong = {name for name, digits in self.parts.items() if digits < WRONG}
         if self.digits and min(self.digits) < WRONG:
             wrong |= {"omega", "gamma"}
