@@ -14,12 +14,13 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from polhode.common.text_tables import few
-from polhode.judging.diagnosis.reading import GAIN, WRONG, Change, Reading
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, rows
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.tables.candidate import Subject
+from polhode.judging.tables.reading import GAIN, WRONG, Change, Reading
 from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import STATE
 
 AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
@@ -83,7 +84,7 @@ def _right(
 
 
 def _moved(
-    whole: dict[str, Any], right: _Right, moved: _Right, words: str, late: int
+    whole: dict[str, Doubles], right: _Right, moved: _Right, words: str, late: int
 ) -> list[Reading]:
     """Readings of all parts at other times, where none of them contradicts."""
     found = []
@@ -146,7 +147,9 @@ def _ways(part: str, values: Any, right: _Right) -> Iterator[_Way]:
         yield from (_of_attitude if part == "attitude" else _of_angles)(values, right)
 
 
-def _of_axes(names: Sequence[str], values: Any, true: Any, relative: bool) -> Iterator[_Way]:
+def _of_axes(
+    names: Sequence[str], values: Doubles, true: Doubles, relative: bool
+) -> Iterator[_Way]:
     """Axes in another order or of another sense, left-handed frames among them."""
     for order in itertools.permutations(range(3)):
         for signs in itertools.product((1, -1), repeat=3):
@@ -194,7 +197,7 @@ def _of_attitude(values: Any, right: _Right) -> Iterator[_Way]:
             yield _Way(words, _against(turned, right.matrices), change)
 
 
-def _is_steady(values: Any) -> bool:
+def _is_steady(values: Doubles) -> bool:
     """Whether a quaternion's sign does not change between samples."""
     return bool(np.all(np.einsum("ni,ni->n", values[1:], values[:-1]) >= 0))
 

@@ -14,7 +14,7 @@ from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.conditioning.conditioning import Conditioning
-from polhode.judging.diagnosis.reading import GAIN, WRONG, Reading, as_read
+from polhode.judging.diagnosis.reading import as_read
 from polhode.judging.diagnosis.time_unit import time_unit
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, reference
@@ -26,6 +26,7 @@ from polhode.judging.score.score import AnyReference, does_not_answer
 from polhode.judging.tables.candidate import Subject, of_run, of_table
 from polhode.judging.tables.csv_file import open_table
 from polhode.judging.tables.csv_layout import naming
+from polhode.judging.tables.reading import GAIN, WRONG, Reading
 from polhode.judging.tables.table import Table, table_of_columns, table_of_rows
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector

@@ -20,13 +20,13 @@ from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.departure import Departure, departure
 from polhode.judging.diagnosis.error_budget import LAST, between, chance, is_lost, is_thin, limit
 from polhode.judging.diagnosis.omega_only import OmegaAlone, omega_alone
-from polhode.judging.diagnosis.reading import WRONG, Reading
 from polhode.judging.presentation import JudgementPresentation
 from polhode.judging.references.reference import by_sign
 from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest
 from polhode.judging.score.report_text import SHOWN, table, together
 from polhode.judging.score.score import AnyReference, HeldAgainst
 from polhode.judging.tables.candidate import Subject, of_table
+from polhode.judging.tables.reading import WRONG, Reading
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.decimals import brief

@@ -23,7 +23,7 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE, column_names
 
 if TYPE_CHECKING:
-    from polhode.judging.diagnosis.reading import Reading
+    from polhode.judging.tables.reading import Reading
     from polhode.numbers.double_double import Pairs
 
 MOST_DIGITS = 1000.0  # that are told of a table
