@@ -211,6 +211,15 @@ def test_a_reading_is_applied(tmp_path, columns, told):
     assert plain.readings == ()
 
 
+def test_a_wrong_sign_in_a_row_or_two_is_no_other_axis(tmp_path):
+    columns = of(STATE) | {"p": [-x for x in COLUMNS["p"]]}
+    for rows in (1, 2):
+        few = {"t": COLUMNS["t"][4 : 4 + rows], **{n: c[4 : 4 + rows] for n, c in columns.items()}}
+        found = polhode.compare(written(tmp_path / "x.csv", **few), SCENE)
+        assert found.worst < 1.5
+        assert found.readings == ()
+
+
 def test_times_in_milliseconds_are_read_so(tmp_path):
     """Right from the first rows on; of a motion without closed form the proof is a short one."""
     for case in (SCENE, polhode.load("general/asymmetric-regular")):

@@ -25,6 +25,7 @@ from polhode.scenes.vocabulary import STATE
 
 AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
 
+_LEAST_ROWS = 3
 MOST_ROWS = 40  # looked at
 _TELLABLE = 15.0  # digits
 _DEGREE = math.pi / 180
@@ -150,7 +151,12 @@ def _ways(part: str, values: Any, right: _Right) -> Iterator[_Way]:
 def _of_axes(
     names: Sequence[str], values: Doubles, true: Doubles, relative: bool
 ) -> Iterator[_Way]:
-    """Axes in another order or of another sense, left-handed frames among them."""
+    """Axes in another order or of another sense, left-handed frames among them.
+
+    None of fewer rows than tell that from a wrong number.
+    """
+    if len(values) < _LEAST_ROWS:
+        return
     for order in itertools.permutations(range(3)):
         for signs in itertools.product((1, -1), repeat=3):
             if order == _SAME and len({*signs}) == 1:

@@ -43,7 +43,11 @@ def time_unit(subject: Subject, scene: Scene) -> TimeUnit | None:
     if not later:
         return None
     row = min(later, key=lambda k: abs(subject.times[k]))
-    ratios = [*_ratios(subject, scene, row)]
+    try:
+        with np.errstate(all="ignore"):
+            ratios = [*_ratios(subject, scene, row)]
+    except (OverflowError, ZeroDivisionError):  # numbers beyond doubles
+        return None
     for unit in UNITS:
         if ratios and all(abs(x / float(unit.length) - 1) < _OFF for x in ratios):
             return unit
@@ -54,6 +58,8 @@ def _ratios(subject: Subject, scene: Scene, row: int) -> Iterator[float]:
     """Changes to a row over those by the start's speed, of each part that is there."""
     start = np.array([to_double(x) for x in scene.start])
     t, speeds = abs(to_double(subject.times[row])), field(scene)(0.0, start)
+    if not 0 < t < math.inf:  # no double
+        return
     if subject.states is not None:
         for half in (slice(0, 3), slice(3, 6)):
             here, before = _numbers(subject.states[row][half]), start[half]
