@@ -172,6 +172,8 @@ def __getattr__(name: str) -> object:
     """Import on first use: a verb pays only for what it needs."""
     from importlib import import_module
 
+    if name == "testing":
+        return import_module("polhode.testing")
     if name not in _HOMES:
         raise AttributeError(f"module 'polhode' has no attribute {name!r}")
     home, _, own = _HOMES[name].partition(":")

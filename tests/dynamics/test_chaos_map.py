@@ -35,6 +35,17 @@ def test_no_motion_of_an_integrable_top_is_chaotic(case):
     assert 0.5 < found.growth.max() < 4.5  # a tangent grows like a power of time
 
 
+def test_growing_motions_of_an_integrable_top_are_unstable_and_of_another_chaotic():
+    """So lyapunov calls them, too: the one on the separatrix."""
+    for case, word in (("euler/separatrix", "unstable"), (GENERIC, "chaotic")):
+        found = polhode.chaos_map(case, (2, 2), end=50, **LEVEL)
+        grown = replace(found, verdict=np.full_like(found.verdict, 2))
+        assert grown.counts[word] == len(found.verdict) == sum(grown.counts.values())
+        assert set(output.of_map(grown)["verdict"]) == {word}
+    assert polhode.lyapunov("euler/separatrix").verdict == "unstable"
+    assert polhode.lyapunov(GENERIC, 2000).verdict == "chaotic"
+
+
 @pytest.mark.slow
 def test_verdicts_agree_with_lyapunov_at_the_same_starts():
     """Of the start in each of eight cells, written as a scene; none may be opposite."""

@@ -233,8 +233,9 @@ def test_compare_judges_a_column_of_speed(count, tmp_path, capsys):
 
     answer = judged({})
     assert answer["judged"] == ["speed"]
-    assert 14.9 < answer["parts"]["speed"] <= 19
-    assert judged(wrong)["parts"]["speed"] == 7.0
+    assert 14.9 < min(answer["parts"]["speed"]) <= 16
+    told = judged(wrong)["parts"]["speed"]
+    assert min(told) == told[count // 2] == 7.0
     assert (polhode.compare(path, TOP)._held.many is not None) == (count > 100)
     path.write_text("t,q0,speed\n0,,\n1,,\n")
     assert main(["compare", str(path), TOP, "--json"]) == 0

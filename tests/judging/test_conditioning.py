@@ -482,12 +482,12 @@ def test_a_kovalevskaya_motion_is_regular_though_other_moments_make_it_another_t
 @pytest.mark.parametrize(
     "name", ["pendulum/separatrix", "euler/separatrix", "lagrange/sleeping-unstable"]
 )
-def test_unstable_regular_motions_are_called_regular_and_unstable(name):
+def test_unstable_periodic_and_asymptotic_motions_are_called_so(name):
     found = polhode.lyapunov(name)
-    assert found.verdict == "regular"
-    assert "unstable" in found.reason
+    assert found.verdict == "unstable"
     assert found.exponent > 10 * found.uncertainty > 0
-    assert "unstable" in str(found)
+    assert str(found).startswith("unstable (periodic or asymptotic): exponent ")
+    assert "(one standard deviation) up to t" in str(found)
 
 
 def test_the_exponent_of_a_sleeping_top_is_its_unstable_rate():

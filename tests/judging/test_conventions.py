@@ -160,6 +160,77 @@ def test_times_that_are_off_by_a_step_are_named(tmp_path):
     right_once(polhode.compare(path, SCENE), "omega", "one step of t early")
 
 
+@pytest.mark.parametrize("names", [STATE, STATE[3:], ATTITUDE, (*STATE, *ATTITUDE)])
+def test_each_part_that_is_off_by_a_step_is_named(tmp_path, names):
+    moved = {name: COLUMNS[name][1:] for name in names}
+    found = polhode.compare(written(tmp_path / "x.csv", t=COLUMNS["t"][:-1], **moved), SCENE)
+    parts = {"omega": "p" in names, "gamma": "gamma1" in names, "attitude": "q0" in names}
+    assert {reading.part for reading in found.readings} == {p for p, has in parts.items() if has}
+    for reading in found.readings:
+        right_once(found, reading.part, "one step of t early")
+    assert found.worst > 14
+    assert found.limit in ("rounding", "")
+
+
+def test_a_step_that_does_not_explain_all_parts_is_not_named(tmp_path):
+    moved = {name: COLUMNS[name][1:] for name in STATE[:3]}
+    noise = {name: [math.sin(7 * k) for k in range(len(TIMES) - 1)] for name in STATE[3:]}
+    path = written(tmp_path / "x.csv", t=COLUMNS["t"][:-1], **moved, **noise)
+    assert polhode.compare(path, SCENE).readings == ()
+
+
+def swapped(*order):
+    return {name: COLUMNS[of] for name, of in zip(STATE, order, strict=True)}
+
+
+@pytest.mark.parametrize(
+    ("columns", "told"),
+    [
+        (swapped("q", "p", "r", *STATE[3:]), "omega p q r = q p r"),
+        (
+            swapped("r", "p", "q", "gamma3", "gamma1", "gamma2"),
+            "omega p q r = q r p; gamma gamma1 gamma2 gamma3 = gamma2 gamma3 gamma1",
+        ),
+        (
+            of(STATE) | {n: [-x for x in COLUMNS[n]] for n in ("r", "gamma3")},
+            "omega p q r = p q -r; gamma gamma1 gamma2 gamma3 = gamma1 gamma2 -gamma3",
+        ),
+        (of(STATE) | {n: [-x for x in COLUMNS[n]] for n in STATE[3:]}, "gamma the downward"),
+        (of(STATE) | {n: np.degrees(COLUMNS[n]) for n in STATE[:3]}, "omega degrees"),
+    ],
+)
+def test_a_reading_is_applied(tmp_path, columns, told):
+    """Its digits are the table; as it stands the file is wrong."""
+    found = judged(tmp_path, **columns, **of(ATTITUDE))
+    assert found.worst > 14
+    assert found.reading.startswith(told)
+    assert f"limited by {found.limit}; read as {found.reading}" in str(found)
+    plain = polhode.compare(tmp_path / "x.csv", SCENE, as_it_stands=True)
+    assert plain.worst < 1
+    assert plain.reading is None
+    assert plain.readings == ()
+
+
+def test_a_wrong_sign_in_a_row_or_two_is_no_other_axis(tmp_path):
+    columns = of(STATE) | {"p": [-x for x in COLUMNS["p"]]}
+    for rows in (1, 2):
+        few = {"t": COLUMNS["t"][4 : 4 + rows], **{n: c[4 : 4 + rows] for n, c in columns.items()}}
+        found = polhode.compare(written(tmp_path / "x.csv", **few), SCENE)
+        assert found.worst < 1.5
+        assert found.readings == ()
+
+
+def test_times_in_milliseconds_are_read_so(tmp_path):
+    """Right from the first rows on; of a motion without closed form the proof is a short one."""
+    for case in (SCENE, polhode.load("general/asymmetric-regular")):
+        run = polhode.integrate(case, at=[Fraction(k, 50) for k in range(1, 60)])
+        columns = {n: run.states[:, k] for k, n in enumerate(STATE)}
+        path = written(tmp_path / "x.csv", t=[1000 * float(t) for t in run.t], **columns)
+        found = polhode.compare(path, case)
+        assert found.worst > 14
+        assert found.reading == "t milliseconds"
+
+
 def test_what_is_right_or_hopeless_gets_no_other_reading(tmp_path):
     assert judged(tmp_path, **of([*STATE, *ATTITUDE])).readings == ()
     noise = {name: [math.sin(7 * k) for k in range(len(TIMES))] for name in STATE}

@@ -228,3 +228,60 @@ def test_an_attitude_that_a_closed_form_does_not_answer_is_enclosed(monkeypatch)
     run = polhode.integrate(scene)
     monkeypatch.setattr(Reference, "attitude", refused)
     assert polhode.compare(run).parts["attitude"] > 14
+
+
+def test_a_long_proof_is_foretold_with_the_unit_that_t_seems_to_have(tmp_path, capsys):
+    """t = 5000 are five seconds, and would take minutes to prove; 200 000 are refused at once."""
+    name = "general/asymmetric-regular"
+    for end, told in ((5, ""), (200, "; t looks like milliseconds\n")):
+        run = polhode.integrate(name, at=[Fraction(k, 100) for k in range(1, 20)] + [end])
+        columns = {"t": [1000 * float(t) for t in run.t]}
+        columns |= {n: [*map(float, run.states[:, k])] for k, n in enumerate(STATE)}
+        written(tmp_path / f"{end}.csv", columns)
+        if told:
+            assert cli.main(["compare", str(tmp_path / f"{end}.csv"), name, "--as-it-stands"]) == 2
+            assert capsys.readouterr().err.endswith(told)
+    path = str(tmp_path / "5.csv")
+    assert cli.main(["compare", path, name, "--as-it-stands", "--max-seconds", "0.2"]) == 3
+    out, err = capsys.readouterr()
+    assert out == ""
+    told, ended = err.splitlines()
+    assert "the proof that judges will take about " in told
+    assert told.endswith("its t looks like milliseconds")
+    assert "max_seconds = 0.2: expected seconds in which the motion is proven to t = 5000," in ended
+
+
+def test_a_limit_that_is_not_reached_changes_nothing(tmp_path, capsys):
+    name = "general/asymmetric-regular"
+    run = polhode.integrate(name, at=[1, 2])
+    columns = {"t": [*run.t], **{n: [*run.states[:, k]] for k, n in enumerate(STATE)}}
+    path = written(tmp_path / "x.csv", {k: [*map(float, x)] for k, x in columns.items()})
+    plain, _ = compared(capsys, path, name)
+    limited, _ = compared(capsys, path, name, "--max-seconds", "100")
+    assert plain == limited
+    assert plain["worst"] > 14
+
+
+def test_steps_of_a_needle_are_not_blamed_for_what_they_lose_beyond_the_band():
+    found = polhode.compare(polhode.integrate("euler/needle"))
+    expected = found.expected[found.digits.index(found.worst)]
+    assert expected.least - 2 < found.worst < expected.least - 0.3
+    assert found.limit.startswith("unknown (steps of so thin a body")
+    assert found.chance is None
+    loose = polhode.compare(polhode.integrate("euler/needle", tol=1e-7, project=False))
+    assert loose.limit.startswith("method")
+
+
+def test_chance_explains_some_of_many_runs(tmp_path, capsys, nutation):
+    """A run just below what nineteen in twenty have, and one far below."""
+    columns = {name: nutation[name] for name in ("t", *STATE)}
+    clean = polhode.compare(columns, "lagrange/nutation")
+    least = clean.expected[-1].least
+    for short, by_chance in ((0.3, True), (1.0, False)):
+        error = 4.2 * 10.0 ** -(least - short)  # over the largest |omega|
+        wrong = [*nutation["p"][:-1], nutation["p"][-1] + error]
+        path = written(tmp_path / "x.csv", columns | {"p": wrong})
+        answer, text = compared(capsys, path, "lagrange/nutation", "--number", "double")
+        assert answer["limit"] == "method (steps of the program)"
+        assert (1e-3 < answer["chance"] < 0.05) == by_chance
+        assert ("or by chance: one run in " in text) == by_chance

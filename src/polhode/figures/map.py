@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.dynamics.chaos.chaos_map import VERDICTS, ChaosMap
+from polhode.dynamics.chaos.chaos_map import ChaosMap
 
 KINDS = ("fli", "megno", "exponent", "verdict")
 LABELS = {"fli": "FLI = max ln|u|", "megno": "MEGNO", "exponent": "exponent (1/unit of time)"}
@@ -43,7 +43,7 @@ def draw(plt: Any, shown: Shown) -> Any:
         axes.pcolormesh(x, y, grid, rasterized=True, **options)
         patches = [
             Patch(color=shade, label=f"{name}: {found.counts[name]}")
-            for name, shade in zip(VERDICTS, SHADES, strict=True)
+            for name, shade in zip(found.words, SHADES, strict=True)
         ]
         figure.legend(handles=patches, loc="outside right upper", frameon=False, fontsize=8)
     else:

@@ -268,6 +268,7 @@ def of_judgement(judged: Judgement) -> dict[str, Any]:
         "worst_time": in_full(judged.worst_time) if told else None,
         "worst_part": judged.worst_part if told else None,
         "limit": judged.limit or None,
+        "chance": None if judged.chance is None else float(f"{judged.chance:.2g}"),
         "reading": judged.reading,
         "motion": of_motion(judged.motion),
         "yardstick": subject.number.name,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.dynamics.chaos.chaos_map import VERDICTS, ChaosMap
+from polhode.dynamics.chaos.chaos_map import ChaosMap
 from polhode.numbers.decimals import shown
 
 _ROWS = ("at", "cell", "verdict", "fli", "megno", "growth", "exponent", "until")
@@ -13,12 +13,12 @@ _ROWS = ("at", "cell", "verdict", "fli", "megno", "growth", "exponent", "until")
 def of_map(found: ChaosMap) -> dict[str, Any]:
     """The object that ``map --json`` prints: lists with an entry a motion."""
     rows = {name: getattr(found, name).tolist() for name in _ROWS}
-    rows["verdict"] = [VERDICTS[k] for k in rows["verdict"]]
+    rows["verdict"] = [found.words[k] for k in rows["verdict"]]
     return {**_about(found), **rows, "provenance": dict(found.provenance)}
 
 
 def arrays(found: ChaosMap) -> dict[str, Any]:
-    """The arrays of an NPZ file; ``verdict`` 0 regular, 1 undecided, 2 chaotic."""
+    """The arrays of an NPZ file; ``verdict`` 0 regular, 1 undecided, 2 chaotic or unstable."""
     import numpy as np
 
     from polhode.output import json_results

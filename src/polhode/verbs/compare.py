@@ -7,8 +7,20 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from polhode.common.errors import BadInput
 from polhode.output import json_results
-from polhode.verbs.terminal import DONE, ProgressLine, print_json, say, whole, word
+from polhode.verbs.terminal import (
+    DONE,
+    LONG,
+    NOT_REACHED,
+    ProgressLine,
+    note,
+    print_json,
+    say,
+    seconds,
+    whole,
+    word,
+)
 
 if TYPE_CHECKING:
     from polhode.judging.score.judgement import Judgement
@@ -27,10 +39,37 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--as-it-stands", action="store_true", help="apply no other convention than the scene's"
     )
+    parser.add_argument(
+        "--columns",
+        metavar="NAMES",
+        help="the file's columns in order, t,qw,qx,...; or of some: 'time_ms=t*1e-3, Q.W=q0'",
+    )
+    parser.add_argument(
+        "--max-seconds",
+        type=seconds,
+        metavar="S",
+        help="a limit on the proof that judges where no closed form answers",
+    )
 
 
 def main(options: Namespace) -> int:
     """Judge a trajectory that some other program computed."""
+    try:
+        told = _judged(options)
+    except BadInput as fault:
+        if fault.key != "max_seconds":
+            raise
+        note(f"polhode: {fault}")
+        return NOT_REACHED
+    if isinstance(told, str):
+        say(told)
+    else:
+        print_json(told)
+    return DONE
+
+
+def _judged(options: Namespace) -> str | dict[str, object]:
+    """The judgement as text, or as an object for JSON."""
     from polhode.common.executors import cores
     from polhode.judging.score.compare import compare
 
@@ -42,19 +81,26 @@ def main(options: Namespace) -> int:
             told = f"{digits} in {len(brief.times)} of {count} rows, all of them follow"
             progress.say(told, at_once=True)
 
+        def foretold(seconds: float, unit: str) -> None:
+            if seconds > LONG:
+                hint = f"; its t looks like {unit}" if unit else ""
+                progress.clear()
+                note(
+                    f"{path}: no closed form answers here, and the proof that judges will take "
+                    f"about {seconds:.2g} s; --max-seconds S or Ctrl-C ends it sooner{hint}"
+                )
+
         judged = compare(
             path,
             options.scene,
             number=number,
             digits=digits,
+            columns=None if options.columns is None else options.columns.split(","),
             first=first,
             workers=cores(),
-            progress=partial(progress.show, what="rows of the closed form"),
+            progress=partial(progress.show, what="rows or steps of the reference"),
+            max_seconds=options.max_seconds,
+            forecast=foretold,
             as_it_stands=options.as_it_stands,
         )
-        told = json_results.of_judgement(judged) if options.json else str(judged)
-    if isinstance(told, str):
-        say(told)
-    else:
-        print_json(told)
-    return DONE
+        return json_results.of_judgement(judged) if options.json else str(judged)

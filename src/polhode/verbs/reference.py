@@ -18,6 +18,7 @@ from polhode.scenes.vocabulary import COLUMNS
 from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
+    LONG,
     NOT_REACHED,
     ProgressLine,
     note,
@@ -33,7 +34,6 @@ from polhode.verbs.terminal import (
 if TYPE_CHECKING:
     from polhode.enclosures.events import CertifiedEvents
 
-LONG = 10.0  # seconds of a proof that are foretold
 HELP = "the closed form alone, or a proven enclosure of any motion"
 
 

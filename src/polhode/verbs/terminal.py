@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from polhode.common.checkpoint import Checkpoint
     from polhode.scenes.scene import Scene
 
+LONG = 10.0  # seconds of a proof that are foretold
 DONE, FAILED, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 1, 2, 3, 130
 
 

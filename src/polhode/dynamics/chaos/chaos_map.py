@@ -6,8 +6,8 @@ One tangent u a motion, followed to the time T:
     MEGNO = (1/T) int Y dt,              Y(t) = 2 ln|u(t)| - (2/t) int_0^t ln|u|
 
 (the mean exponential growth of nearby orbits of P. Cincotta and C. Simo, A&AS 147 (2000) 205).  A
-motion is *chaotic* where growth > 6, the same bound as in
-:mod:`polhode.judging.conditioning.lyapunov`;
+motion is *chaotic* where growth > 6, or *unstable* where all motions of its body are known
+(the definition and the bound are those of :mod:`polhode.judging.conditioning.motion_kinds`);
 *regular* (up to T) where growth < 2.5 and MEGNO < 2.2 and T is 1000 units or more; else
 *undecided*.  Orbits that stick to islands for longer than T are called regular.
 """
@@ -33,7 +33,7 @@ from polhode.common.provenance import provenance
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.chaos import map_motions
 from polhode.dynamics.sections.initial_tangents import tangents_of
-from polhode.judging.conditioning.lyapunov import CHAOTIC
+from polhode.judging.conditioning.motion_kinds import UNSTABLE, UNSTABLE_GROWTH, is_integrable
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
@@ -102,7 +102,14 @@ class ChaosMap(ByValue):
     @property
     def counts(self) -> dict[str, int]:
         """How many motions have each verdict."""
-        return {name: int((self.verdict == k).sum()) for k, name in enumerate(VERDICTS)}
+        found = {name: int((self.verdict == k).sum()) for k, name in enumerate(self.words)}
+        return found | {name: 0 for name in VERDICTS if name not in found}
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The verdicts' names: unstable for chaotic on a level of a body that is integrable."""
+        known = self.h is not None and is_integrable(self.scene.body)
+        return (*VERDICTS[:2], UNSTABLE) if known else VERDICTS
 
 
 def chaos_map(
@@ -176,7 +183,7 @@ def chaos_map(
             looks,
             tol,
             early,
-            CHAOTIC,
+            UNSTABLE_GROWTH,
         )
         for k in range(0, len(starts), LANES)
     ]
@@ -244,7 +251,7 @@ def _judged(sizes: Any, last: Any, length: float) -> dict[str, Any]:
     calm = (
         (growth < REGULAR_GROWTH) & (megno < REGULAR_MEGNO) & (until >= SHORTEST * (1 - _ROUNDING))
     )
-    verdict = np.where(growth > CHAOTIC, 2, np.where(calm, 0, 1))
+    verdict = np.where(growth > UNSTABLE_GROWTH, 2, np.where(calm, 0, 1))
     half = np.maximum(last - last // 2, 1) * step
     return {
         "verdict": verdict,

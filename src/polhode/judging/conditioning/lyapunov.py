@@ -1,10 +1,11 @@
 """Regular or chaotic: the largest Lyapunov exponent, from one tangent that is rescaled as it grows.
 
 Between the middle and the end of a regular motion a tangent grows like a power of time, by 2 to 4;
-on a chaotic one it grows exponentially.  A periodic or asymptotic motion may be regular and yet
-multiply errors exponentially: no growth rate tells it from chaos, a closed form or a fixed point
-does.  The motion is integrated in double: beyond the time at which its digits are lost it is a
-neighbour's, which has the same exponent where the motion is chaotic.
+on a chaotic one it grows exponentially.  So it does on an unstable periodic or asymptotic one: no
+growth rate tells it from chaos, a closed form or a fixed point does; the kinds are defined in
+:mod:`polhode.judging.conditioning.motion_kinds`.  The motion is integrated in double: beyond the
+time at which its digits are lost it is a neighbour's, which has the same exponent where the motion
+is chaotic.
 """
 
 from __future__ import annotations
@@ -20,6 +21,14 @@ from polhode.common.arguments import each, steps
 from polhode.common.errors import BadInput
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.system import system
+from polhode.judging.conditioning import motion_kinds
+from polhode.judging.conditioning.motion_kinds import (
+    CHAOTIC,
+    REGULAR,
+    REGULAR_GROWTH,
+    UNDECIDED,
+    UNSTABLE_GROWTH,
+)
 from polhode.judging.references.reference import reference
 from polhode.numbers import exact
 from polhode.numbers.conversion import exact_number, to_double
@@ -34,7 +43,6 @@ MAX_STEPS = 1_000_000  # of 3 µs
 DEFAULT_LENGTH = 2000  # in the motion's slowest unit of time
 SHORTEST = 100  # below this no verdict rests on growth
 BLOCKS, LOOKS = 32, 8  # blocks over the whole time, looks at the tangent in each
-REGULAR, CHAOTIC = 2.0, 6.0  # growth of ln |tangent| in the second half: below, above
 NEIGHBOURS, APART = 7, 1e-6  # of a chaotic motion: their number, their relative distance
 TANGENT = 0.6, -0.5, 0.4, 0.3, 0.2, -0.3  # along no axis
 _DOUBLES_TRUE = 12 * math.log(10)  # ln of the growth up to which a double follows the motion
@@ -48,7 +56,8 @@ class Lyapunov:
     ``uncertainty``: of a chaotic motion the standard deviation of the exponents of it and seven
     neighbours, found alike; of another the standard error over blocks of time, and for what a power
     law would show as well (blocks of a chaotic one hang together: their error is half the scatter).
-    ``growth``: of ln |tangent| over that half.  ``verdict``: "regular", "chaotic" or "undecided".
+    ``growth``: of ln |tangent| over that half.  ``verdict``: "regular", "unstable",
+    "chaotic" or "undecided", see :mod:`polhode.judging.conditioning.motion_kinds`.
 
     >>> import polhode
     >>> polhode.lyapunov("euler/largest-axis", 1000).verdict
@@ -68,15 +77,15 @@ class Lyapunov:
 
     def __str__(self) -> str:
         return (
-            f"{self.verdict}: exponent {self.exponent:.3g} ± {self.uncertainty:.1g} "
-            f"up to t = {self.end:g}; {self.reason}"
+            f"{motion_kinds.shown(self.verdict)}: exponent {self.exponent:.3g} ± "
+            f"{self.uncertainty:.1g} (one standard deviation) up to t = {self.end:g}; {self.reason}"
         )
 
 
 def lyapunov(
     scene: Scene | str | Path, end: AnyNumber | None = None, max_steps: int = MAX_STEPS
 ) -> Lyapunov:
-    """Estimate the largest Lyapunov exponent of a scene's motion, and call it regular or chaotic.
+    """Estimate the largest Lyapunov exponent of a scene's motion, and tell what kind it is.
 
     ``end``: the time to follow it to; unless given the scene's own end, or 2000 units of the slower
     of its spin and its pendulum's swing if that is longer.  "undecided" where the time is too short
@@ -133,7 +142,7 @@ def lyapunov(
     reached = abs(last) * (len(sizes) - 1) / (BLOCKS * LOOKS)
     exponent, error, growth = fitted(sizes, reached)
     verdict, reason = _judged(still, closed, growth, exponent, error, reached / slow)
-    if verdict == "chaotic":
+    if verdict == CHAOTIC:
         moved = (start * (1 + APART * k) for k in range(1, NEIGHBOURS + 1))
         ends = [fitted([*followed(x, math.copysign(reached, last))], reached)[0] for x in moved]
         error = float(np.std([exponent, *ends], ddof=1))
@@ -144,18 +153,15 @@ def lyapunov(
 def _judged(
     still: bool, closed: bool, growth: float, exponent: float, error: float, length: float
 ) -> tuple[str, str]:
-    grows = growth > CHAOTIC and exponent > 4 * error
-    if still or closed:
-        known = "a fixed point" if still else "a closed form is known"
-        how = "exponentially, for this motion is unstable" if grows else "at no clear rate"
-        if growth < REGULAR:
-            how = "no faster than a power of t"
-        return "regular", f"{known}; neighbours part {how}"
+    grows = growth > UNSTABLE_GROWTH and exponent > 4 * error
+    known = "a fixed point; " if still else "a closed form is known; " if closed else ""
     if grows:
-        return "chaotic", "neighbours part exponentially"
-    if growth < REGULAR and length >= SHORTEST:
-        return "regular", "neighbours part no faster than a power of t"
-    return "undecided", "follow it for longer"
+        return motion_kinds.of_growing(bool(known)), f"{known}neighbours part exponentially"
+    if growth < REGULAR_GROWTH and (known or length >= SHORTEST):
+        return REGULAR, f"{known}neighbours part no faster than a power of t"
+    if known:
+        return REGULAR, f"{known}neighbours part at no clear rate"
+    return UNDECIDED, "follow it for longer"
 
 
 def fitted(sizes: list[float], length: float) -> tuple[float, float, float]:

@@ -7,19 +7,25 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Collection, Iterator
-from typing import Any, NamedTuple
+from collections.abc import Callable, Collection, Iterator, Sequence
+from fractions import Fraction
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from polhode.common.text_tables import few
-from polhode.judging.diagnosis.reading import GAIN, WRONG, Reading
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, rows
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.tables.candidate import Subject
+from polhode.judging.tables.reading import GAIN, WRONG, Change, Reading
 from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.rows import Doubles
+from polhode.scenes.vocabulary import STATE
 
+AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
+
+_LEAST_ROWS = 3
 MOST_ROWS = 40  # looked at
 _TELLABLE = 15.0  # digits
 _DEGREE = math.pi / 180
@@ -28,7 +34,7 @@ _SEQUENCES = [s for s in itertools.product("xyz", repeat=3) if s[0] != s[1] != s
 
 def readings(
     subject: Subject,
-    reference: Reference | Certified | TwoPrecisions | Remembered,
+    reference: AnyReference,
     wrong: Collection[str],
 ) -> list[Reading]:
     """For each part that is wrong, the convention that makes most of it right, if one does.
@@ -54,21 +60,46 @@ def readings(
     whole = {k: part for k, part in _whole(subject, doubles).items() if k in wrong}
     if not whole:
         return []
-    states = asked(reference.at)
-    turns = asked(reference.attitude)
-    right = _Right(states, None if turns is None else _matrices(turns))
+    right = _right(asked, reference, times)
+    if right is None:
+        return []
     found = [_best(part, _ways(part, values, right)) for part, values in whole.items()]
     good = [reading for reading in found if reading is not None]
-    if not good and "omega" in whole and len(times) > 2:
+    if not good and len(times) > 2:
         step = subject.times[1] - subject.times[0]
         for sign, word in ((1, "late"), (-1, "early")):
-            moved = asked(reference.at, [t - sign * step for t in times])
+            moved = _right(asked, reference, [t - sign * step for t in times])
             if moved is not None:
-                ways = [("", _against(whole["omega"], states[:, :3], True))]
-                ways.append((f"one step of t {word}", _against(whole["omega"], moved[:, :3], True)))
-                best = _best("omega", iter(ways))
-                good += [] if best is None else [best]
+                good += _moved(whole, right, moved, f"one step of t {word}", sign)
     return good
+
+
+def _right(
+    asked: Callable[..., Any], reference: AnyReference, times: Sequence[Fraction]
+) -> _Right | None:
+    """The reference's states and attitudes at these times; None where it gives no states."""
+    states, turns = (asked(question, times) for question in (reference.at, reference.attitude))
+    if states is None:  # a proof that had no more time
+        return None
+    return _Right(states, None if turns is None else _matrices(turns))
+
+
+def _moved(
+    whole: dict[str, Doubles], right: _Right, moved: _Right, words: str, late: int
+) -> list[Reading]:
+    """Readings of all parts at other times, where none of them contradicts."""
+    found = []
+    for part, values in whole.items():
+        plain, there = (next(_ways(part, values, held), None) for held in (right, moved))
+        if plain is None or there is None:
+            continue
+        if plain.digits >= WRONG:
+            continue
+        best = _best(part, iter((plain, _Way(words, there.digits, Change(late=late)))))
+        if best is None:
+            return []
+        found.append(best)
+    return found
 
 
 class _Right(NamedTuple):
@@ -91,68 +122,118 @@ def _whole(subject: Subject, doubles: Callable[[Any], Any]) -> dict[str, Any]:
     return found
 
 
-def _ways(part: str, values: Any, right: _Right) -> Iterator[tuple[str, float]]:
+class _Way(NamedTuple):
+    """A convention, the digits that it gives, and the change that applies it, if one does."""
+
+    words: str
+    digits: float
+    change: Change | None = None
+
+
+_SAME = (0, 1, 2)
+
+
+def _ways(part: str, values: Any, right: _Right) -> Iterator[_Way]:
     """Conventions of a part and the digits that each gives; as it stands first."""
     if part == "omega":
         yield from _of_omega(values, right)
+        yield from _of_axes(STATE[:3], values, right.states[:, :3], True)
     elif part == "gamma":
-        yield "", _against(values, right.states[:, 3:])
-        yield "the downward vertical", _against(-values, right.states[:, 3:])
+        true = right.states[:, 3:]
+        yield _Way("", _against(values, true))
+        down = Change(_SAME, (-1, -1, -1))
+        yield _Way("the downward vertical", _against(-values, true), down)
+        yield from _of_axes(STATE[3:], values, true, False)
     elif right.matrices is not None:
         yield from (_of_attitude if part == "attitude" else _of_angles)(values, right)
 
 
-def _of_omega(values: Any, right: _Right) -> Iterator[tuple[str, float]]:
+def _of_axes(
+    names: Sequence[str], values: Doubles, true: Doubles, relative: bool
+) -> Iterator[_Way]:
+    """Axes in another order or of another sense, left-handed frames among them.
+
+    None of fewer rows than tell that from a wrong number.
+    """
+    if len(values) < _LEAST_ROWS:
+        return
+    for order in itertools.permutations(range(3)):
+        for signs in itertools.product((1, -1), repeat=3):
+            if order == _SAME and len({*signs}) == 1:
+                continue
+            held = [f"{'-' if s < 0 else ''}{names[k]}" for s, k in zip(signs, order, strict=True)]
+            words = f"{' '.join(names)} = {' '.join(held)}"
+            digits = _against(values[:, order] * signs, true, relative)
+            yield _Way(words, digits, Change(order, signs))
+
+
+def _of_omega(values: Any, right: _Right) -> Iterator[_Way]:
     true = right.states[:, :3]
-    yield "", _against(values, true, True)
+    yield _Way("", _against(values, true, True))
     for factor, unit in ((1.0, ""), (_DEGREE, "degrees")):
         for sign, sense in ((1, ""), (-1, "of the other sense")):
             words = " ".join(filter(None, (unit, sense)))
+            change = Change(_SAME, (sign,) * 3, bool(unit))
             if words:
-                yield words, _against(sign * factor * values, true, True)
+                yield _Way(words, _against(sign * factor * values, true, True), change)
             if right.matrices is not None:
                 inside = np.einsum("nij,ni->nj", right.matrices, sign * factor * values)
-                yield f"along the axes of space {words}".strip(), _against(inside, true, True)
+                in_space = f"along the axes of space {words}".strip()
+                yield _Way(in_space, _against(inside, true, True))
 
 
-def _of_attitude(values: Any, right: _Right) -> Iterator[tuple[str, float]]:
-    yield "", _as_it_stands(values, right)
-    orders = ((slice(None), ""), ([3, 0, 1, 2], "scalar-last"), ([1, 2, 3, 0], "q1 the scalar"))
+def _of_attitude(values: Any, right: _Right) -> Iterator[_Way]:
+    yield _Way("", _as_it_stands(values, right))
+    orders = (
+        ((0, 1, 2, 3), ""),
+        ((3, 0, 1, 2), "scalar-last"),
+        ((1, 2, 3, 0), "q1 the scalar"),
+    )
+    steady = _is_steady(values)
     for order, place in orders:
         matrices = _matrices(values[:, order])
-        for turned, sense in ((matrices, ""), (matrices.transpose(0, 2, 1), "body from space")):
-            words = ", ".join(filter(None, (place, sense))) or "of either sign at each time"
-            yield words, _against(turned, right.matrices)
+        senses = (
+            (matrices, "", (1, 1, 1, 1)),
+            (matrices.transpose(0, 2, 1), "body from space", (1, -1, -1, -1)),
+        )
+        for turned, sense, signs in senses:
+            words = ", ".join(filter(None, (place, sense)))
+            change = Change(order, signs) if words and steady else None
+            words = words or "of either sign at each time"
+            yield _Way(words, _against(turned, right.matrices), change)
+
+
+def _is_steady(values: Doubles) -> bool:
+    """Whether a quaternion's sign does not change between samples."""
+    return bool(np.all(np.einsum("ni,ni->n", values[1:], values[:-1]) >= 0))
 
 
 def _as_it_stands(values: Any, right: _Right) -> float:
     """Digits of a quaternion whose sign does not change between samples."""
-    steady = (
-        np.all(np.einsum("ni,ni->n", values[1:], values[:-1]) >= 0) if len(values) > 1 else True
-    )
-    return _against(_matrices(values), right.matrices) if steady else 0.0
+    return _against(_matrices(values), right.matrices) if _is_steady(values) else 0.0
 
 
-def _of_angles(values: Any, right: _Right) -> Iterator[tuple[str, float]]:
+def _of_angles(values: Any, right: _Right) -> Iterator[_Way]:
     own = _turns("zxz", values)
-    yield "", _against(own, right.matrices)
+    yield _Way("", _against(own, right.matrices))
     for sequence in _SEQUENCES:
         for factor, unit in ((1.0, ""), (_DEGREE, "in degrees")):
             matrices = _turns("".join(sequence), factor * values)
             name = f"turns about {'-'.join(sequence)}"
             for turned, sense in ((matrices, ""), (matrices.transpose(0, 2, 1), "body from space")):
-                yield " ".join(filter(None, (name, unit, sense))), _against(turned, right.matrices)
+                words = " ".join(filter(None, (name, unit, sense)))
+                yield _Way(words, _against(turned, right.matrices))
 
 
-def _best(part: str, ways: Iterator[tuple[str, float]]) -> Reading | None:
+def _best(part: str, ways: Iterator[_Way]) -> Reading | None:
     found = list(ways)
     if not found:
         return None
-    plain, others = found[0][1], found[1:]
-    words, digits = max(others, key=lambda way: way[1], default=("", plain))
+    plain, others = found[0].digits, found[1:]
+    words, digits, change = max(others, key=lambda way: way.digits, default=_Way("", plain))
     if plain >= WRONG or digits < plain + GAIN:
         return None
-    return Reading(part, plain, words, digits)
+    return Reading(part, plain, words, digits, change)
 
 
 def _against(values: Any, true: Any, relative: bool = False) -> float:

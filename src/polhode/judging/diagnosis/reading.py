@@ -1,23 +1,30 @@
-"""A reading: another convention in which a part of a table would be right."""
+"""A table read in other conventions: the changes of readings applied to its rows."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from dataclasses import replace
 
-#: Digits: below the first a part is wrong as it stands, the second is what a reading must add.
-WRONG, GAIN = 3.0, 3.0
+from polhode.judging.tables.candidate import Subject
+from polhode.judging.tables.reading import Reading
+from polhode.numbers.conversion import exactly
 
 
-class Reading(NamedTuple):
-    """A part of a table read another way: its digits as it stands, and as it is read here."""
-
-    part: str
-    as_it_stands: float
-    convention: str
-    digits: float
-
-    def __str__(self) -> str:
-        return (
-            f"{self.part} as it stands {self.as_it_stands:.2f} digits; read as {self.convention}: "
-            f"{self.digits:.1f} digits"
-        )
+def as_read(subject: Subject, readings: Sequence[Reading]) -> Subject:
+    """A subject whose parts are read so, as far as readings can be applied."""
+    for part, _, _, _, change in readings:
+        if change is None:
+            continue
+        if part == "attitude" and subject.attitude is not None:
+            subject = replace(subject, attitude=[change.row([*row]) for row in subject.attitude])
+        elif part in ("omega", "gamma") and subject.states is not None and change.order:
+            place = slice(0, 3) if part == "omega" else slice(3, 6)
+            states = [[None if x is None else exactly(x) for x in row] for row in subject.states]
+            for row in states:
+                row[place] = change.row(row[place])
+            subject = replace(subject, states=states)
+    late = {one.change.late for one in readings if one.change is not None} - {0}
+    if len(late) == 1:
+        step = late.pop() * (subject.times[1] - subject.times[0])
+        subject = replace(subject, times=tuple(t - step for t in subject.times))
+    return replace(subject, readings=(*subject.readings, *readings))

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from polhode.equations.plain_field import field
-from polhode.judging.diagnosis.reading import Reading
+from polhode.judging.tables.reading import Reading
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD

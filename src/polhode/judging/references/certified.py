@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+import time
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
+from polhode.common.progress import Progress
+from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import exact_number
+from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes.classification import kind_of_body
@@ -22,8 +26,10 @@ if TYPE_CHECKING:
 class Certified:
     """The reference of any scene: balls that contain the exact motion, and their midpoints.
 
-    ``agreement`` holds the digits proven for the last request of states, at its worst time; where
-    states were never asked for, of the last attitude or angles.
+    ``progress``, ``forecast``: told of each proof as by :func:`polhode.certify`; ``max_seconds``: a
+    limit on all of them together, from now on.  ``agreement`` holds the digits proven for the last
+    request of states, at its worst time; where states were never asked for, of the last attitude or
+    angles.
 
     >>> import polhode
     >>> proven = polhode.Certified(polhode.load("general/asymmetric-regular"))
@@ -38,8 +44,20 @@ class Certified:
     period = None
     __hash__ = None  # type: ignore[assignment]
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        progress: Progress | None = None,
+        forecast: Callable[[float], None] | None = None,
+        max_seconds: float | None = None,
+    ) -> None:
         self.scene = scene
+        self._told = progress, forecast
+        self._most, self._deadline = (
+            max_seconds,
+            math.inf if max_seconds is None else time.monotonic() + max_seconds,
+        )
         self.regime = kind_of_body(scene.body)
         self.agreement, self._states_asked = math.nan, False
         self.frequencies: dict[str, Real] = {}
@@ -73,7 +91,20 @@ class Certified:
         asked = each(self.scene.name, "t", times, exact_number, "a list of times")
         key = (asked, digits, outputs)
         if key not in self._known:
-            found = certify(replace(self.scene, outputs=outputs), key[0], digits)
+            progress, forecast = self._told
+            left = None if self._most is None else max(1e-3, self._deadline - time.monotonic())
+            found = certify(
+                replace(self.scene, outputs=outputs),
+                key[0],
+                digits,
+                progress=progress,
+                max_seconds=left,
+                forecast=forecast,
+            )
+            if found.outcome is Outcome.TIME_LIMIT:
+                last = shown(max(asked, key=abs))
+                expected = f"seconds in which the motion is proven to t = {last}, or earlier times"
+                raise BadInput(self.scene.name, "max_seconds", self._most, expected)
             if not found.outcome.done:
                 raise KeyboardInterrupt
             self._known[key] = found

@@ -5,22 +5,28 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, TypedDict
 
 from polhode.common.arguments import of_kind, whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.conditioning.conditioning import Conditioning
+from polhode.judging.diagnosis.reading import as_read
+from polhode.judging.diagnosis.time_unit import time_unit
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, reference
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.score.judgement import Judgement
+from polhode.judging.score.part_digits import fewest
 from polhode.judging.score.report_text import SHOWN
 from polhode.judging.score.score import AnyReference, does_not_answer
-from polhode.judging.tables.candidate import of_run, of_table
+from polhode.judging.tables.candidate import Subject, of_run, of_table
 from polhode.judging.tables.csv_file import open_table
+from polhode.judging.tables.csv_layout import naming
+from polhode.judging.tables.reading import GAIN, WRONG, Reading
 from polhode.judging.tables.table import Table, table_of_columns, table_of_rows
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
@@ -35,6 +41,16 @@ if TYPE_CHECKING:
 #: Columns by name.
 Columns: TypeAlias = "Mapping[str, AnyVector] | pd.DataFrame | xr.Dataset"
 
+
+class _Limits(TypedDict, total=False):
+    """What a proof is told and allowed."""
+
+    progress: Progress | None
+    max_seconds: float | None
+    forecast: Callable[[float], None]
+
+
+_FIRST = 5  # rows that tell whether the times have another unit
 MANY = 1000  # rows of a table that has a first answer
 
 
@@ -58,22 +74,28 @@ def compare(
     workers: int = 1,
     progress: Progress | None = None,
     as_it_stands: bool = False,
+    max_seconds: float | None = None,
+    forecast: Callable[[float, str], None] | None = None,
 ) -> Judgement:
     """Judge a run, a trajectory file, columns or an array of states against a reference.
 
     ``what``: a Trajectory; the path of a CSV file with a column t and any of p q r gamma1 gamma2
     gamma3 psi theta phi q0 q1 q2 q3, or of a derived output; the same columns as a mapping of names
     to arrays, a pandas DataFrame or an xarray Dataset; or rows of numbers, which hold at the times
-    ``at`` and have the columns ``columns`` (those of the scene unless given).  ``against``: a
+    ``at`` and have the columns ``columns`` (those of the scene unless given).  Of a file
+    ``columns`` are those that it has, in order, where it has no header or another; or what single
+    names of its header mean: ``["time_ms=t*1e-3", "Q.W=q0"]``.  ``against``: a
     reference, or the scene whose reference it is; of a run its own scene unless given.  ``number``
     (and ``digits`` of mp): the type whose rounded values a file's decimals, or the rows, are;
     floats, of Python or of arrays (single, double or long double), are known as such.
     ``known``: the scene's conditioning, to spare its computation.
     ``first``: called with a judgement of a few rows of a table of more than a thousand, and how
-    many those are, before the others are judged; of a file, before they are read.
+    many those are, before the others are judged by a closed form; of a file, before they are read.
     ``workers``: processes that a closed form whose rows cost seconds may be asked by.
-    ``progress``: called with the part of the closed form's rows that are there, and how many,
-    where they take long.
+    ``progress``: called with the part of the reference's rows that are there, and how many (of a
+    proof, of the time and the steps), where they take long.  ``max_seconds``: a limit on proofs,
+    where no closed form answers; beyond it BadInput.  ``forecast``: called before each proof with
+    the seconds that it will take, roughly, and with the unit that the times seem to have, if any.
     ``as_it_stands``: judge the numbers in the conventions of the scene alone; otherwise another
     convention that makes a part right is applied, and ``reading`` says which.
 
@@ -96,8 +118,13 @@ def compare(
     workers = whole("compare", "workers", workers, 1)
     kinds = (Reference, Certified, TwoPrecisions, Remembered, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
+    limits: _Limits = {"progress": progress, "max_seconds": max_seconds}
+    if forecast is not None:
+        limits["forecast"] = lambda seconds: forecast(seconds, _unit(found))
     if isinstance(against, (Scene, str, Path)):
         against = reference(against)
+        if isinstance(against, Certified):
+            against = Certified(against.scene, **limits)
     if isinstance(what, Trajectory):
         if not what.times:
             ended = f"a time that the run reached ({what.outcome.cause}; {what.outcome.advice})"
@@ -109,7 +136,8 @@ def compare(
             raise BadInput(scene.name, "digits", digits, "number given with it: mp")
         kind = None if number is None else choose_number(scene, number, digits)
         if isinstance(what, (str, Path)):
-            file = open_table(Path(what), kind)
+            names = None if columns is None else naming(",".join(columns))
+            file = open_table(Path(what), kind, names)
             some = None if first is None else file.some(SHOWN)
             with suppress(BadInput):  # first what is wrong with the file, if anything is
                 if some is not None and _is_told(first, *some, against):
@@ -126,22 +154,66 @@ def compare(
     if not (subject.columns or subject.angles or subject.attitude or subject.derived):
         expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
         raise BadInput(subject.name, "header", None, expected)
+    if not as_it_stands and subject.run is None:
+        subject = _in_seconds(subject, against)
     found = Judgement(subject, against, known, workers, progress, as_it_stands)
     try:
         _ = found.digits  # what cannot be judged is refused here
     except BadInput as refused:
         if not does_not_answer(against, refused):
+            if refused.key == "at" and (unit := _unit(found)):  # a proof of too many steps
+                expected = f"{refused.expected}; t looks like {unit}"
+                raise BadInput(refused.source, "t", refused.value, expected) from None
             raise
-        found = replace(found, reference=Certified(against.scene))
+        found = replace(found, reference=Certified(against.scene, **limits))
         _ = found.digits
-    return found
+    return found if as_it_stands or found.subject.run is not None else _as_read(found)
+
+
+def _as_read(found: Judgement) -> Judgement:
+    """The judgement in the conventions that make its wrong parts right, where some do."""
+    if not found.is_wrong:
+        return found
+    readings = [one for one in found.offers if one.change is not None]
+    if not readings:
+        return found
+    other = replace(found, subject=as_read(found.subject, readings))
+    wanted = {name: fewest(digits, 0.0) - GAIN for name, digits in found.part_digits.items()}
+    wanted |= {one.part: one.as_it_stands + GAIN for one in readings}
+    good = all(fewest(other.part_digits.get(k, ()), 0.0) >= d for k, d in wanted.items())
+    return other if good else found
+
+
+def _in_seconds(subject: Subject, against: AnyReference) -> Subject:
+    """A table with the times of its unit, where its first rows are right so alone."""
+    unit = time_unit(subject, against.scene)
+    if unit is None:
+        return subject
+    first = sorted(range(len(subject.times)), key=lambda k: abs(subject.times[k]))[:_FIRST]
+    some = subject.some([k for k in first if subject.times[k] != 0])
+    with suppress(BadInput):
+        before, now = (
+            Judgement(replace(some, times=tuple(t * by for t in some.times)), against).worst
+            for by in (Fraction(1), unit.length)
+        )
+        if before < WRONG and now >= before + GAIN:
+            reading = Reading("t", before, unit.name, now)
+            times = tuple(t * unit.length for t in subject.times)
+            return replace(subject, times=times, readings=(reading,))
+    return subject
+
+
+def _unit(found: Judgement) -> str:
+    """The unit that the times seem to have, empty where it is the scene's."""
+    unit = time_unit(found.subject, found.reference.scene)
+    return "" if unit is None else unit.name
 
 
 def _is_told(
     first: Callable[[Judgement, int], None] | None, some: Table, count: int, against: AnyReference
 ) -> bool:
     """Whether ``first`` was called with some of so many rows."""
-    if first is None or count <= MANY:
+    if first is None or count <= MANY or isinstance(against, Certified):
         return False
     brief = Judgement(of_table(some, against.scene), against)
     try:

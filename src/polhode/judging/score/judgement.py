@@ -18,21 +18,22 @@ from polhode.judging.conditioning.conditioning import Conditioning, conditioning
 from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.departure import Departure, departure
-from polhode.judging.diagnosis.error_budget import LAST, between, is_lost, limit
+from polhode.judging.diagnosis.error_budget import LAST, between, chance, is_lost, is_thin, limit
 from polhode.judging.diagnosis.omega_only import OmegaAlone, omega_alone
-from polhode.judging.diagnosis.reading import WRONG, Reading
 from polhode.judging.presentation import JudgementPresentation
 from polhode.judging.references.reference import by_sign
 from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest
 from polhode.judging.score.report_text import SHOWN, table, together
 from polhode.judging.score.score import AnyReference, HeldAgainst
 from polhode.judging.tables.candidate import Subject, of_table
+from polhode.judging.tables.reading import WRONG, Reading
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.scenes.vocabulary import STATE
 
+RARE = 1e-4  # a share of runs of which nobody judges so many
 FOLLOWED = 400  # times at which what rounding does to the motion is followed
 MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
 
@@ -143,7 +144,14 @@ class Judgement(ByValue):
     @property
     def reading(self) -> str | None:
         """The convention that was applied, None where the numbers are judged as they stand."""
-        return "; ".join(one.convention for one in self._turns) or None
+        told = [*dict.fromkeys(f"{r.part} {r.convention}" for r in self.subject.readings)]
+        return "; ".join([*told, *(one.convention for one in self._turns)]) or None
+
+    @property
+    def is_wrong(self) -> bool:
+        """Whether a part has few digits, so that another convention may be meant."""
+        found = [d for digits in self.part_digits.values() for d in digits if d is not None]
+        return min(found, default=WRONG) < WRONG
 
     @property
     def part_digits(self) -> dict[str, RowDigits]:
@@ -292,7 +300,21 @@ class Judgement(ByValue):
             return cheap
         at, times = self._lowest, len(self.times)
         expected, inputs = self.expected[at], self.inputs[at]
-        return limit(worst, held, expected, inputs, agreement, steps, times)
+        thin = is_thin(self.reference.scene.body)
+        return limit(worst, held, expected, inputs, agreement, steps, times, thin)
+
+    @cached_property
+    def chance(self) -> float | None:
+        """The share of runs that chance alone leaves so few digits; None where the limit is not
+        the method.
+
+        The limit allows for the many times of one run.  Of hundreds of runs chance alone explains
+        those of a share of one in hundreds.
+        """
+        if not self.limit.startswith("method"):
+            return None
+        expected = self.expected[self._lowest]
+        return None if expected is None else chance(min(self.digits), expected, len(self.times))
 
     @property
     def parts(self) -> dict[str, float]:
@@ -328,15 +350,22 @@ class Judgement(ByValue):
         given = [[to_mpf(x, held.bits) for x in row[:3]] for row in omega]
         return omega_alone(scene, self.times, given, held.rows, held.bits)
 
-    @cached_property
+    @property
     def readings(self) -> tuple[Reading, ...]:
-        """Conventions in which parts of a table that is wrong as it stands would be right."""
+        """Conventions in which parts of a table that is wrong as it stands are right: those that
+        were applied; where none was, those in which they would be."""
+        known = (*self.subject.readings, *self._turns)
+        return known or self.offers
+
+    @cached_property
+    def offers(self) -> tuple[Reading, ...]:
+        """Those that are not applied, of a table."""
         from polhode.judging.diagnosis.conventions import readings
         from polhode.judging.diagnosis.time_rounding import reading
 
         source = self.subject.source
-        if self._turns or self.as_it_stands or not isinstance(source, Table):
-            return self._turns
+        if self.as_it_stands or not isinstance(source, Table):
+            return ()
         wrong = {name for name, digits in self.parts.items() if digits < WRONG}
         if self.digits and min(self.digits) < WRONG:
             wrong |= {"omega", "gamma"}
@@ -389,7 +418,10 @@ class Judgement(ByValue):
     def _headline(self) -> str:
         """The fewest digits of all, and what limits those of the state."""
         read = f"; read as {self.reading}" if self.reading else ""
-        limited = (f"limited by {self.limit}" if self.limit else self._unlimited) + read
+        limited = f"limited by {self.limit}" if self.limit else self._unlimited
+        if self.chance is not None and self.chance > RARE:
+            limited += f", or by chance: one run in {1 / self.chance:.0f} has so few digits"
+        limited += read
         if self.digits and self.lost:
             return f"{self.lost}; {limited}"
         worst = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
 from polhode.judging.correct_digits import digits_of
-from polhode.judging.diagnosis.reading import GAIN
+from polhode.judging.tables.reading import GAIN
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.rows import Given
 from polhode.numbers.scalars import Scalar

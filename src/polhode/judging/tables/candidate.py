@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import chain
 from typing import TYPE_CHECKING, Any
@@ -23,6 +23,7 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE, column_names
 
 if TYPE_CHECKING:
+    from polhode.judging.tables.reading import Reading
     from polhode.numbers.double_double import Pairs
 
 MOST_DIGITS = 1000.0  # that are told of a table
@@ -39,7 +40,8 @@ class Subject(ByValue):
     there.  ``states``: rows of all the scene's columns, None where one is not there; ``angles`` and
     ``attitude`` likewise, None where nothing of them is there; ``derived``: the same of derived
     columns, by output.  ``steps``: what is to blame where the method is.  ``printed``: significant
-    digits in a table, None of a run.  ``remarks``: how the table was read.
+    digits in a table, None of a run.  ``remarks``: how the table was read.  ``readings``:
+    conventions that were applied to it.
     """
 
     source: Trajectory | Table
@@ -57,10 +59,26 @@ class Subject(ByValue):
     projected: bool
     notes: tuple[str, ...]
     remarks: tuple[str, ...] = ()
+    readings: tuple[Reading, ...] = ()
 
     def part(self, word: str) -> Given | None:
         """Rows of an output by its word, None where nothing of it is there."""
         return {"angles": self.angles, "attitude": self.attitude, **self.derived}.get(word)
+
+    def some(self, which: Sequence[int]) -> Subject:
+        """Some of the rows."""
+
+        def of(rows: Given | None) -> list[Any] | None:
+            return None if rows is None else [rows[k] for k in which]
+
+        return replace(
+            self,
+            times=tuple(self.times[k] for k in which),
+            states=of(self.states),
+            angles=of(self.angles),
+            attitude=of(self.attitude),
+            derived={word: [rows[k] for k in which] for word, rows in self.derived.items()},
+        )
 
     @property
     def run(self) -> Trajectory | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 from typing import NamedTuple
 
 from polhode.equations.column import column as derived_column
@@ -12,6 +13,7 @@ from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE, column_n
 _OTHERS = {
     "time": "t",
     "seconds": "t",
+    "timestamp": "t",
     **{f"w{axis}": name for axis, name in zip("xyz", STATE, strict=False)},
     **{f"w_{axis}": name for axis, name in zip("xyz", STATE, strict=False)},
     **{f"g{axis}": name for axis, name in zip("xyz", STATE[3:], strict=False)},
@@ -26,8 +28,19 @@ _OTHERS = {
     # Of another sequence: wrong as they stand, and the judgement says how they would be right.
     **dict(zip(("yaw", "pitch", "roll"), ANGLES, strict=True)),
 }
+#: Of ROS, Unity and Blender: ``orientation.w``, ``Rotation_X``, ``rotation_quaternion[0]``; of
+#: MuJoCo's ball joint ``qpos0``, ``qvel[2]``, whose rates are along body axes.
+_QUATERNION = re.compile(
+    r"(?:.*[./])?(?:orientation|rotation|quaternion|quat|attitude|rotation_quaternion)"
+    r"[._ ]?(?:\[?(?:quat_)?([wxyz0-3])\]?)$"
+)
+_RATE = re.compile(r"(?:.*[./])?(?:angular_?velocity|ang_?vel|gyro)[._ ]?\[?([xyz0-2])\]?$")
+_BALL = re.compile(r"(qpos|qvel)[_.]?\[?([0-3])\]?$")
 #: A unit at the end of a name: ``psi_deg``, ``wx [deg/s]``, ``p (rad/s)``, ``time [s]``.
-_UNIT = re.compile(r"[\s_]*[\[(]?(deg|degrees|rad|radians|s|sec)(?:[/_ ]s)?[\])]?$", re.I)
+_UNIT = re.compile(
+    r"[\s_]*[\[(]?(deg|degrees|rad|radians|rpm|ms|us|ns|s|sec)(?:[/_ ]s)?[\])]?$", re.I
+)
+_TIMES = {"ms": Fraction(1, 1000), "us": Fraction(1, 10**6), "ns": Fraction(1, 10**9)}
 
 
 def known() -> list[str]:
@@ -46,26 +59,47 @@ def not_judged() -> dict[str, str]:
 
 
 class Column(NamedTuple):
-    """The column that a header names, None where it is unknown; whether it is in degrees."""
+    """The column that a header names, None where it is unknown; whether it is in degrees.
+
+    ``factor``: what its numbers are multiplied by, of another unit.
+    """
 
     name: str | None
     degrees: bool = False
+    factor: Fraction = Fraction(1)
 
 
 def column(header: str) -> Column:
     """What a header of a table means.
 
-    >>> column("qw"), column("wx [deg/s]"), column("psi_deg"), column("note")
-    (Column(name='q0', degrees=False), Column(name='p', degrees=True), \
-Column(name='psi', degrees=True), Column(name=None, degrees=False))
+    >>> column("qw").name, column("wx [deg/s]")[:2], column("psi_deg")[:2], column("note").name
+    ('q0', ('p', True), ('psi', True), None)
+    >>> column("time_ms").name, column("time_ms").factor, column("pose.orientation.w").name
+    ('t', Fraction(1, 1000), 'q0')
     """
     names = known()
     if header in names:
         return Column(header)
     unit = _UNIT.search(header)
     bare = header[: unit.start()] if unit and unit.start() else header
-    name = bare if bare in names else _OTHERS.get(bare.lower())
+    name = bare if bare in names else _OTHERS.get(bare.lower()) or _exported(bare.lower())
     if name is None:
         return Column(None)
-    degrees = unit is not None and bare != header and unit.group(1).lower().startswith("deg")
-    return Column(name, degrees)
+    word = unit.group(1).lower() if unit is not None and bare != header else ""
+    if word in _TIMES:
+        return Column(name, False, _TIMES[word]) if name == "t" else Column(None)
+    if word == "rpm":
+        return Column(name, True, Fraction(6)) if name in STATE[:3] else Column(None)
+    return Column(name, word.startswith("deg"))
+
+
+def _exported(name: str) -> str | None:
+    """The column of a name as engines export it; None of another."""
+    if found := _QUATERNION.match(name):
+        return ATTITUDE["wxyz0123".index(found[1]) % 4]
+    if found := _RATE.match(name):
+        return STATE["xyz012".index(found[1]) % 3]
+    if found := _BALL.match(name):
+        place = int(found[2])
+        return ATTITUDE[place] if found[1] == "qpos" else None if place > 2 else STATE[place]
+    return None

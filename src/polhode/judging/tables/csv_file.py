@@ -6,7 +6,7 @@ import csv
 import io
 import string
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 from typing import TextIO
@@ -14,8 +14,9 @@ from typing import TextIO
 from polhode.common.errors import BadInput
 from polhode.common.files import called, read_whole
 from polhode.common.text_tables import few
-from polhode.judging.tables.column_aliases import Column, column, known
+from polhode.judging.tables.column_aliases import Column, known
 from polhode.judging.tables.csv_columns import most_printed, values
+from polhode.judging.tables.csv_layout import SEPARATORS, Naming, layout
 from polhode.judging.tables.sidecar import Sidecar, beside
 from polhode.judging.tables.table import Table, radians
 from polhode.numbers import expression
@@ -24,7 +25,11 @@ from polhode.numbers.number_types import NumberType
 
 MAX_BYTES = 1 << 30
 MAX_LINE = 1_000_000  # characters
-_BLANK = "," + string.whitespace
+_BLANK = SEPARATORS + string.whitespace
+_ACCEPTED = (
+    "a header with a column t (or time, timestamp) and columns beside it, separated by commas, "
+    "semicolons, tabs or blanks, also after #; or --columns t,p,q,... that names them"
+)
 
 
 @dataclass(frozen=True, repr=False)
@@ -32,13 +37,17 @@ class TableFile:
     """The lines of a CSV file, comments blank, whose cells are still to be read.
 
     ``number``: its decimals stand for numbers of it; that which the JSON that polhode wrote beside
-    it names, unless given.  ``beside``: what that JSON says.
+    it names, unless given.  ``beside``: what that JSON says.  ``separator``, ``before``, ``names``:
+    see :mod:`polhode.judging.tables.csv_layout`.
     """
 
     path: Path
     lines: tuple[str, ...]
     number: NumberType | None
     beside: Sidecar
+    separator: str = ","
+    before: int = 0
+    names: Naming = field(default_factory=Naming)
 
     @property
     def table(self) -> Table:
@@ -61,10 +70,11 @@ class TableFile:
 
     def _of(self, lines: Sequence[str]) -> Table:
         path = self.path
+        reader = csv.reader(lines, delimiter=self.separator)
         try:
             rows = [
                 (k, [cell.strip() for cell in row])
-                for k, row in enumerate(csv.reader(lines), 1)
+                for k, row in enumerate(reader, 1 - self.before)
                 if any(cell.strip() for cell in row)
             ]
         except csv.Error:
@@ -72,12 +82,12 @@ class TableFile:
         if not rows:
             raise BadInput(str(path), "file", None, "a header line that names the columns")
         header = rows[0][1]
-        named = [column(name) for name in header]
+        named = [self.names.column(name) for name in header]
         for name in known():
             if sum(name == found.name for found in named) > 1:
                 raise BadInput(str(path), "header", name, "each column once")
         if all(found.name != "t" for found in named):
-            raise BadInput(str(path), "header", ",".join(header), "a column t among its names")
+            raise BadInput(str(path), "header", ",".join(header), _ACCEPTED)
         if all(found.name in (None, "t") for found in named):
             expected = f"columns beside t that can be judged, of {', '.join(known()[1:])}"
             raise BadInput(str(path), "header", ",".join(header), expected)
@@ -86,14 +96,17 @@ class TableFile:
         return _table(path, header, named, rows[1:], self.number, self.beside)
 
 
-def open_table(path: Path, number: NumberType | None) -> TableFile:
-    """A CSV file's lines; raises BadInput.  ``number``: see :class:`TableFile`."""
+def open_table(path: Path, number: NumberType | None, names: Naming | None = None) -> TableFile:
+    """A CSV file's lines; raises BadInput.  ``number``: see :class:`TableFile`; ``names``: columns
+    that were named beside it."""
     found = read_whole(path, MAX_BYTES, "a readable CSV file")
     try:
-        lines = tuple(_uncommented(io.StringIO(found.decode("utf-8-sig"), newline="")))
+        lines = tuple(_lines(io.StringIO(found.decode("utf-8-sig"), newline="")))
     except (UnicodeDecodeError, csv.Error):
         raise _no_text(path) from None
-    return TableFile(path, lines, number, beside(path))
+    names = names or Naming()
+    laid = layout(lines, names)
+    return TableFile(path, laid.lines, number, beside(path), laid.separator, laid.before, names)
 
 
 def read_table(path: Path, number: NumberType | None) -> Table:
@@ -105,12 +118,12 @@ def _no_text(path: Path) -> BadInput:
     return BadInput(str(path), "file", None, "a readable CSV file (not a CSV text)")
 
 
-def _uncommented(text: TextIO) -> Iterator[str]:
-    """The lines with comments blank: a quotation mark in a comment opens nothing."""
+def _lines(text: TextIO) -> Iterator[str]:
+    """The lines, each within a limit."""
     for line in iter(lambda: text.readline(MAX_LINE + 1), ""):
         if len(line) > MAX_LINE:
             raise csv.Error("a line without end")
-        yield "\n" if line.lstrip().startswith("#") else line
+        yield line
 
 
 def _table(
@@ -126,22 +139,25 @@ def _table(
             raise BadInput(f"{path}:{line}", "line", ",".join(cells), f"{len(header)} values")
     columns = dict(zip(named, zip(*(cells for _, cells in rows), strict=True), strict=True))
     printed = 1
-    for (name, _), texts in columns.items():
+    for (name, *_), texts in columns.items():
         if name not in (None, "t"):
             printed = most_printed(texts, printed)
     by_name = {found.name: texts for found, texts in columns.items()}
     beside = beside.of(printed, by_name["t"])
     held, own = beside.number, beside.number if number is None else None
     found: dict[str, tuple[Fraction | None, ...]] = {}
-    for (name, degrees), texts in columns.items():
+    for (name, degrees, factor), texts in columns.items():
         if name is None:
             continue
+        by = None if factor == 1 else factor
         try:
             if name == "t":
                 exact = values(texts, held or number)
                 exact = [x and number.rounded(x) for x in exact] if held and number else exact
-            elif degrees:
-                exact = [x and radians(x) for x in values(texts, number)]
+                exact = [x and x * by for x in exact] if by else exact
+            elif degrees or by:
+                exact = [x and x * factor for x in values(texts, number)]
+                exact = [x and radians(x) for x in exact] if degrees else exact
                 exact = [x and own.rounded(x) for x in exact] if own else exact
             else:
                 exact = values(texts, number or own)
@@ -167,7 +183,7 @@ def _table(
 def _first_bad(path: Path, named: list[Column], rows: list[tuple[int, list[str]]]) -> BadInput:
     """The complaint about the first cell that is no number."""
     for line, cells in rows:
-        for (name, _), cell in zip(named, cells, strict=True):
+        for (name, *_), cell in zip(named, cells, strict=True):
             if name is None or (cell == "" and name != "t"):
                 continue
             try:

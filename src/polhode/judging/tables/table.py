@@ -107,9 +107,10 @@ def table_of_columns(given: Any, number: NumberType | None = None) -> Table:
     if number is None:
         number = type_of(held[name] for name, k in named.items() if k.name not in (None, "t"))
     found: dict[str, tuple[Fraction | None, ...]] = {}
-    for name, (known_name, degrees) in named.items():
+    for name, (known_name, degrees, factor) in named.items():
         if known_name is not None:
             cells = each("compare", name, held[name], _cell, "a column of numbers")
+            cells = cells if factor == 1 else tuple(x and x * factor for x in cells)
             found[known_name] = tuple(radians(x) if x and degrees else x for x in cells)
     times = found.pop("t")
     if not times or None in times or any(len(cells) != len(times) for cells in found.values()):

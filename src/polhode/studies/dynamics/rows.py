@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.dynamics.chaos.chaos_map import VERDICTS, chaos_map
+from polhode.dynamics.chaos.chaos_map import chaos_map
 from polhode.dynamics.levels.levels import levels, topology
 from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections.jobs import level_of
@@ -238,7 +238,7 @@ def _map(cells: tuple[int, int]) -> dict[str, Any]:
         "shape": [*found.shape],
         "end": found.end,
         "seconds": round(time.process_time() - began, 2),
-        "counts": {name: found.counts[name] for name in VERDICTS},
+        "counts": {name: found.counts[name] for name in found.words},
         "columns": columns,
         "x": [round(float(x), 5) for x in np.unique(third)],
         "y": [round(float(x), 5) for x in np.unique(found.at[:, 1])],

@@ -1,0 +1,80 @@
+"""The unit of a table's times: how far its first row after the start has come tells.
+
+The scene says how fast omega, gamma and the attitude change at the start.  Where a table changes by
+a thousandth of that in its first row, for each part alike, its t looks like milliseconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+
+from polhode.equations.plain_field import field
+from polhode.judging.tables.candidate import Subject
+from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.rows import Doubles
+from polhode.scenes.scene import Scene
+
+_OFF = 0.3  # of 1: by how much a chord of the first row may differ from the start's speed
+
+
+class TimeUnit(NamedTuple):
+    """A unit by its name, in the scene's."""
+
+    name: str
+    length: Fraction
+
+
+UNITS = (
+    TimeUnit("milliseconds", Fraction(1, 1000)),
+    TimeUnit("microseconds", Fraction(1, 1_000_000)),
+    TimeUnit("nanoseconds", Fraction(1, 1_000_000_000)),
+    TimeUnit("minutes", Fraction(60)),
+)
+
+
+def time_unit(subject: Subject, scene: Scene) -> TimeUnit | None:
+    """The unit in which the times look right that are not the scene's; None where there is none."""
+    later = [k for k, t in enumerate(subject.times) if t != 0]
+    if not later:
+        return None
+    row = min(later, key=lambda k: abs(subject.times[k]))
+    try:
+        with np.errstate(all="ignore"):
+            ratios = [*_ratios(subject, scene, row)]
+    except (OverflowError, ZeroDivisionError):  # numbers beyond doubles
+        return None
+    for unit in UNITS:
+        if ratios and all(abs(x / float(unit.length) - 1) < _OFF for x in ratios):
+            return unit
+    return None
+
+
+def _ratios(subject: Subject, scene: Scene, row: int) -> Iterator[float]:
+    """Changes to a row over those by the start's speed, of each part that is there."""
+    start = np.array([to_double(x) for x in scene.start])
+    t, speeds = abs(to_double(subject.times[row])), field(scene)(0.0, start)
+    if not 0 < t < math.inf:  # no double
+        return
+    if subject.states is not None:
+        for half in (slice(0, 3), slice(3, 6)):
+            here, before = _numbers(subject.states[row][half]), start[half]
+            speed = float(np.linalg.norm(speeds[half]))
+            if here is not None and len(here) == len(before) == 3 and speed > 0:
+                yield float(np.linalg.norm(here - before)) / (t * speed)
+    if subject.attitude is not None and 0 in subject.times:
+        q = [_numbers(subject.attitude[k]) for k in (row, subject.times.index(0))]
+        speed = float(np.linalg.norm(start[:3]))
+        if q[0] is not None and q[1] is not None and speed > 0:
+            sizes = float(np.linalg.norm(q[0])) * float(np.linalg.norm(q[1])) or 1.0
+            cosine = min(1.0, abs(float(q[0] @ q[1])) / sizes)
+            yield 2 * math.acos(cosine) / (t * speed)
+
+
+def _numbers(cells: Iterable[object]) -> Doubles | None:
+    held = [*cells]
+    return None if None in held else np.array([to_double(exactly(x)) for x in held])

@@ -1,0 +1,73 @@
+"""For test suites of other programs: a trajectory has so many correct digits, or the test fails."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from polhode.common.errors import BadInput
+from polhode.judging.score.compare import compare
+from polhode.judging.score.judgement import Judgement
+from polhode.numbers.conversion import exact_number, to_double
+from polhode.numbers.decimals import brief
+from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+
+def assert_digits(
+    mine: Trajectory
+    | str
+    | Path
+    | Iterable[AnyVector]
+    | Mapping[str, AnyVector]
+    | pd.DataFrame
+    | xr.Dataset
+    | Callable[[float], AnyVector],
+    scene: Scene | str | Path,
+    at_least: float,
+    *,
+    at: Iterable[AnyNumber] | None = None,
+    number: str | None = None,
+    columns: Sequence[str] | None = None,
+    as_it_stands: bool = True,
+) -> Judgement:
+    """The judgement of a trajectory; AssertionError where it has fewer digits than ``at_least``.
+
+    ``mine``: what :func:`polhode.compare` judges, or a function from t to a row of numbers, which
+    is asked at the times ``at``, those of the scene unless given.  ``columns``: of rows, those of
+    the scene unless given.  ``as_it_stands=False``: other conventions than the scene's are allowed.
+    The error shows the first time with too few digits, and the judgement.  Raises BadInput for what
+    cannot be judged.
+
+    >>> import polhode.testing
+    >>> run = polhode.integrate("lagrange/nutation")
+    >>> polhode.testing.assert_digits(run, "lagrange/nutation", at_least=12).worst > 12
+    True
+    >>> polhode.testing.assert_digits(lambda t: run(t) + 1e-6, "lagrange/nutation", 9, at=[1, 2])
+    Traceback (most recent call last):
+    ...
+    AssertionError: 6.00 correct digits at t = 1, where at least 9 are wanted
+    ...
+    """
+    scene = library.load(scene)
+    if callable(mine) and not isinstance(mine, Trajectory):
+        times = scene.times if at is None else tuple(at)
+        if not times:
+            raise BadInput(scene.name, "at", None, "times at which the function is asked")
+        held = [to_double(exact_number(t)) for t in times]
+        mine, at = [mine(t) for t in held], held
+    found = compare(mine, scene, number=number, at=at, columns=columns, as_it_stands=as_it_stands)
+    rows = [d for d in found.part_digits.values() if d]
+    for k, t in enumerate(found.times):
+        here = min((x for d in rows if (x := d[k]) is not None), default=at_least)
+        if here < at_least:
+            told = f"{here:.2f} correct digits at t = {brief(t)}, where at least {at_least:g}"
+            raise AssertionError(f"{told} are wanted\n{found}")
+    return found
