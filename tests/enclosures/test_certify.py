@@ -216,6 +216,39 @@ def test_printed_digits_are_those_of_every_number_in_the_ball() -> None:
             assert abs(centre + Fraction(part) * Fraction(radius) - Fraction(text)) <= unit / 2
 
 
+#: The start, the times, the outputs, and what of them the rule for "equal" decides.
+BY_THE_RULE: list[tuple[Any, list[Any], tuple[str, ...], list[str]]] = [
+    (("3/5", 0, "4/5"), [1, 2], ("angles", "attitude"), []),
+    ((0, 0, 1), [1], ("angles", "attitude"), []),
+    (("sqrt(3)/2", 0, "1/2"), [1], (), []),
+    (("sqrt(3)/2", 0, "1/2"), [1], ("attitude",), ["that gamma has"]),
+    # 4096 bits do not tell it from a start at the pole, where phi is another
+    (
+        ("sqrt(2)*sqrt(3) - sqrt(6) + 1e-1300", 0, 1),
+        [1],
+        ("angles",),
+        ["that gamma has", "whether the start is at a pole"],
+    ),
+    (("3/5", 0, "4/5"), ["sqrt(2)*sqrt(3)", "sqrt(6)"], (), ["which of the times"]),
+]
+
+
+@pytest.mark.parametrize(("gamma", "at", "outputs", "told"), BY_THE_RULE)
+def test_what_the_rule_for_equal_decides_is_told(
+    gamma: Any, at: list[Any], outputs: tuple[str, ...], told: list[str]
+) -> None:
+    found = polhode.certify(replace(top(gamma=gamma), outputs=outputs), at=at, digits=12)
+    assert [x.startswith(y) for x, y in zip(found.assumed, told, strict=True)] == [True] * len(told)
+
+
+def test_a_rational_moment_of_a_full_matrix_is_known_to_be_one() -> None:
+    body = Body(((2, "1/2", 0), ("1/2", 2, "1/3"), (0, "1/3", 3)), ("0.3", "0.2", "0.5"), 1)
+    twice = Body(((2, "1/2", 0), ("1/2", 2, 0), (0, 0, 3)), ("0.3", "0.2", "0.5"), 1)
+    assert twice.moments == (Fraction(3, 2), Fraction(5, 2), 3)
+    for one in (body, twice):
+        assert polhode.certify(top(one), at=[1], digits=12).assumed == ()
+
+
 def test_bad_questions_are_refused_in_one_line() -> None:
     scene = top()
     with pytest.raises(polhode.BadInput, match="digits = 0"):

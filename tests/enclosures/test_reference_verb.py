@@ -67,6 +67,21 @@ def test_proven_numbers_of_any_size_are_printed(rate, tmp_path, capsys) -> None:
     assert max(len(text) for text in out.splitlines()[1].split()[1:]) < 30
 
 
+def test_what_the_rule_for_equal_decides_is_noted(tmp_path, capsys) -> None:
+    top = tmp_path / "top.toml"
+    top.write_text(
+        "schema = 1\nbody = { moments = [1, 1.2, 0.5], centre = [0, 0, 1], weight = 1 }\n"
+        'start = { gamma = ["sqrt(2)*sqrt(3) - sqrt(6)", 0, 1], omega = [1, 0, 4] }\nrun.end = 2\n'
+        'run.outputs = ["attitude"]\n'
+    )
+    arguments = ("--at", "2", "--digits", "12", "--certified")
+    code, _, err = run(capsys, "reference", str(top), *arguments)
+    assert code == 0
+    assert "by the rule for equal numbers, not proven: whether the start is at a pole" in err
+    code, out, _ = run(capsys, "reference", str(top), *arguments, "--json")
+    assert len(json.loads(out)["assumed"]) == 2
+
+
 def test_a_zero_at_the_start_is_no_event_and_where_a_proof_is_open_is_told(
     tmp_path, capsys
 ) -> None:

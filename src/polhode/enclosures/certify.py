@@ -25,6 +25,7 @@ from polhode.enclosures import (
     precision_choice,
     proof_loop,
 )
+from polhode.enclosures.assumptions import assumed
 from polhode.enclosures.derived import derived_balls
 from polhode.enclosures.fixed_point_problem import MOST_NOISE, Motion, Refused, motion, upper
 from polhode.enclosures.polynomial import ball
@@ -214,6 +215,7 @@ def _found(
         parts.pop("attitude", None),
         outcome,
         parts,
+        assumed(scene, times),
     )
 
 

@@ -59,7 +59,8 @@ class Enclosure(ByValue):
     TIME_LIMIT or INTERRUPTED: ``times`` are then those reached.  ``noise``: the proof's noise level
     is 2**-noise in its own unit of time.  ``steps`` and ``seconds``: of the run that proved it;
     ``tries``: the runs that it took; ``seconds_in_all``: CPU, those of all
-    of them and of the pilot.
+    of them and of the pilot.  ``assumed``: what was decided by the rule for *equal* of
+    :mod:`polhode.numbers.exact`, and is not proven; empty for rational data.
 
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
@@ -84,6 +85,7 @@ class Enclosure(ByValue):
     attitude: Part | None = None
     outcome: Outcome = Outcome.REACHED_END
     derived: Mapping[str, Part] = field(default_factory=dict)
+    assumed: tuple[str, ...] = ()
 
     @cached_property
     def midpoints(self) -> list[list[Real]]:

@@ -7,13 +7,16 @@ reads the same for rational and irrational data.
 
 The rule for *equal*: rationals are compared exactly.  An irrational number is called zero when
 its enclosure, every step carried to :data:`EQUAL_BITS` bits, still contains zero; two numbers are
-called equal when their difference is called zero.
+called equal when their difference is called zero.  What is decided so is no theorem: :func:`noted`
+tells of it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
@@ -135,6 +138,8 @@ class Irrational:
     def __repr__(self) -> str:
         return "Irrational({} * 2**{}...)".format(*rounded(self, 53))
 
+
+_noted: ContextVar[list[Irrational] | None] = ContextVar("noted", default=None)
 
 Exact: TypeAlias = Fraction | Irrational
 Number: TypeAlias = int | Fraction | Irrational
@@ -281,7 +286,20 @@ def sign(x: Number) -> int:
             return 1
         if known < 0:
             return -1
+    if (met := _noted.get()) is not None:
+        met.append(x)
     return 0
+
+
+@contextmanager
+def noted() -> Iterator[list[Irrational]]:
+    """The numbers that are called zero by the rule inside the block, in this thread."""
+    met: list[Irrational] = []
+    token = _noted.set(met)
+    try:
+        yield met
+    finally:
+        _noted.reset(token)
 
 
 def rounded(x: Number, bits: int) -> tuple[int, int]:

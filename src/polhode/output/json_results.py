@@ -185,6 +185,7 @@ def of_enclosure(found: Enclosure) -> dict[str, Any]:
         answer[f"{name}_radii"] = [rounded_up(row) for row in part.radii]
     return answer | {
         "outcome": found.outcome.value,
+        "assumed": list(found.assumed),
         "steps": found.steps,
         "tries": found.tries,
         "seconds": round(found.seconds_in_all, 3),

@@ -133,6 +133,8 @@ def _certified(scene: Scene, times: Sequence[Exact], options: Namespace) -> int:
             f"{scene.name}: every digit is proven, {least}; {found.steps} steps at a noise level "
             f"of 2**-{found.noise}, {found.seconds_in_all:.1f} s"
         )
+    for what in found.assumed:
+        note(f"{scene.name}: taken by the rule for equal numbers, not proven: {what}")
     if found.outcome.done:
         return DONE
     cause, advice = found.outcome.cause, found.outcome.advice
