@@ -86,6 +86,7 @@ def run(
     What is proven until the ``deadline``, or until Ctrl-C, is kept.  ``watchers``: what looks for
     zeros on the way, or follows the attitude; they may raise TooLong.
     """
+    step_bound.check_arithmetic()
     state = zonotope.beginning(problem)
     rows: list[list[arb]] = []
     end = _last_tick(times)
@@ -152,6 +153,7 @@ def _window(
             return None
         # its square and its rounding are noise
         if max(2 * size, size - 40) <= -problem.noise:
+            step_bound.check_arithmetic()
             return step_bound.bounds(problem, known, e, v)
         shape = taylor_polynomials.improved(shape, e, problem.noise, 53 - size)
         last = size

@@ -31,9 +31,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from polhode.enclosures.fixed_point_problem import UP
+from polhode.enclosures.step_bound import gamma
+
 MOST = 100_000  # points of a step
 _FIRST = 8
-_LEAST = 1e-11  # more than what doubles lose
 
 
 class Pace(NamedTuple):
@@ -102,11 +104,11 @@ class Followed:
         """The angles at the points ``asked`` of a step; None where they are lost.
 
         ``at``: an array of tau in [0, 1] to the two complex numbers, (2, n), each right to
-        ``doubt``.
+        ``doubt``, which holds the rounding of :func:`_chords` as well: a few units of 1.
         """
         if not self.known:
             return None
-        doubt = _LEAST + doubt
+        doubt += UP * gamma(8) * length * pace.speed  # tau is a double
         first = None if self.leaving is None else min(1.0, self.leaving.until(pace) / length)
         even = np.linspace(0.0, 1.0, _FIRST + 1)
         nodes = np.unique(np.concatenate([even, asked, [] if first is None else [first]]))
