@@ -286,6 +286,12 @@ def test_arguments_are_checked_as_everywhere(given: dict[str, Any], told: str) -
         assert str(refused.value) == f"scene: {told.replace('250', '4000')}"
 
 
+def test_what_follows_the_times_is_given_by_name() -> None:
+    for door in (polhode.certify, polhode.certify_events):
+        with pytest.raises(TypeError, match="positional"):
+            door(top(), [1], 20)  # type: ignore[arg-type, misc]
+
+
 @pytest.mark.parametrize(
     ("at", "told"),
     [

@@ -118,6 +118,11 @@ class Watch:
     def finish(self) -> None:
         """Nothing is left at the end."""
 
+    @property
+    def lost(self) -> float | None:
+        """About the time at which psi and phi were lost, in the proof's unit, forward."""
+        return self._followed.lost
+
     def _follow(
         self, known: Bounds, found: quaternion.Turns, n: int, step: Step, taus: Sequence[Any]
     ) -> Any:

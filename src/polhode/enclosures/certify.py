@@ -51,6 +51,7 @@ _SPARE = 6
 def certify(
     scene: Scene | str | Path,
     at: Iterable[AnyNumber] | None = None,
+    *,
     digits: int = 15,
     integrals: bool = True,
     progress: Progress | None = None,
@@ -167,6 +168,7 @@ def _found(
     rows: dict[int, list[Any]] = {}
     poses: dict[int, attitude.Pose] = {}
     steps, outcome = 0, Outcome.REACHED_END
+    lost: list[float] = []
     for side in sides:
         if not outcome.done:
             break
@@ -186,6 +188,9 @@ def _found(
         rows |= {n: turned[place] for n, place in reached.items()}
         for one in watch:
             poses |= {n: one.poses[place] for n, place in reached.items()}
+            if "angles" in scene.modelled and one.lost is not None:
+                way = -1.0 if side.motion.backward else 1.0
+                lost.append(way * math.ldexp(one.lost, side.motion.unit))
     order = sorted(rows)
     centres, radii = _balls([rows[n] for n in order], noise + 100)
     given: dict[str, Sequence[Sequence[Any]]] = {"state": [rows[n] for n in order]}
@@ -216,6 +221,7 @@ def _found(
         outcome,
         parts,
         assumed(scene, times),
+        tuple(lost),
     )
 
 

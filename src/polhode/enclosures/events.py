@@ -83,6 +83,7 @@ class CertifiedEvents:
 def certify_events(
     scene: Scene | str | Path,
     end: AnyNumber | None = None,
+    *,
     digits: int = 15,
     progress: Progress | None = None,
     max_steps: int = MAX_STEPS,

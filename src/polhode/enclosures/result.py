@@ -60,7 +60,9 @@ class Enclosure(ByValue):
     is 2**-noise in its own unit of time.  ``steps`` and ``seconds``: of the run that proved it;
     ``tries``: the runs that it took; ``seconds_in_all``: CPU, those of all
     of them and of the pilot.  ``assumed``: what was decided by the rule for *equal* of
-    :mod:`polhode.numbers.exact`, and is not proven; empty for rational data.
+    :mod:`polhode.numbers.exact`, and is not proven; empty for rational data.  ``lost``: about the
+    times, one a side, from which on psi and phi are None, the third axis being, or passing, too
+    near the vertical for their turns to be counted in double.
 
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
@@ -86,6 +88,7 @@ class Enclosure(ByValue):
     outcome: Outcome = Outcome.REACHED_END
     derived: Mapping[str, Part] = field(default_factory=dict)
     assumed: tuple[str, ...] = ()
+    lost: tuple[float, ...] = ()
 
     @cached_property
     def midpoints(self) -> list[list[Real]]:

@@ -186,6 +186,7 @@ def of_enclosure(found: Enclosure) -> dict[str, Any]:
     return answer | {
         "outcome": found.outcome.value,
         "assumed": list(found.assumed),
+        **({"angles_lost": list(found.lost)} if found.lost else {}),
         "steps": found.steps,
         "tries": found.tries,
         "seconds": round(found.seconds_in_all, 3),

@@ -112,12 +112,14 @@ def _certified(scene: Scene, times: Sequence[Exact], options: Namespace) -> int:
     began = time.monotonic()
     events: tuple[CertifiedEvents, ...] = ()
     with ProgressLine("reference") as progress:
-        found = certify(scene, held, options.digits, progress=progress.show, **limits)
+        found = certify(scene, held, digits=options.digits, progress=progress.show, **limits)
         if options.events and found.outcome.done:
             if options.max_seconds is not None:
                 limits["max_seconds"] = max(1e-3, options.max_seconds - time.monotonic() + began)
             last = max(held, key=abs)
-            events = certify_events(scene, last, options.digits, progress=progress.show, **limits)
+            events = certify_events(
+                scene, last, digits=options.digits, progress=progress.show, **limits
+            )
     answer = json_results.of_enclosure(found)
     if options.events:
         answer["events"] = [json_results.of_certified_events(event) for event in events]
@@ -135,6 +137,11 @@ def _certified(scene: Scene, times: Sequence[Exact], options: Namespace) -> int:
         )
     for what in found.assumed:
         note(f"{scene.name}: taken by the rule for equal numbers, not proven: {what}")
+    for since in found.lost:
+        note(
+            f"{scene.name}: psi and phi are not told beyond t = {since:.6g}: the third axis is, or "
+            "passes, too near the vertical for their turns to be counted"
+        )
     if found.outcome.done:
         return DONE
     cause, advice = found.outcome.cause, found.outcome.advice
