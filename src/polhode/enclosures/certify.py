@@ -25,11 +25,11 @@ from polhode.enclosures import (
     precision_choice,
     proof_loop,
 )
-from polhode.enclosures.assumptions import assumed
 from polhode.enclosures.derived import derived_balls
 from polhode.enclosures.fixed_point_problem import MOST_NOISE, Motion, Refused, motion, upper
 from polhode.enclosures.polynomial import ball
 from polhode.enclosures.result import Enclosure, Part, digits_of
+from polhode.enclosures.statement import assumed
 from polhode.equations.column import derived_words
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from polhode.common.cached_property import cached_property
 from polhode.common.value_semantics import ByValue
+from polhode.enclosures.statement import stated
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.decimals import shown
@@ -111,6 +112,12 @@ class Enclosure(ByValue):
         """The fewest proven digits of the state, the angles and the attitude."""
         parts = [part.digits for part in (self.angles, self.attitude) if part is not None]
         return min([self.proven, *(found for digits in parts for found in digits)])
+
+    @property
+    def statement(self) -> tuple[str, ...]:
+        """What is proven, in words, with all that it rests on; see `polhode guide proofs`."""
+        outputs = [word for word in ("angles", "attitude") if getattr(self, word) is not None]
+        return stated(self.scene, self.times, [*outputs, *self.derived], self.assumed)
 
     def strings(self) -> list[list[str]]:
         """The states as decimals of which every digit is proven; see :func:`guaranteed`."""

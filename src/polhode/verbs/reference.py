@@ -54,6 +54,11 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--max-steps", type=positive, metavar="N", help="with --certified: a limit on the steps"
     )
+    parser.add_argument(
+        "--statement",
+        action="store_true",
+        help="with --certified: what is proven, in words, and what it rests on",
+    )
     parser.add_argument("--outputs", metavar="O,O", help=", ".join(COLUMNS))
     parser.add_argument(
         "--certified",
@@ -77,7 +82,7 @@ def main(options: Namespace) -> int:
         expected = f"1 to {number_types.MAX_DIGITS}"
         raise BadInput(scene.name, "digits", options.digits, expected)
     if not options.certified:
-        for name in ("events", "max_seconds", "max_steps"):
+        for name in ("events", "max_seconds", "max_steps", "statement"):
             if getattr(options, name):
                 key = "--" + name.replace("_", "-")
                 raise BadInput(scene.name, key, None, "--certified with it")
@@ -135,6 +140,9 @@ def _certified(scene: Scene, times: Sequence[Exact], options: Namespace) -> int:
             f"{scene.name}: every digit is proven, {least}; {found.steps} steps at a noise level "
             f"of 2**-{found.noise}, {found.seconds_in_all:.1f} s"
         )
+    if options.statement and not options.json:
+        for line in found.statement:
+            note(line)
     for what in found.assumed:
         note(f"{scene.name}: taken by the rule for equal numbers, not proven: {what}")
     for since in found.lost:

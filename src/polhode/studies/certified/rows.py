@@ -123,7 +123,7 @@ def _growth(name: str, times: Sequence[int]) -> dict[str, Any]:
     """Proven digits over time, with the first integrals and without, at one noise level each."""
     scene = replace(library.load(name), outputs=())
     found = certify(scene, times, digits=CONTAINED_DIGITS)
-    without = certify(scene, times, CONTAINED_DIGITS, integrals=False)
+    without = certify(scene, times, digits=CONTAINED_DIGITS, integrals=False)
     # the radius is 2**-noise times what the motion makes of it
     return {
         "case": name,
