@@ -12,7 +12,12 @@ from typing import Any
 import pytest
 
 import polhode
-from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
+from polhode.enclosures import (
+    fixed_point_problem,
+    integral_contraction,
+    precision_choice,
+    proof_loop,
+)
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.result import guaranteed
 from polhode.numbers.conversion import exact_number, exactly
@@ -340,6 +345,33 @@ def test_a_constant_that_does_not_sharpen_is_refused() -> None:
 
     with pytest.raises(Refused, match="not known sharply"):
         fixed_point_problem.sharp(lambda bits: arb(1, 1e-9), 80)
+
+
+def test_a_refusal_tells_how_far_the_proof_came_and_the_next_try_goes_by_that() -> None:
+    scene = top(omega=("0.3", "0.2", "1.1"))
+    motion = fixed_point_problem.motion(scene)
+    problem = fixed_point_problem.problem(motion, 60)
+    times = fixed_point_problem.times(motion, [Fraction(300)])
+    with pytest.raises(Refused, match="too large") as refused:
+        proof_loop.run(problem, times, integral_contraction.prepared(motion, 300))
+    why = refused.value
+    assert 0.3 < why.reached < 1.0
+    assert 10 < why.grown < 60
+    found = precision_choice.raised(60, 51, why)
+    enough = fixed_point_problem.problem(motion, found)
+    (row,) = proof_loop.run(enough, times, integral_contraction.prepared(motion, 400)).rows
+    assert 1e-22 < max(float(x.rad()) for x in row) < 1e-15
+    # nothing is known of the way where it was hardly begun
+    assert precision_choice.raised(60, 51, Refused("x", 0.01, 30.0)) == 95
+    assert precision_choice.raised(60, 51, Refused("x")) == 95
+
+
+@pytest.mark.slow
+def test_chaos_to_a_thousand_takes_one_try_more_at_most() -> None:
+    found = polhode.certify("general/asymmetric-chaotic", at=[1000], digits=16)
+    assert found.reached
+    assert found.tries <= 2
+    assert found.proven < 20
 
 
 @pytest.mark.slow

@@ -26,7 +26,14 @@ from polhode.enclosures import (
     proof_loop,
 )
 from polhode.enclosures.derived import derived_balls
-from polhode.enclosures.fixed_point_problem import MOST_NOISE, Motion, Refused, motion, upper
+from polhode.enclosures.fixed_point_problem import (
+    LEAST_NOISE,
+    MOST_NOISE,
+    Motion,
+    Refused,
+    motion,
+    upper,
+)
 from polhode.enclosures.polynomial import ball
 from polhode.enclosures.result import Enclosure, Part, digits_of
 from polhode.enclosures.statement import assumed
@@ -94,7 +101,11 @@ def certify(
         if (needed := precision_choice.steps(side.motion, side.last)) > max_steps:
             expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
             raise BadInput(scene.name, "at", shown(side.last), expected)
-    noise = max(precision_choice.noise(side.motion, side.last, digits, deadline) for side in sides)
+    forecasts = [
+        precision_choice.forecast(side.motion, side.last, digits, deadline) for side in sides
+    ]
+    bits = max(needed for needed, _ in forecasts)
+    noise = max(LEAST_NOISE, *(math.ceil(sum(found)) for found in forecasts))
     if forecast is not None:
         forecast(sum(precision_choice.seconds(side.motion, side.last, noise) for side in sides))
     best: Enclosure | None = None
@@ -108,7 +119,7 @@ def certify(
             refusal = str(why)
             if noise == MOST_NOISE:
                 break
-            noise = math.ceil(1.25 * noise) + 20
+            noise = precision_choice.raised(noise, bits, why)
             continue
         seconds = time.process_time() - started
         in_all = time.process_time() - began

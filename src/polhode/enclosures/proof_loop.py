@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
+import numpy as np
 from flint import arb
 
 from polhode.common.deadline import NONE, Deadline, TooLong
@@ -113,6 +114,9 @@ def run(
             whole, wide = state, min(most, 2 * wide)
             if progress is not None:
                 progress(state.time / end, steps)
+    except Refused as why:
+        grown = math.log2(max(1.0, float(np.max(whole.radii))))
+        raise Refused(str(why), whole.time / end, grown) from why
     except TooLong:
         outcome = Outcome.TIME_LIMIT
     except KeyboardInterrupt:
