@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
+import platform
 import random
 import statistics
 from collections.abc import Sequence
@@ -22,8 +24,10 @@ from polhode.enclosures import (
     integral_contraction,
     proof_loop,
     quaternion,
+    step_bound,
     winding_number,
 )
+from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.quaternion import Turned, Turns
 from polhode.enclosures.result import Part
 from polhode.judging.adaptive_precision import integrate
@@ -312,6 +316,76 @@ def _around(turns: float, size: float) -> Any:
         return np.array([path, path.conj()])
 
     return at
+
+
+def _lost(size: float, rng: random.Random) -> float:
+    """What doubles lose of the two numbers, over what they are said to lose."""
+    count, nodes = 40, np.array([rng.random() for _ in range(4)])
+
+    def table(width: int) -> Any:
+        first = np.array([[rng.uniform(-1, 1) for _ in range(width)] for _ in range(count)])
+        return first * np.array([[size ** (k / count)] for k in range(count)])
+
+    def unit() -> Any:
+        x = np.array([rng.uniform(-1, 1) for _ in range(4)])
+        return x / np.linalg.norm(x)
+
+    vertical, turn, before, first = table(3), table(4), unit(), unit()
+    a, b, c, d = first  # some axes at right angles
+    axes = np.array(
+        [
+            [a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)],
+            [2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)],
+            [2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d],
+        ]
+    )
+    found = attitude.two_numbers(nodes, vertical, turn, before, first, axes)
+    claimed = attitude.rounding(vertical, turn)
+    worst = 0.0
+    for n, node in enumerate(nodes):
+        tau = Fraction(node)
+
+        def at(rows: Any, tau: Fraction = tau) -> list[Fraction]:
+            return [sum(Fraction(x) * tau**k for k, x in enumerate(row)) for row in rows.T]
+
+        def turned(v: Any) -> list[Fraction]:
+            return [sum(x * Fraction(y) for x, y in zip(v, row, strict=True)) for row in axes.T]
+
+        earlier = [Fraction(x) for x in before]
+        one = quaternion.product(earlier, at(turn))
+        q = quaternion.product([Fraction(x) for x in first], [one[0], *turned(one[1:])])
+        axis, gammas = attitude.third_axis(q), turned(at(vertical))
+        true = (-axis[1], axis[0]), (gammas[1], gammas[0])
+        for mine, (real, imaginary) in zip(found[:, n], true, strict=True):
+            off = abs(Fraction(mine.real) - real), abs(Fraction(mine.imag) - imaginary)
+            worst = max(worst, float(max(off)) / claimed)
+    return worst
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-8, 1e8])
+def test_doubles_lose_no_more_than_is_bounded(size: float) -> None:
+    rng = random.Random(3)
+    found = max(_lost(size, rng) for _ in range(4))
+    assert 1e-6 < found <= 1.0
+
+
+def test_coefficients_that_cancel_are_known_to_lose_more_than_a_fixed_number() -> None:
+    steep = np.full((40, 4), 1e6)
+    assert attitude.rounding(steep[:, :3], np.zeros((1, 4))) > 1e-11
+
+
+@pytest.mark.parametrize("mode", [0x400, 0x800, 0xC00])
+def test_a_proof_refuses_doubles_that_are_rounded_otherwise(mode: int) -> None:
+    libm = ctypes.CDLL(None)
+    if not hasattr(libm, "fesetround") or platform.machine() != "x86_64":
+        pytest.skip("no rounding mode to set")
+    libm.fesetround(mode)
+    try:
+        with pytest.raises(Refused, match="not rounded to the nearest"):
+            step_bound.check_arithmetic()
+    finally:
+        libm.fesetround(0)
+    step_bound.check_arithmetic()
 
 
 def test_turns_are_counted_however_many_there_are_in_a_step() -> None:

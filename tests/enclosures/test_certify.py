@@ -12,7 +12,12 @@ from typing import Any
 import pytest
 
 import polhode
-from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
+from polhode.enclosures import (
+    fixed_point_problem,
+    integral_contraction,
+    precision_choice,
+    proof_loop,
+)
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.result import guaranteed
 from polhode.numbers.conversion import exact_number, exactly
@@ -216,6 +221,39 @@ def test_printed_digits_are_those_of_every_number_in_the_ball() -> None:
             assert abs(centre + Fraction(part) * Fraction(radius) - Fraction(text)) <= unit / 2
 
 
+#: The start, the times, the outputs, and what of them the rule for "equal" decides.
+BY_THE_RULE: list[tuple[Any, list[Any], tuple[str, ...], list[str]]] = [
+    (("3/5", 0, "4/5"), [1, 2], ("angles", "attitude"), []),
+    ((0, 0, 1), [1], ("angles", "attitude"), []),
+    (("sqrt(3)/2", 0, "1/2"), [1], (), []),
+    (("sqrt(3)/2", 0, "1/2"), [1], ("attitude",), ["that gamma has"]),
+    # 4096 bits do not tell it from a start at the pole, where phi is another
+    (
+        ("sqrt(2)*sqrt(3) - sqrt(6) + 1e-1300", 0, 1),
+        [1],
+        ("angles",),
+        ["that gamma has", "whether the start is at a pole"],
+    ),
+    (("3/5", 0, "4/5"), ["sqrt(2)*sqrt(3)", "sqrt(6)"], (), ["which of the times"]),
+]
+
+
+@pytest.mark.parametrize(("gamma", "at", "outputs", "told"), BY_THE_RULE)
+def test_what_the_rule_for_equal_decides_is_told(
+    gamma: Any, at: list[Any], outputs: tuple[str, ...], told: list[str]
+) -> None:
+    found = polhode.certify(replace(top(gamma=gamma), outputs=outputs), at=at, digits=12)
+    assert [x.startswith(y) for x, y in zip(found.assumed, told, strict=True)] == [True] * len(told)
+
+
+def test_a_rational_moment_of_a_full_matrix_is_known_to_be_one() -> None:
+    body = Body(((2, "1/2", 0), ("1/2", 2, "1/3"), (0, "1/3", 3)), ("0.3", "0.2", "0.5"), 1)
+    twice = Body(((2, "1/2", 0), ("1/2", 2, 0), (0, 0, 3)), ("0.3", "0.2", "0.5"), 1)
+    assert twice.moments == (Fraction(3, 2), Fraction(5, 2), 3)
+    for one in (body, twice):
+        assert polhode.certify(top(one), at=[1], digits=12).assumed == ()
+
+
 def test_bad_questions_are_refused_in_one_line() -> None:
     scene = top()
     with pytest.raises(polhode.BadInput, match="digits = 0"):
@@ -251,6 +289,12 @@ def test_arguments_are_checked_as_everywhere(given: dict[str, Any], told: str) -
         with pytest.raises(polhode.BadInput) as refused:
             polhode.integrate(scene, at=[1], **given)
         assert str(refused.value) == f"scene: {told.replace('250', '4000')}"
+
+
+def test_what_follows_the_times_is_given_by_name() -> None:
+    for door in (polhode.certify, polhode.certify_events):
+        with pytest.raises(TypeError, match="positional"):
+            door(top(), [1], 20)  # type: ignore[arg-type, misc]
 
 
 @pytest.mark.parametrize(
@@ -301,6 +345,33 @@ def test_a_constant_that_does_not_sharpen_is_refused() -> None:
 
     with pytest.raises(Refused, match="not known sharply"):
         fixed_point_problem.sharp(lambda bits: arb(1, 1e-9), 80)
+
+
+def test_a_refusal_tells_how_far_the_proof_came_and_the_next_try_goes_by_that() -> None:
+    scene = top(omega=("0.3", "0.2", "1.1"))
+    motion = fixed_point_problem.motion(scene)
+    problem = fixed_point_problem.problem(motion, 60)
+    times = fixed_point_problem.times(motion, [Fraction(300)])
+    with pytest.raises(Refused, match="too large") as refused:
+        proof_loop.run(problem, times, integral_contraction.prepared(motion, 300))
+    why = refused.value
+    assert 0.3 < why.reached < 1.0
+    assert 10 < why.grown < 60
+    found = precision_choice.raised(60, 51, why)
+    enough = fixed_point_problem.problem(motion, found)
+    (row,) = proof_loop.run(enough, times, integral_contraction.prepared(motion, 400)).rows
+    assert 1e-22 < max(float(x.rad()) for x in row) < 1e-15
+    # nothing is known of the way where it was hardly begun
+    assert precision_choice.raised(60, 51, Refused("x", 0.01, 30.0)) == 95
+    assert precision_choice.raised(60, 51, Refused("x")) == 95
+
+
+@pytest.mark.slow
+def test_chaos_to_a_thousand_takes_one_try_more_at_most() -> None:
+    found = polhode.certify("general/asymmetric-chaotic", at=[1000], digits=16)
+    assert found.reached
+    assert found.tries <= 2
+    assert found.proven < 20
 
 
 @pytest.mark.slow

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
 from fractions import Fraction
+from importlib.metadata import version
+from pathlib import Path
 
 import pytest
 
 import polhode
 from polhode import cli
 from polhode.enclosures.result import rounded_up
+from polhode.enclosures.statement import TRUSTED, trusted_lines
 from polhode.numbers.conversion import exactly
 
 CASE = "kovalevskaya/generic"
@@ -65,6 +69,64 @@ def test_proven_numbers_of_any_size_are_printed(rate, tmp_path, capsys) -> None:
     (exact,) = polhode.reference(str(top)).at([end], digits=20)
     assert row == pytest.approx([float(x) for x in exact], rel=1e-13)
     assert max(len(text) for text in out.splitlines()[1].split()[1:]) < 30
+
+
+def test_a_statement_says_what_is_proven_and_what_it_rests_on(capsys) -> None:
+    case = (
+        "reference",
+        "general/asymmetric-regular",
+        "--at",
+        "1,2",
+        "--digits",
+        "12",
+        "--certified",
+    )
+    code, _, err = run(capsys, *case, "--outputs", "angles", "--statement")
+    assert code == 0
+    for words in (
+        "I_y = (0, 3/2, 0)",
+        "w = (3/10, 1/5, 3), gamma = (3/5, 0, 4/5), psi = 0",
+        "exists on [0, 2]",
+        "its angles likewise",
+        f"python-flint {version('python-flint')}",
+        "libm",
+    ):
+        assert words in err
+    assert "taken by the rule" not in err
+    code, out, _ = run(capsys, *case, "--json")
+    told = json.loads(out)["statement"]
+    assert "exists on [0, 2]" in told[1]
+    assert not any("libm" in line for line in told)
+    code, _, err = run(capsys, "reference", "euler/largest-axis", "--at", "1", "--statement")
+    assert code == 2
+    assert "--certified with it" in err
+
+
+def test_what_is_trusted_is_there_and_holds_what_the_contract_names() -> None:
+    source = Path(polhode.__file__).parent
+    assert all((source / f"{name}.py").is_file() for name in TRUSTED)
+    contract = (source.parents[1] / "pyproject.toml").read_text(encoding="utf-8")
+    part = contract.partition('"what a proof rests on imports')[2].partition("forbidden_modules")[0]
+    named = re.findall(r'"polhode\.(enclosures)\.(\w+)"', part)
+    assert len(named) > 10
+    for package, module in named:
+        assert any(name.startswith(f"{package}/{module}") for name in TRUSTED)
+    assert 5000 < trusted_lines() < 8000
+
+
+def test_what_the_rule_for_equal_decides_is_noted(tmp_path, capsys) -> None:
+    top = tmp_path / "top.toml"
+    top.write_text(
+        "schema = 1\nbody = { moments = [1, 1.2, 0.5], centre = [0, 0, 1], weight = 1 }\n"
+        'start = { gamma = ["sqrt(2)*sqrt(3) - sqrt(6)", 0, 1], omega = [1, 0, 4] }\nrun.end = 2\n'
+        'run.outputs = ["attitude"]\n'
+    )
+    arguments = ("--at", "2", "--digits", "12", "--certified")
+    code, _, err = run(capsys, "reference", str(top), *arguments)
+    assert code == 0
+    assert "by the rule for equal numbers, not proven: whether the start is at a pole" in err
+    code, out, _ = run(capsys, "reference", str(top), *arguments, "--json")
+    assert len(json.loads(out)["assumed"]) == 2
 
 
 def test_a_zero_at_the_start_is_no_event_and_where_a_proof_is_open_is_told(

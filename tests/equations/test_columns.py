@@ -204,7 +204,7 @@ def test_a_proof_gives_balls_of_the_speed(capsys):
         for row, speed in zip(answer["hodographs"]["space"], true, strict=True):
             assert abs(mpmath.norm([mpmath.mpf(x) for x in row]) - speed) < 1e-24
     top = replace(polhode.load(TOP), outputs=("speed",))
-    part = polhode.certify(top, [1, 2], 25).derived["speed"]
+    part = polhode.certify(top, [1, 2], digits=25).derived["speed"]
     for (centre,), (radius,), speed in zip(part.centres, part.radii, true, strict=True):
         with mpmath.workprec(1000):
             assert abs(mpmath.mpf(centre.numerator) / centre.denominator - speed) <= radius

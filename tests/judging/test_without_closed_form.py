@@ -48,7 +48,7 @@ def off(rows, true) -> Fraction:
 def check(name: str) -> None:
     """The enclosure holds the motion, and runs in quad are right as far as quad goes."""
     scene, true = followed(name)
-    found = certify(scene, scene.times, 20)
+    found = certify(scene, scene.times, digits=20)
     for row, middles, radii in zip(true, found.centres, found.radii, strict=True):
         for x, middle, radius in zip(row, middles, radii, strict=True):
             assert abs(x - middle) <= Fraction(radius)

@@ -59,8 +59,7 @@ def number(value: Any) -> str:
             return f"{top}/{bottom}"
         return _binary(top < 0, abs(top), 1 - bottom.bit_length())
     if hasattr(value, "enclosure"):
-        low, high = value.enclosure(200)
-        return f"[{_of_raw(low)}, {_of_raw(high)}]"
+        return _near(value.enclosure(200))
     raise TypeError(f"no exact text of a {type(value).__name__}")
 
 
@@ -68,6 +67,20 @@ def _of_raw(number: tuple[int, Any, Any, int]) -> str:
     """Of a finite number as mpmath keeps it."""
     sign, mantissa, exponent, _ = number
     return _binary(bool(sign), int(mantissa), int(exponent))
+
+
+def _near(enclosure: Any) -> str:
+    """What a ball, or an interval of mpmath's, is around, to 150 bits."""
+    if isinstance(enclosure, tuple):
+        sign, mantissa, exponent, _ = enclosure[0]
+        mantissa = -mantissa if sign else mantissa
+    else:
+        mantissa, exponent = enclosure.mid().man_exp()
+    mantissa, exponent = int(mantissa), int(exponent)
+    spare = mantissa.bit_length() - 150
+    if spare > 0:
+        mantissa, exponent = (mantissa + (1 << (spare - 1))) >> spare, exponent + spare
+    return "~" + _binary(mantissa < 0, abs(mantissa), exponent)
 
 
 def _binary(negative: bool, mantissa: int, exponent: int) -> str:

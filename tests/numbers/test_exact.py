@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+import pickle
+import random
 from fractions import Fraction
 from operator import add, mul, sub, truediv
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -29,6 +32,16 @@ from polhode.numbers.mpmath_context import mpmath
 
 TWO, THREE, SIX = Fraction(2), Fraction(3), Fraction(6)
 BITS = [1, 2, 8, 24, 53, 64, 113, 333]
+
+
+def outside(ball: Any, low: mpmath.mpf, high: mpmath.mpf) -> bool:
+    """Whether a ball excludes numbers between two."""
+    middle, radius = (
+        Fraction(int(m)) * Fraction(2) ** int(e)
+        for m, e in (ball.mid().man_exp(), ball.rad().man_exp())
+    )
+    return middle - radius > by_mpmath(low) or middle + radius < by_mpmath(high)
+
 
 fractions = st.fractions(max_denominator=10**30)
 positive = st.fractions(min_value=Fraction(1, 10**12), max_value=10**12, max_denominator=10**15)
@@ -61,6 +74,44 @@ def test_rounding_is_nearest_with_ties_to_even(top: int, exponent: int, bits: in
     assert off <= Fraction(2) ** e / 2
     if off == Fraction(2) ** e / 2:
         assert mantissa % 2 == 0
+
+
+def test_enclosures_hold_the_value_near_zeros_of_the_function_too() -> None:
+    """Where mpmath's intervals do not: angles, logarithms near 1, exponentials of tiny numbers."""
+    rng = random.Random(3)
+    wrong = 0
+    for _ in range(300):
+        tiny = Fraction(rng.randrange(1, 10**6), 10 ** rng.choice((6, 20, 40, 60)))
+        x = Fraction(rng.randrange(1, 10**6), 10**6)
+        small = Fraction(rng.randrange(1, 2**20), 2 ** rng.choice((20, 60, 120)))
+        made = [arctan2(tiny, x), arctan2(x, tiny), arctan2(tiny, -x), arctan2(-tiny, -x)]
+        made.append(power(1 + small, Fraction(1, 3)))
+        with mpmath.workprec(900):
+            t, y = (mpmath.mpf(z.numerator) / z.denominator for z in (tiny, x))
+            true = [mpmath.atan2(t, y), mpmath.atan2(y, t), mpmath.atan2(t, -y)]
+            true += [
+                mpmath.atan2(-t, -y),
+                mpmath.cbrt(1 + mpmath.mpf(small.numerator) / small.denominator),
+            ]
+            for number, value in zip(made, true, strict=True):
+                off = abs(value) * mpmath.mpf(2) ** -880
+                for bits in (53, 128, 301):
+                    wrong += outside(number.enclosure(bits), value + off, value - off)
+    assert wrong == 0
+
+
+def test_an_irrational_number_can_be_pickled_after_it_was_asked() -> None:
+    number = root(TWO) / pi() + power(THREE, Fraction(1, 3))
+    asked = number.enclosure(200)
+    again = pickle.loads(pickle.dumps(number)).enclosure(200)
+    assert (asked - again).contains(0)
+    assert rounded(pickle.loads(pickle.dumps(number)), 100) == rounded(number, 100)
+
+
+@pytest.mark.parametrize("half", [sin(pi()), cos(pi() / 2)])
+def test_an_angle_beside_the_cut_is_near_pi(half: Irrational) -> None:
+    """A number that is zero by the rule is not below it: no branch lies between."""
+    assert float(arctan2(half, Fraction(-1))) == math.pi
 
 
 @pytest.mark.parametrize("x", [Fraction(2**53 + 1), Fraction(2**53 + 3), Fraction(-(2**54) - 2)])

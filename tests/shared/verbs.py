@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import polhode
-from polhode.numbers.exact import Irrational
+from polhode.numbers.exact import Irrational, rounded
 from polhode.scenes.output_times import OutputTimes
 
 GENERAL = "general/asymmetric-regular"
@@ -26,7 +26,7 @@ def bits(value: Any) -> Any:
     if (raw := getattr(value, "_mpc_", None)) is not None:
         return tuple(tuple(map(int, part)) for part in raw)
     if isinstance(value, Irrational):
-        return bits(value.enclosure(200))
+        return rounded(value, 190)
     if isinstance(value, complex):
         return value.real.hex(), value.imag.hex()
     if isinstance(value, np.longdouble):  # whose bytes are padded with anything

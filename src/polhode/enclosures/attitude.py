@@ -21,16 +21,18 @@ from flint import arb
 
 from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures import quaternion
+from polhode.enclosures.defect import scaled
 from polhode.enclosures.fixed_point_problem import TIME_BITS, UP, Motion, Problem, sharp
 from polhode.enclosures.polynomial import ball
 from polhode.enclosures.quaternion import Approximation, Turned
-from polhode.enclosures.step_bound import Bounds
+from polhode.enclosures.step_bound import TINY, Bounds, gamma
 from polhode.enclosures.winding_number import Followed, Leaving, Pace
 from polhode.enclosures.zonotope import Step, inside, places
 from polhode.equations.kinematics import starting_attitude
 from polhode.equations.pole_passage import departure, phi_leaving_the_pole
 from polhode.numbers.exact import arctan2
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.rows import Complexes, Doubles
 
 
 class Pose(NamedTuple):
@@ -116,6 +118,11 @@ class Watch:
     def finish(self) -> None:
         """Nothing is left at the end."""
 
+    @property
+    def lost(self) -> float | None:
+        """About the time at which psi and phi were lost, in the proof's unit, forward."""
+        return self._followed.lost
+
     def _follow(
         self, known: Bounds, found: quaternion.Turns, n: int, step: Step, taus: Sequence[Any]
     ) -> Any:
@@ -123,24 +130,18 @@ class Watch:
             return None
         pieces, noise = known.pieces, self.problem.noise
         near = pieces.near[n]
-        v = np.zeros((near.shape[0], 4))
+        v = np.zeros((max(len(row) for row in found.rows[n]), 4))
         for i, row in enumerate(found.rows[n]):
-            numbers = [math.ldexp(int(c), -found.level) for c in row.coeffs()][: len(v)]
-            v[: len(numbers), i] = numbers
+            v[: len(row), i] = [scaled(int(c), -found.level) for c in row.coeffs()]
         before = np.array([math.ldexp(int(x), -self.problem.fine) for x in self._turned.centre])
 
-        def at(nodes: Any) -> Any:
-            powers = np.vander(nodes, near.shape[0], increasing=True)
-            gamma = powers @ near[:, 3:] @ self._turn
-            turned = np.array(quaternion.product(before, (powers @ v).T))
-            q = quaternion.product(self._first, [turned[0], *(self._turn.T @ turned[1:])])
-            psi = third_axis(q)
-            return np.array([1j * psi[0] - psi[1], gamma[:, 1] + 1j * gamma[:, 0]])
+        def at(nodes: Doubles) -> Complexes:
+            return two_numbers(nodes, near[:, 3:], v, before, self._first, self._turn)
 
         size = np.sum(np.abs(near[:, :3]), axis=0) + np.sum(pieces.gap[n])
         off = math.ldexp(float(known.sigma[n]) + step.r, -noise)
         turn = math.ldexp(self._turned.radius + float(found.miss[n]), -noise)
-        doubt = UP * 8.0 * (float(np.sum(pieces.gap[n])) + off + turn)
+        doubt = UP * 8.0 * (float(np.sum(pieces.gap[n])) + off + turn) + rounding(near[:, 3:], v)
         speed = UP * (math.sqrt(float(np.sum(size * size))) + 2.0 * off)
         points = np.array([float(tau.mid()) for tau in taus])
         return self._followed.step(at, float(pieces.lengths[n]), self._pace(speed), doubt, points)
@@ -163,6 +164,39 @@ class Watch:
             found = quaternion.product(self._start, [turned[0], *vector])
             off = arb(0, radius) * arb((1, -noise))
             return [x + off for x in found]
+
+
+def two_numbers(
+    nodes: Doubles, vertical: Doubles, turn: Doubles, before: Doubles, first: Doubles, axes: Doubles
+) -> Complexes:
+    """sin(theta) exp(i psi) and sin(theta) exp(i phi) at some tau, (2, n).
+
+    ``vertical``: coefficients of gamma in principal axes; ``turn``: of the turn in the step, after
+    ``before`` and the start's attitude ``first``; ``axes``: the principal ones in the scene's.
+    """
+    powers = np.vander(nodes, max(len(vertical), len(turn)), increasing=True)
+    gammas = powers[:, : len(vertical)] @ vertical @ axes
+    turned = np.array(quaternion.product(before, (powers[:, : len(turn)] @ turn).T))
+    q = quaternion.product(first, [turned[0], *(axes.T @ turned[1:])])
+    psi = third_axis(q)
+    return np.array([1j * psi[0] - psi[1], gammas[:, 1] + 1j * gammas[:, 0]])
+
+
+def rounding(vertical: Doubles, turn: Doubles) -> float:
+    """What doubles lose of each of :func:`two_numbers`, of K coefficients.
+
+    Powers of tau and a sum of K products lose gamma(2 K + 2) of the sum of |coefficients|, so that
+    of the turn v at most twice that in the Euclidean norm, S being the sum of |v_k|, at least 1.  A
+    product of quaternions loses gamma(8) of |a| |b|, the turn to the scene's axes gamma(12), each
+    factor's own rounding 3 u: all in all q is off by gamma(4 K + 50) S.  The third axis is a
+    quadratic form of norm 1 in q, off by 2 S times that and gamma(6) S**2 for itself; the complex
+    number of two of its components by 3/2 as much, gamma(12 K + 160) S**2.  gamma, turned likewise,
+    loses less than gamma(6 K + 60) of the sum of its |coefficients|.
+    """
+    count = max(len(vertical), len(turn))
+    size = max(1.0, UP * float(np.sum(np.linalg.norm(turn, axis=1))))
+    across = float(np.sum(np.abs(vertical)))
+    return UP * gamma(12 * count + 200) * (size * size + across) + TINY
 
 
 def third_axis(q: Sequence[Any]) -> list[Any]:

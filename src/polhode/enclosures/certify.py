@@ -26,6 +26,7 @@ from polhode.enclosures import (
 )
 from polhode.enclosures.derived import derived_balls
 from polhode.enclosures.fixed_point_problem import (
+    LEAST_NOISE,
     MOST_NOISE,
     Motion,
     Refused,
@@ -35,6 +36,7 @@ from polhode.enclosures.fixed_point_problem import (
 )
 from polhode.enclosures.proof_loop import HONEST, SHORT_STEPS
 from polhode.enclosures.result import Enclosure, Part, digits_of
+from polhode.enclosures.statement import assumed
 from polhode.enclosures.variations import flow_derivative
 from polhode.enclosures.variations.flow_derivative import BallMatrix, FlowDerivative
 from polhode.enclosures.variations.variational_bound import Derivatives
@@ -59,6 +61,7 @@ _SPARE = 6
 def certify(
     scene: Scene | str | Path,
     at: Iterable[AnyNumber] | None = None,
+    *,
     digits: int = 15,
     integrals: bool = True,
     progress: Progress | None = None,
@@ -104,7 +107,11 @@ def certify(
         if (needed := precision_choice.steps(side.motion, side.last)) > max_steps:
             expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
             raise BadInput(scene.name, "at", shown(side.last), expected)
-    noise = max(precision_choice.noise(side.motion, side.last, digits, deadline) for side in sides)
+    forecasts = [
+        precision_choice.forecast(side.motion, side.last, digits, deadline) for side in sides
+    ]
+    bits = max(needed for needed, _ in forecasts)
+    noise = max(LEAST_NOISE, *(math.ceil(sum(found)) for found in forecasts))
     if forecast is not None:
         forecast(sum(precision_choice.seconds(side.motion, side.last, noise) for side in sides))
     best: Enclosure | None = None
@@ -120,7 +127,7 @@ def certify(
             refusal = str(why)
             if noise == MOST_NOISE:
                 break
-            noise = math.ceil(1.25 * noise) + 20
+            noise = precision_choice.raised(noise, bits, why)
             continue
         seconds = time.process_time() - started
         in_all = time.process_time() - began
@@ -182,6 +189,7 @@ def _found(
     poses: dict[int, attitude.Pose] = {}
     slopes: dict[int, BallMatrix] = {}
     steps, outcome = 0, Outcome.REACHED_END
+    lost: list[float] = []
     for side in sides:
         if not outcome.done:
             break
@@ -209,6 +217,9 @@ def _found(
         rows |= {n: turned[place] for n, place in reached.items()}
         for one in watch:
             poses |= {n: one.poses[place] for n, place in reached.items()}
+            if "angles" in scene.modelled and one.lost is not None:
+                way = -1.0 if side.motion.backward else 1.0
+                lost.append(way * math.ldexp(one.lost, side.motion.unit))
         for derived in flow:
             turn = partial(flow_derivative.matrix_in_scene_axes, side.motion, bits=noise + 100)
             slopes |= {n: turn(derived.found[place]) for n, place in reached.items()}
@@ -248,6 +259,8 @@ def _found(
         )
         if derivatives
         else None,
+        assumed(scene, times),
+        tuple(lost),
     )
 
 

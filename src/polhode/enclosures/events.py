@@ -24,7 +24,15 @@ from polhode.enclosures import (
 from polhode.enclosures._zeros.certified_zeros import Crossing, Search
 from polhode.enclosures._zeros.zero_at_start import first_derivative, is_still
 from polhode.enclosures.certify import MAX_STEPS, MOST_DIGITS, time_limit
-from polhode.enclosures.fixed_point_problem import TIME_BITS, Motion, Refused, motion, upper
+from polhode.enclosures.fixed_point_problem import (
+    LEAST_NOISE,
+    MOST_NOISE,
+    TIME_BITS,
+    Motion,
+    Refused,
+    motion,
+    upper,
+)
 from polhode.enclosures.polynomial import Polynomial, constant, rate, total, variable
 from polhode.numbers import exact, expression
 from polhode.numbers.conversion import exact_number
@@ -83,6 +91,7 @@ class CertifiedEvents:
 def certify_events(
     scene: Scene | str | Path,
     end: AnyNumber | None = None,
+    *,
     digits: int = 15,
     progress: Progress | None = None,
     max_steps: int = MAX_STEPS,
@@ -126,14 +135,15 @@ def certify_events(
             expected = "an expression that is not zero all along the motion"
             raise BadInput(scene.name, key, text, expected)
     deadline = time_limit(scene, max_seconds)
-    noise = precision_choice.noise(what, last, digits, deadline)
+    bits, grown = precision_choice.forecast(what, last, digits, deadline)
+    noise = max(LEAST_NOISE, math.ceil(bits + grown))
     if forecast is not None:
         forecast(_DEARER * precision_choice.seconds(what, last, noise))
     for _ in range(_MOST_TRIES):
         try:
             return _found(what, polynomials, last, noise, progress, deadline)
-        except Refused:
-            noise = noise * 5 // 4 + 20
+        except Refused as why:
+            noise = min(MOST_NOISE, precision_choice.raised(noise, bits, why))
     raise BadInput(scene.name, "digits", digits, "digits that can be proven to the end")
 
 

@@ -42,7 +42,15 @@ _MOST_BITS = 1 << 15
 
 
 class Refused(ArithmeticError):
-    """No proof at this precision; the message says which test failed."""
+    """No proof at this precision; the message says which test failed.
+
+    ``reached``: how far the proof had come, as a part of its way; ``grown``: log2 of what the
+    radius was there, in units of 2**-noise.
+    """
+
+    def __init__(self, message: str, reached: float = 0.0, grown: float = 0.0) -> None:
+        super().__init__(message)
+        self.reached, self.grown = reached, grown
 
 
 @dataclass(frozen=True)

@@ -136,14 +136,4 @@ def ball(x: Exact, bits: int) -> Any:
     with ctx.workprec(bits):
         if isinstance(x, Fraction):
             return arb(fmpq(x.numerator, x.denominator))
-        low, high = x.enclosure(bits)
-        return _raw(low).union(_raw(high))
-
-
-def _raw(number: Any) -> Any:
-    """A raw number of mpmath's as a ball of radius zero; without bounds where it is infinite."""
-    negative, mantissa, exponent, _ = number
-    if mantissa == 0 and exponent != 0:
-        return arb(0, float("inf"))
-    value = arb((int(mantissa), int(exponent)))
-    return -value if negative else value
+        return x.enclosure(bits)

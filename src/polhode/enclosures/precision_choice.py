@@ -12,7 +12,7 @@ import numpy as np
 
 from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures import window_approximation
-from polhode.enclosures.fixed_point_problem import LEAST_NOISE, Motion
+from polhode.enclosures.fixed_point_problem import Motion, Refused
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 
@@ -20,21 +20,38 @@ BITS_A_DIGIT = math.log2(10)
 _STEPS_A_UNIT = 3.0  # of the proof, in its unit of time
 _SECONDS_A_STEP = 8e-8  # over the square of the noise level, for P of 70 to 220
 _MARGIN = 1.0  # bits
+_FAR = 0.1  # of the way: from there on the growth tells of the rest
+_AHEAD, _SURE = 1.1, 4  # times the growth that is left, and bits
 _OF_OUTPUTS = {"attitude": 6.0, "angles": 9.0}  # the same of a turn, and of angles near a pole
 
 
-def noise(what: Motion, last: Exact, digits: float, deadline: Deadline = NONE) -> int:
-    """The noise level P at which the radii at the time ``last`` should leave so many digits.
+def forecast(
+    what: Motion, last: Exact, digits: float, deadline: Deadline = NONE
+) -> tuple[float, float]:
+    """The bits that the digits need at the time ``last``, and those that the motion takes.
 
-    At the deadline it is told from what is known then.
+    Their sum is the noise level P to try.  At the deadline it is told from what is known then.
     """
     grown, fastest = growth(what, last, deadline)
     slow = max(0.0, -math.log2(fastest)) if fastest > 0.0 else 0.0  # digits of w are relative
-    bits = digits * BITS_A_DIGIT + _MARGIN + max(0.0, grown) + slow
+    bits = digits * BITS_A_DIGIT + _MARGIN + slow
     more = max((_OF_OUTPUTS.get(name, 0.0) for name in what.scene.modelled), default=0.0)
     if more:  # they add up what the state is off on the way
         bits += more + math.log2(1.0 + steps(what, last))
-    return max(LEAST_NOISE, math.ceil(bits))
+    return bits, max(0.0, grown)
+
+
+def raised(noise: int, bits: float, why: Refused) -> int:
+    """The noise level to try after a refusal, by what the radius had grown to on the way.
+
+    ``bits``: those that the digits need.  The growth is taken to go on as it went: that of a
+    chaotic motion does, while a run in double follows another orbit by then.  Where the proof came
+    not far nothing is known of it.
+    """
+    if why.reached < _FAR:
+        return math.ceil(1.25 * noise) + 20
+    ahead = why.grown * (1.0 / why.reached - 1.0)
+    return max(noise + 20, math.ceil(bits + why.grown + _AHEAD * ahead) + _SURE)
 
 
 def steps(what: Motion, last: Exact) -> float:

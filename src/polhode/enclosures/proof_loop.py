@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Protocol
 
+import numpy as np
 from flint import arb
 
 from polhode.common.deadline import NONE, Deadline, TooLong
@@ -89,6 +90,7 @@ def run(
     What is proven until the ``deadline``, or until Ctrl-C, is kept.  ``watchers``: what looks for
     zeros on the way, or follows the attitude; they may raise TooLong.
     """
+    step_bound.check_arithmetic()
     state = zonotope.beginning(problem)
     rows: list[list[arb]] = []
     end = _last_tick(times)
@@ -115,6 +117,9 @@ def run(
             whole, wide = state, min(most, 2 * wide)
             if progress is not None:
                 progress(state.time / end, steps)
+    except Refused as why:
+        grown = math.log2(max(1.0, float(np.max(whole.radii))))
+        raise Refused(str(why), whole.time / end, grown) from why
     except TooLong:
         outcome = Outcome.TIME_LIMIT
     except KeyboardInterrupt:
@@ -155,6 +160,7 @@ def _window(
             return None
         # its square and its rounding are noise
         if max(2 * size, size - 40) <= -problem.noise:
+            step_bound.check_arithmetic()
             return step_bound.bounds(problem, known, e, v)
         shape = taylor_polynomials.improved(shape, e, problem.noise, 53 - size)
         last = size

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from polhode.common.cached_property import cached_property
 from polhode.common.value_semantics import ByValue
+from polhode.enclosures.statement import stated
 from polhode.enclosures.variations.flow_derivative import FlowDerivative
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_mpf
@@ -60,7 +61,10 @@ class Enclosure(ByValue):
     ``outcome``: REACHED_END, or TIME_LIMIT or INTERRUPTED: ``times`` are then those reached.
     ``noise``: the proof's noise level is 2**-noise in its own unit of time.  ``steps`` and
     ``seconds``: of the run that proved it; ``tries``: the runs that it took; ``seconds_in_all``:
-    CPU, those of all of them and of the pilot.
+    CPU, those of all of them and of the pilot.  ``assumed``: what was decided by the rule for
+    *equal* of :mod:`polhode.numbers.exact`, and is not proven; empty for rational data.  ``lost``:
+    about the times, one a side, from which on psi and phi are None, the third axis being, or
+    passing, too near the vertical for their turns to be counted in double.
 
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
@@ -86,6 +90,8 @@ class Enclosure(ByValue):
     outcome: Outcome = Outcome.REACHED_END
     derived: Mapping[str, Part] = field(default_factory=dict)
     derivatives: FlowDerivative | None = None
+    assumed: tuple[str, ...] = ()
+    lost: tuple[float, ...] = ()
 
     @cached_property
     def midpoints(self) -> list[list[Real]]:
@@ -108,6 +114,12 @@ class Enclosure(ByValue):
         """The fewest proven digits of the state, the angles and the attitude."""
         parts = [part.digits for part in (self.angles, self.attitude) if part is not None]
         return min([self.proven, *(found for digits in parts for found in digits)])
+
+    @property
+    def statement(self) -> tuple[str, ...]:
+        """What is proven, in words, with all that it rests on; see `polhode guide proofs`."""
+        outputs = [word for word in ("angles", "attitude") if getattr(self, word) is not None]
+        return stated(self.scene, self.times, [*outputs, *self.derived], self.assumed)
 
     def strings(self) -> list[list[str]]:
         """The states as decimals of which every digit is proven; see :func:`guaranteed`."""

@@ -52,6 +52,16 @@ TINY = 1e-280  # above anything that underflow can have lost
 ROUNDINGS = 8  # of a coefficient of a product, over k + 1; see the module
 
 
+def check_arithmetic() -> None:
+    """Raise Refused where doubles are not rounded to the nearest, or small ones are made 0.
+
+    Bits of a thread's state, which any library may set.
+    """
+    one, half, least = np.array([1.0, -1.0]), U * np.array([1.0, -1.0]), np.array([2.0**-1074])
+    if np.any(one + half != one) or np.any(one + 1.5 * half == one) or not least * 1.0 > 0.0:
+        raise Refused("doubles are not rounded to the nearest, or small ones are made 0")
+
+
 def gamma(k: int) -> float:
     """A bound of the relative error of k roundings: 1.01 k u."""
     return 1.01 * k * U

@@ -31,9 +31,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from polhode.enclosures.fixed_point_problem import UP
+from polhode.enclosures.step_bound import gamma
+
 MOST = 100_000  # points of a step
 _FIRST = 8
-_LEAST = 1e-11  # more than what doubles lose
 
 
 class Pace(NamedTuple):
@@ -89,6 +91,7 @@ class Leaving(NamedTuple):
 class Followed:
     """psi and phi along the motion to within a turn's fraction, by growth from the start.
 
+    ``lost``: the time at whose step they were, in the proof's unit; None while they are not.
     ``leaving``: of a start at a pole; psi and phi are then those just after it.
     """
 
@@ -97,16 +100,17 @@ class Followed:
         self.total = np.array([psi, phi])
         self.slack = 1e-9 * (1.0 + abs(psi))  # of what was added up
         self.known = known
+        self.walked, self.lost = 0.0, None if known else 0.0
 
     def step(self, at: Any, length: float, pace: Pace, doubt: float, asked: Any) -> Any:
         """The angles at the points ``asked`` of a step; None where they are lost.
 
         ``at``: an array of tau in [0, 1] to the two complex numbers, (2, n), each right to
-        ``doubt``.
+        ``doubt``, which holds the rounding of :func:`_chords` as well: a few units of 1.
         """
         if not self.known:
             return None
-        doubt = _LEAST + doubt
+        doubt += UP * gamma(8) * length * pace.speed  # tau is a double
         first = None if self.leaving is None else min(1.0, self.leaving.until(pace) / length)
         even = np.linspace(0.0, 1.0, _FIRST + 1)
         nodes = np.unique(np.concatenate([even, asked, [] if first is None else [first]]))
@@ -126,23 +130,24 @@ class Followed:
             if not np.any(bad):
                 break
             if nodes.size > MOST or not np.all(reach[bad] > 2.0 * doubt):
-                self.known = False
-                return None
+                return self._lost()
             middle = 0.5 * (nodes[:-1] + nodes[1:])[bad]
             nodes = np.sort(np.concatenate([nodes, middle]))
         grown = np.angle(values[:, 1:] * np.conj(values[:, :-1]))
         self.slack += float(np.sum(4.0 * doubt / sizes)) + 1e-15 * nodes.size
         if not self.slack < 0.5:
-            self.known = False
-            return None
+            return self._lost()
         along = np.concatenate([np.zeros((2, 1)), np.cumsum(grown, axis=1)], axis=1)
         along += self.total[:, None]
         self.total = along[:, -1].copy()
         if not math.isfinite(float(np.sum(self.total))):
-            self.known = False
-            return None
-        self.leaving = None
+            return self._lost()
+        self.leaving, self.walked = None, self.walked + length
         return along[:, np.searchsorted(nodes, asked)].T
+
+    def _lost(self) -> None:
+        """From this step on they are not known."""
+        self.known, self.lost = False, self.walked
 
 
 def _chords(values: Any) -> Any:

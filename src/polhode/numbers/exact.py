@@ -1,25 +1,30 @@
 """Exact real numbers: rationals, and irrationals that any precision can be asked of.
 
 A rational is a :class:`fractions.Fraction`.  Anything else is an :class:`Irrational`: a node that
-remembers how it was made and encloses its value between two binary numbers, as tightly as asked.
+remembers how it was made and encloses its value in a ball, as tightly as asked.
 Both take part in ``+ - * /`` and comparisons, alone or mixed, so the code that decides a regime
 reads the same for rational and irrational data.
 
 The rule for *equal*: rationals are compared exactly.  An irrational number is called zero when
 its enclosure, every step carried to :data:`EQUAL_BITS` bits, still contains zero; two numbers are
-called equal when their difference is called zero.
+called equal when their difference is called zero.  What is decided so is no theorem: :func:`noted`
+tells of it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from fractions import Fraction
 from functools import partial
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
-from polhode.numbers import interval_rules
-from polhode.numbers.interval_rules import Interval
+from polhode.numbers import ball_rules
+
+if TYPE_CHECKING:  # only irrational data pay for this import
+    from flint import arb
 
 EQUAL_BITS = 4096
 
@@ -30,22 +35,34 @@ _LARGEST_ANGLE = 1 << (EQUAL_BITS // 4)  # beyond it too few of those bits are l
 class Irrational:
     """A real number known through enclosures.
 
-    ``rule(prec, *intervals)`` maps enclosures of the ``parts`` to an enclosure of the number.
+    ``rule(*balls)`` maps enclosures of the ``parts`` to an enclosure of the number.
     ``square`` is the number's square where that is known more simply (the radicand of a root).
     """
 
     __slots__ = ("_known", "_parts", "_rule", "square")
 
     def __init__(
-        self, rule: Callable[..., Interval], *parts: Exact, square: Exact | None = None
+        self, rule: Callable[..., arb], *parts: Exact, square: Exact | None = None
     ) -> None:
         self._rule = rule
         self._parts = parts
-        self._known: dict[int, Interval] = {}  # by precision: no answer depends on those before
+        self._known: dict[int, arb] = {}  # by precision: no answer depends on those before
         self.square = square
 
-    def enclosure(self, prec: int) -> Interval:
-        """Two binary numbers around the value, every step carried to ``prec`` bits."""
+    def __reduce__(self) -> tuple[object, ...]:
+        return _irrational, (self._rule, self._parts, self.square)  # balls cannot be pickled
+
+    def enclosure(self, prec: int) -> arb:
+        """A ball around the value, every step carried to ``prec`` bits."""
+        if prec in self._known:
+            return self._known[prec]
+        from polhode.numbers.flint_context import ctx
+
+        with ctx.workprec(prec):
+            return self._enclosed(prec)
+
+    def _enclosed(self, prec: int) -> arb:
+        """The same where that precision is in force."""
         pending = [self]
         while pending:  # no recursion: a long sum is a deep tree
             node = pending[-1]
@@ -60,7 +77,7 @@ class Irrational:
             if lacking:
                 pending.extend(lacking)
                 continue
-            node._known[prec] = node._rule(prec, *(_held(part, prec) for part in node._parts))
+            node._known[prec] = node._rule(*(_held(part, prec) for part in node._parts))
             pending.pop()
         return self._known[prec]
 
@@ -90,7 +107,7 @@ class Irrational:
         return power(self, exact(exponent))
 
     def __neg__(self) -> Irrational:
-        return Irrational(interval_rules.negative, self, square=self.square)
+        return Irrational(ball_rules.negative, self, square=self.square)
 
     def __abs__(self) -> Exact:
         return -self if sign(self) < 0 else self
@@ -122,6 +139,8 @@ class Irrational:
         return "Irrational({} * 2**{}...)".format(*rounded(self, 53))
 
 
+_noted: ContextVar[list[Irrational] | None] = ContextVar("noted", default=None)
+
 Exact: TypeAlias = Fraction | Irrational
 Number: TypeAlias = int | Fraction | Irrational
 
@@ -142,7 +161,7 @@ def add(a: Exact, b: Exact) -> Exact:
         return b
     if isinstance(b, Fraction) and b == 0:
         return a
-    return Irrational(interval_rules.added, a, b)
+    return Irrational(ball_rules.added, a, b)
 
 
 def multiply(a: Exact, b: Exact) -> Exact:
@@ -157,7 +176,7 @@ def multiply(a: Exact, b: Exact) -> Exact:
                 return ZERO
             if one == 1:
                 return other
-    return Irrational(interval_rules.product, a, b)
+    return Irrational(ball_rules.product, a, b)
 
 
 def divide(a: Exact, b: Exact) -> Exact:
@@ -170,7 +189,7 @@ def divide(a: Exact, b: Exact) -> Exact:
         return ZERO
     if isinstance(b, Fraction):
         return multiply(a, 1 / b)
-    return Irrational(interval_rules.quotient, a, b)
+    return Irrational(ball_rules.quotient, a, b)
 
 
 def total(terms: Iterable[Exact]) -> Exact:
@@ -191,7 +210,7 @@ def sqrt(x: Exact) -> Exact:
             return Fraction(top, bottom)
     elif sign(x) == 0:
         return ZERO
-    return Irrational(interval_rules.root, x, square=x)
+    return Irrational(ball_rules.root, x, square=x)
 
 
 def sin(x: Exact) -> Exact:
@@ -199,7 +218,7 @@ def sin(x: Exact) -> Exact:
     _check_angle(x)
     if isinstance(x, Fraction) and x == 0:
         return ZERO
-    return Irrational(interval_rules.sine, x)
+    return Irrational(ball_rules.sine, x)
 
 
 def cos(x: Exact) -> Exact:
@@ -207,7 +226,7 @@ def cos(x: Exact) -> Exact:
     _check_angle(x)
     if isinstance(x, Fraction) and x == 0:
         return ONE
-    return Irrational(interval_rules.cosine, x)
+    return Irrational(ball_rules.cosine, x)
 
 
 def arctan2(y: Exact, x: Exact) -> Exact:
@@ -218,12 +237,12 @@ def arctan2(y: Exact, x: Exact) -> Exact:
         raise ValueError("the angle of a vector of length zero")
     if sign(y) == 0 and sign(x) > 0:
         return ZERO
-    return Irrational(interval_rules.angle, y, x)
+    return Irrational(ball_rules.angle, y, x)
 
 
 def pi() -> Irrational:
     """The number pi."""
-    return Irrational(interval_rules.pi)
+    return Irrational(ball_rules.pi)
 
 
 def power(x: Exact, exponent: Exact) -> Exact:
@@ -240,7 +259,7 @@ def power(x: Exact, exponent: Exact) -> Exact:
         if exponent < 0:
             raise ZeroDivisionError("division by zero")
         return ZERO
-    return Irrational(interval_rules.power, x, exponent)
+    return Irrational(ball_rules.power, x, exponent)
 
 
 def _integer_power(x: Exact, n: int) -> Exact:
@@ -254,7 +273,7 @@ def _integer_power(x: Exact, n: int) -> Exact:
         return x
     if n == 2 and x.square is not None:
         return x.square
-    return Irrational(partial(interval_rules.integer_power_of, n), x)
+    return Irrational(partial(ball_rules.integer_power_of, n), x)
 
 
 def sign(x: Number) -> int:
@@ -262,14 +281,26 @@ def sign(x: Number) -> int:
     if not isinstance(x, Irrational):
         over = x.numerator  # compared as an int, which takes a tenth of the time
         return (over > 0) - (over < 0)
-    lib = interval_rules.libmp()
     for prec in _LADDER:
-        low, high = x.enclosure(prec)
-        if lib.mpf_sign(low) > 0:
+        known = x.enclosure(prec)
+        if known > 0:
             return 1
-        if lib.mpf_sign(high) < 0:
+        if known < 0:
             return -1
+    if (met := _noted.get()) is not None:
+        met.append(x)
     return 0
+
+
+@contextmanager
+def noted() -> Iterator[list[Irrational]]:
+    """The numbers that are called zero by the rule inside the block, in this thread."""
+    met: list[Irrational] = []
+    token = _noted.set(met)
+    try:
+        yield met
+    finally:
+        _noted.reset(token)
 
 
 def rounded(x: Number, bits: int) -> tuple[int, int]:
@@ -278,15 +309,15 @@ def rounded(x: Number, bits: int) -> tuple[int, int]:
         return _rounded_rational(Fraction(x), bits)
     if sign(x) == 0:
         return 0, 0
-    lib = interval_rules.libmp()
     prec = bits + 64
     while True:
-        low, high = (_rounded_raw(end, bits) for end in x.enclosure(prec))
-        if low == high and low is not None:
-            return low
+        known = x.enclosure(prec)
+        if known.is_finite():
+            low, high = (_rounded_binary(*end, bits) for end in _ends(known))
+            if low == high:
+                return low
         if prec > 2 * EQUAL_BITS + 8 * bits:  # a tie by the rule: the even neighbour
-            middle = lib.mpi_mid(x.enclosure(prec), bits + 8)
-            return _rounded_raw(middle, bits) or (0, 0)
+            return _rounded_binary(*_rounded_binary(*_middle(known), bits + 8), bits)
         prec *= 2
 
 
@@ -298,11 +329,11 @@ def log10(x: Number) -> float:
 
 def magnitude(x: Irrational) -> int:
     """The exponent of two just above |x|, or 0 where 128 bits do not tell x from zero."""
-    low, high = x.enclosure(_LADDER[0])
-    if interval_rules.libmp().mpf_sign(low) * interval_rules.libmp().mpf_sign(high) <= 0:
+    known = x.enclosure(_LADDER[0])
+    if known.contains(0) or not known.is_finite():
         return 0
-    _, _, exponent, bits = high
-    return int(exponent + bits)
+    _, (mantissa, exponent) = _ends(known)
+    return exponent + mantissa.bit_length()
 
 
 def binary(mantissa: int, exponent: int) -> Fraction:
@@ -335,18 +366,38 @@ def _rounded_rational(x: Fraction, bits: int) -> tuple[int, int]:
     return (quotient if x > 0 else -quotient), exponent
 
 
-def _rounded_raw(raw: interval_rules.Raw, bits: int) -> tuple[int, int] | None:
-    negative, mantissa, exponent, _ = raw
-    if mantissa == 0:
-        return (0, 0) if exponent == 0 else None  # libmp's zero, else infinite
-    value = Fraction(int(mantissa))
-    m, e = _rounded_rational(value, bits)
-    return (-m if negative else m), e + exponent
+def _rounded_binary(mantissa: int, exponent: int, bits: int) -> tuple[int, int]:
+    """mantissa·2**exponent to so many bits."""
+    found, by = _rounded_rational(Fraction(mantissa), bits)
+    return (found, by + exponent) if found else (0, 0)
 
 
-def _held(part: Exact, prec: int) -> Interval:
+def _middle(known: arb) -> tuple[int, int]:
+    """(m, e) with m·2**e the midpoint of a ball; 0 where nothing is known."""
+    mantissa, exponent = known.mid().man_exp() if known.is_finite() else (0, 0)
+    return int(mantissa), int(exponent)
+
+
+def _ends(known: arb) -> tuple[tuple[int, int], tuple[int, int]]:
+    """(m, e) with m·2**e the lower and the upper end of a ball, exactly."""
+    (middle, p), (radius, q) = (
+        (int(m), int(e)) for m, e in (known.mid().man_exp(), known.rad().man_exp())
+    )
+    least = min(p, q)
+    middle, radius = middle << (p - least), radius << (q - least)
+    return (middle - radius, least), (middle + radius, least)
+
+
+def _irrational(
+    rule: Callable[..., arb], parts: tuple[Exact, ...], square: Exact | None
+) -> Irrational:
+    """What was pickled."""
+    return Irrational(rule, *parts, square=square)
+
+
+def _held(part: Exact, prec: int) -> arb:
     if isinstance(part, Irrational):
         return part._known[prec]
-    lib = interval_rules.libmp()
-    p, q = part.numerator, part.denominator
-    return lib.from_rational(p, q, prec, "f"), lib.from_rational(p, q, prec, "c")
+    from flint import arb, fmpq
+
+    return arb(fmpq(part.numerator, part.denominator))

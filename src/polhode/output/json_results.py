@@ -185,6 +185,9 @@ def of_enclosure(found: Enclosure) -> dict[str, Any]:
         answer[f"{name}_radii"] = [rounded_up(row) for row in part.radii]
     return answer | {
         "outcome": found.outcome.value,
+        "statement": list(found.statement),
+        "assumed": list(found.assumed),
+        **({"angles_lost": list(found.lost)} if found.lost else {}),
         "steps": found.steps,
         "tries": found.tries,
         "seconds": round(found.seconds_in_all, 3),

@@ -262,16 +262,21 @@ class Body:
 
     @cached_property
     def _principal(self) -> tuple[Vector, PrincipalAxes]:
-        (a, d, e), (_, b, f), (_, _, c) = self.inertia
-        if is_zero((d, e, f)):
-            return (a, b, c), OWN_AXES
-        return _diagonalised(self.inertia, self.centre)
+        return principal(self.inertia, self.centre)
 
 
 def diagonal(moments: Vector) -> Matrix:
     """The inertia matrix of a body given in principal axes."""
     a, b, c = moments
     return (a, ZERO, ZERO), (ZERO, b, ZERO), (ZERO, ZERO, c)
+
+
+def principal(inertia: Matrix, centre: Vector) -> tuple[Vector, PrincipalAxes]:
+    """The principal moments and axes of a body; see :class:`Body`."""
+    (a, d, e), (_, b, f), (_, _, c) = inertia
+    if is_zero((d, e, f)):
+        return (a, b, c), OWN_AXES
+    return _diagonalised(inertia, centre)
 
 
 def _diagonalised(inertia: Matrix, centre: Vector) -> tuple[Vector, PrincipalAxes]:
@@ -297,7 +302,7 @@ def _diagonalised(inertia: Matrix, centre: Vector) -> tuple[Vector, PrincipalAxe
     s, angle = exact.sqrt(s2), exact.arctan2(exact.sqrt(discriminant), half_det)
     turn = 2 * exact.pi()
     candidates = [mean + 2 * s * exact.cos((angle + k * turn) / 3) for k in (1, 2, 0)]
-    a, b, c = (_rational_if_so(inertia, moment) for moment in candidates)
+    a, b, c = (_rational_if_so(inertia, candidates[k:] + candidates[:k]) for k in range(3))
     return (a, b, c), _right_handed(_eigenvector(inertia, a), _eigenvector(inertia, b))
 
 
@@ -320,12 +325,14 @@ def _right_handed(first: Vector, second: Vector) -> PrincipalAxes:
     return PrincipalAxes((first, second, third), squares)
 
 
-def _rational_if_so(inertia: Matrix, moment: Exact) -> Exact:
-    """The same principal moment as a Fraction, where the matrix is rational and the moment too.
+def _rational_if_so(inertia: Matrix, moments: list[Exact]) -> Exact:
+    """The first of the principal moments, a Fraction where the matrix is rational and it is too.
 
     Times the common denominator of the matrix a rational moment is an integer: the nearest one is
-    tried in the characteristic polynomial, and it must be this moment, not another one near by.
+    tried in the characteristic polynomial.  A root of that which is neither of the other moments is
+    this one, exactly.
     """
+    moment, *others = moments
     entries = [entry for row in inertia for entry in row]
     if isinstance(moment, Fraction) or not all(isinstance(x, Fraction) for x in entries):
         return moment
@@ -335,5 +342,5 @@ def _rational_if_so(inertia: Matrix, moment: Exact) -> Exact:
     mantissa, exponent = exact.rounded(scaled_moment, max(64, exponent + 16))
     candidate = Fraction(round(mantissa * Fraction(2) ** exponent), common)
     x, y, z = _shifted(inertia, candidate)
-    root = sign(dot(x, cross(y, z))) == 0
-    return candidate if root and sign(moment - candidate) == 0 else moment
+    root = dot(x, cross(y, z)) == 0
+    return candidate if root and all(sign(other - candidate) for other in others) else moment

@@ -54,6 +54,11 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--max-steps", type=positive, metavar="N", help="with --certified: a limit on the steps"
     )
+    parser.add_argument(
+        "--statement",
+        action="store_true",
+        help="with --certified: what is proven, in words, and what it rests on",
+    )
     parser.add_argument("--outputs", metavar="O,O", help=", ".join(COLUMNS))
     parser.add_argument(
         "--certified",
@@ -77,7 +82,7 @@ def main(options: Namespace) -> int:
         expected = f"1 to {number_types.MAX_DIGITS}"
         raise BadInput(scene.name, "digits", options.digits, expected)
     if not options.certified:
-        for name in ("events", "max_seconds", "max_steps"):
+        for name in ("events", "max_seconds", "max_steps", "statement"):
             if getattr(options, name):
                 key = "--" + name.replace("_", "-")
                 raise BadInput(scene.name, key, None, "--certified with it")
@@ -112,12 +117,14 @@ def _certified(scene: Scene, times: Sequence[Exact], options: Namespace) -> int:
     began = time.monotonic()
     events: tuple[CertifiedEvents, ...] = ()
     with ProgressLine("reference") as progress:
-        found = certify(scene, held, options.digits, progress=progress.show, **limits)
+        found = certify(scene, held, digits=options.digits, progress=progress.show, **limits)
         if options.events and found.outcome.done:
             if options.max_seconds is not None:
                 limits["max_seconds"] = max(1e-3, options.max_seconds - time.monotonic() + began)
             last = max(held, key=abs)
-            events = certify_events(scene, last, options.digits, progress=progress.show, **limits)
+            events = certify_events(
+                scene, last, digits=options.digits, progress=progress.show, **limits
+            )
     answer = json_results.of_enclosure(found)
     if options.events:
         answer["events"] = [json_results.of_certified_events(event) for event in events]
@@ -132,6 +139,16 @@ def _certified(scene: Scene, times: Sequence[Exact], options: Namespace) -> int:
         note(
             f"{scene.name}: every digit is proven, {least}; {found.steps} steps at a noise level "
             f"of 2**-{found.noise}, {found.seconds_in_all:.1f} s"
+        )
+    if options.statement and not options.json:
+        for line in found.statement:
+            note(line)
+    for what in found.assumed:
+        note(f"{scene.name}: taken by the rule for equal numbers, not proven: {what}")
+    for since in found.lost:
+        note(
+            f"{scene.name}: psi and phi are not told beyond t = {since:.6g}: the third axis is, or "
+            "passes, too near the vertical for their turns to be counted"
         )
     if found.outcome.done:
         return DONE

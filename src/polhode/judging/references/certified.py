@@ -96,7 +96,7 @@ class Certified:
             found = certify(
                 replace(self.scene, outputs=outputs),
                 key[0],
-                digits,
+                digits=digits,
                 progress=progress,
                 max_seconds=left,
                 forecast=forecast,
@@ -131,7 +131,10 @@ class Certified:
             t for row, t in zip(found.angles.centres, found.times, strict=True) if row[0] is None
         ]
         if any(t != 0 for t in unknown) and not self._stays_at_a_pole:
-            expected = "a motion that keeps away from the poles: psi and phi are lost"
+            since = ", ".join(f"{t:.6g}" for t in found.lost)
+            expected = (
+                f"a motion that keeps away from the poles: psi and phi are lost at t = {since}"
+            )
             raise BadInput(self.scene.name, "angles", None, expected)
         return found.angles.midpoints(found.noise + 128)
 

@@ -100,7 +100,7 @@ def contained_in(scene: Scene, digits: int = CONTAINED_DIGITS) -> dict[str, Any]
     away = precision_choice.steps(fixed_point_problem.motion(scene), scene.end)
     last = scene.end * min(Fraction(1), Fraction(CONTAINED_STEPS) / Fraction(math.ceil(away) + 1))
     times = [last * Fraction(k, 3) for k in (1, 2, 3)]
-    found = certify(scene, times, digits)
+    found = certify(scene, times, digits=digits)
     exact = reference_of(scene)
     true = exact.at(times, 2 * digits + 20)
     ratios = [
@@ -122,8 +122,8 @@ def contained_in(scene: Scene, digits: int = CONTAINED_DIGITS) -> dict[str, Any]
 def _growth(name: str, times: Sequence[int]) -> dict[str, Any]:
     """Proven digits over time, with the first integrals and without, at one noise level each."""
     scene = replace(library.load(name), outputs=())
-    found = certify(scene, times, CONTAINED_DIGITS)
-    without = certify(scene, times, CONTAINED_DIGITS, integrals=False)
+    found = certify(scene, times, digits=CONTAINED_DIGITS)
+    without = certify(scene, times, digits=CONTAINED_DIGITS, integrals=False)
     # the radius is 2**-noise times what the motion makes of it
     return {
         "case": name,
@@ -142,9 +142,9 @@ def _cost(name: str, digits: int, end: int) -> dict[str, Any]:
     median of the differences, left out where the noise of building is larger.
     """
     scene = replace(library.load(name), outputs=())
-    proof = certify(scene, [1], digits)  # compiles
+    proof = certify(scene, [1], digits=digits)  # compiles
     wanted = proof.noise
-    makers: dict[str, Callable[[], Any]] = {"proof": lambda: certify(scene, [end], digits)}
+    makers: dict[str, Callable[[], Any]] = {"proof": lambda: certify(scene, [end], digits=digits)}
     runs: dict[str, tuple[NumberType | str, str]] = {
         f"mp, {wanted} bits": (NumberType("mp", wanted), "taylor")
     }
@@ -196,7 +196,7 @@ def _judged(name: str, times: Sequence[int]) -> list[dict[str, Any]]:
     """A run in double against the enclosure: its largest error at each time, and how sure it is."""
     scene = replace(library.load(name), outputs=()).at(times)
     run = integrate(scene, "double")
-    found = certify(scene, run.times, 20)
+    found = certify(scene, run.times, digits=20)
     judged = []
     for t, state, middles, radii in zip(times, run.states, found.centres, found.radii, strict=True):
         errors = [abs(exactly(x) - m) for x, m in zip(state, middles, strict=True)]

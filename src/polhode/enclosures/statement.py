@@ -1,0 +1,151 @@
+"""What a proof claims, in words, and what it assumes.
+
+Irrational numbers of a scene that 4096 bits do not tell apart are called equal.  Where that decides
+which branch is taken, of the body's axes or of the attitude, the branch is an assumption.
+"""
+
+from __future__ import annotations
+
+import itertools
+import platform
+from collections.abc import Sequence
+from fractions import Fraction
+from importlib.metadata import version
+from pathlib import Path
+
+import flint
+
+from polhode.equations.kinematics import starting_attitude, starting_phi
+from polhode.equations.pole_passage import departure, phi_leaving_the_pole
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact, noted, sign
+from polhode.scenes.body import Vector, dot, principal
+from polhode.scenes.scene import Scene
+
+AXES = "which principal moments are equal, and which of their axes are the body's"
+LENGTH = "that gamma has the length 1"
+TIMES = "which of the times are the same, or 0"
+START = "whether the start is at a pole, and the signs of the attitude there"
+
+#: The files of polhode in which a mistake could make a wrong ball: all that is trusted.
+TRUSTED = (
+    *(
+        f"enclosures/{name}"
+        for name in (
+            *("certify", "proof_loop", "fixed_point_problem", "polynomial", "taylor_polynomials"),
+            *("kronecker_substitution", "defect", "step_bound", "zonotope", "integral_contraction"),
+            *("quaternion", "winding_number", "attitude", "derived", "result", "statement"),
+            *("events", "_zeros/certified_zeros", "_zeros/zero_at_start"),
+        )
+    ),
+    *(
+        f"numbers/{name}"
+        for name in ("exact", "ball_rules", "expression", "conversion", "decimals", "flint_context")
+    ),
+    *(f"scenes/{name}" for name in ("body", "body_and_start", "scene", "scene_file", "scene_text")),
+    *(f"equations/{name}" for name in ("kinematics", "pole_passage", "column")),
+)
+
+
+def trusted_lines() -> int:
+    """The lines of these files, comments and all."""
+    top = Path(__file__).parents[1]
+    return sum(
+        len((top / f"{name}.py").read_text(encoding="utf-8").splitlines()) for name in TRUSTED
+    )
+
+
+def stated(
+    scene: Scene, times: Sequence[Exact], outputs: Sequence[str], equal: Sequence[str]
+) -> tuple[str, ...]:
+    """What is claimed of balls at the times, sentence by sentence, and what it rests on.
+
+    ``outputs``: what there are balls of beside the state; ``equal``: see :func:`assumed`.
+    """
+    reach = [min([Fraction(0), *times]), max([Fraction(0), *times])]
+    names = ", ".join(f"{name} = {_exactly(value)}" for name, value in _numbers(scene))
+    beside = "".join(f", its {word} likewise" for word in outputs)
+    lines = [
+        "I w' + w x I w = Mg gamma x r0, gamma' = gamma x w"
+        + ("" if scene.gamma is not None else " (gamma left out: no moment)")
+        + f", with {names}:",
+        f"the motion through this state at t = 0 exists on [{_exactly(reach[0])}, "
+        f"{_exactly(reach[1])}], and at each time told each component of its state lies within "
+        f"the ball's radius of its midpoint{beside}.",
+        "Numbers are those of the scene, exactly: a decimal is that decimal, a fraction that "
+        "fraction, a float of Python the binary number that it is; one that is told with ... is "
+        "the root, angle or pi of the scene's text. So are the times.",
+        "Decimals: each number of the ball rounds to the one told; radii are rounded up.",
+        "It rests on doubles of IEEE 754, rounded to the nearest without making small ones 0 "
+        f"(looked at as the proof ran, on {platform.machine()}); on FLINT "
+        f"{flint.__FLINT_VERSION__} through python-flint {version('python-flint')}; on numpy "
+        f"{version('numpy')} adding and multiplying in some order; on Python; and on "
+        f"{trusted_lines()} lines of polhode in {len(TRUSTED)} files.",
+    ]
+    if "angles" in outputs:
+        lines.append(
+            "The turns of psi and phi rest on the arctangent and the exponential of libm, right to "
+            "1e-15, too."
+        )
+    if equal:
+        lines.append(
+            "Not proven, but taken by the rule for equal numbers (4096 bits do not tell them "
+            f"apart): {'; '.join(equal)}."
+        )
+    return tuple(lines)
+
+
+def _numbers(scene: Scene) -> list[tuple[str, Exact | Vector]]:
+    """The numbers that the equations and the start have, by name."""
+    rows = zip("xyz", scene.body.inertia, strict=True)
+    found: list[tuple[str, Exact | Vector]] = [(f"I_{axis}", row) for axis, row in rows]
+    found += [("r0", scene.body.centre), ("Mg", scene.body.weight), ("w", scene.omega)]
+    if scene.gamma is not None:
+        found.append(("gamma", scene.gamma))
+        if scene.modelled:
+            found.append(("psi", scene.psi))
+    return found
+
+
+def _exactly(value: Exact | Vector) -> str:
+    """A fraction as it is; any other number to some digits and three dots."""
+    if isinstance(value, tuple):
+        return f"({', '.join(_exactly(x) for x in value)})"
+    return str(value) if isinstance(value, Fraction) else f"{shown(value)}..."
+
+
+def assumed(scene: Scene, times: Sequence[Exact]) -> tuple[str, ...]:
+    """What is decided by the rule for *equal* alone."""
+    found = []
+    with noted() as met:
+        principal(scene.body.inertia, scene.body.centre)
+    if met:
+        found.append(AXES)
+    with noted() as met:
+        ordered = sorted(times)
+        for one, other in itertools.pairwise(ordered):
+            sign(other - one)
+        for t in times:
+            sign(t)
+    if met:
+        found.append(TIMES)
+    if scene.gamma is not None and {"angles", "attitude"} & {*scene.modelled}:
+        with noted() as met:
+            sign(dot(scene.gamma, scene.gamma) - 1)
+        if met:
+            found.append(LENGTH)
+        with noted() as met:
+            _start(scene)
+        if met:
+            found.append(START)
+    return tuple(found)
+
+
+def _start(scene: Scene) -> None:
+    """All that is decided of the attitude at the start."""
+    assert scene.gamma is not None
+    starting_attitude(scene.gamma, scene.psi)
+    if scene.starts_at_pole and departure(scene) is not None:
+        phi_leaving_the_pole(scene, 1)
+    if "angles" in scene.modelled:
+        starting_phi(scene.gamma)

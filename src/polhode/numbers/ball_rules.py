@@ -1,0 +1,93 @@
+"""How enclosures combine: the rules of irrational numbers, on FLINT's balls.
+
+Each takes balls and computes with the precision in force; what it gives holds all values that the
+operation has on them.  Functions of a module, so that a number that holds one can be pickled.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:  # only irrational data pay for this import
+    from flint import arb
+
+
+def negative(a: arb) -> arb:
+    """-a."""
+    return -a
+
+
+def added(a: arb, b: arb) -> arb:
+    """a + b."""
+    return a + b
+
+
+def product(a: arb, b: arb) -> arb:
+    """a·b."""
+    return a * b
+
+
+def quotient(a: arb, b: arb) -> arb:
+    """a/b."""
+    # While the divisor's enclosure is still too wide to exclude zero, nothing is known.
+    return nothing(a) if b.contains(0) else a / b
+
+
+def root(a: arb) -> arb:
+    """The square root of what cannot be negative."""
+    return a.sqrt() if a > 0 else _up_to(a.abs_upper().sqrt())
+
+
+def sine(a: arb) -> arb:
+    """sin a."""
+    return a.sin()
+
+
+def cosine(a: arb) -> arb:
+    """cos a."""
+    return a.cos()
+
+
+def angle(a: arb, b: arb) -> arb:
+    """The angle of (b, a), a not below zero: no branch is cut where a's enclosure is around it."""
+    if b > 0:
+        return (a / b).atan()
+    if b < 0:
+        return pi() - (a / -b).atan()
+    if a > 0:
+        return pi() / 2 - (b / a).atan()
+    return _up_to(pi())
+
+
+def pi() -> arb:
+    """The number pi."""
+    from flint import arb
+
+    return arb.pi()
+
+
+def power(a: arb, e: arb) -> arb:
+    """a to the power e, for what cannot be negative."""
+    return (e * a.log()).exp() if a > 0 else nothing(a)
+
+
+def integer_power_of(n: int, a: arb) -> arb:
+    """a to the power n >= 1, by products: FLINT's power of a ball around 0 is no number."""
+    found, square = None, a
+    while n:
+        if n & 1:
+            found = square if found is None else found * square
+        n >>= 1
+        square = square * square if n else square
+    assert found is not None
+    return found
+
+
+def nothing(a: arb) -> arb:
+    """A ball that holds all numbers."""
+    return type(a)(0, float("inf"))
+
+
+def _up_to(most: arb) -> arb:
+    """A ball that holds [0, most]."""
+    return type(most)(0).union(most)
