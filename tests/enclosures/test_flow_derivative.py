@@ -133,8 +133,8 @@ def test_without_matrices_the_balls_are_wide_and_right():
 #: The term, and how it is dropped; a fault in V shows each.
 DROPPED = {
     "rho": (variational_bound, "missed", "float(known.rho[n])", "0.0"),
-    "eps in the weights": (variational_bound, "Product._noise", "eps * size", "0.0 * size"),
-    "weights when settled": (variational_bound, "Product._settle", "UP * box + TINY", "0.0 * box"),
+    "eps in the weights": (variational_bound, "Product.noise", "eps * size", "0.0 * size"),
+    "weights when settled": (variational_bound, "Product.settle", "UP * box + TINY", "0.0 * box"),
     "settled ones at an output": (
         variational_bound,
         "Product.at",
@@ -161,5 +161,5 @@ def test_a_dropped_term_is_noticed(term):
 
 @pytest.mark.slow
 def test_the_error_that_the_next_error_multiplies_is_not_forgotten():
-    with without(variational_bound, "Product._noise", "np.max(error, axis=0)", "0.0"):
+    with without(variational_bound, "Product.noise", "np.max(error, axis=0)", "0.0"):
         assert derivative_off(zeroed(), Fraction(2)) > 1

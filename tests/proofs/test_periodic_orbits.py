@@ -71,6 +71,24 @@ def test_the_orbit_lies_in_its_balls(kind):
     assert max(ratios) > 1e-8  # and the balls are not slack
 
 
+@pytest.mark.slow
+def test_the_orbits_of_a_search_lie_in_their_balls():
+    found = polhode.orbit_search(proofs.BODY, (20, 20), 3, proofs.H, proofs.F)
+    points = [(*one.state.tolist(), float(one.period)) for one in found.closed if one.period < 12]
+    kinds, ratios = set(), []
+    for point in points:
+        one = proofs.proved(point)
+        truth = truth_of(one)
+        kinds.add(one.theorem.kind)
+        ratios += [ratio(x, y) for x, y in zip(one.theorem.start, truth.start, strict=True)]
+        ratios.append(ratio(one.theorem.period, truth.period))
+        assert ratio(one.theorem.residue, truth.residue) <= 1
+    assert len(points) >= 10
+    assert kinds == {"elliptic", "hyperbolic", "inverse hyperbolic"}
+    assert max(ratios) <= 1
+    assert 1e-6 < float(np.median(ratios))
+
+
 def test_griolis_period_is_two_pi():
     found = polhode.prove_orbit("grioli/precession", digits=50)
     off = abs(MP.mpf(found.period.centre.numerator) / found.period.centre.denominator - 2 * MP.pi)
