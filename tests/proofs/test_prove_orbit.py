@@ -86,7 +86,7 @@ def test_the_orbits_of_a_search_lie_in_their_balls():
     assert len(points) >= 10
     assert kinds == {"elliptic", "hyperbolic", "inverse hyperbolic"}
     assert max(ratios) <= 1
-    assert 1e-6 < float(np.median(ratios))
+    assert float(np.median(ratios)) > 1e-6
 
 
 def test_griolis_period_is_two_pi():
@@ -311,7 +311,7 @@ def test_what_a_condition_refuses_passes_without_it(condition):
     assert theorem.open == ()
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("seed", range(40))
 def test_faults_in_the_enclosures_untrusted_parts_prove_nothing_false(seed):
     rng = random.Random(seed)
