@@ -158,6 +158,15 @@ def test_a_level_or_a_body_off_by_1e_20_is_refused(what):
     assert theorem.kind == "elliptic"
 
 
+@pytest.mark.slow
+def test_many_digits_are_proved_by_and_by():
+    found = polhode.prove_orbit("grioli/precession", digits=200)
+    mp = MPContext()
+    mp.dps = 220
+    off = abs(mp.mpf(found.period.centre.numerator) / found.period.centre.denominator - 2 * mp.pi)
+    assert off <= found.period.radius < mp.mpf(10) ** -199
+
+
 def test_half_the_period_is_refused():
     point = [*proofs.ELLIPTIC[:6], proofs.ELLIPTIC[6] / 2]
     with pytest.raises(Unproved, match="no periodic orbit is near"):
