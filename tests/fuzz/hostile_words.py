@@ -119,6 +119,7 @@ DYNAMIC: dict[str, list[str]] = {
     "section": ["--by", "--grid", "--crossings", "--h", "--f", "--starts", "-o"],
     "map": ["--grid", "--end", "--tol", "--vary", "-o"],
     "orbit": ["--digits", "--period", "--returns", "--search", "--pick", "--continue"],
+    "prove": ["--digits", "--period", "--returns", "--search", "--pick", "--h", "--f", "--orbit"],
     "frequencies": ["--of", "--end", "--lines", "-o"],
 }
 SMALL: dict[str, Words] = {
@@ -126,6 +127,7 @@ SMALL: dict[str, Words] = {
     "section": ["--grid", "2x2", "--crossings", "2"],
     "map": ["--grid", "2x2", "--end", "5"],
     "orbit": ["--digits", "15"],
+    "prove": ["--digits", "15"],
     "frequencies": ["--of", "p", "--end", "50", "--lines", "1"],
 }
 
@@ -136,7 +138,7 @@ def dynamic(random: Random, scene: polhode.Scene) -> tuple[str, Words]:
     where = random.choice(
         ("top.toml", GENERAL, "lagrange/nutation", "pendulum/rotating", "euler/sphere")
     )
-    words = [verb, where, *SMALL[verb]]
+    words = [verb, *["orbit"][: verb == "prove"], where, *SMALL[verb]]
     for _ in range(random.choice((1, 1, 2))):
         flag = random.choice(DYNAMIC[verb])
         odd = random.choice(("folder", "folder/in/x.txt", "", "no/x.svg") if flag == "-o" else ODD)

@@ -69,6 +69,8 @@ WORKS = {
     "map": "map C --grid 100x100 --end 20000 -o x.npz",
     "map-far": "map C --grid 2x2 --end 1e5 --h 40 --f 0 -o x.npz",
     "orbit": "orbit C --search 12x12",
+    "prove": "prove orbit C --search 12x12",
+    "prove-digits": "prove orbit grioli/precession --digits 200",
     "orbit-digits": "orbit grioli/precession --digits 400",
     "orbit-period": "orbit R --period 1e9",
     "prove": "prove orbit R --search 12x12",

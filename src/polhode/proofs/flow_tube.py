@@ -24,6 +24,7 @@ from polhode.numbers.flint_context import ctx
 from polhode.proofs.level import Balls, LevelBalls, largest, row_sum
 
 _WIDENINGS = 30
+_LARGEST = 2.0**400  # squares of what the set holds are doubles
 
 
 class Tube:
@@ -31,6 +32,8 @@ class Tube:
 
     def __init__(self, problem: Problem, radius: float, times: Sequence[arb]) -> None:
         """``radius``: of the box, in units of 2**-noise; ``times``: balls, the last one the end."""
+        if not 0.0 < radius < _LARGEST:
+            raise Refused("the box does not fit the noise level")
         self.times = times
         self.rows: list[list[arb]] = []
         self.steepness, self.fine = 0.0, problem.fine

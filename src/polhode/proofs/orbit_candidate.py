@@ -31,7 +31,8 @@ from polhode.proofs.refusals import NotContracted, Unproved
 BOX = 25  # r = 2**(BOX - P)
 _SHRINKS = 33  # bits by which a correction makes what is missing smaller, at least
 _SPARE = 10
-_MOST_RUNS = 10
+_FIRST = 110  # the noise level of the first run, at most
+_MOST_RUNS = 40
 _FARTHEST = 1e-3  # a correction that is larger leads elsewhere
 _SINGULAR = 1e11  # condition of the ten equations
 
@@ -57,8 +58,8 @@ def corrected(
 ) -> Found:
     """The orbit near a point, proved with so many digits of start and period; raises Refused."""
     follow = follower(untrusted)
-    noise, wide = min(MOST_NOISE, math.ceil(BITS_A_DIGIT * digits) + _SPARE), 0
-    last = math.inf
+    goal = min(MOST_NOISE, math.ceil(BITS_A_DIGIT * digits) + _SPARE)
+    noise, wide, last = min(goal, _FIRST), 0, math.inf
     for runs in range(1, _MOST_RUNS + 1):
         if progress is not None:
             progress(f"run {runs} of the proof, at a noise level of 2**-{noise}")
@@ -71,8 +72,10 @@ def corrected(
             if not size < min(_FARTHEST, last / 2) or runs == _MOST_RUNS:
                 raise Unproved(_cause(why, size)) from None
             point = [x + d for x, d in zip(point, steps, strict=True)]
-            left = math.log2(size) - _SHRINKS if size else -noise
-            last, wide = size, max(0, math.ceil(left + noise) - BOX)
+            # the box is to hold what is left: by the noise level, or by its width
+            left = BOX + _SHRINKS - math.ceil(math.log2(size)) if size else goal
+            noise = min(goal, max(noise, left))
+            last, wide = size, max(0, noise - left)
             continue
         except Unproved:
             raise
@@ -80,17 +83,21 @@ def corrected(
             if noise >= MOST_NOISE or runs == _MOST_RUNS:
                 raise
             noise, wide = min(MOST_NOISE, math.ceil(1.25 * noise) + 20), 0
+            goal = max(goal, noise)
             continue
         more = {*theorem.open} - {*parts}
         parts = (*parts, *more)
-        lacking = digits - digits_of(theorem)
-        if lacking <= 0 and not more:
+        had = digits_of(theorem)
+        if had >= digits and not more:
             return Found(theorem, made, runs)
-        if lacking > 0 and noise >= MOST_NOISE:
-            break
+        if had < digits:
+            if noise == goal and not wide:
+                if goal >= MOST_NOISE:
+                    break
+                goal += math.ceil(BITS_A_DIGIT * (digits - had)) + 3
+            goal = min(MOST_NOISE, goal)
+            noise = min(goal, max(noise, BOX - 2 + math.floor(BITS_A_DIGIT * had)))
         point = [_fraction(x.mid()) for x in (*theorem.start, theorem.period)]
-        if lacking > 0 and not wide:
-            noise = min(MOST_NOISE, noise + math.ceil(BITS_A_DIGIT * lacking) + 3)
         wide = 0
     raise Unproved(f"{digits} digits could not be proven in {runs} runs")
 

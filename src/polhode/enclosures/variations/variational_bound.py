@@ -61,40 +61,43 @@ class Product:
 
     def error(self) -> Doubles:
         """Bounds of |P - F|, entry by entry."""
-        found: Doubles = UP * (np.abs(self.turn) @ self.base + self._recent()) + TINY
+        found: Doubles = UP * (np.abs(self.turn) @ self.base + self.recent()) + TINY
         return found
 
     def step(self, v: Doubles, eps: float) -> None:
         """P <- D P with |D - v| <= eps."""
-        noise = self._noise(v, eps, self.error())
+        more = self.noise(v, eps, self.error())
         self.centre, self.turn = v @ self.centre, v @ self.turn
         count = self.count
         self.born[:, :count] = v @ self.born[:, :count]
         self.born[:, count : count + 6] = _IDENTITY
-        self.given[count : count + 6] = noise
+        self.given[count : count + 6] = more
         self.count = count + 6
         if self.count == self.born.shape[1]:
-            self._settle()
+            self.settle()
 
     def at(self, v: Doubles, eps: float) -> Derivative:
         """D P with |D - v| <= eps, without going there."""
         error = self.error()
-        noise = self._noise(v, eps, error)
+        more = self.noise(v, eps, error)
         carried = np.abs(v @ self.turn @ self.settled) @ self.weights
         recent = np.abs(v @ self.born[:, : self.count]) @ self.given[: self.count]
         # the products with v @ turn, with v @ born and with v @ turn @ settled are rounded as well
         lost = gamma(20) * (np.abs(v) @ error)
-        return Derivative(v @ self.centre, UP * (carried + recent + noise + lost) + TINY)
+        centre, radius = v @ self.centre, UP * (carried + recent + more + lost) + TINY
+        known = np.isfinite(centre) & np.isfinite(radius)
+        return Derivative(np.where(known, centre, 0.0), np.where(known, radius, np.inf))
 
-    def _noise(self, v: Doubles, eps: float, error: Doubles) -> Doubles:
+    def noise(self, v: Doubles, eps: float, error: Doubles) -> Doubles:
         """The weights (2)."""
         size = np.max(np.abs(self.centre), axis=0) + np.max(error, axis=0)
         turned = np.abs(v) @ (np.abs(self.centre) + error)
         found: Doubles = UP * (eps * size + gamma(7) * turned) + TINY
         return found
 
-    def _settle(self) -> None:
-        recent = self._recent()
+    def settle(self) -> None:
+        """H becomes one box among the settled generators."""
+        recent = self.recent()
         box = recent + gamma(7) * (np.abs(self.turn) @ self.base)
         self.settled = np.hstack([self.turn @ self.settled, _IDENTITY])
         self.weights = np.vstack([self.weights, UP * box + TINY])
@@ -103,7 +106,7 @@ class Product:
         if self.settled.shape[1] > MOST_COLUMNS:
             raise Refused("the derivative's error has too many columns")
 
-    def _recent(self) -> Doubles:
+    def recent(self) -> Doubles:
         """|H| times its weights."""
         found: Doubles = np.abs(self.born[:, : self.count]) @ self.given[: self.count]
         return found

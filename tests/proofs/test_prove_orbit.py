@@ -16,10 +16,11 @@ from polhode.cli import main
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.proof_loop import SHORT_STEPS
-from polhode.proofs import orbit_candidate, periodic_orbit, prove_orbit
+from polhode.proofs import krawczyk, least_period, orbit_candidate, periodic_orbit, prove_orbit
 from polhode.proofs.refusals import NotContracted, Unproved
 from shared import enclosure_faults, orbit_newton
 from shared import orbit_proofs as proofs
+from shared.mutation import without
 
 MP = MPContext()
 MP.dps = 70
@@ -68,6 +69,24 @@ def test_the_orbit_lies_in_its_balls(kind):
     ratios += [ratio(theorem.period, truth.period), ratio(theorem.residue, truth.residue)]
     assert max(ratios) <= 1
     assert max(ratios) > 1e-8  # and the balls are not slack
+
+
+@pytest.mark.slow
+def test_the_orbits_of_a_search_lie_in_their_balls():
+    found = polhode.orbit_search(proofs.BODY, (20, 20), 3, proofs.H, proofs.F)
+    points = [(*one.state.tolist(), float(one.period)) for one in found.closed if one.period < 12]
+    kinds, ratios = set(), []
+    for point in points:
+        one = proofs.proved(point)
+        truth = truth_of(one)
+        kinds.add(one.theorem.kind)
+        ratios += [ratio(x, y) for x, y in zip(one.theorem.start, truth.start, strict=True)]
+        ratios.append(ratio(one.theorem.period, truth.period))
+        assert ratio(one.theorem.residue, truth.residue) <= 1
+    assert len(points) >= 10
+    assert kinds == {"elliptic", "hyperbolic", "inverse hyperbolic"}
+    assert max(ratios) <= 1
+    assert float(np.median(ratios)) > 1e-6
 
 
 def test_griolis_period_is_two_pi():
@@ -137,6 +156,15 @@ def test_a_level_or_a_body_off_by_1e_20_is_refused(what):
     wide = replace(made, bits=50)  # a box in which there is an orbit of that level
     theorem = periodic_orbit.prove(proofs.level(h, f, body), wide, proofs.FOLLOW)
     assert theorem.kind == "elliptic"
+
+
+@pytest.mark.slow
+def test_many_digits_are_proved_by_and_by():
+    found = polhode.prove_orbit("grioli/precession", digits=200)
+    mp = MPContext()
+    mp.dps = 220
+    off = abs(mp.mpf(found.period.centre.numerator) / found.period.centre.denominator - 2 * mp.pi)
+    assert off <= found.period.radius < mp.mpf(10) ** -199
 
 
 def test_half_the_period_is_refused():
@@ -218,9 +246,8 @@ def test_a_corrupted_candidate_is_refused(what):
         periodic_orbit.prove(proofs.level(), made, proofs.FOLLOW)
 
 
-def test_a_motion_that_does_not_close_is_refused_by_the_determinant_alone():
-    """W's first column leads from the end back to the start: Krawczyk's test passes."""
-    point = [Fraction(x) for x in proofs.ELLIPTIC]
+def open_motion():
+    """Of a motion that does not close W's first column leads from the end back to the start."""
     made = replace(proofs.sharp(proofs.ELLIPTIC), bits=40)
     start = [Fraction(x, 1 << 122) for x in made.start]
     period = Fraction(made.period, 1 << 122) * 3 / 4
@@ -228,13 +255,72 @@ def test_a_motion_that_does_not_close_is_refused_by_the_determinant_alone():
     assert max(abs(x - y) for x, y in zip(start, end, strict=True)) > 0.2
     w = made.w.copy()
     w[:, 0] = [float((x - y) * 2**39) for x, y in zip(end, start, strict=True)]
-    assert point[6] > period
-    made = replace(made, period=round(period * 2**122), w=w)
+    return replace(made, period=round(period * 2**122), w=w)
+
+
+def test_a_motion_that_does_not_close_is_refused_by_the_determinant_alone():
     with pytest.raises(Unproved, match="gradients of h, f"):
-        periodic_orbit.prove(proofs.level(), made, proofs.FOLLOW)
+        periodic_orbit.prove(proofs.level(), open_motion(), proofs.FOLLOW)
 
 
-@pytest.mark.sample(6)
+def doubled():
+    made = proofs.sharp(proofs.ELLIPTIC)
+    return replace(made, period=2 * made.period)
+
+
+def test_a_doubled_period_is_left_open():
+    theorem = periodic_orbit.prove(proofs.level(), doubled(), proofs.FOLLOW)
+    assert theorem.open == (2,)
+    # what was not looked at is open as well
+    unasked = replace(doubled(), parts=(2,))
+    assert periodic_orbit.prove(proofs.level(), unasked, proofs.FOLLOW).open == (2, 3)
+
+
+#: A condition, the candidate that it refuses, and how it is dropped.
+CONDITIONS = {
+    "K inside Y": (
+        lambda: proofs.moved(proofs.sharp(proofs.ELLIPTIC), 1, OFF),
+        (krawczyk, "contraction", "bool(most < radii[i])", "True"),
+    ),
+    "C F(y*)": (
+        lambda: proofs.moved(proofs.sharp(proofs.ELLIPTIC), 1, OFF),
+        (krawczyk, "contraction", "found = -newton[i] +", "found ="),
+    ),
+    "H(x*) - c": (
+        lambda: replace(proofs.sharp(proofs.ELLIPTIC), noise=110),
+        (periodic_orbit, "_tested", "value += [x - c for", "value += [x - x for"),
+    ),
+    "I - C DF(Y)": (
+        lambda: dict(corrupted(proofs.sharp(proofs.ELLIPTIC)))["C = 0"],
+        (krawczyk, "contraction", "+ arb(0, 1) * size.abs_upper()", "+ 0"),
+    ),
+    "the determinant": (
+        open_motion,
+        (periodic_orbit, "_independent", "if not abs(determinant) > 0:", "if False:"),
+    ),
+    "shorter periods": (
+        doubled,
+        (least_period, "undecided", "reached, strict=True)):", "reached, strict=True)) and False:"),
+    ),
+    "the steepness": (
+        doubled,
+        (least_period, "undecided", "* steepness /", "* 0 /"),
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("condition", CONDITIONS)
+def test_what_a_condition_refuses_passes_without_it(condition):
+    made, change = CONDITIONS[condition]
+    level = proofs.level(h=proofs.H + OFF) if condition == "H(x*) - c" else proofs.level()
+    candidate = made()
+    with without(*change):
+        theorem = periodic_orbit.prove(level, candidate, proofs.FOLLOW)
+    assert theorem.open == ()
+
+
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("seed", range(40))
 def test_faults_in_the_enclosures_untrusted_parts_prove_nothing_false(seed):
     rng = random.Random(seed)
