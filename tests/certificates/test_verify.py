@@ -239,7 +239,8 @@ def faulty(fault, given, monkeypatch):
         monkeypatch.setattr(verify, "taylor", altered)
     elif "transition" in fault:
         monkeypatch.setattr(verify, "transition", bent)
-        given["centres"] = [[x + 2**20 for x in row] for row in given["centres"]]
+        off = 2**40 if fault == "transition" else 2**20
+        given["centres"] = [[x + off for x in row] for row in given["centres"]]
     else:
         cut = given["state_bits"] - 18
         given["centres"] = [[x >> cut for x in row] for row in given["centres"]]

@@ -9,7 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TypeAlias
 
-from flint import arb, ctx
+from flint import arb
 
 from polhode.certificates import verify
 from polhode.common.errors import BadInput
@@ -17,6 +17,7 @@ from polhode.common.files import check_writable, write_whole
 from polhode.numbers import exact
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, Irrational
+from polhode.numbers.flint_context import ctx
 from polhode.scenes.scene import Scene
 
 #: Middle and radius as decimals.
@@ -59,26 +60,26 @@ def certificate(
     last = max((t for t, _ in claimed), key=abs)
     least = min(float(radius) for _, row in claimed for _, radius in row)
     bits = max(verify.COARSE, math.ceil(-math.log2(least))) + _SPARE
-    before, fault = ctx.prec, ""
-    try:
-        for _ in range(_TRIES):
-            body = _scene(scene, bits + verify.COARSE)
-            found: dict[str, object] = {
-                "format": verify.FORMAT,
-                "kind": "state",
-                "scene": body,
-                **_guesses(body, last, bits),
-                "bits": bits,
-                "statement": statement,
-            }
-            try:
+    fault = ""
+    for _ in range(_TRIES):
+        body = _scene(scene, bits + verify.COARSE)
+        with ctx.workprec(bits + 2 * verify.COARSE):
+            guesses = _guesses(body, last, bits)
+        found: dict[str, object] = {
+            "format": verify.FORMAT,
+            "kind": "state",
+            "scene": body,
+            **guesses,
+            "bits": bits,
+            "statement": statement,
+        }
+        try:
+            with ctx.workprec(bits):  # which the checker changes as it likes
                 verify.state(found)
-            except verify.NotProved as refused:
-                fault, bits = str(refused), bits + _MORE
-                continue
-            return found
-    finally:
-        ctx.prec = before
+        except verify.NotProved as refused:
+            fault, bits = str(refused), bits + _MORE
+            continue
+        return found
     raise BadInput(scene.name, "certificate", fault, "a statement that its own checker proves")
 
 
@@ -115,7 +116,6 @@ def _number(x: Exact, bits: int) -> str | list[str]:
 
 def _guesses(scene: dict[str, object], end: Fraction, bits: int) -> dict[str, object]:
     """A grid of steps to ``end``, and numbers near the motion at its times."""
-    ctx.prec = bits + 2 * verify.COARSE
     inertia, torque, start = verify.balls_of(verify.read_scene(scene))
     shift = verify.scaling(inertia, torque, start)
     body = verify.Body(inertia, [x * arb(2) ** (-2 * shift) for x in torque])
