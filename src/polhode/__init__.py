@@ -19,6 +19,8 @@ if _TYPE_CHECKING:
     from collections.abc import Callable as _Callable
 
     # `as`: mypy and pyright take these names, and no others, for exported
+    from polhode.certificates.verdict import Verdict as Verdict
+    from polhode.certificates.verdict import verify as verify
     from polhode.common.errors import BadInput as BadInput
     from polhode.common.html_page import Page as Page
     from polhode.common.provenance import __version__ as __version__
@@ -116,6 +118,7 @@ _HOMES = {
     "SectionPlan": "scenes.scene",
     "Trajectory": "runs.trajectory",
     "TwoPrecisions": "judging.references.two_precisions",
+    "Verdict": "certificates.verdict",
     "__version__": "common.provenance",
     "as_toml": "scenes.scene_text:toml",
     "certify": "enclosures.certify",
@@ -141,6 +144,7 @@ _HOMES = {
     "reference": "judging.references.reference",
     "rolling": "judging.rolling_cones",
     "top": "scenes.from_numbers",
+    "verify": "certificates.verdict",
     "view": "figures.drawing",
     "section": "dynamics.sections.section",
 }

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from pathlib import Path
 from typing import NamedTuple
 
 from polhode.common.cached_property import cached_property
@@ -134,6 +135,16 @@ class Enclosure(ByValue):
             [decimal_ball(x, r) for x, r in zip(row, radii, strict=True)]
             for row, radii in zip(self.centres, self.radii, strict=True)
         ]
+
+    def save(self, path: str | Path) -> None:
+        """Write the certificate of the states' balls, which ``polhode verify`` checks.
+
+        ``path``: ends in .json.  It is checked before it is written.  Raises BadInput for what has
+        no certificate: irrational times or times of both signs, a scene without gamma.
+        """
+        from polhode.certificates import state_certificate
+
+        state_certificate.save(self.scene, self.times, self.decimals(), path)
 
     def __repr__(self) -> str:
         last = f" to t = {shown(self.times[-1])}" if self.times else ""

@@ -6,9 +6,11 @@ import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
+from polhode.common.files import check_writable
 from polhode.numbers import number_types
 from polhode.numbers.exact import Exact
 from polhode.output import json_results
@@ -26,6 +28,7 @@ from polhode.verbs.terminal import (
     print_json,
     print_rows,
     read_times,
+    refuse_two_on_stdout,
     seconds,
     whole,
     word,
@@ -65,6 +68,13 @@ def options(parser: ArgumentParser) -> None:
         action="store_true",
         help="a proven enclosure, of any motion: only proven digits are printed",
     )
+    parser.add_argument(
+        "-o",
+        dest="file",
+        type=word,
+        metavar="CERT.json",
+        help="with --certified: the proof's certificate, for polhode verify",
+    )
 
 
 def main(options: Namespace) -> int:
@@ -82,13 +92,16 @@ def main(options: Namespace) -> int:
         expected = f"1 to {number_types.MAX_DIGITS}"
         raise BadInput(scene.name, "digits", options.digits, expected)
     if not options.certified:
-        for name in ("events", "max_seconds", "max_steps", "statement"):
+        for name in ("events", "max_seconds", "max_steps", "statement", "file"):
             if getattr(options, name):
-                key = "--" + name.replace("_", "-")
+                key = "-o" if name == "file" else "--" + name.replace("_", "-")
                 raise BadInput(scene.name, key, None, "--certified with it")
     if options.events and not scene.events:
         raise BadInput(scene.name, "events", None, "given in the scene, for --events")
     if options.certified:
+        if options.file is not None:
+            check_writable(Path(options.file), [".json"], [library.path_of(options.scene)])
+            refuse_two_on_stdout(Path(options.file), options.json)
         return _certified(scene, times, options)
     reference = reference_of(scene)
     if not isinstance(reference, Reference):
@@ -125,6 +138,8 @@ def _certified(scene: Scene, times: Sequence[Exact], options: Namespace) -> int:
             events = certify_events(
                 scene, last, digits=options.digits, progress=progress.show, **limits
             )
+    if options.file is not None and found.times:
+        found.save(options.file)
     answer = json_results.of_enclosure(found)
     if options.events:
         answer["events"] = [json_results.of_certified_events(event) for event in events]
@@ -135,6 +150,8 @@ def _certified(scene: Scene, times: Sequence[Exact], options: Namespace) -> int:
         for event in events:
             note(_told(event))
     least = f"at least {found.fewest:.1f} at each time" if found.times else "no time was reached"
+    if options.file is not None and found.times:
+        note(f"{scene.name}: certificate in {options.file}; polhode verify {options.file}")
     if not options.json:
         note(
             f"{scene.name}: every digit is proven, {least}; {found.steps} steps at a noise level "

@@ -1,0 +1,1 @@
+"""Certificates of proofs, and a program that checks them alone."""

@@ -1,0 +1,68 @@
+"""Whether a certificate proves what it states."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from polhode.certificates import verify as checker
+from polhode.common.arguments import of_kind
+from polhode.common.errors import BadInput
+from polhode.numbers.flint_context import ctx
+
+
+class Verdict(NamedTuple):
+    """What checking a certificate came to; true where it is proved.
+
+    Attributes
+    ----------
+    proved : bool
+        Whether every inequality of the proof holds.
+    text : str
+        What is proved; or the first inequality that does not hold.
+    """
+
+    proved: bool
+    text: str
+
+    def __bool__(self) -> bool:
+        return self.proved
+
+
+def verify(path: str | Path) -> Verdict:
+    """Check a certificate by a program that shares no code with the one that wrote it.
+
+    That program is one file, ``polhode/certificates/verify.py``, which needs python-flint and the
+    standard library alone: ``python verify.py CERT.json`` does the same.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file that ``Enclosure.save`` or ``polhode reference --certified -o`` wrote.
+
+    Returns
+    -------
+    Verdict
+        Whether it is proved, and what.
+
+    Raises
+    ------
+    BadInput
+        A file that is no certificate: the line says why.
+
+    Examples
+    --------
+    >>> import polhode, tempfile, pathlib
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "proof.json"
+    >>> polhode.certify("general/asymmetric-regular", at=[1], digits=16).save(file)
+    >>> polhode.verify(file).proved
+    True
+    """
+    of_kind("verify", "path", path, (str, Path), "the path of a certificate")
+    try:
+        with ctx.workprec(checker.COARSE):  # which the checker changes as it likes
+            return Verdict(True, "\n".join(checker.verify(str(path))))
+    except checker.NotProved as fault:
+        return Verdict(False, f"not proved: {fault}")
+    except checker.Damaged as fault:
+        raise BadInput(str(path), "certificate", None, f"one of polhode's ({fault})") from None

@@ -1,0 +1,26 @@
+"""``polhode verify``: a certificate checked by a program that shares no code with its writer."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+
+from polhode.verbs.terminal import DONE, FAILED, print_json, say, word
+
+HELP = "check a proof's certificate by code of its own"
+
+
+def options(parser: ArgumentParser) -> None:
+    """The verb's own options."""
+    parser.add_argument("file", type=word, metavar="CERT.json", help="a certificate")
+
+
+def main(options: Namespace) -> int:
+    """Check one file: exit code 0 where it is proved, 1 where it is not."""
+    from polhode.certificates.verdict import verify
+
+    found = verify(options.file)
+    if options.json:
+        print_json({"file": options.file, "proved": found.proved, "text": found.text})
+    else:
+        say(found.text)
+    return DONE if found.proved else FAILED
