@@ -21,6 +21,7 @@ from polhode.runs.methods.taylor import Run
 from polhode.runs.problem.problem import Problem, Schedule
 from polhode.scenes.output_times import ListedTimes
 from polhode.scenes.scene import Scene
+from polhode.taylor.backend.integrator_pool import POOL
 from polhode.taylor.backend.time_grid import Times
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def rows(
     they are not found like this: then heyoka has to look for them on its way.
     """
     from polhode.taylor.batches.short_arcs import Hops
-    from polhode.taylor.events.dense_search import Knots, Outlook, Sightings
+    from polhode.taylor.events.dense_search import OUTLOOKS, Knots, Outlook, Sightings
     from polhode.taylor.events.stepwise import Watch
 
     began = time.perf_counter()
@@ -82,7 +83,8 @@ def rows(
     bare = run.problem
     blueprint = bare.blueprint
     hops = Hops(blueprint)
-    outlook = made.outlooks.take(made.number) or Outlook(made.scene, blueprint)
+    key = made.event_functions
+    outlook = POOL.take(OUTLOOKS, key) or Outlook(made.scene, blueprint)
     if "events" not in times.kept:
         times.kept["events"] = _plan(bare, times, hops, outlook)
     wanted = cast(Plan | None, times.kept["events"])
@@ -110,7 +112,7 @@ def rows(
     found.release()
     hops.release()
     outlook.desk.watch = None
-    made.outlooks.put(made.number, outlook)
+    POOL.put(OUTLOOKS, key, outlook)
     run.seconds += built + time.perf_counter() - began
     kept = wanted.outputs[: int(np.searchsorted(wanted.outputs, len(states)))]
     return outcome, states[kept]

@@ -43,7 +43,7 @@ def prepare(job: Job) -> None:
     try:
         trusted_kernels(refined_method.accuracy_for(job.steps.number).limbs)
     except CannotRefine:
-        batch_integrator.compiled(job.steps)
+        batch_integrator.prepare(job.steps)
 
 
 def solve(job: Job, stop: Stop | None = None) -> Solved:

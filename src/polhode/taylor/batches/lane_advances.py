@@ -18,10 +18,11 @@ from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.numbers.rows import Stack
 from polhode.taylor.backend import defaults, heyoka_numbers
 from polhode.taylor.backend.step_outcomes import ending
-from polhode.taylor.backend.types import HeyokaIntegrator, HeyokaNumber
-from polhode.taylor.batches import step_blocks
+from polhode.taylor.backend.types import HeyokaNumber
+from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.jobs import Lanes
 from polhode.taylor.batches.time_slices import Stretch
+from polhode.taylor.integrator.prepared import Prepared
 
 
 def block(number: NumberType) -> int:
@@ -43,27 +44,21 @@ class DoubleLanes:
 
     number = DOUBLE
 
-    def __init__(self, integrator: HeyokaIntegrator, lanes: Lanes) -> None:
-        self.count, self.places = lanes.many, integrator.state.shape[1]
-        self.integrator = integrator
-        self._put(self.integrator.state, lanes.starts)
-        self._put(self.integrator.pars, lanes.coefficients)
-
-    def _put(self, target: Stack, rows: Stack) -> None:
-        target[:, : self.count] = rows.T
-        if self.count < self.places:
-            target[:, self.count :] = rows[-1][:, None]
+    def __init__(self, batch: CompiledBatch, lanes: Lanes) -> None:
+        self.batch, self.count = batch, lanes.many
+        every = lanes.some(np.minimum(np.arange(batch.places), lanes.many - 1))
+        batch.stand(every.starts.T, every.coefficients.T)
 
     def advance(self, stretch: Stretch, limit: int, stop: Stop | None) -> Advanced | None:
         """The stretch in at most so many steps; None if ``stop`` said so."""
-        ta, targets = self.integrator, stretch.targets
-        ta.set_time(0.0)
+        batch, targets = self.batch, stretch.targets
+        batch.begin()
         if len(targets) == 1:  # a state at the end alone needs no dense output
-            ended = step_blocks.until(ta, [targets[0]] * self.places, limit, stop)
+            ended = batch.in_blocks([targets[0]] * batch.places, limit, stop)
             if ended.stopped:
                 return None
             outcomes, steps, met = ended.outcomes[: self.count], ended.steps, 0
-            states = ta.state[None]
+            states = batch.state[None]
         elif self.count == 1:
             one = _in_blocks(self, targets, limit, stop)
             if one is None:
@@ -71,10 +66,9 @@ class DoubleLanes:
             states, took, outcome, met = one
             outcomes, steps = [outcome], np.array([took])
         else:  # where this is not enough, each lane goes for itself
-            grid = np.repeat(np.array([[0.0, *targets]]).T, self.places, axis=1)
-            states = ta.propagate_grid(grid, max_steps=min(limit, block(DOUBLE)))[1][1:]
-            outcomes = [ending(r[0]) for r in ta.propagate_res[: self.count]]
-            steps = np.array([r[3] for r in ta.propagate_res], dtype=np.int64)
+            grid = np.repeat(np.array([[0.0, *targets]]).T, batch.places, axis=1)
+            states = batch.rows(grid, min(limit, block(DOUBLE)))
+            outcomes, steps = batch.outcomes[: self.count], batch.steps
             met = int((~np.isnan(states[:, 0, 0])).sum())
         rows, steps = states[:, :, : self.count].transpose(2, 0, 1), steps[: self.count]
         if all(outcome is Outcome.REACHED_END for outcome in outcomes):
@@ -85,37 +79,33 @@ class DoubleLanes:
     @property
     def now(self) -> HeyokaNumber:
         """The time of a lane that is alone."""
-        return self.integrator.time[0]
+        return self.batch.heyoka.time[0]
 
     @property
     def here(self) -> Stack:
         """The states, as a row of a grid."""
-        here: Stack = self.integrator.state.copy()[None]
+        here: Stack = self.batch.state.copy()[None]
         return here
 
     def grid(self, times: list[HeyokaNumber], limit: int) -> tuple[Stack, int, Outcome]:
         """A lane that is alone: rows at the times met, but for the first, now; steps; ending."""
-        every = np.repeat(np.array([times]).T, self.places, axis=1)
-        rows = self.integrator.propagate_grid(every, max_steps=limit)[1][1:]
-        result = self.integrator.propagate_res[0]
-        return rows[~np.isnan(rows[:, 0, 0])], int(result[3]), ending(result[0])
+        rows = self.batch.rows(np.repeat(np.array([times]).T, self.batch.places, axis=1), limit)
+        return rows[~np.isnan(rows[:, 0, 0])], int(self.batch.steps[0]), self.batch.outcomes[0]
 
 
 class SingleLane:
     """A system of another number type on its way."""
 
-    def __init__(self, integrator: HeyokaIntegrator, lane: Lanes, number: NumberType) -> None:
-        self.number, self.integrator = number, integrator
-        for target, row in (
-            (self.integrator.state, lane.starts),
-            (self.integrator.pars, lane.coefficients),
-        ):
-            for i, x in enumerate(row):
-                target[i] = x if self.number.flat else heyoka_numbers.scalar(x, self.number)
+    def __init__(self, ready: Prepared, lane: Lanes, number: NumberType) -> None:
+        self.number, self.ready, self.integrator = number, ready, ready.heyoka
+        coefficients, start = (
+            row if number.flat else heyoka_numbers.scalars([*row], number) for row in lane
+        )
+        ready.stand(start, coefficients)
 
     def advance(self, stretch: Stretch, limit: int, stop: Stop | None) -> Advanced | None:
         """The same of one lane."""
-        self.integrator.time = heyoka_numbers.scalar(0, self.number)
+        self.ready.begin()
         found = _in_blocks(self, stretch.targets, limit, stop)
         if found is None:
             return None

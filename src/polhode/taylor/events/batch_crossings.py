@@ -25,10 +25,10 @@ from polhode.numbers.rows import Booleans, Complexes, Doubles
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, compact_beyond
-from polhode.taylor.backend.integrator_pool import Idle
+from polhode.taylor.backend.integrator_pool import POOL, Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches import step_blocks
-from polhode.taylor.batches.batch_integrator import width
+from polhode.taylor.batches.compiled_batch import width
 from polhode.taylor.corrections.level_projection import ARRAYS, TINY, Level, Put
 
 DONE, NONE_LEFT, NON_FINITE, STOPPED = "all crossings", "no more crossings", "not finite", "stopped"
@@ -151,9 +151,8 @@ class _Kept:
         return self
 
 
-_idle: Idle[tuple[HeyokaIntegrator, _Kept]] = (
-    Idle()
-)  # pairs of an integrator and what keeps its crossings
+#: Pairs of an integrator and what keeps its crossings.
+SECTIONS: Kind[tuple[HeyokaIntegrator, _Kept]] = Kind(16)
 
 
 class _Lanes:
@@ -177,7 +176,7 @@ class _Lanes:
     def run(self, stop: Stop | None) -> Crossed:
         """All of them."""
         job = self.job
-        held = _idle.take(self.key) or _built(job, self.size)
+        held = POOL.take(SECTIONS, self.key) or _built(job, self.size)
         self.integrator: HeyokaIntegrator = held[0]
         self.kept: _Kept = held[1]
         while self.busy.any() and not (stop is not None and stop()):
@@ -185,7 +184,7 @@ class _Lanes:
                 break
             self._turn_over()
         if np.isfinite(self.integrator.state).all():
-            _idle.put(self.key, held)
+            POOL.put(SECTIONS, self.key, held)
         return self._crossed()
 
     def _turn_over(self) -> None:

@@ -32,7 +32,7 @@ from polhode.numbers.rows import Doubles
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.types import CompiledFunction, Expression, HeyokaIntegrator
 from polhode.taylor.batches import step_blocks
-from polhode.taylor.batches.batch_integrator import width
+from polhode.taylor.batches.compiled_batch import width
 from polhode.taylor.events.functions import TIME
 
 STRETCH = 32.0  # of the motions' unit of time, a radian or two
