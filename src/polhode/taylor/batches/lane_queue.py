@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
+
+from polhode.common.progress import Stop
 
 
 class LaneQueue:
@@ -17,8 +21,26 @@ class LaneQueue:
         self.busy = np.arange(places) < many
         self._many, self._ahead = many, min(places, many)
 
-    def next(self, lane: int) -> None:
-        """A lane's motion is over: the next one takes it; where none is left it idles."""
+    def follow(
+        self,
+        begin: Callable[[int], None],
+        stretch: Callable[[], Sequence[int] | None],
+        stop: Stop | None,
+    ) -> None:
+        """Follow all motions to their ends, or until ``stop`` says so.
+
+        ``stretch``: goes on by some time, and gives the lanes whose motion is over; None where
+        stopped.  ``begin``: a lane's next motion begins, or an idle lane stands at a start.
+        """
+        while self.busy.any() and not (stop is not None and stop()):
+            over = stretch()
+            if over is None:
+                return
+            for lane in over:
+                self._next(lane)
+                begin(lane)
+
+    def _next(self, lane: int) -> None:
         if self._ahead == self._many:
             self.busy[lane] = False
         else:

@@ -78,13 +78,11 @@ def solve(job: TangentJob, stop: Stop | None = None) -> Followed:
             ta.state[:6, lane], ta.state[6:, lane] = job.starts[k], job.tangents[k]
             ta.parameters[:, lane] = job.coefficients[k]
 
-        for lane in range(ta.places):
-            begin(lane)
-        while lanes.busy.any() and not (stop is not None and stop()):
+        def stretch() -> list[int] | None:
             ta.begin()
             if ta.in_blocks(np.where(lanes.busy, chunk, 0.0).tolist(), stop=stop).stopped:
-                break
-            length = np.sqrt((ta.state[6:] ** 2).sum(axis=0))
+                return None
+            length, over = np.sqrt((ta.state[6:] ** 2).sum(axis=0)), []
             for lane in np.flatnonzero(lanes.busy).tolist():
                 k = int(lanes.motion[lane])
                 finite = bool(np.isfinite(ta.state[:, lane]).all()) and length[lane] > 0
@@ -96,8 +94,12 @@ def solve(job: TangentJob, stop: Stop | None = None) -> Followed:
                     grown = sizes[k, look] - sizes[k, look // 2]
                     if look < job.looks and not (look in job.early and grown > job.enough):
                         continue
-                lanes.next(lane)
-                begin(lane)
+                over.append(lane)
+            return over
+
+        for lane in range(ta.places):
+            begin(lane)
+        lanes.follow(begin, stretch, stop)
     return Followed(sizes, last)
 
 
