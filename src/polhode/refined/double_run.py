@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-import heyoka as hy
 import numpy as np
 
 from polhode.equations.forms import principal
@@ -18,10 +17,8 @@ from polhode.refined.errors import CannotRefine
 from polhode.refined.event_candidates import Candidates, Place
 from polhode.refined.expansions import rounded
 from polhode.refined.scaled_problem import Problem, in_unit
-from polhode.taylor.backend.integrator_pool import Kind
-from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.integrator.prepared import Prepared
-from polhode.taylor.variations import jacobian
+from polhode.taylor.variations import principal_equations
 
 STEPS = 8000  # of a base; its polynomials take a kilobyte a step
 _LOOKS, _PER_LOOK = 24, 20  # at the first steps, to guess the unit of time
@@ -30,8 +27,6 @@ _GRID = 36  # edges are multiples of 2**-36 below 2**17: they and their differen
 _LONGEST_INTERVAL = 16.0
 _STRETCH = 1.15  # an interval may be that much longer than its shortest step would have it
 _NEIGHBOUR = 1.5  # and a step that much longer than the shortest of a neighbouring group
-
-BASES: Kind[HeyokaIntegrator] = Kind(4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +77,7 @@ def base(
 
     Raises CannotRefine where the run does not succeed.
     """
-    with Prepared(BASES, "base", _integrator) as ready:
+    with principal_equations.prepared(principal.NAMES) as ready:
         unit = _first_guess(ready, problem, state, end - origin)
         for _ in range(4):
             runs = ready if candidates is None else candidates.begin(unit, origin)
@@ -94,10 +89,6 @@ def base(
                 return replace(found, places=candidates.places(found.polynomials))
             unit = fit
     raise CannotRefine("no unit of time suits the motion")
-
-
-def _integrator() -> HeyokaIntegrator:
-    return hy.taylor_adaptive(jacobian.motion(principal.NAMES), [0.0] * 6)
 
 
 def _begin(ta: Prepared, problem: Problem, state: tuple[Fraction, ...], unit: int) -> None:

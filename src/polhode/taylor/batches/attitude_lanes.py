@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from fractions import Fraction
 from typing import NamedTuple
 
 import heyoka as hy
@@ -23,6 +24,7 @@ from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, disk_cache
 from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches.compiled_batch import CompiledBatch, width
+from polhode.taylor.integrator.angle_variables import Cyclic
 from polhode.taylor.integrator.specification import Blueprint
 
 TURNING: Kind[HeyokaIntegrator] = Kind(4)
@@ -74,16 +76,11 @@ class Turning:
         k = {name: hy.par[i] for i, name in enumerate(system.coefficients)}
         rates = system.field(variables, k, EXPRESSIONS)
         if self._cyclic:  # that their size takes no part in choosing the steps
-            slow = hy.expression(1.0 / self._divisor)
-            rates = [*rates[: -self._cyclic], *(rate * slow for rate in rates[-self._cyclic :])]
+            rates = Cyclic([Fraction(0)] * self._cyclic, DOUBLE).slowed(rates)
         state, pars = np.zeros((len(variables), lanes)), np.zeros((len(k), lanes))
         with disk_cache(DOUBLE):
             equations = list(zip(variables, rates, strict=True))
             return hy.taylor_adaptive_batch(equations, state, pars=pars, **plan.options)
-
-    @property
-    def _divisor(self) -> int:
-        return defaults.of(DOUBLE).divisor
 
     def along(self, stretches: Sequence[Stretch]) -> list[Doubles] | None:
         """Of at most ``places`` stretches, rows at their times: quaternion, psi and phi.
@@ -108,5 +105,5 @@ class Turning:
             return None
         found = rows[:, self._first :].copy()
         if self._cyclic:
-            found[:, -self._cyclic :] *= self._divisor
+            found[:, -self._cyclic :] *= defaults.of(DOUBLE).divisor
         return [found[: len(s.times), :, lane] for lane, s in enumerate(stretches)]

@@ -9,6 +9,7 @@ itself.  What a lane gives does not depend on its neighbours.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -98,8 +99,8 @@ class _FirstMet(Met):
     def begin(self, direction: int, since: Doubles) -> None:
         """Forget them; ``since``: the crossings of a lane up to then are the start itself."""
         self.crossings.clear()
-        self.direction, self.since = direction, since
-        self.earliest, self.counts = np.full(len(since), np.inf), np.zeros(len(since), dtype=int)
+        self.direction, self.since = direction, since.tolist()
+        self.earliest, self.counts = [math.inf] * len(since), [0] * len(since)
 
     def wanted(self, time: float, sign: int, lane: int) -> bool:
         """Whether it is the first so far."""
@@ -162,7 +163,7 @@ class _Motions:
         if ended.stopped:
             return None
         after = self._values(self.length)
-        fits = (before * after < 0) == (self.met.counts % 2 == 1)
+        fits = (before * after < 0) == (np.array(self.met.counts) % 2 == 1)
         sure = (fits | starting) & [outcome is Outcome.REACHED_END for outcome in ended.outcomes]
         self.found.steps[self.lanes.motion[busy]] += ended.steps[busy]
         self.done += busy

@@ -26,7 +26,7 @@ from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import CompiledFunction
 from polhode.taylor.batches.short_arcs import Hops
 from polhode.taylor.events import hermite_roots
-from polhode.taylor.events.functions import event_expression, rate
+from polhode.taylor.events.functions import event_expression, jet
 from polhode.taylor.events.stepwise import Watch
 from polhode.taylor.events.vectorized_roots import NEAR, Seen, Zeros, crossings, those
 from polhode.taylor.integrator.compiled import Compiled
@@ -64,15 +64,13 @@ class Outlook:
 
         with disk_cache(DOUBLE):
             for event in scene.events:
-                jet = [event_expression(scene, event, DOUBLE, variables)]
-                for _ in range(hermite_roots.DERIVATIVES - 1):
-                    jet.append(rate(jet[-1], variables, rates))
-                compiled = hy.cfunc(jet, vars=variables, **options)
+                value = event_expression(scene, event, DOUBLE, variables)
+                values = jet([value], variables, rates, hermite_roots.DERIVATIVES - 1)
+                compiled = hy.cfunc(values, vars=variables, **options)
                 self.jets.append(compiled)
                 self.desk.evaluate.append(_first_three(compiled))
                 self.desk.with_time.append(False)
-            bends = [rate(x, variables, rates) for x in rates]
-            motion = [*rates, *bends, *(rate(x, variables, rates) for x in bends)]
+            motion = jet(rates, variables, rates, 2)
             self.desk.motion = hy.cfunc(motion, vars=variables, **options)
 
 

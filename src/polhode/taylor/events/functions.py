@@ -76,6 +76,20 @@ def rate(
     return sum((hy.diff(value, x) * dx for x, dx in terms), hy.diff(value, TIME))
 
 
+def jet(
+    values: Sequence[Expression],
+    variables: Sequence[Expression],
+    rates: Sequence[Expression],
+    orders: int,
+) -> list[Expression]:
+    """Expressions, and behind them their derivatives along the motion up to an order."""
+    found, last = [*values], values
+    for _ in range(orders):
+        last = [rate(x, variables, rates) for x in last]
+        found += last
+    return found
+
+
 def _along_the_middle_axis(
     scene: Scene, omega: Sequence[Expression], constant: Callable[[Number], Expression]
 ) -> Expression:

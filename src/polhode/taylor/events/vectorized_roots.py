@@ -20,7 +20,7 @@ from polhode.numbers.rows import Booleans, Flat, Indices
 from polhode.taylor.backend.time_grid import exact_sum
 from polhode.taylor.backend.types import CompiledFunction, HeyokaNumber
 from polhode.taylor.events.root_refinement import Mark, near
-from polhode.taylor.events.thresholds import Limits
+from polhode.taylor.events.rules import Limits
 
 _SMALL, _SHIFT = 2.0**-300, 300
 #: In the run's unit, by the order of the polynomial: its power beyond that is a rounding.

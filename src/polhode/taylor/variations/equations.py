@@ -23,7 +23,7 @@ from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
 from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.integrator.prepared import Prepared
-from polhode.taylor.variations import jacobian
+from polhode.taylor.variations import principal_equations
 
 _BLOCK = 50_000  # steps, a fifth of a second, between which a signal is heard
 
@@ -119,8 +119,8 @@ class Variations:
 def _built(count: int, driven: int) -> HeyokaIntegrator:
     """An integrator of the state and ``count`` tangents, the last ``driven`` of them driven."""
     size = len(principal.NAMES)
-    motion = jacobian.motion(principal.NAMES)
-    tangents = jacobian.tangents(motion, jacobian.numbered(count))
+    motion = principal_equations.motion(principal.NAMES)
+    tangents = principal_equations.tangents(motion, principal_equations.numbered(count))
     x = [variable for variable, _ in motion]
     for k in range(driven):
         numbers = {name: hy.par[(1 + k) * size + j] for j, name in enumerate(principal.NAMES)}

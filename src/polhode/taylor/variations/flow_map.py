@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
-import heyoka as hy
 import numpy as np
 
 from polhode.motion.outcomes import Outcome
@@ -23,19 +22,14 @@ from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import (
     array,
     as_fraction,
-    disk_cache,
     scalar,
     scalars,
-    type_options,
 )
-from polhode.taylor.backend.integrator_pool import Kind
-from polhode.taylor.backend.types import HeyokaIntegrator, HeyokaNumber
+from polhode.taylor.backend.types import HeyokaNumber
 from polhode.taylor.integrator.prepared import Prepared
-from polhode.taylor.variations import jacobian
+from polhode.taylor.variations import principal_equations
 
 MAX_STEPS = 1_000_000
-
-FLOWS: Kind[HeyokaIntegrator] = Kind(8)
 
 
 class NotFollowed(ArithmeticError):
@@ -97,8 +91,7 @@ class Flow:
 
     def _at(self, start: GivenRow) -> Prepared:
         """An integrator that stands there."""
-        key = self._names, self.number, self.derivative
-        ta = Prepared(FLOWS, key, lambda: _built(*key), self.number)
+        ta = principal_equations.prepared(self._names, self.number, 6 if self.derivative else 0)
         ones = scalars([Fraction(0), Fraction(1)], self.number)
         unit = [ones[k % 7 == 0] for k in range(36)] if self.derivative else []
         ta.stand(array([*map(self._number, start), *unit], self.number), self._pars)
@@ -106,14 +99,3 @@ class Flow:
 
     def _number(self, x: Scalar) -> HeyokaNumber:
         return float(x) if self.number.name == "double" else scalar(Fraction(x), self.number)
-
-
-def _built(names: tuple[str, ...], number: NumberType, derivative: bool) -> HeyokaIntegrator:
-    system = jacobian.motion(names)
-    if derivative:
-        system += jacobian.tangents(system, jacobian.numbered(6))
-    zeros: Array = array(scalars([Fraction(0)] * len(system), number), number)
-    pars: Array = array(scalars([Fraction(0)] * len(names), number), number)
-    options = type_options(number) | ({"compact_mode": True} if derivative else {})
-    with disk_cache(number):
-        return hy.taylor_adaptive(system, zeros, pars=pars, **options)

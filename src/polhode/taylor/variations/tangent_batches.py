@@ -22,7 +22,7 @@ from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches.compiled_batch import CompiledBatch, width
 from polhode.taylor.batches.lane_queue import LaneQueue
-from polhode.taylor.variations import jacobian
+from polhode.taylor.variations import principal_equations
 
 #: Each thread of a map takes one.
 TANGENTS: Kind[HeyokaIntegrator] = Kind(16)
@@ -104,8 +104,8 @@ def solve(job: TangentJob, stop: Stop | None = None) -> Followed:
 
 
 def _built(names: tuple[str, ...], tolerance: float | None) -> HeyokaIntegrator:
-    system = jacobian.motion(names)
-    system += jacobian.tangents(system, [[f"d_{name}" for name in STATE]])
+    system = principal_equations.motion(names)
+    system += principal_equations.tangents(system, [[f"d_{name}" for name in STATE]])
     options = {} if tolerance is None else {"tol": tolerance}
     shapes = np.zeros((12, width(DOUBLE))), np.zeros((len(names), width(DOUBLE)))
     return hy.taylor_adaptive_batch(system, shapes[0], pars=shapes[1], **options)

@@ -1,19 +1,50 @@
-"""Tangents along motions of the principal form, whose coefficients are parameters: u' = J(x) u."""
+"""Motions of the principal form, coefficients as parameters, and their tangents: u' = J(x) u."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 from typing import TypeAlias
 
 import heyoka as hy
 
 from polhode.equations.forms import principal
+from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.scenes.vocabulary import STATE
-from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
-from polhode.taylor.backend.types import Expression
+from polhode.taylor.backend.heyoka_numbers import (
+    EXPRESSIONS,
+    array,
+    disk_cache,
+    scalars,
+    type_options,
+)
+from polhode.taylor.backend.integrator_pool import Kind
+from polhode.taylor.backend.types import Expression, HeyokaIntegrator
+from polhode.taylor.integrator.prepared import Prepared
 
 #: Variables and their rates, as heyoka takes them.
 Equations: TypeAlias = list[tuple[Expression, Expression]]
+
+
+#: Of all that follow a motion one by one: flows, starts of refinements.
+MOTIONS: Kind[HeyokaIntegrator] = Kind(8)
+
+
+def prepared(names: tuple[str, ...], number: NumberType = DOUBLE, count: int = 0) -> Prepared:
+    """An integrator of a motion and so many tangents to it; see :func:`motion`."""
+    key = names, number, count
+    return Prepared(MOTIONS, key, lambda: _built(*key), number)
+
+
+def _built(names: tuple[str, ...], number: NumberType, count: int) -> HeyokaIntegrator:
+    system = motion(names)
+    system += tangents(system, numbered(count))
+    state, pars = (
+        array(scalars([Fraction(0)] * n, number), number) for n in (len(system), len(names))
+    )
+    options = type_options(number) | ({"compact_mode": True} if count else {})
+    with disk_cache(number):
+        return hy.taylor_adaptive(system, state, pars=pars, **options)
 
 
 def motion(names: Sequence[str]) -> Equations:
