@@ -216,7 +216,7 @@ def _march(
     if isinstance(ready, CompiledBatch):
         take = DoubleLanes(ready, job.lanes.some(here))
     else:
-        take = SingleLane(ready, job.lanes.some(which.start), job.number)
+        take = SingleLane(ready, job.lanes.some(which.start))
     found.states[here] = np.nan if job.number.flat else None
     found.steps[here], found.reached[here] = 0, Fraction(0)
     if job.times[0] == 0:

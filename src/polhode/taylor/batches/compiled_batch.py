@@ -11,8 +11,9 @@ import numpy.typing as npt
 from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Doubles
+from polhode.numbers.rows import Array, Doubles
 from polhode.taylor.backend.step_outcomes import ending
+from polhode.taylor.backend.types import HeyokaNumber
 from polhode.taylor.batches import step_blocks
 from polhode.taylor.integrator.prepared import Prepared
 
@@ -46,6 +47,16 @@ class CompiledBatch(Prepared):
         """States at times, a column for each lane, after the first time, in one such go."""
         found: Doubles = self.heyoka.propagate_grid(times, max_steps=most)[1][1:]
         return found
+
+    @property
+    def now(self) -> HeyokaNumber:
+        """The time that the first lane has reached."""
+        return self.heyoka.time[0]
+
+    def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, int, Outcome]:
+        """The same where all lanes are alike."""
+        rows = self.rows(np.repeat(np.array([times]).T, self.places, axis=1), most)
+        return rows[~np.isnan(rows[:, 0, 0])], int(self.steps[0]), self.outcomes[0]
 
     def in_blocks(
         self, ends: Sequence[float], most: int | None = None, stop: Stop | None = None

@@ -15,9 +15,8 @@ from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE, NumberType
-from polhode.numbers.rows import Stack
+from polhode.numbers.rows import Array, Stack
 from polhode.taylor.backend import defaults, heyoka_numbers
-from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.types import HeyokaNumber
 from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.jobs import Lanes
@@ -42,8 +41,6 @@ class Advanced(NamedTuple):
 class DoubleLanes:
     """A batch of doubles on its way; spare places repeat the last lane."""
 
-    number = DOUBLE
-
     def __init__(self, batch: CompiledBatch, lanes: Lanes) -> None:
         self.batch, self.count = batch, lanes.many
         every = lanes.some(np.minimum(np.arange(batch.places), lanes.many - 1))
@@ -60,7 +57,7 @@ class DoubleLanes:
             outcomes, steps, met = ended.outcomes[: self.count], ended.steps, 0
             states = batch.state[None]
         elif self.count == 1:
-            one = _in_blocks(self, targets, limit, stop)
+            one = _in_blocks(batch, targets, limit, stop)
             if one is None:
                 return None
             states, took, outcome, met = one
@@ -76,28 +73,12 @@ class DoubleLanes:
         lost = Outcome.NON_FINITE in outcomes
         return Advanced(rows, steps, Outcome.NON_FINITE if lost else Outcome.STEP_LIMIT, met)
 
-    @property
-    def now(self) -> HeyokaNumber:
-        """The time of a lane that is alone."""
-        return self.batch.heyoka.time[0]
-
-    @property
-    def here(self) -> Stack:
-        """The states, as a row of a grid."""
-        here: Stack = self.batch.state.copy()[None]
-        return here
-
-    def grid(self, times: list[HeyokaNumber], limit: int) -> tuple[Stack, int, Outcome]:
-        """A lane that is alone: rows at the times met, but for the first, now; steps; ending."""
-        rows = self.batch.rows(np.repeat(np.array([times]).T, self.batch.places, axis=1), limit)
-        return rows[~np.isnan(rows[:, 0, 0])], int(self.batch.steps[0]), self.batch.outcomes[0]
-
 
 class SingleLane:
     """A system of another number type on its way."""
 
-    def __init__(self, ready: Prepared, lane: Lanes, number: NumberType) -> None:
-        self.number, self.ready, self.integrator = number, ready, ready.heyoka
+    def __init__(self, ready: Prepared, lane: Lanes) -> None:
+        self.ready, number = ready, ready.number
         coefficients, start = (
             row if number.flat else heyoka_numbers.scalars([*row], number) for row in lane
         )
@@ -106,45 +87,29 @@ class SingleLane:
     def advance(self, stretch: Stretch, limit: int, stop: Stop | None) -> Advanced | None:
         """The same of one lane."""
         self.ready.begin()
-        found = _in_blocks(self, stretch.targets, limit, stop)
+        found = _in_blocks(self.ready, stretch.targets, limit, stop)
         if found is None:
             return None
         states, steps, outcome, _ = found
-        if not self.number.flat:
-            wide = (heyoka_numbers.numbers(row.tolist(), self.number) for row in states)
+        number = self.ready.number
+        if not number.flat:
+            wide = (heyoka_numbers.numbers(row.tolist(), number) for row in states)
             rows = [[exactly(x) for x in row] for row in wide]
-            states = np.empty((len(rows), len(self.integrator.state)), dtype=object)
+            states = np.empty((len(rows), len(self.ready.state)), dtype=object)
             for i, row in enumerate(rows):
                 states[i] = row
         return Advanced(states[None], np.array([steps]), outcome, len(states))
 
-    @property
-    def now(self) -> HeyokaNumber:
-        """The time."""
-        return self.integrator.time
-
-    @property
-    def here(self) -> Stack:
-        """The state, as a row of a grid."""
-        here: Stack = self.integrator.state.copy()[None]
-        return here
-
-    def grid(self, times: list[HeyokaNumber], limit: int) -> tuple[Stack, int, Outcome]:
-        """Rows at the times met, but for the first, now; steps; ending."""
-        asked = heyoka_numbers.array(times, self.number)
-        found = self.integrator.propagate_grid(asked, max_steps=limit)
-        return found[-1][1:], int(found[3]), ending(found[0])
-
 
 def _in_blocks(
-    alone: DoubleLanes | SingleLane, targets: list[HeyokaNumber], limit: int, stop: Stop | None
+    alone: Prepared, targets: list[HeyokaNumber], limit: int, stop: Stop | None
 ) -> tuple[Stack, int, Outcome, int] | None:
     """Rows of one lane at times, its steps, its ending, and how many of the times it met.
 
     None if ``stop`` said so, between two blocks of steps.
     """
     rest, steps = list(targets), 0
-    rows: list[Stack] = []
+    rows: list[Array] = []
     while True:
         most = min(block(alone.number), limit - steps)
         found, took, outcome = alone.grid([alone.now, *rest], most)
@@ -153,7 +118,7 @@ def _in_blocks(
         steps += took
         if outcome is Outcome.STEP_LIMIT and took == most and steps < limit:
             if rest and rest[0] == alone.now:  # a step ended there: heyoka has not given that row
-                rows.append(alone.here)
+                rows.append(alone.state.copy()[None])
                 del rest[0]
             if rest and stop is not None and stop():
                 return None

@@ -11,8 +11,8 @@ from typing import Self
 
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE, NumberType
-from polhode.numbers.rows import Numbers
-from polhode.taylor.backend.heyoka_numbers import scalar
+from polhode.numbers.rows import Array, Numbers
+from polhode.taylor.backend.heyoka_numbers import array, scalar
 from polhode.taylor.backend.integrator_pool import POOL, Kind
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.types import HeyokaIntegrator, HeyokaNumber, HeyokaOutput
@@ -32,7 +32,8 @@ class Prepared:
         build: Callable[[], HeyokaIntegrator],
         number: NumberType = DOUBLE,
     ) -> None:
-        self._kind, self._key, self._zero = kind, key, scalar(0, number)
+        self._kind, self._key = kind, key
+        self.number, self._zero = number, scalar(0, number)
         self.heyoka = POOL.taken_or_built(kind, key, build)
         self.state, self.parameters = self.heyoka.state, self.heyoka.pars
 
@@ -57,6 +58,17 @@ class Prepared:
             result = self.heyoka.propagate_until(end, max_steps=min(block, left))
             ended, taken, left = ending(result[0]), taken + int(result[3]), left - block
         return ended, taken
+
+    @property
+    def now(self) -> HeyokaNumber:
+        """The time reached."""
+        return self.heyoka.time
+
+    def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, int, Outcome]:
+        """Go on through times, the first of them now: states at the others met, steps, ending."""
+        result = self.heyoka.propagate_grid(array(times, self.number), max_steps=most)
+        rows: Array = result[-1][1:]
+        return rows, int(result[3]), ending(result[0])
 
     def polynomials(self, end: HeyokaNumber, most: int) -> tuple[Outcome, HeyokaOutput]:
         """Go on to a time in at most so many steps: how it ended, and the continuous output."""
