@@ -13,7 +13,7 @@ import polhode
 from polhode.dynamics.observables import reduce_many as module
 from polhode.motion.outcomes import Outcome
 from polhode.scenes import scene_file
-from polhode.taylor.events import batch_first_crossings, batch_search
+from polhode.taylor.events import batch_first_crossings
 from shared.motions import heavy
 
 VARIED = {"start.omega[3]": "0.5:4:5", "body.weight": ["1/2", 1, 3]}
@@ -109,7 +109,7 @@ def test_a_crossing_that_lanes_lose_is_found_by_a_run_of_its_own(lost, monkeypat
     monkeypatch.setattr(
         batch_first_crossings, "STRETCH", 0.5
     )  # so short that one crossing is in it
-    whole, seen = batch_search.Met.__call__, {}
+    whole, seen = batch_first_crossings.FirstMet.__call__, {}
 
     def dropping(self, ta, time, sign, lane):
         key = id(self), lane
@@ -117,7 +117,7 @@ def test_a_crossing_that_lanes_lose_is_found_by_a_run_of_its_own(lost, monkeypat
         if seen[key] != lost:
             whole(self, ta, time, sign, lane)
 
-    monkeypatch.setattr(batch_search.Met, "__call__", dropping)
+    monkeypatch.setattr(batch_first_crossings.FirstMet, "__call__", dropping)
     singles = []
     alone = module.solve.__globals__["integrate"]
 

@@ -37,9 +37,12 @@ class CompiledBatch(Prepared):
         """All lanes at time 0 where they stand."""
         self.heyoka.set_time(0.0)
 
-    def to(self, ends: Sequence[float], most: int = 0) -> Doubles:
+    def to(self, ends: Sequence[float], most: int | None = None) -> Doubles:
         """Every lane to an end of its own, in one go of at most so many steps; the states."""
-        self.heyoka.propagate_until(ends, max_steps=most)
+        if most is None:  # an option takes as long as the shortest way
+            self.heyoka.propagate_until(ends)
+        else:
+            self.heyoka.propagate_until(ends, max_steps=most)
         found: Doubles = self.state
         return found
 

@@ -86,7 +86,7 @@ def solve(job: FirstJob, stop: Stop | None = None) -> First:
 FIRSTS: Kind[HeyokaIntegrator] = Kind(16)
 
 
-class _FirstMet(Met):
+class FirstMet(Met):
     """heyoka's callback: of each lane the crossings in a direction, each earlier than the last.
 
     ``value``: the expression, compiled.  ``counts``: the crossings in either direction.
@@ -102,15 +102,15 @@ class _FirstMet(Met):
         self.direction, self.since = direction, since.tolist()
         self.earliest, self.counts = [math.inf] * len(since), [0] * len(since)
 
-    def wanted(self, time: float, sign: int, lane: int) -> bool:
-        """Whether it is the first so far."""
-        if abs(time) <= self.since[lane]:
-            return False
+    def __call__(self, ta: HeyokaIntegrator, time: float, sign: int, lane: int) -> None:
+        """Count a crossing that heyoka has met, and keep it if it is the first so far."""
+        since = abs(time)
+        if since <= self.since[lane]:
+            return
         self.counts[lane] += 1
-        if sign * self.direction < 0 or not abs(time) < self.earliest[lane]:
-            return False
-        self.earliest[lane] = abs(time)
-        return True
+        if sign * self.direction >= 0 and since < self.earliest[lane]:
+            self.earliest[lane] = since
+            super().__call__(ta, time, sign, lane)
 
 
 class _Motions:
@@ -118,7 +118,7 @@ class _Motions:
 
     def __init__(self, job: FirstJob, batch: CompiledBatch) -> None:
         self.job, self.batch, n = job, batch, len(job.starts)
-        self.met: _FirstMet = batch.heyoka.nt_events[0].callback
+        self.met: FirstMet = batch.heyoka.nt_events[0].callback
         self.found = First(
             np.full(n, np.nan),
             np.full((n, len(job.columns)), np.nan),
@@ -205,4 +205,4 @@ def _built(
     value = hy.cfunc([hy.subs(crossing, {TIME: TIME + since})], vars=[*variables, TIME])
     within = hy.subs(crossing / hy.expression(size), {TIME: hy.time + since})
     equations = list(zip(variables, field, strict=True))
-    return built(equations, crossing, _FirstMet(value), within=within)
+    return built(equations, crossing, FirstMet(value), within=within)

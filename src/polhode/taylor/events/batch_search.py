@@ -40,20 +40,15 @@ class Crossing(NamedTuple):
 
 
 class Met:
-    """heyoka's callback: the crossings of a stretch that are wanted, as they come by."""
+    """heyoka's callback: the crossings of a stretch, as they come by."""
 
     def __init__(self) -> None:
         self.crossings: list[Crossing] = []
 
-    def wanted(self, time: float, sign: int, lane: int) -> bool:
-        """Whether one that comes by is to be kept; ``sign``: of the slope there."""
-        return True
-
     def __call__(self, ta: HeyokaIntegrator, time: float, sign: int, lane: int) -> None:
-        """Keep a crossing that heyoka has met."""
-        if self.wanted(time, sign, lane):
-            ta.update_d_output(time)
-            self.crossings.append(Crossing(lane, time, ta.d_output[:, lane].copy()))
+        """Keep a crossing that heyoka has met; ``sign``: of the slope there."""
+        ta.update_d_output(time)
+        self.crossings.append(Crossing(lane, time, ta.d_output[:, lane].copy()))
 
     def __deepcopy__(self, _: object) -> Met:
         return self  # heyoka copies its callbacks; each integrator has one
