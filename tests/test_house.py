@@ -135,7 +135,7 @@ PRIVATE = {
         "a motion's parts at a precision of the test's choice: a top answers at its own",
     ),
     "dynamics": (
-        9,
+        6,
         "a search's first guess, a verdict's bound: what comes out is their refinement",
     ),
     "enclosures": (29, "a proof's parts alone, each of whose terms a test drops or makes dominant"),

@@ -109,7 +109,7 @@ def test_a_crossing_that_lanes_lose_is_found_by_a_run_of_its_own(lost, monkeypat
     monkeypatch.setattr(
         batch_first_crossings, "STRETCH", 0.5
     )  # so short that one crossing is in it
-    whole, seen = batch_first_crossings._Met.__call__, {}
+    whole, seen = batch_first_crossings.FirstMet.__call__, {}
 
     def dropping(self, ta, time, sign, lane):
         key = id(self), lane
@@ -117,9 +117,7 @@ def test_a_crossing_that_lanes_lose_is_found_by_a_run_of_its_own(lost, monkeypat
         if seen[key] != lost:
             whole(self, ta, time, sign, lane)
 
-    monkeypatch.setattr(batch_first_crossings._Met, "__call__", dropping)
-    batch_first_crossings._compiled.cache_clear()
-    batch_first_crossings._mine.__dict__.clear()
+    monkeypatch.setattr(batch_first_crossings.FirstMet, "__call__", dropping)
     singles = []
     alone = module.solve.__globals__["solve_one"]
 
@@ -129,7 +127,6 @@ def test_a_crossing_that_lanes_lose_is_found_by_a_run_of_its_own(lost, monkeypat
 
     monkeypatch.setitem(module.solve.__globals__, "solve_one", single)
     found = polhode.reduce_many(scene, VARIED, "first level", workers=1)["t of first level"]
-    batch_first_crossings._compiled.cache_clear()
     assert seen
     assert singles
     assert np.allclose(found, true, rtol=0, atol=100 * EPS, equal_nan=True)

@@ -73,7 +73,6 @@ WORKS = {
     "prove-digits": "prove orbit grioli/precession --digits 200",
     "orbit-digits": "orbit grioli/precession --digits 400",
     "orbit-period": "orbit R --period 1e9",
-    "prove": "prove orbit R --search 12x12",
     "orbit-family": "orbit grioli/precession --continue h=50 -o x.npz",
     "frequencies": "frequencies R --end 10000 --lines 30",
     "view": "view R --end 1000 --digits 40 -o x.html",

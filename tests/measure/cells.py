@@ -28,6 +28,7 @@ from polhode.scenes.output_times import even_times
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.batches import batch_integrator
 from polhode.taylor.batches import jobs as batch_jobs
+from polhode.taylor.batches.compiled_batch import width
 
 TOPS = {
     "Euler": "euler/largest-axis",
@@ -246,12 +247,13 @@ def sweeps() -> None:
         single, whole = least(
             [loop, lambda s=scene, g=given: polhode.integrate_many(s, g, workers=1)], 4, 1
         )
-        lanes = batch_integrator.width(plan.number)
+        lanes = width(plan.number)
         job = batch_jobs.BatchJob(
             *(plan.names, plan.number, None, 300, plan.times, 0),
             plan.lanes.some(np.full(lanes, MEMBERS // 2)),
         )
-        many, far = batch_integrator.compiled(job), np.full(lanes, 1e9)
+        batch_integrator.solve(job)  # gives every lane its coefficients
+        many, far = batch_integrator.prepared(job).heyoka, np.full(lanes, 1e9)
 
         def eight(many: Any = many, far: Any = far) -> None:
             many.set_time(0.0)
@@ -261,7 +263,6 @@ def sweeps() -> None:
             one.time = 0.0
             one.propagate_until(1e9, max_steps=300)
 
-        batch_integrator.solve(job)  # gives every lane its coefficients
         one.pars[:], one.state[:] = table[MEMBERS // 2], starts[MEMBERS // 2]
         a, b = least([alone, eight], 0.5)
         print(f"{name:14s}{single:10.3f}{single / whole:8.2f}{lanes * a / b:10.2f}", flush=True)

@@ -39,7 +39,7 @@ from polhode.runs.sweep import plan as sweep_plan
 from polhode.scenes import library, scene_file
 from polhode.studies.long_run import rows as long_run
 from polhode.taylor.backend import defaults, heyoka_numbers
-from polhode.taylor.batches import batch_integrator, jobs
+from polhode.taylor.batches import batch_integrator, compiled_batch, jobs
 
 SCENE = (
     "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
@@ -257,7 +257,7 @@ def projected(scenes: Any, truths: Any, name: str, project: Any) -> tuple[float,
 def lanes() -> None:
     print(
         "## Batch width of a sweep: what heyoka recommends, "
-        f"{batch_integrator.width(TYPES['double'])}\n"
+        f"{compiled_batch.width(TYPES['double'])}\n"
     )
     print(
         "The same top in every lane, 20 000 steps each; scalar code with constants and with "
@@ -291,7 +291,7 @@ def lanes() -> None:
             lambda m=many, w=width: m.propagate_until(np.full(w, 1e9), max_steps=n), 9
         )
         each = seconds / n / width
-        name = f"**{width}**" if width == batch_integrator.width(TYPES["double"]) else str(width)
+        name = f"**{width}**" if width == compiled_batch.width(TYPES["double"]) else str(width)
         cells = [f"{build * 1e3:.0f}", f"{each * 1e6:.3f}", f"{scalar / n / each:.2f}"]
         rows.append([name, *cells])
     table(["lanes", "build, ms", "µs a step and lane", "times scalar"], rows)
@@ -362,7 +362,7 @@ def sweeps() -> None:
 
 
 def _solved(plan: Any) -> None:
-    for group in plan.groups(batch_integrator.width(plan.number), 16):
+    for group in plan.groups(compiled_batch.width(plan.number), 16):
         batch_integrator.solve(
             jobs.BatchJob(
                 plan.names,

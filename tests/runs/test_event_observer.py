@@ -283,9 +283,12 @@ def test_a_second_run_is_the_same_and_compiles_nothing(monkeypatch):
     scene = watched("kovalevskaya/generic", [400], "q", "gamma3")
     first = integrate(scene)
     monkeypatch.setattr(dense_search.Outlook, "__init__", None)
-    monkeypatch.setattr("polhode.taylor.batches.batch_integrator.built", None)
+    monkeypatch.setattr("heyoka.taylor_adaptive_batch", None)
     assert integrate(scene) == first
     assert integrate(scene.at([500])).events[0].times[:10] == first.events[0].times[:10]
+    slower = replace(scene, omega=tuple(w * Fraction(63, 64) for w in scene.omega))
+    assert slower.time_unit == scene.time_unit
+    assert integrate(slower).events[0].times  # what is compiled serves every start of the body
 
 
 def test_times_are_made_when_they_are_asked_for_and_survive_a_pickle():

@@ -437,10 +437,10 @@ def test_crossings_polished_together_are_those_polished_where_they_are_met(
 
 
 def test_a_second_run_watches_with_the_integrator_of_the_first(monkeypatch):
-    from polhode.taylor.backend.integrator_pool import Idle
+    from polhode.taylor.backend.integrator_pool import Pool
     from polhode.taylor.integrator import compiled
 
-    monkeypatch.setattr(compiled, "_IDLE", Idle())
+    monkeypatch.setattr(compiled, "POOL", Pool())
     monkeypatch.setattr(event_observer, "fits", lambda *_: False)
     scene = watched(polhode.load("kovalevskaya/generic"), Event("q", "q"))
     first = polhode.integrate(scene)

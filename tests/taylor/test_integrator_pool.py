@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from fractions import Fraction
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.taylor.backend.integrator_pool import Idle
+from polhode.taylor.backend.integrator_pool import Kind, Pool
 from polhode.taylor.corrections import integral_projection
 from polhode.taylor.integrator import compiled
 
@@ -20,7 +21,7 @@ NAME = "lagrange/nutation"
 @pytest.fixture
 def built(monkeypatch) -> list:
     """The integrators that are built from now on, none being idle."""
-    monkeypatch.setattr(compiled, "_IDLE", Idle())
+    monkeypatch.setattr(compiled, "POOL", Pool())
     made: list = []
     build = compiled.built
 
@@ -51,7 +52,7 @@ def test_another_start_of_the_body_takes_the_same_integrator(built):
     assert other.time_unit == scene.time_unit
     taken = polhode.integrate(other).states
     assert len(built) == 1
-    compiled._IDLE = Idle()
+    compiled.POOL = Pool()
     assert np.array_equal(polhode.integrate(other).states, taken)
     assert len(built) == 2
     assert np.array_equal(polhode.integrate(scene).states, first.states)
@@ -100,10 +101,41 @@ def test_a_start_at_a_pole_leaves_both_of_its_integrators(built):
 
 
 def test_the_oldest_goes_first():
-    idle = Idle(most=2)
+    pool, two, other = Pool(), Kind[str](2), Kind[str](2)
+    pool.put(other, "a", "another kind's")
     for key in "abc":
-        idle.put(key, key.upper())
-    assert [idle.take(key) for key in "abcc"] == [None, "B", "C", None]
+        pool.put(two, key, key.upper())
+    assert [pool.take(two, key) for key in "abcc"] == [None, "B", "C", None]
+    assert [pool.take(other, key) for key in "ab"] == ["another kind's", None]
+
+
+def test_nothing_is_kept_without_a_key():
+    pool, kind = Pool(), Kind[str](2)
+    pool.put(kind, None, "A")
+    assert pool.take(kind, None) is None
+
+
+def test_one_thread_builds_and_the_others_wait():
+    """Compiling takes long: who comes meanwhile takes what is put back, or builds after it."""
+    pool, kind, building = Pool(), Kind[list[int]](4), []
+
+    def build() -> list[int]:
+        building.append(1)
+        time.sleep(0.01)
+        assert len(building) == 1
+        building.pop()
+        return []
+
+    def used(_: int) -> None:
+        mine = pool.taken_or_built(kind, "x", build)
+        mine.append(1)
+        time.sleep(0.001)
+        assert mine.pop() == 1
+        assert not mine
+        pool.put(kind, "x", mine)
+
+    with ThreadPoolExecutor(4) as threads:
+        assert [*threads.map(used, range(20))] == [None] * 20
 
 
 def test_one_correction_serves_all_starts_of_a_kind(monkeypatch):

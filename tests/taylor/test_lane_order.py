@@ -10,6 +10,7 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE
 from polhode.runs.sweep.plan import planned
 from polhode.taylor.batches import batch_integrator, jobs, lane_order
+from polhode.taylor.batches.compiled_batch import width
 from shared.motions import heavy
 
 
@@ -41,8 +42,8 @@ def test_the_same_bits_in_whichever_order(end, monkeypatch):
 
 def test_lanes_idle_less():
     """Steps wanted over lanes times steps of the longest in each batch."""
-    job, size = job_of("600", 64), batch_integrator.width(DOUBLE)
-    order = lane_order.by_steps(batch_integrator.compiled(job), job.lanes, size, 1.0)
+    job, size = job_of("600", 64), width(DOUBLE)
+    order = lane_order.by_steps(batch_integrator.prepared(job), job.lanes, 1.0)
     steps = batch_integrator.solve(job).steps
 
     def busy(order):
@@ -56,7 +57,7 @@ def test_lanes_idle_less():
 def test_a_short_way_is_not_tried_beforehand(monkeypatch):
     monkeypatch.setattr(lane_order, "by_steps", None)
     assert batch_integrator.solve(job_of("20")).done.all()
-    assert batch_integrator.solve(job_of("600", batch_integrator.width(DOUBLE))).done.all()
+    assert batch_integrator.solve(job_of("600", width(DOUBLE))).done.all()
 
 
 def test_a_member_that_fails_keeps_its_place():

@@ -14,7 +14,7 @@ from polhode.numbers.exact import exact
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.runs.problem.problem import problem
 from polhode.scenes.event import Event
-from polhode.taylor.backend.integrator_pool import Idle
+from polhode.taylor.backend.integrator_pool import Pool
 from polhode.taylor.batches import batch_integrator, jobs
 from polhode.taylor.integrator import compiled, stepping
 from polhode.taylor.integrator.specification import FIRST_KEPT, built
@@ -52,7 +52,7 @@ def test_what_the_equations_keep_is_multiplied_as_a_number(name, kept, left, num
 @pytest.fixture
 def told(monkeypatch) -> list:
     """At each advance, what the rates take the kept variables for, and what these are."""
-    monkeypatch.setattr(compiled, "_IDLE", Idle())
+    monkeypatch.setattr(compiled, "POOL", Pool())
     seen: list = []
     onwards = stepping.Integrator._onwards
 
@@ -81,12 +81,12 @@ def test_the_rates_go_with_every_change_of_the_state(told, monkeypatch):
 
 
 def test_another_spin_in_an_idle_integrator_has_the_bits_of_a_new_one(monkeypatch):
-    monkeypatch.setattr(compiled, "_IDLE", Idle())
+    monkeypatch.setattr(compiled, "POOL", Pool())
     scene = plain("lagrange/nutation", 100)
     other = replace(scene, omega=(*scene.omega[:2], exact("4.3")))
     polhode.integrate(scene)
     idle = polhode.integrate(other)
-    compiled._IDLE = Idle()
+    compiled.POOL = Pool()
     assert np.array_equal(idle.states, polhode.integrate(other).states)
 
 
@@ -134,6 +134,6 @@ def test_lanes_multiply_out_as_little():
     lanes = jobs.Lanes(zeros[:, :4], zeros)
     times = (Fraction(0), Fraction(1))
     job = jobs.BatchJob(names, DOUBLE, None, 10, times, 0, lanes)
-    ta = batch_integrator.compiled(job)
+    ta = batch_integrator.prepared(job).heyoka
     assert products(ta) == 4
     assert ta.pars.shape[0] == 5

@@ -153,4 +153,5 @@ def tangents(what: Motion, last: float, deadline: Deadline = NONE) -> tuple[list
         flow.rescale()
         logs.append(flow.exponent + math.log2(float(np.max(np.abs(flow.tangents)))))
         fastest = max(fastest, float(np.linalg.norm(flow.state[:3])))
+    flow.release()
     return logs, fastest * 2.0 ** (what.unit - scene.time_unit)

@@ -7,19 +7,18 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-import heyoka as hy
 import numpy as np
 
 from polhode.equations.forms import principal
+from polhode.motion.outcomes import Outcome
 from polhode.numbers.rows import Doubles
 from polhode.refined.collocation_tables import LARGEST_FIELD
 from polhode.refined.errors import CannotRefine
 from polhode.refined.event_candidates import Candidates, Place
 from polhode.refined.expansions import rounded
 from polhode.refined.scaled_problem import Problem, in_unit
-from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
-from polhode.taylor.backend.integrator_pool import Idle
-from polhode.taylor.backend.types import HeyokaIntegrator
+from polhode.taylor.integrator.prepared import Prepared
+from polhode.taylor.variations import principal_equations
 
 STEPS = 8000  # of a base; its polynomials take a kilobyte a step
 _LOOKS, _PER_LOOK = 24, 20  # at the first steps, to guess the unit of time
@@ -28,9 +27,6 @@ _GRID = 36  # edges are multiples of 2**-36 below 2**17: they and their differen
 _LONGEST_INTERVAL = 16.0
 _STRETCH = 1.15  # an interval may be that much longer than its shortest step would have it
 _NEIGHBOUR = 1.5  # and a step that much longer than the shortest of a neighbouring group
-
-_IDLE: Idle[HeyokaIntegrator] = Idle(most=4)
-_KEY = "base"
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,53 +77,45 @@ def base(
 
     Raises CannotRefine where the run does not succeed.
     """
-    ta = _IDLE.take(_KEY) or _integrator()
-    unit = _first_guess(ta, problem, state, end - origin)
-    for _ in range(4):
-        runs = ta if candidates is None else candidates.begin(unit, origin)
-        found, fastest = _run(runs, problem, state, origin, end, unit, m, most)
-        fit = problem.unit(fastest * 2.0**unit)
-        if unit - 1 <= fit <= unit:
-            _IDLE.put(_KEY, ta)
-            if candidates is None:
-                return found
-            return replace(found, places=candidates.places(found.polynomials))
-        unit = fit
+    with principal_equations.prepared(principal.NAMES) as ready:
+        unit = _first_guess(ready, problem, state, end - origin)
+        for _ in range(4):
+            runs = ready if candidates is None else candidates.begin(unit, origin)
+            found, fastest = _run(runs, problem, state, origin, end, unit, m, most)
+            fit = problem.unit(fastest * 2.0**unit)
+            if unit - 1 <= fit <= unit:
+                if candidates is None:
+                    return found
+                return replace(found, places=candidates.places(found.polynomials))
+            unit = fit
     raise CannotRefine("no unit of time suits the motion")
 
 
-def _integrator() -> Any:
-    names = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
-    x = hy.make_vars(*names)
-    k = {name: hy.par[i] for i, name in enumerate(principal.NAMES)}
-    rates = principal.field(x, k, EXPRESSIONS)
-    return hy.taylor_adaptive(list(zip(x, rates, strict=True)), [0.0] * 6)
-
-
-def _begin(ta: Any, problem: Problem, state: tuple[Fraction, ...], unit: int) -> None:
-    ta.pars[: len(principal.NAMES)] = [float(x) for x in problem.coefficients_in(unit)]
-    ta.state[:] = [float(x) for x in in_unit(state, unit)]
-    ta.time = 0.0
+def _begin(ta: Prepared, problem: Problem, state: tuple[Fraction, ...], unit: int) -> None:
+    ta.parameters[: len(principal.NAMES)] = [float(x) for x in problem.coefficients_in(unit)]
+    ta.stand([float(x) for x in in_unit(state, unit)])
 
 
 def _length(span: Fraction, unit: int) -> float:
     return float(min(span * Fraction(2) ** unit, Fraction(_LONGEST)))
 
 
-def _first_guess(ta: Any, problem: Problem, state: tuple[Fraction, ...], span: Fraction) -> int:
+def _first_guess(
+    ta: Prepared, problem: Problem, state: tuple[Fraction, ...], span: Fraction
+) -> int:
     """The unit of time that the fastest |w| of the first steps asks for."""
     fastest = math.hypot(*map(float, state[:3]))
     unit = problem.unit(fastest)
     _begin(ta, problem, state, unit)
     end = _length(span, unit)
     for _ in range(_LOOKS):
-        ta.propagate_until(end, max_steps=_PER_LOOK)
+        ta.until(end, _PER_LOOK, _PER_LOOK)
         fastest = max(fastest, 2.0**unit * math.hypot(*ta.state[:3]))
     return problem.unit(fastest) if math.isfinite(fastest) else unit
 
 
 def _run(
-    ta: Any,
+    ta: Prepared,
     problem: Problem,
     state: tuple[Fraction, ...],
     origin: Fraction,
@@ -139,9 +127,9 @@ def _run(
     """One run in one unit of time, and the largest |w| in it."""
     _begin(ta, problem, state, unit)
     last = _length(end - origin, unit)
-    outcome, *_, polynomials, _ = ta.propagate_until(last, max_steps=most, c_output=True)
-    whole = outcome == hy.taylor_outcome.time_limit
-    if not whole and outcome != hy.taylor_outcome.step_limit:
+    outcome, polynomials = ta.polynomials(last, most)
+    whole = outcome is Outcome.REACHED_END
+    if not whole and outcome is not Outcome.STEP_LIMIT:
         raise CannotRefine("the run in double failed")
     times = polynomials.times
     speeds = np.linalg.norm(polynomials.tcs[:, :3, 0], axis=1)

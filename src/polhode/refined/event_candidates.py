@@ -21,8 +21,11 @@ from polhode.numbers.rows import Doubles
 from polhode.refined.errors import CannotRefine
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
+from polhode.taylor.backend.integrator_pool import Kind
+from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.events.functions import TIME, event_expression
 from polhode.taylor.events.magnitudes import size_of
+from polhode.taylor.integrator.prepared import Prepared
 
 # the parameters behind the coefficients: of what the run's own variables and clock are
 _COEFFICIENTS = len(principal.NAMES)
@@ -33,6 +36,10 @@ _SMALL = 1e-6  # of an expression's size: what an extremum and an end are looked
 _STILL = 1e-12  # of an expression's size: that it is no more than this all along says nothing
 _ROUNDS = 3  # of Newton's method in double
 _WIDEST = 1e-3  # a step of it, in units of the clock
+
+
+#: Of one scene and one run: none is kept.
+EVENTS: Kind[HeyokaIntegrator] = Kind(0)
 
 
 class Place(NamedTuple):
@@ -62,11 +69,11 @@ class Candidates:
         self.scene, self.backward = scene, backward
         self.found: list[Place] = []
         try:
-            self._integrator = self._built()
+            self._ready = Prepared(EVENTS, None, self._built)
         except heyoka_numbers.OutOfRange as fault:
             raise CannotRefine(f"an event: {fault}") from None
 
-    def _built(self) -> Any:
+    def _built(self) -> HeyokaIntegrator:
         x = hy.make_vars("p", "q", "r", "gamma1", "gamma2", "gamma3")
         names = hy.make_vars(*(f"k{i:02}" for i in range(_PARAMETERS)))
         k = dict(zip(principal.NAMES, names, strict=False))
@@ -95,14 +102,14 @@ class Candidates:
         equations = [(v, hy.subs(rate, inside)) for v, rate in zip(x, rates, strict=True)]
         return hy.taylor_adaptive(equations, [0.0] * len(x), nt_events=events)
 
-    def begin(self, unit: int, origin: Fraction) -> Any:
+    def begin(self, unit: int, origin: Fraction) -> Prepared:
         """The integrator for a run from ``origin``, its clock faster by 2**unit; nothing found."""
         self.found = []
         way = -1.0 if self.backward else 1.0
         self._clock = [way * 2.0**unit, way * 2.0**-unit, way * float(origin)]
-        pars = self._integrator.pars  # without those that no expression asks for
+        pars = self._ready.parameters  # without those that no expression asks for
         pars[_COEFFICIENTS:] = self._clock[: len(pars) - _COEFFICIENTS]
-        return self._integrator
+        return self._ready
 
     def places(self, polynomials: Any) -> tuple[Place, ...]:
         """All places of the run just made, zeros polished by Newton's method."""
@@ -142,7 +149,7 @@ class Candidates:
         speed, rate, origin = self._clock
         given = np.empty((6 + _PARAMETERS + 1, len(times)))
         given[:6] = polynomials(times).T
-        pars = [*self._integrator.pars[:_COEFFICIENTS], speed, rate, origin]
+        pars = [*self._ready.parameters[:_COEFFICIENTS], speed, rate, origin]
         given[6:-1] = np.array(pars)[:, None]
         given[-1] = origin + rate * times
         value, slope = expression.both(given)

@@ -30,7 +30,7 @@ from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.taylor.events.magnitudes import middle_axis, sign_at_start, size_of
 from polhode.taylor.events.root_refinement import Mark, Place, is_start, polished, sorted_out
-from polhode.taylor.events.thresholds import Limits
+from polhode.taylor.events.rules import Limits
 
 if TYPE_CHECKING:
     from polhode.refined.double_run import Base

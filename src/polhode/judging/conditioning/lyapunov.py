@@ -126,11 +126,12 @@ def lyapunov(
         yield _size(flow)
         for k in range(1, BLOCKS * LOOKS + 1):
             if not flow.to(last * k / (BLOCKS * LOOKS), max_steps - flow.steps):
-                return
+                break
             if still:
                 flow.state = start
             flow.rescale()
             yield _size(flow)
+        flow.release()
 
     sizes: list[float] = []
     for size in followed(start, last):

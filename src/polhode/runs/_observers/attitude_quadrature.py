@@ -142,9 +142,9 @@ def _first_steps(problem: Problem, end: np.longdouble) -> tuple[np.longdouble, f
 
     None for a run that is too short.
     """
-    from polhode.taylor.integrator.stepping import Integrator
+    from polhode.taylor.integrator.compiled import Compiled
 
-    leading = Integrator(problem.prepared().blueprint)
+    leading = Compiled(problem.prepared().blueprint)
     start, zero = leading.state.copy(), end * 0
     count = leading.heyoka.propagate_until(end, max_steps=PILOT)[3]
     reached = leading.heyoka.time
@@ -160,8 +160,8 @@ def _first_steps(problem: Problem, end: np.longdouble) -> tuple[np.longdouble, f
         begin = np.arange(parts) * length
         times = (begin[:, None] + length[:, None] * rule.nodes.astype(end.dtype)).ravel()
         every, index = np.unique(np.abs(np.append(times, zero)), return_inverse=True)
-        leading.state[:], leading.heyoka.time = start, zero
-        found = leading.heyoka.propagate_grid(np.copysign(every, end))[-1]
+        leading.stand(start)
+        found = leading.grid(np.copysign(every, end))
         at = found[index[:-1]].T.reshape(6, parts, -1)
         if halves.enough(Panels(begin, length, at[:3], at[3:], None), rule) >= _MOSTLY:
             break

@@ -23,6 +23,7 @@ from polhode.numbers.rows import Doubles, doubles
 from polhode.runs._observers.protocol import CannotObserve, Observed, Way
 from polhode.runs.problem.problem import Problem
 from polhode.scenes.scene import Scene
+from polhode.taylor.backend.integrator_pool import POOL
 from polhode.taylor.backend.time_grid import Times
 
 if TYPE_CHECKING:
@@ -136,18 +137,20 @@ class Knots:
 def _taken(problem: Problem) -> tuple[Hops, Outlook]:
     """What events are sought with, compiled: for one run at a time."""
     from polhode.taylor.batches.short_arcs import Hops
-    from polhode.taylor.events.dense_search import Outlook
+    from polhode.taylor.events.dense_search import OUTLOOKS, Outlook
 
     blueprint = problem.prepared().blueprint
-    outlook = problem.outlooks.take(problem.number) or Outlook(problem.scene, blueprint)
-    return Hops(blueprint), outlook
+    outlook = POOL.take(OUTLOOKS, problem.event_functions)
+    return Hops(blueprint), outlook or Outlook(problem.scene, blueprint)
 
 
 def _left(problem: Problem, hops: Hops, outlook: Outlook) -> None:
     """Leave it to the next run."""
+    from polhode.taylor.events.dense_search import OUTLOOKS
+
     hops.release()
     outlook.desk.watch = None
-    problem.outlooks.put(problem.number, outlook)
+    POOL.put(OUTLOOKS, problem.event_functions, outlook)
 
 
 def _width(start: Doubles, end: float, hops: Hops, outlook: Outlook) -> float:

@@ -43,7 +43,7 @@ class Halves:
 
     def _halves(self, panels: Panels, rule: Lobatto, split: Doubles) -> Panels:
         """Both parts of the panels to be split, integrated from where those begin."""
-        from polhode.taylor.integrator.stepping import Integrator
+        from polhode.taylor.integrator.compiled import Compiled
 
         which = np.flatnonzero(split)
         kind = panels.gamma.dtype
@@ -52,12 +52,11 @@ class Halves:
         at = np.empty((6, 2 * len(which), count), dtype=kind)
         first = panels.length[which] * split[which].astype(kind)
         rest = panels.length[which] - first
-        again = Integrator(self._plain)
+        again = Compiled(self._plain)
         for i, k in enumerate(which.tolist()):
-            again.heyoka.time = kind.type(0)
-            again.stand_at(np.concatenate([panels.omega[:, k, 0], panels.gamma[:, k, 0]]))
+            again.stand(np.concatenate([panels.omega[:, k, 0], panels.gamma[:, k, 0]]))
             grid = np.concatenate([nodes * first[i], first[i] + nodes[1:] * rest[i]])
-            states = again.heyoka.propagate_grid(grid)[-1]
+            states = again.grid(grid)
             states[-1, :3], states[-1, 3:] = panels.omega[:, k, -1], panels.gamma[:, k, -1]
             at[:, 2 * i : 2 * i + 2] = states.T[:, both]
         again.release()

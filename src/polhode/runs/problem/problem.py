@@ -24,9 +24,7 @@ from polhode.scenes.scene import Scene
 from polhode.taylor.backend.time_grid import Times
 
 if TYPE_CHECKING:
-    from polhode.taylor.backend.integrator_pool import Idle
     from polhode.taylor.corrections.integral_projection import Target
-    from polhode.taylor.events.dense_search import Outlook
     from polhode.taylor.events.rules import Rules
     from polhode.taylor.integrator.specification import Blueprint
 
@@ -136,11 +134,13 @@ class Problem:
         )
 
     @cached_property
-    def outlooks(self) -> Idle[Outlook]:
-        """What the events are sought with beside a run, compiled, while no run uses it."""
-        from polhode.taylor.backend.integrator_pool import Idle
-
-        return Idle(2)
+    def event_functions(self) -> object:
+        """What tells the functions of the events, in principal axes and doubles, from others."""
+        scene, body = self.scene, self.scene.body
+        numbers = (*(x for row in body.inertia for x in row), *body.centre, body.weight)
+        if not all(isinstance(x, Fraction) for x in numbers):  # irrational ones have no name
+            return object()
+        return (numbers, scene.time_unit, tuple(event.expression for event in scene.events))
 
     def schedule(self, scene: Scene) -> Schedule:
         """The output times of the scene, or of one that differs from it in its times alone.

@@ -201,8 +201,9 @@ def _work(plan: Plan, results: Results, method: str) -> _Work[BatchJob] | _Work[
     """What is left to be integrated, by steps or refined where any member is to be."""
     from polhode.taylor.batches import batch_integrator
     from polhode.taylor.batches import jobs as batch_jobs
+    from polhode.taylor.batches.compiled_batch import width
 
-    size = batch_integrator.width(plan.number)
+    size = width(plan.number)
     wanted = results.left  # whole batches of lanes: the others' results do not depend on them
     groups = [group[wanted[group]] for group in plan.groups(size, _jobs(plan))]
     groups = [group for group in groups if len(group)]
@@ -228,4 +229,4 @@ def _work(plan: Plan, results: Results, method: str) -> _Work[BatchJob] | _Work[
                 for group, job in zip(groups, steps, strict=True)
             ]
             return _Work(groups, jobs, refined_members.solve, refined_members.prepare)
-    return _Work(groups, steps, batch_integrator.solve, batch_integrator.compiled)
+    return _Work(groups, steps, batch_integrator.solve, batch_integrator.prepare)

@@ -50,7 +50,7 @@ def prepare(job: Job) -> None:
     try:
         trusted_kernels(accuracy_for(job.steps.number).limbs)
     except CannotRefine:
-        batch_integrator.compiled(job.steps)
+        batch_integrator.prepare(job.steps)
 
 
 def solve(job: Job, stop: Stop | None = None) -> Solved:

@@ -1,50 +1,79 @@
-"""Compiled integrators that no run uses at the moment, for the next run of the same equations.
+"""Compiled integrators that nobody uses at the moment, for the next run of the same equations.
 
 Building one takes milliseconds even when its code is found on the disk, and so does freeing it: as
 long as a short run itself.  A run takes an integrator out, so that no two runs share one, and puts
-it back when it has ended well.
+it back when it has ended well.  There is one pool for all of them, by kind and by what they
+integrate.
 """
 
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Hashable
-from typing import Generic, TypeVar
+from collections.abc import Callable, Hashable
+from typing import Generic, TypeVar, cast
 
 from polhode.common.locks import Lock, Place
 
 #: heyoka's integrator, with what belongs to its events where it looks for any.
 C = TypeVar("C")
 
-MOST = 16  # of a few hundred kilobytes each
+
+class Kind(Generic[C]):
+    """What kind of integrators they are; at most so many are kept while nobody uses them.
+
+    Each takes a few hundred kilobytes.
+    """
+
+    def __init__(self, most: int) -> None:
+        self.most = most
 
 
-class Idle(Generic[C]):
-    """Integrators by what they integrate; those not asked for longest go first."""
+class Pool:
+    """Integrators by kind and by what they integrate; those not asked for longest go first.
 
-    def __init__(self, most: int = MOST) -> None:
-        self._most = most
-        self._kept: OrderedDict[Hashable, list[C]] = OrderedDict()
-        self._lock = Lock(Place.STORE)
+    What they integrate is their key; nothing is kept where that is None.
+    """
 
-    def take(self, key: Hashable) -> C | None:
+    def __init__(self) -> None:
+        self._kept: dict[object, OrderedDict[Hashable, list[object]]] = {}
+        self._lock, self._compiling = Lock(Place.STORE), Lock(Place.COMPILING)
+
+    def take(self, kind: Kind[C], key: Hashable) -> C | None:
         """One that integrates this, from now on the caller's; None where there is none."""
         with self._lock.held():
-            kept = self._kept.get(key)
-            if kept is None:
+            of_kind = self._kept.get(kind)
+            if of_kind is None or key not in of_kind:
                 return None
-            found = kept.pop()
-            if not kept:
-                del self._kept[key]
-            return found
+            found = of_kind[key].pop()
+            if not of_kind[key]:
+                del of_kind[key]
+            return cast(C, found)
 
-    def put(self, key: Hashable, integrator: C) -> None:
+    def taken_or_built(self, kind: Kind[C], key: Hashable, build: Callable[[], C]) -> C:
+        """The same, built where there is none.
+
+        One thread at a time builds, since the code that heyoka has compiled serves the others.
+        """
+        found = self.take(kind, key)
+        if found is None:
+            with self._compiling.held():
+                found = self.take(kind, key) or build()
+        return found
+
+    def put(self, kind: Kind[C], key: Hashable, integrator: C) -> None:
         """Keep one for whoever asks next."""
+        if key is None:
+            return
         with self._lock.held():
-            self._kept.setdefault(key, []).append(integrator)
-            self._kept.move_to_end(key)
-            while sum(map(len, self._kept.values())) > self._most:
-                first = next(iter(self._kept))
-                self._kept[first].pop()
-                if not self._kept[first]:
-                    del self._kept[first]
+            of_kind = self._kept.setdefault(kind, OrderedDict())
+            of_kind.setdefault(key, []).append(integrator)
+            of_kind.move_to_end(key)
+            while sum(map(len, of_kind.values())) > kind.most:
+                first = next(iter(of_kind))
+                of_kind[first].pop()
+                if not of_kind[first]:
+                    del of_kind[first]
+
+
+#: The one of this process.
+POOL = Pool()

@@ -7,36 +7,31 @@ plain data, arrays but for its times, so that it can be solved in any thread, pr
 
 from __future__ import annotations
 
-import copy
 import itertools
-import threading
 from collections.abc import Iterable
 from fractions import Fraction
-from functools import lru_cache
 
 import heyoka as hy
 import numpy as np
 
-from polhode.common.locks import Lock, Place
 from polhode.common.progress import Stop
 from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome, code
-from polhode.numbers.number_types import NumberType
+from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.numbers.rows import Stack
 from polhode.taylor.backend import heyoka_numbers
+from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches import lane_order
+from polhode.taylor.batches.compiled_batch import CompiledBatch, width
 from polhode.taylor.batches.jobs import BatchJob, Solved
 from polhode.taylor.batches.lane_advances import DoubleLanes, SingleLane, block
 from polhode.taylor.batches.time_slices import Stretches
+from polhode.taylor.integrator.prepared import Prepared
 from polhode.taylor.integrator.specification import as_parameters
 
-_REACHED = hy.taylor_outcome.time_limit
-
-
-def width(number: NumberType) -> int:
-    """How many systems one step advances."""
-    return int(hy.recommended_simd_size(float)) if number.name == "double" else 1
+#: Each thread of a sweep takes one.
+PRINCIPAL: Kind[HeyokaIntegrator] = Kind(16)
 
 
 def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
@@ -45,12 +40,14 @@ def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
     Each gives the same bits in whichever order they are.
     """
     job = _with_kept(job)
-    places = width(job.number)
     end = float(job.times[-1] / Fraction(2) ** job.time_unit)
-    if job.number.name != "double" or not lane_order.worth_it(end, job.lanes, places):
-        return _solved(job, stop)
-    order = lane_order.by_steps(compiled(job), job.lanes, places, end)
-    return _solved(job._replace(lanes=job.lanes.some(order)), stop).in_order(order)
+    with prepared(job) as ready:
+        if not isinstance(ready, CompiledBatch) or not lane_order.worth_it(
+            end, job.lanes, ready.places
+        ):
+            return _solved(job, ready, stop)
+        order = lane_order.by_steps(ready, job.lanes, end)
+        return _solved(job._replace(lanes=job.lanes.some(order)), ready, stop).in_order(order)
 
 
 def _with_kept(job: BatchJob) -> BatchJob:
@@ -68,45 +65,46 @@ def kept_rates(names: tuple[str, ...], columns: int) -> list[int]:
     return [i for i, name in enumerate("pqr") if name not in moving]
 
 
-def _solved(job: BatchJob, stop: Stop | None) -> Solved:
+def _solved(job: BatchJob, ready: Prepared, stop: Stop | None) -> Solved:
     """The same in the order in which they are."""
     found, size = Solved.none_of(job), width(job.number)
     stretches = Stretches(job)
     firsts: Iterable[int] = range(0, job.lanes.many, size)
-    if job.number.name == "double":
-        firsts = _in_one_go(job, stretches, found, firsts, stop)
+    if isinstance(ready, CompiledBatch):
+        firsts = _in_one_go(job, ready, stretches, found, firsts, stop)
     for first in firsts:
         if stop is not None and stop():
             break
-        _solve(job, stretches, found, range(first, min(first + size, job.lanes.many)), stop)
+        which = range(first, min(first + size, job.lanes.many))
+        _solve(job, ready, stretches, found, which, stop)
     return found
 
 
-def compiled(job: BatchJob) -> HeyokaIntegrator:
-    """heyoka's integrator of a job, of this thread alone; compiled once a process."""
-    key = (job.names, job.columns, job.number, job.tolerance)
-    if getattr(_own, "key", None) != key:  # one is enough: jobs of one sweep follow each other
-        with _compiling.held():
-            built = _compiled(*key)
-        _own.integrator, _own.key = copy.copy(built), key
-    return _own.integrator
+def prepare(job: BatchJob) -> None:
+    """Compile what a job's systems share, unless that is done."""
+    prepared(job).release()
 
 
-_own = threading.local()
-_compiling = Lock(Place.COMPILING)
+def prepared(job: BatchJob) -> Prepared:
+    """The integrator of a job: a batch of doubles, or one system of another type."""
+    key = job.names, job.columns, job.number, job.tolerance
+    if job.number.name == "double":
+        return lanes(job.names, job.columns, job.tolerance)
+    return Prepared(PRINCIPAL, key, lambda: _built(*key), job.number)
 
 
-@lru_cache(maxsize=4)
-def _compiled(
+def lanes(names: tuple[str, ...], columns: int, tolerance: Fraction | None = None) -> CompiledBatch:
+    """A batch of the principal form, its coefficients of these names as parameters.
+
+    Behind them are the variables that the equations keep, see :func:`kept_rates`.
+    """
+    key = names, columns, DOUBLE, tolerance
+    return CompiledBatch(PRINCIPAL, key, lambda: _built(*key))
+
+
+def _built(
     names: tuple[str, ...], columns: int, number: NumberType, tolerance: Fraction | None
 ) -> HeyokaIntegrator:
-    return built(names, columns, number, tolerance)
-
-
-def built(
-    names: tuple[str, ...], columns: int, number: NumberType, tolerance: Fraction | None
-) -> HeyokaIntegrator:
-    """An integrator of the principal form, its coefficients of these names as parameters."""
     variables = hy.make_vars(*("p", "q", "r", "gamma1", "gamma2", "gamma3")[:columns])
     k, constant = {name: hy.par[i] for i, name in enumerate(names)}, kept_rates(names, columns)
     state = as_parameters(variables, constant, len(names))
@@ -129,6 +127,7 @@ def built(
 
 def _in_one_go(
     job: BatchJob,
+    batch: CompiledBatch,
     stretches: Stretches,
     found: Solved,
     firsts: Iterable[int],
@@ -143,7 +142,7 @@ def _in_one_go(
     if len(ahead) != 1:
         return firsts
     (stretch,) = ahead
-    places, many, targets = width(job.number), job.lanes.many, stretch.targets
+    places, many, targets = batch.places, job.lanes.many, stretch.targets
     spare = -many % places
     coefficients, starts = (
         np.vstack([table, np.repeat(table[-1:], spare, axis=0)]).T.copy() for table in job.lanes
@@ -151,28 +150,22 @@ def _in_one_go(
     alike = bool((coefficients == coefficients[:, :1]).all())
     states = np.full((len(targets), job.columns, many + spare), np.nan)
     steps, trouble = np.zeros(many + spare, dtype=np.int64), []
-    ta, grid = compiled(job), np.repeat(np.array([[0.0, *targets]]).T, places, axis=1)
-    state, pars, ends = ta.state, ta.pars, [targets[-1]] * places
+    grid, ends = np.repeat(np.array([[0.0, *targets]]).T, places, axis=1), [targets[-1]] * places
     most = min(job.max_steps, block(job.number))
     if alike:
-        pars[:] = coefficients[:, :places]
+        batch.parameters[:] = coefficients[:, :places]
     for first in firsts:
         if stop is not None and stop():
             trouble.append(first)
             continue
         here = slice(first, first + places)
-        ta.set_time(0.0)
-        state[:] = starts[:, here]
-        if not alike:
-            pars[:] = coefficients[:, here]
+        batch.stand(starts[:, here], None if alike else coefficients[:, here])
         if len(targets) == 1:  # a state at the end alone needs no dense output
-            ta.propagate_until(ends, max_steps=most)
-            states[0, :, here] = state
+            states[0, :, here] = batch.to(ends, most)
         else:
-            states[:, :, here] = ta.propagate_grid(grid, max_steps=most)[1][1:]
-        results = ta.propagate_res
-        steps[here] = [r[3] for r in results]
-        if [r[0] for r in results] != [_REACHED] * places:
+            states[:, :, here] = batch.rows(grid, most)
+        steps[here] = batch.steps
+        if not batch.arrived:
             trouble.append(first)
     done = np.ones(many, dtype=bool)
     for first in trouble:
@@ -189,13 +182,14 @@ def _in_one_go(
 
 def _solve(
     job: BatchJob,
+    ready: Prepared,
     stretches: Stretches,
     found: Solved,
     which: range,
     stop: Stop | None,
 ) -> None:
     """Integrate as many systems as one step advances."""
-    outcome = _march(job, stretches, found, which, stop)
+    outcome = _march(job, ready, stretches, found, which, stop)
     if outcome is None:  # stopped: as if it had not begun
         here = slice(which.start, which.stop)
         found.states[here] = np.nan if job.number.flat else None
@@ -203,13 +197,14 @@ def _solve(
         return
     if outcome is not Outcome.REACHED_END and len(which) > 1:
         for k in which:  # one lane's trouble stops them all: each for itself
-            _solve(job, stretches, found, range(k, k + 1), stop)
+            _solve(job, ready, stretches, found, range(k, k + 1), stop)
         return
     found.outcomes[which.start : which.stop] = code(outcome)
 
 
 def _march(
     job: BatchJob,
+    ready: Prepared,
     stretches: Stretches,
     found: Solved,
     which: range,
@@ -218,10 +213,10 @@ def _march(
     """Carry lanes along; None if they were stopped, whose states are then left as they are."""
     here = slice(which.start, which.stop)
     take: DoubleLanes | SingleLane
-    if job.number.name == "double":
-        take = DoubleLanes(compiled(job), job.lanes.some(slice(which.start, which.stop)))
+    if isinstance(ready, CompiledBatch):
+        take = DoubleLanes(ready, job.lanes.some(here))
     else:
-        take = SingleLane(compiled(job), job.lanes.some(which.start), job.number)
+        take = SingleLane(ready, job.lanes.some(which.start))
     found.states[here] = np.nan if job.number.flat else None
     found.steps[here], found.reached[here] = 0, Fraction(0)
     if job.times[0] == 0:

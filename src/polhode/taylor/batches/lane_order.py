@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from polhode.taylor.backend.types import HeyokaIntegrator
+from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.jobs import Lanes
 
 PIECE = 16.0  # units of time, radians or two of the fastest rate: 50 to 100 steps
@@ -22,15 +22,14 @@ def worth_it(end: float, lanes: Lanes, places: int) -> bool:
     return lanes.many > places and abs(end) >= _LONG * PIECE
 
 
-def by_steps(ta: HeyokaIntegrator, lanes: Lanes, places: int, end: float) -> npt.NDArray[np.int64]:
+def by_steps(batch: CompiledBatch, lanes: Lanes, end: float) -> npt.NDArray[np.int64]:
     """The systems in the order of the steps that a piece of their way takes."""
+    places = batch.places
     steps = np.zeros(lanes.many, dtype=np.int64)
     until = [float(np.copysign(PIECE, end))] * places
     for first in range(0, lanes.many, places):
         some = lanes.some(np.minimum(np.arange(first, first + places), lanes.many - 1))
-        ta.set_time(0.0)
-        ta.state[:], ta.pars[:] = some.starts.T, some.coefficients.T
-        ta.propagate_until(until, max_steps=_MOST_STEPS)
-        count = min(places, lanes.many - first)
-        steps[first : first + count] = [result[3] for result in ta.propagate_res[:count]]
+        batch.stand(some.starts.T, some.coefficients.T)
+        batch.to(until, _MOST_STEPS)
+        steps[first : first + places] = batch.steps[: lanes.many - first]
     return np.argsort(-steps, kind="stable")

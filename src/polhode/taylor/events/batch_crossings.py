@@ -20,28 +20,23 @@ from polhode.common.progress import Stop
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import SectionZero
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Booleans, Complexes, Doubles
+from polhode.numbers.rows import Booleans, Complexes, Doubles, doubles
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import STATE
-from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, compact_beyond
-from polhode.taylor.backend.integrator_pool import Idle
+from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
+from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
-from polhode.taylor.batches import step_blocks
-from polhode.taylor.batches.batch_integrator import width
+from polhode.taylor.batches.compiled_batch import CompiledBatch
+from polhode.taylor.batches.lane_queue import LaneQueue
 from polhode.taylor.corrections.level_projection import ARRAYS, TINY, Level, Put
+from polhode.taylor.events.batch_search import Met, built
+from polhode.taylor.events.vectorized_roots import along
 
 DONE, NONE_LEFT, NON_FINITE, STOPPED = "all crossings", "no more crossings", "not finite", "stopped"
 
 _BESIDE = 1e-6  # of a unit of time: a lane so near to a crossing runs on before it is touched
 _BEGIN = 1e-9  # of a chunk: a crossing before it is the start itself
-_LONG = 80  # operations of an expression whose code is compiled as loops
 _BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
-_DIRECTIONS = {
-    -1: hy.event_direction.negative,
-    0: hy.event_direction.any,
-    1: hy.event_direction.positive,
-}
 
 #: Columns of states, complex ones too.
 C = TypeVar("C", Doubles, Complexes)
@@ -93,7 +88,9 @@ class Crossed(NamedTuple):
 
 def solve(job: CrossingJob, stop: Stop | None = None) -> Crossed:
     """Follow a job's orbits, as many at a time as a step advances; raises Singular."""
-    return _Lanes(job, width(DOUBLE)).run(stop)
+    key = job.coefficients, job.zero, job.direction
+    with CompiledBatch(SECTIONS, key, lambda: _built(*key)) as batch:
+        return _Orbits(job, batch).run(stop)
 
 
 def joined(parts: Sequence[Crossed]) -> Crossed:
@@ -132,112 +129,84 @@ def polished(
             value = np.real(zero.value(list(state), ARRAYS))
             step = -value / slope(zero, state, velocity)
             step = np.where(np.abs(step) < 1e-3, step, 0.0)  # a grazing contact stays
-            state = state + step * (velocity + step / 2 * curve)
+            state = doubles(along(state, [velocity, curve], step))
             time = time + step
         return state, time, slope(zero, state, rates(coefficients, state))
 
 
-class _Kept:
-    """heyoka's callback: the crossings that come by."""
-
-    def __init__(self) -> None:
-        self.rows: list[tuple[int, float, Doubles]] = []
-
-    def __call__(self, integrator: HeyokaIntegrator, time: float, _: int, lane: int) -> None:
-        integrator.update_d_output(time)
-        self.rows.append((lane, time, integrator.d_output[:, lane].copy()))
-
-    def __deepcopy__(self, _: object) -> _Kept:
-        return self
+#: Each thread takes one.
+SECTIONS: Kind[HeyokaIntegrator] = Kind(16)
 
 
-_idle: Idle[tuple[HeyokaIntegrator, _Kept]] = (
-    Idle()
-)  # pairs of an integrator and what keeps its crossings
+class _Orbits:
+    """A job's orbits in the lanes of a batch."""
 
-
-class _Lanes:
-    """A job's orbits in the lanes of one batch; where one is over the next begins."""
-
-    def __init__(self, job: CrossingJob, size: int) -> None:
-        self.job, self.size = job, size
-        self.key = (job.coefficients, job.zero, job.direction, size)
-        self.k = dict(job.coefficients)
-        self.orbit = np.minimum(np.arange(size), len(job.starts) - 1)  # of each lane
-        self.busy = np.arange(size) < len(job.starts)
-        self.next = min(size, len(job.starts))
-        self.state = job.starts[self.orbit].T.copy()
+    def __init__(self, job: CrossingJob, batch: CompiledBatch) -> None:
+        self.job, self.batch, self.k = job, batch, dict(job.coefficients)
+        self.met: Met = batch.heyoka.nt_events[0].callback
+        self.lanes = LaneQueue(len(job.starts), batch.places)
+        self.state = job.starts[self.lanes.motion].T.copy()
         self.put = Put(job.level, self.state)
-        self.origin = np.zeros(size)
-        self.found = np.zeros(size, dtype=int)
-        self.quiet = np.zeros(size, dtype=int)
+        self.origin = np.zeros(batch.places)
+        self.found, self.quiet = np.zeros((2, batch.places), dtype=int)
         self.rows: list[tuple[int, float, float, Doubles]] = []  # orbit, origin, time, state
         self.outcomes = [STOPPED] * len(job.starts)
 
     def run(self, stop: Stop | None) -> Crossed:
         """All of them."""
-        job = self.job
-        held = _idle.take(self.key) or _built(job, self.size)
-        self.integrator: HeyokaIntegrator = held[0]
-        self.kept: _Kept = held[1]
-        while self.busy.any() and not (stop is not None and stop()):
-            if not self._chunk(stop):
-                break
-            self._turn_over()
-        if np.isfinite(self.integrator.state).all():
-            _idle.put(self.key, held)
+        self.lanes.follow(self._begin, lambda: self._stretch(stop), stop)
         return self._crossed()
 
-    def _turn_over(self) -> None:
-        """Note how the orbits ended that did, and begin others in their lanes."""
-        job = self.job
-        lost: Booleans = ~np.all(np.isfinite(self.state), axis=0)
-        done = (self.found >= job.most) | (self.origin >= job.end)
-        over = self.busy & (lost | done | (self.quiet >= job.patience))
-        for lane in np.flatnonzero(over).tolist():
-            ended = NON_FINITE if lost[lane] else DONE if done[lane] else NONE_LEFT
-            self.outcomes[self.orbit[lane]] = ended
-            if self.next == len(job.starts):
-                self.busy[lane] = False
-                self.state[:, lane] = job.starts[self.orbit[lane]]  # idles along
-                continue
-            self.orbit[lane], self.next = self.next, self.next + 1
-            self.state[:, lane] = job.starts[self.orbit[lane]]
+    def _begin(self, lane: int) -> None:
+        self.state[:, lane] = self.job.starts[self.lanes.motion[lane]]
+        if self.lanes.busy[lane]:
             self.origin[lane] = self.found[lane] = self.quiet[lane] = 0
             self.put.begin([lane], self.state[:, [lane]])
 
+    def _stretch(self, stop: Stop | None) -> list[int] | None:
+        """One stretch of time; the lanes whose orbits have ended, and how is noted."""
+        job = self.job
+        if not self._chunk(stop):
+            return None
+        lost: Booleans = ~np.all(np.isfinite(self.state), axis=0)
+        done = (self.found >= job.most) | (self.origin >= job.end)
+        over = np.flatnonzero(self.lanes.busy & (lost | done | (self.quiet >= job.patience)))
+        for lane in over.tolist():
+            ended = NON_FINITE if lost[lane] else DONE if done[lane] else NONE_LEFT
+            self.outcomes[self.lanes.motion[lane]] = ended
+        return over.tolist()
+
     def _chunk(self, stop: Stop | None) -> bool:
-        """One stretch of time: crossings kept, clock and state set anew.  False where stopped."""
-        ta, job = self.integrator, self.job
-        ta.state[:] = self.state
-        ta.set_time(0.0)
-        self.kept.rows.clear()
-        target = np.where(self.busy, job.chunk, 0.0)
+        """Crossings kept, clock and state set anew.  False where stopped."""
+        batch, job, busy = self.batch, self.job, self.lanes.busy
+        batch.stand(self.state)
+        self.met.crossings.clear()
+        target = np.where(busy, job.chunk, 0.0)
         if not self._onwards(target, stop):
             return False
         for _ in range(4):
             # a step that ends on a crossing may lose it or find it twice: again, and further
-            near = self.busy & self._beside(ta.state)
+            near = busy & self._beside(batch.state)
             if not near.any():
                 break
-            ta.state[:, near] = self.state[:, near]
-            ta.set_time(np.where(near, 0.0, target).tolist())
-            self.kept.rows[:] = [row for row in self.kept.rows if not near[row[0]]]
+            batch.state[:, near] = self.state[:, near]
+            batch.heyoka.set_time(np.where(near, 0.0, target).tolist())
+            self.met.crossings[:] = [row for row in self.met.crossings if not near[row.lane]]
             target = target + near * (job.chunk / 16)
             if not self._onwards(target, stop):
                 return False
         self._keep()
-        self.state = self.put.back(ta.state.copy())
+        self.state = self.put.back(batch.state.copy())
         self.origin += target
         return True
 
     def _onwards(self, target: Doubles, stop: Stop | None) -> bool:
         """Lanes brought to a time; False where stopped.  Raises Singular."""
-        ended = step_blocks.until(self.integrator, target.tolist(), stop=stop)
+        ended = self.batch.in_blocks(target.tolist(), stop=stop)
         if Outcome.STEP_UNDERFLOW in ended.outcomes:
             lane = ended.outcomes.index(Outcome.STEP_UNDERFLOW)
-            start = tuple(self.job.starts[self.orbit[lane]].tolist())
-            raise Singular(start, float(self.origin[lane] + self.integrator.time[lane]))
+            start = tuple(self.job.starts[self.lanes.motion[lane]].tolist())
+            raise Singular(start, float(self.origin[lane] + self.batch.heyoka.time[lane]))
         return not ended.stopped
 
     def _beside(self, state: Doubles) -> Booleans:
@@ -245,18 +214,18 @@ class _Lanes:
         with np.errstate(all="ignore"):
             value = np.abs(np.real(self.job.zero.value(list(state), ARRAYS)))
             if not (value < 1e-3).any():
-                return np.zeros(self.size, dtype=bool)
+                return np.zeros(len(value), dtype=bool)
             near: Booleans = value < _BESIDE * np.abs(
                 slope(self.job.zero, state, rates(self.k, state))
             )
             return near
 
     def _keep(self) -> None:
-        counts = np.zeros(self.size, dtype=int)
+        counts = np.zeros(len(self.found), dtype=int)
         begin = _BEGIN * self.job.chunk
-        for lane, time, state in self.kept.rows:
+        for lane, time, state in self.met.crossings:
             if self.origin[lane] > 0 or time > begin:
-                self.rows.append((self.orbit[lane], self.origin[lane], time, state))
+                self.rows.append((self.lanes.motion[lane], self.origin[lane], time, state))
                 counts[lane] += 1
         self.found += counts
         self.quiet = np.where(counts > 0, 0, self.quiet + 1)
@@ -288,23 +257,11 @@ class _Lanes:
         return Crossed(states, times, rests, slopes, found, tuple(self.outcomes), self.put.drift)
 
 
-def _built(job: CrossingJob, size: int) -> tuple[HeyokaIntegrator, _Kept]:
-    kept = _Kept()
-    return _integrator(job.coefficients, job.zero, job.direction, size, kept), kept
-
-
-def _integrator(
-    coefficients: tuple[tuple[str, float], ...],
-    zero: SectionZero,
-    direction: int,
-    size: int,
-    kept: _Kept,
+def _built(
+    coefficients: tuple[tuple[str, float], ...], zero: SectionZero, direction: int
 ) -> HeyokaIntegrator:
     variables = hy.make_vars(*STATE)
     constants: dict[str, Scalar] = {name: hy.expression(x) for name, x in coefficients}
     field = principal.field(variables, constants, EXPRESSIONS)
     crossing = zero.value(variables, EXPRESSIONS, hy.expression)
-    event = hy.nt_event_batch(crossing, kept, direction=_DIRECTIONS[direction])
-    system = list(zip(variables, field, strict=True))
-    options = compact_beyond(_LONG, [crossing])
-    return hy.taylor_adaptive_batch(system, np.zeros((6, size)), nt_events=[event], **options)
+    return built(list(zip(variables, field, strict=True)), crossing, Met(), direction)

@@ -9,34 +9,29 @@ itself.  What a lane gives does not depend on its neighbours.
 
 from __future__ import annotations
 
-import copy
-import threading
+import math
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import NamedTuple
 
 import heyoka as hy
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.locks import Lock, Place
 from polhode.common.progress import Stop
 from polhode.equations import kinematics
 from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome, code
-from polhode.numbers import expression
-from polhode.numbers.exact import Number
-from polhode.numbers.expression import Algebra
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
 from polhode.taylor.backend import heyoka_numbers
+from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import CompiledFunction, Expression, HeyokaIntegrator
-from polhode.taylor.batches import step_blocks
-from polhode.taylor.batches.batch_integrator import width
-from polhode.taylor.events.functions import TIME
+from polhode.taylor.batches.compiled_batch import CompiledBatch
+from polhode.taylor.batches.lane_queue import LaneQueue
+from polhode.taylor.events.batch_search import Met, built
+from polhode.taylor.events.functions import TIME, in_columns
 
 STRETCH = 32.0  # of the motions' unit of time, a radian or two
-_LONG = 80  # operations of an expression whose code is compiled as loops
 _AT_START = 1e-9  # of an expression's size: so near to zero a start is taken for one at zero
 _TURN = tuple(f"turn{i}{j}" for i in range(3) for j in range(3))
 _ZERO = hy.expression(0.0)
@@ -82,48 +77,48 @@ class First(NamedTuple):
 
 def solve(job: FirstJob, stop: Stop | None = None) -> First:
     """Follow a job's motions, as many at a time as a step advances; the next takes a free lane."""
-    lanes = _Lanes(job)
-    while lanes.busy.any() and not (stop is not None and stop()):
-        if not lanes.stretch(stop):
-            break
-    return lanes.found
+    key = job.names, job.columns, job.zero, job.size, job.turns is not None
+    with CompiledBatch(FIRSTS, key, lambda: _built(*key)) as batch:
+        return _Motions(job, batch).run(stop)
 
 
-class _Met:
-    """heyoka's callback: of each lane the first crossing in the asked direction, and how many."""
+#: Each thread takes one.
+FIRSTS: Kind[HeyokaIntegrator] = Kind(16)
 
-    def __init__(self, lanes: int, columns: int) -> None:
-        self.times, self.states = np.empty(lanes), np.empty((columns, lanes))
-        self.counts = np.zeros(lanes, dtype=int)
-        self.direction, self.since = 0, np.zeros(lanes)
-        self.clear()
 
-    def clear(self) -> None:
-        """Forget them."""
-        self.times.fill(np.inf)
-        self.counts.fill(0)
+class FirstMet(Met):
+    """heyoka's callback: of each lane the crossings in a direction, each earlier than the last.
+
+    ``value``: the expression, compiled.  ``counts``: the crossings in either direction.
+    """
+
+    def __init__(self, value: CompiledFunction) -> None:
+        super().__init__()
+        self.value = value
+
+    def begin(self, direction: int, since: Doubles) -> None:
+        """Forget them; ``since``: the crossings of a lane up to then are the start itself."""
+        self.crossings.clear()
+        self.direction, self.since = direction, since.tolist()
+        self.earliest, self.counts = [math.inf] * len(since), [0] * len(since)
 
     def __call__(self, ta: HeyokaIntegrator, time: float, sign: int, lane: int) -> None:
-        if abs(time) <= self.since[lane]:  # the start itself
+        """Count a crossing that heyoka has met, and keep it if it is the first so far."""
+        since = abs(time)
+        if since <= self.since[lane]:
             return
         self.counts[lane] += 1
-        if sign * self.direction < 0 or not abs(time) < abs(self.times[lane]):
-            return
-        ta.update_d_output(time)
-        self.times[lane], self.states[:, lane] = time, ta.d_output[:, lane]
-
-    def __deepcopy__(self, _: object) -> _Met:
-        return _Met(len(self.times), len(self.states))  # each copy of an integrator has its own
+        if sign * self.direction >= 0 and since < self.earliest[lane]:
+            self.earliest[lane] = since
+            super().__call__(ta, time, sign, lane)
 
 
-class _Lanes:
-    """A job's motions in the lanes of one batch."""
+class _Motions:
+    """A job's motions in the lanes of a batch."""
 
-    def __init__(self, job: FirstJob) -> None:
-        self.job, n = job, len(job.starts)
-        self.ta, self.value, self.met = _own(job)
-        size = width(DOUBLE)
-        self.met.direction = job.direction
+    def __init__(self, job: FirstJob, batch: CompiledBatch) -> None:
+        self.job, self.batch, n = job, batch, len(job.starts)
+        self.met: FirstMet = batch.heyoka.nt_events[0].callback
         self.found = First(
             np.full(n, np.nan),
             np.full((n, len(job.columns)), np.nan),
@@ -131,98 +126,69 @@ class _Lanes:
             np.zeros(n, dtype=np.int64),
             np.zeros(n, dtype=bool),
         )
-        self.motion = np.minimum(np.arange(size), n - 1)
-        self.busy, self.ahead = np.arange(size) < n, min(size, n)
         self.count = max(1, int(np.ceil(abs(job.end) / STRETCH)))
         self.length = job.end / self.count
-        self.done = np.zeros(size, dtype=int)  # stretches
-        self.state = self.ta.state
-        for lane in range(size):
-            self._begin(lane, int(self.motion[lane]))
+        self.lanes = LaneQueue(n, batch.places)
+        self.done = np.zeros(batch.places, dtype=int)  # stretches
+        for lane in range(batch.places):
+            self._begin(lane)
 
-    def _begin(self, lane: int, k: int) -> None:
-        job, pars = self.job, self.ta.pars
-        self.motion[lane], self.done[lane] = k, 0
-        self.state[:, lane] = job.starts[k]
+    def run(self, stop: Stop | None) -> First:
+        """All of them."""
+        self.lanes.follow(self._begin, lambda: self._stretch(stop), stop)
+        return self.found
+
+    def _begin(self, lane: int) -> None:
+        job, k, pars = self.job, self.lanes.motion[lane], self.batch.parameters
+        self.done[lane] = 0
+        self.batch.state[:, lane] = job.starts[k]
         unit = 2.0**job.time_unit
         turn = [] if job.turns is None else job.turns[k]
         numbers = [1 / unit, unit, 0.0, *job.coefficients[k], *turn]
         pars[:, lane] = numbers[: len(pars)]  # no more of them than the equations need
 
-    def stretch(self, stop: Stop | None) -> bool:
-        """Go on by one stretch of time, and begin other motions where some are over.
-
-        False where stopped.
-        """
-        job, ta, met = self.job, self.ta, self.met
-        ta.pars[2:3] = self.origin = self.done * self.length
+    def _stretch(self, stop: Stop | None) -> list[int] | None:
+        """Go on by one stretch of time: the lanes whose motions are over; None where stopped."""
+        job, batch, busy = self.job, self.batch, self.lanes.busy
+        batch.parameters[2:3] = origin = self.done * self.length
         before = self._values(0.0)
         near = np.abs(before) < _AT_START * job.size
-        met.clear()
+        starting = near & (self.done == 0)
         # an exact zero at t = 0 is no event; heyoka may find it at some small time
-        met.since = np.where(near & (self.done == 0), _AT_START * abs(self.length), -1.0)
-        ta.set_time(0.0)
-        left = job.max_steps - int(self.found.steps[self.motion[self.busy]].max())
-        ends = np.where(self.busy, self.length, 0.0).tolist()
-        ended = step_blocks.until(ta, ends, max(1, left), stop)
+        self.met.begin(job.direction, np.where(starting, _AT_START * abs(self.length), -1.0))
+        batch.begin()
+        left = job.max_steps - int(self.found.steps[self.lanes.motion[busy]].max())
+        ends = np.where(busy, self.length, 0.0).tolist()
+        ended = batch.in_blocks(ends, max(1, left), stop)
         if ended.stopped:
-            return False
+            return None
         after = self._values(self.length)
-        fits = (before * after < 0) == (met.counts % 2 == 1)
-        fits |= near & (self.done == 0)
-        for lane in np.flatnonzero(self.busy).tolist():
-            self._note(lane, ended.outcomes[lane], int(ended.steps[lane]), bool(fits[lane]))
-        return True
+        fits = (before * after < 0) == (np.array(self.met.counts) % 2 == 1)
+        sure = (fits | starting) & [outcome is Outcome.REACHED_END for outcome in ended.outcomes]
+        self.found.steps[self.lanes.motion[busy]] += ended.steps[busy]
+        self.done += busy
+        firsts = {met.lane: met for met in self.met.crossings}
+        over = busy & (~sure | (self.done == self.count) | np.isfinite(self.met.earliest))
+        for lane in np.flatnonzero(over).tolist():
+            k, met = self.lanes.motion[lane], firsts.get(lane)
+            if sure[lane] and met is not None:
+                self.found.times[k], self.found.states[k] = origin[lane] + met.time, met.state
+            self.found.unsure[k] = not sure[lane]
+            self.found.outcomes[k] = code(Outcome.REACHED_END)
+        return np.flatnonzero(over).tolist()
 
     def _values(self, time: float) -> Doubles:
         """The expression in each lane."""
-        clock = np.full((1, len(self.busy)), time)
+        value, batch = self.met.value, self.batch
+        columns = np.vstack([batch.state, np.full((1, batch.places), time)])
         with np.errstate(all="ignore"):
-            found: Doubles = self.value(
-                np.vstack([self.state, clock]), pars=self.ta.pars[: self.value.nparams]
-            )[0]
+            found: Doubles = value(columns, pars=batch.parameters[: value.nparams])[0]
         return found
 
-    def _note(self, lane: int, ended: Outcome, steps: int, fits: bool) -> None:
-        found, k, met = self.found, int(self.motion[lane]), self.met
-        found.steps[k] += steps
-        if ended is Outcome.REACHED_END and np.isfinite(met.times[lane]) and fits:
-            found.times[k] = self.origin[lane] + met.times[lane]
-            found.states[k] = met.states[:, lane]
-        else:
-            self.done[lane] += 1
-            if ended is Outcome.REACHED_END and fits and self.done[lane] < self.count:
-                return
-            found.unsure[k] = ended is not Outcome.REACHED_END or not fits
-        found.outcomes[k] = code(Outcome.REACHED_END)
-        if self.ahead < len(self.job.starts):
-            self._begin(lane, self.ahead)
-            self.ahead += 1
-        else:
-            self.busy[lane] = False
-            self.state[:, lane] = self.job.starts[k]  # idles where nothing is infinite
 
-
-_mine = threading.local()
-_compiling = Lock(Place.COMPILING)
-
-
-def _own(job: FirstJob) -> tuple[HeyokaIntegrator, CompiledFunction, _Met]:
-    """What this thread follows motions with; compiled once a process, but for the callback's."""
-    key = (job.names, job.columns, job.zero, job.size, job.turns is not None)
-    if getattr(_mine, "key", None) != key:
-        with _compiling.held():
-            built, value = _compiled(*key)
-            own = copy.deepcopy(built)
-        _mine.own, _mine.key = (own, copy.copy(value), own.nt_events[0].callback), key
-    mine: tuple[HeyokaIntegrator, CompiledFunction, _Met] = _mine.own
-    return mine
-
-
-@lru_cache(maxsize=4)
-def _compiled(
+def _built(
     names: tuple[str, ...], columns: tuple[str, ...], zero: str, size: float, turned: bool
-) -> tuple[HeyokaIntegrator, CompiledFunction]:
+) -> HeyokaIntegrator:
     variables = hy.make_vars(*columns)
     per_unit, unit, since = (hy.par[i] for i in range(3))
     k = {name: hy.par[3 + i] for i, name in enumerate(names)}
@@ -233,26 +199,10 @@ def _compiled(
         }
         vectors = [kinematics.in_scene_axes(vector, turn, _ZERO) for vector in vectors]
     vectors[0] = [per_unit * x for x in vectors[0]]
-    named = dict(zip(columns, (x for vector in vectors for x in vector), strict=True))
-    crossing = expression.evaluate(zero, {**named, "t": unit * TIME}, Algebra(_constant, _WORDS))
+    values = [x for vector in vectors for x in vector]
+    crossing = in_columns(zero, columns, values, unit * TIME, DOUBLE)
     field = principal.field(variables, k, heyoka_numbers.EXPRESSIONS)
-    lanes = width(DOUBLE)
-    event = hy.nt_event_batch(
-        hy.subs(crossing / hy.expression(size), {TIME: hy.time + since}),
-        _Met(lanes, len(columns)),
-    )
-    ta = hy.taylor_adaptive_batch(
-        list(zip(variables, field, strict=True)),
-        np.zeros((len(columns), lanes)),
-        nt_events=[event],
-        **heyoka_numbers.compact_beyond(_LONG, [crossing]),
-    )
     value = hy.cfunc([hy.subs(crossing, {TIME: TIME + since})], vars=[*variables, TIME])
-    return ta, value
-
-
-_WORDS = {"sqrt": hy.sqrt, "sin": hy.sin, "cos": hy.cos}
-
-
-def _constant(x: Number) -> Expression:
-    return hy.expression(heyoka_numbers.scalar(x, DOUBLE))
+    within = hy.subs(crossing / hy.expression(size), {TIME: hy.time + since})
+    equations = list(zip(variables, field, strict=True))
+    return built(equations, crossing, FirstMet(value), within=within)

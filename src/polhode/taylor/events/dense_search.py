@@ -18,20 +18,20 @@ import heyoka as hy
 import numpy as np
 import numpy.typing as npt
 
-from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.heyoka_numbers import disk_cache, type_options
+from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import CompiledFunction
 from polhode.taylor.batches.short_arcs import Hops
 from polhode.taylor.events import hermite_roots
-from polhode.taylor.events.functions import event_expression, rate
+from polhode.taylor.events.functions import event_expression, jet
 from polhode.taylor.events.stepwise import Watch
 from polhode.taylor.events.vectorized_roots import NEAR, Seen, Zeros, crossings, those
+from polhode.taylor.integrator.compiled import Compiled
 from polhode.taylor.integrator.protocols import Desk
 from polhode.taylor.integrator.specification import Blueprint
-from polhode.taylor.integrator.stepping import Integrator
 
 _HOPS = 3  # towards one crossing
 _LONGEST = 32  # cells in a row that heyoka looks at
@@ -64,15 +64,13 @@ class Outlook:
 
         with disk_cache(DOUBLE):
             for event in scene.events:
-                jet = [event_expression(scene, event, DOUBLE, variables)]
-                for _ in range(hermite_roots.DERIVATIVES - 1):
-                    jet.append(rate(jet[-1], variables, rates))
-                compiled = hy.cfunc(jet, vars=variables, **options)
+                value = event_expression(scene, event, DOUBLE, variables)
+                values = jet([value], variables, rates, hermite_roots.DERIVATIVES - 1)
+                compiled = hy.cfunc(values, vars=variables, **options)
                 self.jets.append(compiled)
                 self.desk.evaluate.append(_first_three(compiled))
                 self.desk.with_time.append(False)
-            bends = [rate(x, variables, rates) for x in rates]
-            motion = [*rates, *bends, *(rate(x, variables, rates) for x in bends)]
+            motion = jet(rates, variables, rates, 2)
             self.desk.motion = hy.cfunc(motion, vars=variables, **options)
 
 
@@ -84,6 +82,10 @@ def _first_three(jet: CompiledFunction) -> CompiledFunction:
     return evaluate
 
 
+#: By :attr:`polhode.runs.problem.problem.Problem.event_functions`.
+OUTLOOKS: Kind[Outlook] = Kind(16)
+
+
 class Sightings:
     """The events of one run that is over.
 
@@ -92,7 +94,7 @@ class Sightings:
 
     def __init__(self, watch: Watch, outlook: Outlook, hops: Hops, plan: Blueprint) -> None:
         self.watch, self.outlook, self.hops, self.plan = watch, outlook, hops, plan
-        self._looking: Integrator | None = None
+        self._looking: Compiled | None = None
         watch.sit_down(outlook.desk)
 
     def release(self) -> None:
@@ -168,15 +170,15 @@ class Sightings:
 
     def _look(self, knots: Knots, asked: list[tuple[int, list[tuple[int, int]]]]) -> None:
         """Let heyoka look for events from knots to knots."""
-        self._looking = integrator = Integrator(self.plan, ZERO, self.watch)
+        self._looking = looking = Compiled(self.plan, self.watch)
+        self.watch.sit_down(looking.desk or Desk())
         ends = np.append(knots.times, knots.reached)
         for k, stretches in asked:
             for begin, end in stretches:
                 before, length = self.watch.marks(), float(ends[end] - ends[begin])
-                integrator.heyoka.time = 0.0
-                integrator.stand_at(knots.states[begin])
-                self.watch.counts_from(Fraction(float(ends[begin])), integrator.heyoka)
-                integrator.heyoka.propagate_until(length)
+                looking.stand(knots.states[begin])
+                self.watch.counts_from(Fraction(float(ends[begin])), looking.heyoka)
+                looking.heyoka.propagate_until(length)
                 self.watch.take_back(before, all_but=k)
 
 

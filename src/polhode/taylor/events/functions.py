@@ -47,9 +47,24 @@ def event_expression(
         unit = Fraction(2) ** scene.time_unit
         columns[:3] = [constant(1 / unit) * x for x in columns[:3]]
         clock = constant(unit) * TIME
-    names = dict(zip(scene.columns, columns, strict=True), t=clock)
+    return in_columns(event.expression, scene.columns, columns, clock, number)
+
+
+def in_columns(
+    text: str,
+    columns: Sequence[str],
+    values: Sequence[Expression],
+    clock: Expression,
+    number: NumberType,
+) -> Expression:
+    """A text in t and the names of columns, with these values."""
+
+    def constant(x: Number) -> Expression:
+        return hy.expression(heyoka_numbers.scalar(x, number))
+
+    names = dict(zip(columns, values, strict=True), t=clock)
     functions = {"sqrt": hy.sqrt, "sin": hy.sin, "cos": hy.cos}
-    found = expression.evaluate(event.expression, names, Algebra(constant, functions))
+    found = expression.evaluate(text, names, Algebra(constant, functions))
     return found if isinstance(found, hy.expression) else constant(found)
 
 
@@ -59,6 +74,20 @@ def rate(
     """The derivative of an expression along the motion."""
     terms = zip(variables, rates, strict=True)
     return sum((hy.diff(value, x) * dx for x, dx in terms), hy.diff(value, TIME))
+
+
+def jet(
+    values: Sequence[Expression],
+    variables: Sequence[Expression],
+    rates: Sequence[Expression],
+    orders: int,
+) -> list[Expression]:
+    """Expressions, and behind them their derivatives along the motion up to an order."""
+    found, last = [*values], values
+    for _ in range(orders):
+        last = [rate(x, variables, rates) for x in last]
+        found += last
+    return found
 
 
 def _along_the_middle_axis(

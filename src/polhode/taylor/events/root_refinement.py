@@ -14,7 +14,7 @@ from typing import NamedTuple
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Numbers
 from polhode.numbers.scalars import Scalar
-from polhode.taylor.events.thresholds import Limits
+from polhode.taylor.events.rules import Limits
 
 _ROUNDS = 6  # of Newton's method; two are the rule
 

@@ -1,15 +1,23 @@
-"""What the events of a scene are looked for by: made once for a scene."""
+"""What the events of a scene are looked for by: made once for a scene.
+
+Among it, for each event, what counts as steep, as a contact, as converged.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 
+from polhode.numbers import exact
+from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.scene import Scene
+from polhode.taylor.backend import heyoka_numbers
+from polhode.taylor.backend.types import HeyokaNumber
 from polhode.taylor.events.callbacks import is_entire
-from polhode.taylor.events.magnitudes import sign_at_start, size_of
-from polhode.taylor.events.thresholds import Limits
+from polhode.taylor.events.magnitudes import Size, sign_at_start, size_of
 
 
 class Rules:
@@ -28,3 +36,44 @@ class Rules:
         self.limits = [
             Limits(size_of(scene, event), number, eps, steering) for event in scene.events
         ]
+
+
+class Limits:
+    """Thresholds of one event as numbers of the run's type; times in the run's unit.
+
+    From the sizes S of the expression and S' of its rate and sqrt(eps): a contact is a value below
+    sqrt(eps) min(S, S') at an extremum; a slope below S'/256 is looked at twice.  ``typed``: makes
+    the numbers, heyoka's unless given.
+    """
+
+    def __init__(
+        self,
+        found: Size,
+        number: NumberType,
+        eps: Fraction,
+        steering: bool,
+        typed: Callable[[Fraction], Scalar] | None = None,
+    ) -> None:
+        value, rate = exactly(found.value) or Fraction(1), exactly(found.rate) or Fraction(1)
+        half = Fraction(2) ** -(((1 / eps).numerator.bit_length() - 1) // 2)
+
+        def of_heyoka(x: Fraction) -> HeyokaNumber:
+            return heyoka_numbers.scalar(x, number)
+
+        typed = typed or of_heyoka
+        noise = 256 * number.eps * value
+        self.zero = typed(ZERO)
+        self.noise = typed(noise)
+        self.steep = typed(rate / 256)
+        self.flat = typed(half * rate + noise)
+        self.contact = typed(half * min(value, rate) + noise)
+        small = Fraction(1) if steering else half
+        self.damping = typed(small * Fraction(2) ** -_exponent(max(value, rate)))
+        self.converged = typed(Fraction(2) ** -(number.bits // 2 + 6))
+        self.nearby = typed(Fraction(2) ** -(number.bits // 3))
+        self.widest = typed(Fraction(1, 16))
+
+
+def _exponent(x: Fraction) -> int:
+    mantissa, exponent = exact.rounded(x, 8)
+    return exponent + mantissa.bit_length()

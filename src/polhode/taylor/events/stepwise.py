@@ -44,7 +44,7 @@ from polhode.taylor.backend.types import (
     HeyokaNumber,
 )
 from polhode.taylor.events.callbacks import AfterStep, Callback
-from polhode.taylor.events.functions import TIME, event_expression, rate
+from polhode.taylor.events.functions import TIME, event_expression, jet
 from polhode.taylor.events.root_refinement import Mark, Place, is_start, polished, sorted_out
 from polhode.taylor.events.rules import Rules
 from polhode.taylor.events.vectorized_roots import (
@@ -131,24 +131,19 @@ class Watch:
 
         for k, event in enumerate(self.scene.events):
             value = event_expression(self.scene, event, self.number, variables)
-            slope = rate(value, variables, rates)
+            values = jet([value], variables, rates, 2 if self.number.flat else 1)
             desk.with_time.append("t" in hy.get_variables([value]))
             damping = hy.expression(self.limits[k].damping)
             events += [
                 hy.nt_event(hy.subs(f * damping, {TIME: clock}), Callback(desk, k), **kind)
-                for f in (value, slope)
+                for f in values[:2]
                 if hy.get_variables([f])  # a constant has no zeros
             ]
-            jet = (
-                [value, slope, rate(slope, variables, rates)]
-                if self.number.flat
-                else [value, slope]
-            )
-            jet = hy.subs(jet, {TIME: clock})
-            desk.evaluate.append(hy.cfunc(jet, vars=list(variables), **options))
+            values = hy.subs(values, {TIME: clock})
+            desk.evaluate.append(hy.cfunc(values, vars=list(variables), **options))
         if self.number.flat:
-            derivatives = [*rates, *(rate(x, variables, rates) for x in rates)]
-            desk.motion = hy.cfunc(derivatives, vars=list(variables), **options)
+            motion = jet(rates, variables, rates, 1)
+            desk.motion = hy.cfunc(motion, vars=list(variables), **options)
         return events, desk
 
     def sit_down(self, desk: Desk) -> None:
@@ -218,12 +213,12 @@ class Watch:
         ta = self.stepping
         after = state.copy()
         after[: len(moved)] = moved
-        for k, jet in enumerate(self.desk.evaluate):
+        for k, evaluate in enumerate(self.desk.evaluate):
             options = (
                 {"pars": ta.pars[:FIRST_KEPT], "time": ta.time} if self.desk.with_time[k] else {}
             )
-            value, slope = jet(state, **options)[:2]
-            new_value, new_slope = jet(after, **options)[:2]
+            value, slope = evaluate(state, **options)[:2]
+            new_value, new_slope = evaluate(after, **options)[:2]
             if abs(new_value - value) > abs(value) / 4:
                 return True
             grazing = abs(value) <= 2 * self.limits[k].contact
@@ -263,7 +258,7 @@ class Watch:
                 rows: Given = met
                 grazing = (False,) * len(slopes)
             else:
-                marks = self._marks(k) + plain_marks(those(zeros, found.plain))
+                marks = [*map(self._exact, self.raw[k]), *plain_marks(those(zeros, found.plain))]
                 marks += self._one_by_one(k, those(zeros, ~found.plain))
                 marks, complete = sorted_out(marks, before, self.stop, self.number, ZERO)
                 marks = [m for m in marks if event.counts(m.slope)]
@@ -285,17 +280,10 @@ class Watch:
             parts.append(those((seen, found), ~found.none))
         return joined(parts)
 
-    def _marks(self, k: int) -> list[Mark]:
-        """What was polished at once."""
-        return [
-            Mark(
-                self._time(raw),
-                raw.row,
-                raw.slope,
-                self._exactly(raw.width) if raw.slope == 0 else ZERO,
-            )
-            for raw in self.raw[k]
-        ]
+    def _exact(self, raw: _Raw) -> Mark:
+        """A mark with its exact time."""
+        width = ZERO if raw.slope else self._exactly(raw.width)
+        return Mark(self._time(raw), raw.row, raw.slope, width)
 
     def _one_by_one(self, k: int, zeros: Zeros) -> list[Mark]:
         """Places that are no plain crossings, each looked at along a step from there."""
@@ -313,8 +301,7 @@ class Watch:
                 self.heyoka.update_d_output(found.time, rel_time=True)
                 high, low = self.heyoka.dtime
                 raw = _Raw(since, high, low + found.time, self.row.copy(), *found[1:])
-                width = ZERO if raw.slope else self._exactly(raw.width)
-                marks.append(Mark(self._time(raw), raw.row, raw.slope, width))
+                marks.append(self._exact(raw))
         self.muted = False
         return marks
 

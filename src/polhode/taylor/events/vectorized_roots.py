@@ -7,6 +7,7 @@ left to go is far shorter than the third or fourth root of the type's rounding.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple, TypeAlias
 
@@ -19,7 +20,7 @@ from polhode.numbers.rows import Booleans, Flat, Indices
 from polhode.taylor.backend.time_grid import exact_sum
 from polhode.taylor.backend.types import CompiledFunction, HeyokaNumber
 from polhode.taylor.events.root_refinement import Mark, near
-from polhode.taylor.events.thresholds import Limits
+from polhode.taylor.events.rules import Limits
 
 _SMALL, _SHIFT = 2.0**-300, 300
 #: In the run's unit, by the order of the polynomial: its power beyond that is a rounding.
@@ -105,7 +106,7 @@ def crossings(
     return Crossings(moved, columns.T, np.sign(slope), plain, none)
 
 
-def along(columns: Flat, rates: Flat, step: Flat) -> Flat:
+def along(columns: Flat, rates: Flat | Sequence[Flat], step: Flat) -> Flat:
     """States a little later by a Taylor polynomial: ``rates``, first derivatives and so on."""
     bend = rates[-1]
     for k in range(len(rates) - 1, 0, -1):

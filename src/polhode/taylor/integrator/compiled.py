@@ -7,14 +7,19 @@ long as a short run itself.  So a run takes one that is idle, and leaves it to t
 from __future__ import annotations
 
 from collections.abc import Hashable
+from typing import TypeVar
 
+from polhode.numbers.rows import Doubles, Extendeds, Numbers
 from polhode.taylor.backend.heyoka_numbers import scalar
-from polhode.taylor.backend.integrator_pool import Idle
+from polhode.taylor.backend.integrator_pool import POOL, Kind
 from polhode.taylor.integrator.angle_variables import Cyclic
 from polhode.taylor.integrator.protocols import Desk, Watcher
 from polhode.taylor.integrator.specification import FIRST_KEPT, Blueprint, Built, built
 
-_IDLE: Idle[Built] = Idle()
+#: Times, and states at them.
+K = TypeVar("K", Doubles, Extendeds)
+
+RUNS: Kind[Built] = Kind(16)
 
 
 class Compiled:
@@ -31,7 +36,7 @@ class Compiled:
         self._key: Hashable = plan.key
         if watcher is not None and self._key is not None:
             self._key = (self._key, watcher.rules)
-        idle: Built | None = None if self._key is None else _IDLE.take(self._key)
+        idle = POOL.take(RUNS, self._key)
         self._built = idle or built(plan, watcher, cyclic)
         self.heyoka = self._built.heyoka
         self.desk: Desk | None = self._built.desk
@@ -49,6 +54,16 @@ class Compiled:
         if self.kept:
             self.tell_kept()
 
+    def stand(self, state: Numbers) -> None:
+        """Be at time 0 in a state."""
+        self.state[:] = state
+        self.begin()
+
+    def grid(self, times: K) -> K:
+        """The states at times, the first of them the one at which it stands."""
+        found: K = self.heyoka.propagate_grid(times)[-1]
+        return found
+
     def tell_kept(self) -> None:
         """Give the rates the variables that the equations keep, from where they stand."""
         for parameter, column in self.kept:
@@ -58,6 +73,6 @@ class Compiled:
         """Leave the compiled code to the next run of the same equations; the last call of all."""
         if self.desk is not None:
             self.desk.watch = None  # which knows a run, its scene and its times
-        if self._key is not None and self._built.again:
-            _IDLE.put(self._key, self._built)
+        if self._built.again:
+            POOL.put(RUNS, self._key, self._built)
         del self._built, self.heyoka, self.state, self._parameters

@@ -6,22 +6,25 @@ trajectory that is only approximately right, such as the enclosures, starts from
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Sequence
-from functools import cache
 from typing import NamedTuple
 
 import heyoka as hy
 import numpy as np
 
-from polhode.numbers.number_types import extended_here
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.number_types import DOUBLE, EXTENDED, extended_here
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import Scalar
+from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator, HeyokaOutput
+from polhode.taylor.integrator.prepared import Prepared
 
 _CYCLE = ((1, 2), (2, 0), (0, 1))
 _MOST_STEPS = 100_000
+
+PATHS: Kind[HeyokaIntegrator] = Kind(4)
 
 
 class Path(NamedTuple):
@@ -46,25 +49,24 @@ def path(
     w_i' = c_i w_a w_b + c_(3+i) gamma_a + c_(6+i) gamma_b, gamma' = gamma x w, with i, a, b cyclic;
     ``wide``: in long double rather than in double, where the machine has it.
     """
-    kind = np.longdouble if wide and extended_here() else np.float64
-    ta = copy.deepcopy(_compiled(kind))
-    ta.pars[:] = np.array(constants, dtype=kind)
-    ta.state[:] = np.array(start, dtype=kind)
-    ta.time = kind(0)
-    found = ta.propagate_until(kind(duration), c_output=True, max_steps=_MOST_STEPS)
-    if found[0] != hy.taylor_outcome.time_limit or found[4] is None:
+    number = EXTENDED if wide and extended_here() else DOUBLE
+    kind = np.longdouble if number is EXTENDED else np.float64
+    with Prepared(PATHS, kind, lambda: _built(kind), number) as ta:
+        ta.stand(np.array(start, dtype=kind), np.array(constants, dtype=kind))
+        ended, output = ta.polynomials(kind(duration), _MOST_STEPS)
+        order = ta.heyoka.order
+    if ended is not Outcome.REACHED_END or output is None:
         return None
-    ends = np.array(found[4].times).astype(float)
+    ends = np.array(output.times).astype(float)
     # heyoka's step is this part of the radius of convergence
-    part = math.exp(-2.0 - 0.7 / (ta.order - 1))
+    part = math.exp(-2.0 - 0.7 / (order - 1))
     taken = np.diff(ends)
     if len(taken) > 1:
         taken[-1] = max(taken[-1], taken[-2])  # the last step is cut at the end
-    return Path(ends, taken / part, found[4], kind)
+    return Path(ends, taken / part, output, kind)
 
 
-@cache
-def _compiled(kind: type[np.floating]) -> HeyokaIntegrator:
+def _built(kind: type[np.floating]) -> HeyokaIntegrator:
     """An integrator of the equations for any body."""
     w, g = hy.make_vars("p", "q", "r"), hy.make_vars("g1", "g2", "g3")
     system = [

@@ -8,23 +8,26 @@ s carries the scale of those that are driven.
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Mapping, Sequence
-from functools import cache
 
 import heyoka as hy
 import numpy as np
 
 from polhode.equations.forms import principal
+from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Number
 from polhode.numbers.rows import Doubles
-from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
+from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
+from polhode.taylor.integrator.prepared import Prepared
+from polhode.taylor.variations import principal_equations
 
 _BLOCK = 50_000  # steps, a fifth of a second, between which a signal is heard
+
+VARIATIONS: Kind[HeyokaIntegrator] = Kind(4)
 
 
 class Variations:
@@ -42,8 +45,8 @@ class Variations:
         tangents: Doubles,
         drives: Sequence[Mapping[str, Number]] = (),
     ) -> None:
-        count = tangents.shape[1]
-        self.heyoka = copy.deepcopy(_compiled(count, len(drives)))
+        key = tangents.shape[1], len(drives)
+        self._ready = Prepared(VARIATIONS, key, lambda: _built(*key))
         self._pars = np.array(
             [
                 to_double(by.get(name, 0))
@@ -51,11 +54,12 @@ class Variations:
                 for name in principal.NAMES
             ]
         )
-        self.heyoka.pars[:] = self._pars
-        self.heyoka.time = 0.0
         self.exponent = self.steps = 0
-        self.state = start
-        self._tangents[:] = tangents.T
+        self._ready.stand(np.concatenate([start, tangents.T.ravel()]), self._pars)
+
+    def release(self) -> None:
+        """Leave the compiled code to the next motion; the last call of all."""
+        self._ready.release()
 
     def restart(self, tangents: Doubles) -> None:
         """Begin with other tangents where the state stands."""
@@ -64,22 +68,22 @@ class Variations:
     @property
     def time(self) -> float:
         """The time reached."""
-        return float(self.heyoka.time)
+        return float(self._ready.heyoka.time)
 
     @property
     def state(self) -> Doubles:
         """The six components of the state."""
-        found: Doubles = self.heyoka.state[:6]
+        found: Doubles = self._ready.state[:6]
         return found
 
     @state.setter
     def state(self, values: Doubles) -> None:
-        self.heyoka.state[:6] = values
+        self._ready.state[:6] = values
 
     @property
     def finite(self) -> bool:
         """Whether state and tangents are."""
-        return bool(np.all(np.isfinite(self.heyoka.state)))
+        return bool(np.all(np.isfinite(self._ready.state)))
 
     @property
     def tangents(self) -> Doubles:
@@ -88,18 +92,14 @@ class Variations:
 
     @property
     def _tangents(self) -> Doubles:
-        found: Doubles = self.heyoka.state[6:].reshape(-1, 6)
+        found: Doubles = self._ready.state[6:].reshape(-1, 6)
         return found
 
     def to(self, time: float, steps: int) -> bool:
         """March to a time in at most so many steps; whether it was reached with finite numbers."""
-        while steps > 0:  # to heyoka 0 is no limit
-            most = min(steps, _BLOCK)
-            outcome, _, _, taken, *_ = self.heyoka.propagate_until(time, max_steps=most)
-            self.steps, steps = self.steps + int(taken), steps - most
-            if outcome != hy.taylor_outcome.step_limit:
-                return bool(outcome == hy.taylor_outcome.time_limit)
-        return False
+        ended, taken = self._ready.until(time, steps, _BLOCK)
+        self.steps += taken
+        return ended is Outcome.REACHED_END
 
     def rescale(self) -> None:
         """Bring the largest tangent to about 1: tangents that lead would take digits of the step.
@@ -113,31 +113,25 @@ class Variations:
         self._tangents[:] = np.ldexp(self._tangents, -by)
         self.exponent += by
         driven = len(principal.NAMES)
-        self.heyoka.pars[driven:] = np.ldexp(self._pars[driven:], -self.exponent)
+        self._ready.parameters[driven:] = np.ldexp(self._pars[driven:], -self.exponent)
 
 
-@cache
-def _compiled(count: int, driven: int) -> HeyokaIntegrator:
+def _built(count: int, driven: int) -> HeyokaIntegrator:
     """An integrator of the state and ``count`` tangents, the last ``driven`` of them driven."""
     size = len(principal.NAMES)
-    numbers = [
-        {name: hy.par[k * size + j] for j, name in enumerate(principal.NAMES)}
-        for k in range(1 + driven)
-    ]
-    x = hy.make_vars(*STATE)
-    field = principal.field(x, numbers[0], EXPRESSIONS)
-    jacobian = [[hy.diff(rate, variable) for variable in x] for rate in field]
-    system = list(zip(x, field, strict=True))
-    for k in range(count):
-        v = hy.make_vars(*(f"{name}_{k}" for name in STATE))
-        rates = [
-            hy.sum([a * b for a, b in zip(row, v, strict=True) if a != EXPRESSIONS.zero])
-            for row in jacobian
-        ]
-        if k >= count - driven:
-            drive = principal.field(x, numbers[1 + k - (count - driven)], EXPRESSIONS)
-            rates = [a + b for a, b in zip(rates[:3], drive[:3], strict=True)] + rates[3:]
-        system += list(zip(v, rates, strict=True))
+    motion = principal_equations.motion(principal.NAMES)
+    tangents = principal_equations.tangents(motion, principal_equations.numbered(count))
+    x = [variable for variable, _ in motion]
+    for k in range(driven):
+        numbers = {name: hy.par[(1 + k) * size + j] for j, name in enumerate(principal.NAMES)}
+        drive = principal.field(x, numbers, EXPRESSIONS)
+        first = 6 * (count - driven + k)
+        for i in range(3):
+            variable, rate = tangents[first + i]
+            tangents[first + i] = variable, rate + drive[i]
     return hy.taylor_adaptive(
-        system, np.zeros(len(system)), compact_mode=True, pars=[0.0] * (size * (1 + driven))
+        motion + tangents,
+        np.zeros(6 * (1 + count)),
+        compact_mode=True,
+        pars=[0.0] * (size * (1 + driven)),
     )

@@ -123,6 +123,7 @@ def growth(
             flow.state = leader[t]
         elif passed > trusted * math.log(10):
             break
+    flow.release()
     return _continued(looks, _grown(looks, scene), end, unit, every)
 
 

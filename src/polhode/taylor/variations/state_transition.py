@@ -134,6 +134,7 @@ def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> 
         if leader is None and not still and height > _DOUBLES_TRUE:
             leader = Leader(plain)
             flow.state = leader.at(t, height)
+    flow.release()
     return Passage(scene, outputs, tuple(_with_plain_steps(found, plain)), note)
 
 

@@ -7,9 +7,6 @@ scaled to length one.  Nothing is called back while heyoka steps: threads share 
 
 from __future__ import annotations
 
-import copy
-import threading
-from functools import lru_cache
 from typing import NamedTuple
 
 import heyoka as hy
@@ -17,16 +14,18 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.checkpoint import Arrays
-from polhode.common.locks import Lock, Place
 from polhode.common.progress import Stop
-from polhode.equations.forms import principal
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import STATE
-from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
+from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
-from polhode.taylor.batches import step_blocks
-from polhode.taylor.batches.batch_integrator import width
+from polhode.taylor.batches.compiled_batch import CompiledBatch, width
+from polhode.taylor.batches.lane_queue import LaneQueue
+from polhode.taylor.variations import principal_equations
+
+#: Each thread of a map takes one.
+TANGENTS: Kind[HeyokaIntegrator] = Kind(16)
 
 
 class TangentJob(NamedTuple):
@@ -66,70 +65,47 @@ class Followed(NamedTuple):
 
 def solve(job: TangentJob, stop: Stop | None = None) -> Followed:
     """Follow a job's tangents, as many at a time as a step advances; the next takes a free lane."""
-    size, n = width(DOUBLE), len(job.starts)
-    ta = _own(job, size)
+    n, chunk = len(job.starts), job.end / job.looks
     sizes = np.full((n, job.looks + 1), np.nan)
     sizes[:, 0] = 0.0
     last = np.zeros(n, dtype=int)
-    orbit = np.minimum(np.arange(size), n - 1)
-    busy, ahead = np.arange(size) < n, min(size, n)
+    key = job.names, job.tolerance
+    with CompiledBatch(TANGENTS, key, lambda: _built(*key)) as ta:
+        lanes = LaneQueue(n, ta.places)
 
-    def begin(lane: int, k: int) -> None:
-        ta.state[:6, lane], ta.state[6:, lane] = job.starts[k], job.tangents[k]
-        ta.pars[:, lane] = job.coefficients[k]
-        orbit[lane], last[k] = k, 0
+        def begin(lane: int) -> None:
+            k = lanes.motion[lane]
+            ta.state[:6, lane], ta.state[6:, lane] = job.starts[k], job.tangents[k]
+            ta.parameters[:, lane] = job.coefficients[k]
 
-    for lane in range(size):
-        begin(lane, int(orbit[lane]))
-    chunk = job.end / job.looks
-    while busy.any() and not (stop is not None and stop()):
-        ta.set_time(0.0)
-        if step_blocks.until(ta, np.where(busy, chunk, 0.0).tolist(), stop=stop).stopped:
-            break
-        length = np.sqrt((ta.state[6:] ** 2).sum(axis=0))
-        for lane in np.flatnonzero(busy).tolist():
-            k = int(orbit[lane])
-            finite = bool(np.isfinite(ta.state[:, lane]).all()) and length[lane] > 0
-            if finite:
-                ta.state[6:, lane] /= length[lane]
-                last[k] += 1
-                look = last[k]
-                sizes[k, look] = sizes[k, look - 1] + np.log(length[lane])
-                grown = sizes[k, look] - sizes[k, look // 2]
-                if look < job.looks and not (look in job.early and grown > job.enough):
-                    continue
-            if ahead < n:
-                begin(lane, ahead)
-                ahead += 1
-            else:
-                busy[lane] = False
-                ta.state[:6, lane], ta.state[6:, lane] = job.starts[k], job.tangents[k]
+        def stretch() -> list[int] | None:
+            ta.begin()
+            if ta.in_blocks(np.where(lanes.busy, chunk, 0.0).tolist(), stop=stop).stopped:
+                return None
+            length, over = np.sqrt((ta.state[6:] ** 2).sum(axis=0)), []
+            for lane in np.flatnonzero(lanes.busy).tolist():
+                k = int(lanes.motion[lane])
+                finite = bool(np.isfinite(ta.state[:, lane]).all()) and length[lane] > 0
+                if finite:
+                    ta.state[6:, lane] /= length[lane]
+                    last[k] += 1
+                    look = last[k]
+                    sizes[k, look] = sizes[k, look - 1] + np.log(length[lane])
+                    grown = sizes[k, look] - sizes[k, look // 2]
+                    if look < job.looks and not (look in job.early and grown > job.enough):
+                        continue
+                over.append(lane)
+            return over
+
+        for lane in range(ta.places):
+            begin(lane)
+        lanes.follow(begin, stretch, stop)
     return Followed(sizes, last)
 
 
-_mine = threading.local()
-_compiling = Lock(Place.COMPILING)
-
-
-def _own(job: TangentJob, size: int) -> HeyokaIntegrator:
-    """The integrator of this thread alone; compiled once a process."""
-    key = (job.names, size, job.tolerance)
-    if getattr(_mine, "key", None) != key:
-        with _compiling.held():
-            built = _compiled(*key)
-        _mine.integrator, _mine.key = copy.copy(built), key
-    return _mine.integrator
-
-
-@lru_cache(maxsize=4)
-def _compiled(names: tuple[str, ...], size: int, tolerance: float | None) -> HeyokaIntegrator:
-    x = hy.make_vars(*STATE)
-    u = hy.make_vars(*(f"d_{name}" for name in STATE))
-    field = principal.field(x, {n: hy.par[i] for i, n in enumerate(names)}, EXPRESSIONS)
-    system = list(zip(x, field, strict=True))
-    for variable, rate in zip(u, field, strict=True):
-        parts = [hy.diff(rate, y) * v for y, v in zip(x, u, strict=True)]
-        system.append((variable, hy.sum(parts)))
+def _built(names: tuple[str, ...], tolerance: float | None) -> HeyokaIntegrator:
+    system = principal_equations.motion(names)
+    system += principal_equations.tangents(system, [[f"d_{name}" for name in STATE]])
     options = {} if tolerance is None else {"tol": tolerance}
-    shapes = np.zeros((12, size)), np.zeros((len(names), size))
+    shapes = np.zeros((12, width(DOUBLE))), np.zeros((len(names), width(DOUBLE)))
     return hy.taylor_adaptive_batch(system, shapes[0], pars=shapes[1], **options)

@@ -1,0 +1,84 @@
+"""heyoka's batch of doubles, prepared: as many systems at a time as the machine has lanes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import heyoka as hy
+import numpy as np
+import numpy.typing as npt
+
+from polhode.common.progress import Stop
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Array, Doubles
+from polhode.taylor.backend.step_outcomes import ending
+from polhode.taylor.backend.types import HeyokaNumber
+from polhode.taylor.batches import step_blocks
+from polhode.taylor.integrator.prepared import Prepared
+
+_REACHED = hy.taylor_outcome.time_limit
+
+
+def width(number: NumberType) -> int:
+    """How many systems one step advances."""
+    return int(hy.recommended_simd_size(float)) if number.name == "double" else 1
+
+
+class CompiledBatch(Prepared):
+    """A batch of doubles from the pool: states and parameters a column for each lane."""
+
+    @property
+    def places(self) -> int:
+        """How many lanes there are."""
+        return int(self.state.shape[1])
+
+    def begin(self) -> None:
+        """All lanes at time 0 where they stand."""
+        self.heyoka.set_time(0.0)
+
+    def to(self, ends: Sequence[float], most: int | None = None) -> Doubles:
+        """Every lane to an end of its own, in one go of at most so many steps; the states."""
+        if most is None:  # an option takes as long as the shortest way
+            self.heyoka.propagate_until(ends)
+        else:
+            self.heyoka.propagate_until(ends, max_steps=most)
+        found: Doubles = self.state
+        return found
+
+    def rows(self, times: Doubles, most: int = 0) -> Doubles:
+        """States at times, a column for each lane, after the first time, in one such go."""
+        found: Doubles = self.heyoka.propagate_grid(times, max_steps=most)[1][1:]
+        return found
+
+    @property
+    def now(self) -> HeyokaNumber:
+        """The time that the first lane has reached."""
+        return self.heyoka.time[0]
+
+    def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, int, Outcome]:
+        """The same where all lanes are alike."""
+        rows = self.rows(np.repeat(np.array([times]).T, self.places, axis=1), most)
+        return rows[~np.isnan(rows[:, 0, 0])], int(self.steps[0]), self.outcomes[0]
+
+    def in_blocks(
+        self, ends: Sequence[float], most: int | None = None, stop: Stop | None = None
+    ) -> step_blocks.Ended:
+        """Every lane to an end of its own, see :mod:`polhode.taylor.batches.step_blocks`."""
+        return step_blocks.until(self.heyoka, ends, most, stop)
+
+    @property
+    def steps(self) -> npt.NDArray[np.int64]:
+        """The steps of each lane in the last go."""
+        return np.array([result[3] for result in self.heyoka.propagate_res], dtype=np.int64)
+
+    @property
+    def outcomes(self) -> list[Outcome]:
+        """How the last go ended for each lane."""
+        return [ending(result[0]) for result in self.heyoka.propagate_res]
+
+    @property
+    def arrived(self) -> bool:
+        """Whether the last go brought every lane to its end."""
+        results = self.heyoka.propagate_res
+        return [result[0] for result in results] == [_REACHED] * len(results)
