@@ -55,9 +55,8 @@ def main(options: Namespace) -> int:
     if "fault" in cache:
         told["cache"] = f"none, every run compiles again ({' '.join(cache['fault'].split())})"
     told["refined"] = facts["refined"]
-    width = max(map(len, told)) + 2
     for name, fact in told.items():
-        say(f"{name:<{width}}{fact}")
+        say(f"{name:<9} {fact}")
     return DONE
 
 
