@@ -41,13 +41,12 @@ def checked_options(
     scene: Scene, number: NumberType, given: Options, tol: AnyNumber | None
 ) -> Options:
     """Options as a user gives them, and the tolerance, checked; raises BadInput."""
-    most = given.max_steps
-    check_method(scene, given.method)
-    return given._replace(
-        max_steps=None if most is None else steps(scene.name, most),
-        project=corrections(scene, given.project),
-        tolerance=rounded_tolerance(scene, number, tol),
-    )
+    method, most, project, _, inputs, digits = given
+    check_method(scene, method)
+    if most is not None:
+        most = steps(scene.name, most)
+    project, tolerance = corrections(scene, project), rounded_tolerance(scene, number, tol)
+    return Options(method, most, project, tolerance, inputs, digits)
 
 
 def check_method(scene: Scene, method: str) -> None:
