@@ -173,7 +173,7 @@ def test_the_error_shown_is_the_error_found(tmp_path, number):
     figure = Figure(plotted(tmp_path, TOP, "--what", "error", "--number", number))
     scene = replace(polhode.load(TOP), outputs=())  # of the errors no output is integrated
     times = curve_sampling.shown_times(scene, None, over_time.SAMPLES)
-    worst = -polhode.compare(polhode.integrate(scene, number, at=times)).worst
+    worst = -min(polhode.compare(polhode.integrate(scene, number, at=times)).digits)
     drawn = max(
         np.nanmax(log10s(figure, name, panel)) for name, panel in (("omega", 1), ("gamma", 2))
     )

@@ -188,8 +188,9 @@ def digits() -> None:
                 scene = scene.at((end,))
                 run = polhode.integrate(scene, digits=wanted)
                 judged = polhode.compare(run, polhode.reference(scene))
-                short = " (short)" if judged.worst < wanted else ""
-                cells.append(f"{judged.worst:.1f}{short}, {run.number.name} ({run.number.bits})")
+                right = min(judged.digits)
+                short = " (short)" if right < wanted else ""
+                cells.append(f"{right:.1f}{short}, {run.number.name} ({run.number.bits})")
             rows.append([wanted, angle, *cells])
     table(["wanted", "radians", *cases], rows)
 

@@ -434,7 +434,7 @@ def judged(case: str) -> dict[str, Any]:
     made = polhode.integrate(scene, at=at, max_steps=MAX_STEPS)
     grown = "log10_kappa log10_amplification lost_after"
     return {
-        "compare": recorded(lambda: polhode.compare(made).worst),
+        "compare": recorded(lambda: min(polhode.compare(made).digits)),
         "conditioning": recorded(lambda: taken(polhode.conditioning(scene, at), grown)),
         "lyapunov": recorded(
             lambda: taken(polhode.lyapunov(scene, at[2]), "exponent uncertainty growth verdict")
