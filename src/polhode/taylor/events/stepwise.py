@@ -61,7 +61,7 @@ from polhode.taylor.events.vectorized_roots import (
 )
 from polhode.taylor.events.vectorized_roots import marks as plain_marks
 from polhode.taylor.integrator.protocols import Desk, Found
-from polhode.taylor.integrator.specification import FIRST_KEPT
+from polhode.taylor.integrator.specification import CLOCK
 
 _PROBES = 8  # steps over which an expression that starts at zero must leave it
 
@@ -188,7 +188,7 @@ class Watch:
         ta = self.heyoka
         ta.update_d_output(ago, rel_time=True)
         if self.desk.with_time[k]:
-            clock = ta.pars[:FIRST_KEPT]
+            clock = ta.pars[:CLOCK]
             found = self.desk.evaluate[k](self.row, pars=clock, time=ta.time + ago)
         else:
             found = self.desk.evaluate[k](self.row)
@@ -220,7 +220,7 @@ class Watch:
         after[: len(moved)] = moved
         for k, jet in enumerate(self.desk.evaluate):
             options = (
-                {"pars": ta.pars[:FIRST_KEPT], "time": ta.time} if self.desk.with_time[k] else {}
+                {"pars": ta.pars[:CLOCK], "time": ta.time} if self.desk.with_time[k] else {}
             )
             value, slope = jet(state, **options)[:2]
             new_value, new_slope = jet(after, **options)[:2]
