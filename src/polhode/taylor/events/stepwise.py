@@ -120,7 +120,10 @@ class Watch:
     # -- building -----------------------------------------------------------------------------
 
     def attach(
-        self, variables: Sequence[Expression], rates: Sequence[Expression]
+        self,
+        variables: Sequence[Expression],
+        rates: Sequence[Expression],
+        known: Sequence[Expression],
     ) -> tuple[list[HeyokaEvent], Desk]:
         """heyoka's events of an integrator about to be built, in its variables and its time."""
         events: list[HeyokaEvent] = []
@@ -131,23 +134,23 @@ class Watch:
 
         for k, event in enumerate(self.scene.events):
             value = event_expression(self.scene, event, self.number, variables)
-            slope = rate(value, variables, rates)
+            slope = rate(value, variables, known)
             desk.with_time.append("t" in hy.get_variables([value]))
             damping = hy.expression(self.limits[k].damping)
             events += [
                 hy.nt_event(hy.subs(f * damping, {TIME: clock}), Callback(desk, k), **kind)
-                for f in (value, slope)
+                for f in (value, rate(value, variables, rates))
                 if hy.get_variables([f])  # a constant has no zeros
             ]
             jet = (
-                [value, slope, rate(slope, variables, rates)]
+                [value, slope, rate(slope, variables, known)]
                 if self.number.flat
                 else [value, slope]
             )
             jet = hy.subs(jet, {TIME: clock})
             desk.evaluate.append(hy.cfunc(jet, vars=list(variables), **options))
         if self.number.flat:
-            derivatives = [*rates, *(rate(x, variables, rates) for x in rates)]
+            derivatives = [*known, *(rate(x, variables, known) for x in known)]
             desk.motion = hy.cfunc(derivatives, vars=list(variables), **options)
         return events, desk
 
@@ -219,9 +222,7 @@ class Watch:
         after = state.copy()
         after[: len(moved)] = moved
         for k, jet in enumerate(self.desk.evaluate):
-            options = (
-                {"pars": ta.pars[:CLOCK], "time": ta.time} if self.desk.with_time[k] else {}
-            )
+            options = {"pars": ta.pars[:CLOCK], "time": ta.time} if self.desk.with_time[k] else {}
             value, slope = jet(state, **options)[:2]
             new_value, new_slope = jet(after, **options)[:2]
             if abs(new_value - value) > abs(value) / 4:

@@ -1,7 +1,8 @@
 """heyoka's integrator of a system, prepared: it stands wherever it is put, one run at a time.
 
 Building one takes milliseconds even when its code is found on the disk, and so does freeing it: as
-long as a short run itself.  So a run takes one that is idle, and leaves it to the next one.
+long as a short run itself.  So a run takes one that is idle, and leaves it to the next one.  That
+may be of another body: whoever takes one tells it all coefficients, and the state.
 """
 
 from __future__ import annotations

@@ -128,18 +128,17 @@ def built(plan: Blueprint, watcher: Watcher | None, cyclic: Cyclic | None) -> Bu
     """heyoka's integrator of a system at its start."""
     variables, first = hy.make_vars(*plan.names), CLOCK + len(plan.pattern)
     k = {name: hy.par[i] for i, name in enumerate(plan.pattern, CLOCK)} or _as_constants(plan)
-    stepped = plan.field(variables, k)
-    kept = kept_columns(stepped)
-    if kept:
-        stepped = plan.field(as_parameters(variables, kept, first), k)
+    rates = plan.field(variables, k)
+    kept = kept_columns(rates)
+    stepped = plan.field(as_parameters(variables, kept, first), k) if kept else rates
     if cyclic is not None:
-        stepped = cyclic.slowed(stepped)
+        rates, stepped = cyclic.slowed(rates), cyclic.slowed(stepped)
     options, desk = dict(plan.options), None
     with disk_cache(plan.number):
-        if watcher is not None:  # the events are of one body: what tells of them has its numbers
-            rates = plan.field(variables, _as_constants(plan))
-            rates = rates if cyclic is None else cyclic.slowed(rates)
-            events, desk = watcher.attach(variables, rates)
+        if watcher is not None:
+            known = plan.field(variables, _as_constants(plan))
+            known = known if cyclic is None else cyclic.slowed(known)
+            events, desk = watcher.attach(variables, rates, known)
             options["nt_events"] = events
             options |= compact_beyond(LONG, [event.expression for event in events])
         away = None if plan.distance is None else plan.distance(variables, k)
