@@ -84,7 +84,10 @@ def test_projected_it_stays_on_the_integrals_of_its_own_start(number):
     off = np.abs(drift(held(start, t=end)) - drift(start)).max()
     assert off < 16 * max(eps, 2.0**-52)
     assert plain(start, t=end).shape == (6,)
-    assert abs(held.steps - plain.steps) < 20
+    # the motion is chaotic: one ulp of the start moves its steps by 80 of 2100 until t = 300
+    there, steps = plain(start, t=30.0), plain.steps
+    assert np.abs(held(start, t=30.0) - there).max() < 1e5 * eps
+    assert abs(held.steps - steps) <= 1
     true = np.array([float(x) for x in polhode.integrate(own, "quad", at=[20]).states[0]])
     assert np.abs(held(start, t=20.0) - true).max() < 1e-12
 

@@ -17,7 +17,7 @@ from polhode.scenes.event import Event
 from polhode.taylor.backend.integrator_pool import Pool
 from polhode.taylor.batches import batch_integrator, jobs
 from polhode.taylor.integrator import compiled, stepping
-from polhode.taylor.integrator.specification import FIRST_KEPT, built
+from polhode.taylor.integrator.specification import built
 from shared.policies import change_policy
 
 #: Case, what the equations keep, and the products of two variables that are left.
@@ -57,8 +57,8 @@ def told(monkeypatch) -> list:
     onwards = stepping.Integrator._onwards
 
     def spied(self, *arguments):
-        there = [self.state[column] for _, column in self.compiled.kept]
-        seen.append((list(self.heyoka.pars[FIRST_KEPT:]), there))
+        told = [self.heyoka.pars[parameter] for parameter, _ in self.compiled.kept]
+        seen.append((told, [self.state[column] for _, column in self.compiled.kept]))
         return onwards(self, *arguments)
 
     monkeypatch.setattr(stepping.Integrator, "_onwards", spied)

@@ -44,7 +44,7 @@ from polhode.taylor.backend.types import (
     HeyokaNumber,
 )
 from polhode.taylor.events.callbacks import AfterStep, Callback
-from polhode.taylor.events.functions import TIME, event_expression, jet
+from polhode.taylor.events.functions import TIME, event_expression, jet, rate
 from polhode.taylor.events.root_refinement import Mark, Place, is_start, polished, sorted_out
 from polhode.taylor.events.rules import Rules
 from polhode.taylor.events.vectorized_roots import (
@@ -61,7 +61,7 @@ from polhode.taylor.events.vectorized_roots import (
 )
 from polhode.taylor.events.vectorized_roots import marks as plain_marks
 from polhode.taylor.integrator.protocols import Desk, Found
-from polhode.taylor.integrator.specification import FIRST_KEPT
+from polhode.taylor.integrator.specification import CLOCK
 
 _PROBES = 8  # steps over which an expression that starts at zero must leave it
 
@@ -120,7 +120,10 @@ class Watch:
     # -- building -----------------------------------------------------------------------------
 
     def attach(
-        self, variables: Sequence[Expression], rates: Sequence[Expression]
+        self,
+        variables: Sequence[Expression],
+        rates: Sequence[Expression],
+        known: Sequence[Expression],
     ) -> tuple[list[HeyokaEvent], Desk]:
         """heyoka's events of an integrator about to be built, in its variables and its time."""
         events: list[HeyokaEvent] = []
@@ -131,18 +134,18 @@ class Watch:
 
         for k, event in enumerate(self.scene.events):
             value = event_expression(self.scene, event, self.number, variables)
-            values = jet([value], variables, rates, 2 if self.number.flat else 1)
+            values = jet([value], variables, known, 2 if self.number.flat else 1)
             desk.with_time.append("t" in hy.get_variables([value]))
             damping = hy.expression(self.limits[k].damping)
             events += [
                 hy.nt_event(hy.subs(f * damping, {TIME: clock}), Callback(desk, k), **kind)
-                for f in values[:2]
+                for f in (value, rate(value, variables, rates))
                 if hy.get_variables([f])  # a constant has no zeros
             ]
             values = hy.subs(values, {TIME: clock})
             desk.evaluate.append(hy.cfunc(values, vars=list(variables), **options))
         if self.number.flat:
-            motion = jet(rates, variables, rates, 1)
+            motion = jet(known, variables, known, 1)
             desk.motion = hy.cfunc(motion, vars=list(variables), **options)
         return events, desk
 
@@ -183,7 +186,7 @@ class Watch:
         ta = self.heyoka
         ta.update_d_output(ago, rel_time=True)
         if self.desk.with_time[k]:
-            clock = ta.pars[:FIRST_KEPT]
+            clock = ta.pars[:CLOCK]
             found = self.desk.evaluate[k](self.row, pars=clock, time=ta.time + ago)
         else:
             found = self.desk.evaluate[k](self.row)
@@ -215,7 +218,7 @@ class Watch:
         after[: len(moved)] = moved
         for k, evaluate in enumerate(self.desk.evaluate):
             options = (
-                {"pars": ta.pars[:FIRST_KEPT], "time": ta.time} if self.desk.with_time[k] else {}
+                {"pars": ta.pars[:CLOCK], "time": ta.time} if self.desk.with_time[k] else {}
             )
             value, slope = evaluate(state, **options)[:2]
             new_value, new_slope = evaluate(after, **options)[:2]

@@ -1,7 +1,8 @@
 """heyoka's integrator of a system, prepared: it stands wherever it is put, one run at a time.
 
 Building one takes milliseconds even when its code is found on the disk, and so does freeing it: as
-long as a short run itself.  So a run takes one that is idle, and leaves it to the next one.
+long as a short run itself.  So a run takes one that is idle, and leaves it to the next one.  That
+may be of another body: whoever takes one tells it all coefficients, and the state.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from polhode.taylor.backend.heyoka_numbers import scalar
 from polhode.taylor.backend.integrator_pool import POOL, Kind
 from polhode.taylor.integrator.angle_variables import Cyclic
 from polhode.taylor.integrator.protocols import Desk, Watcher
-from polhode.taylor.integrator.specification import FIRST_KEPT, Blueprint, Built, built
+from polhode.taylor.integrator.specification import CLOCK, Blueprint, Built, built
 
 #: Times, and states at them.
 K = TypeVar("K", Doubles, Extendeds)
@@ -23,7 +24,7 @@ RUNS: Kind[Built] = Kind(16)
 
 
 class Compiled:
-    """A prepared integrator of one blueprint, at its start at time 0.
+    """A prepared integrator of one blueprint, with its coefficients, at its start at time 0.
 
     ``heyoka``: the integrator itself, ``state``: a view of its memory.  ``desk``: of its events,
     where it looks for any.  ``again``: whether another run may take it up, see
@@ -33,19 +34,24 @@ class Compiled:
     def __init__(
         self, plan: Blueprint, watcher: Watcher | None = None, cyclic: Cyclic | None = None
     ) -> None:
+        start, coefficients = plan.state, plan.parameters  # refused before anything is compiled
         self._key: Hashable = plan.key
-        if watcher is not None and self._key is not None:
-            self._key = (self._key, watcher.rules)
+        if watcher is not None and self._key is not None:  # whose expressions have the numbers
+            flat = plan.number.flat
+            self._key = (self._key, watcher.rules, *plan.constants) if flat else None
         idle = POOL.take(RUNS, self._key)
         self._built = idle or built(plan, watcher, cyclic)
         self.heyoka = self._built.heyoka
         self.desk: Desk | None = self._built.desk
         self.again = self._built.again
         self.state, self._parameters = self.heyoka.state, self.heyoka.pars
-        self.kept = tuple(enumerate(self._built.kept, FIRST_KEPT))
+        after = CLOCK + self._built.coefficients
+        self.kept = tuple(enumerate(self._built.kept, after))
+        if after > CLOCK:
+            self._parameters[CLOCK:after] = coefficients[: self._built.coefficients]
         self._zero = scalar(0, plan.number)
         if idle is not None:
-            self.state[:] = plan.state
+            self.state[:] = start
         self.begin()
 
     def begin(self) -> None:

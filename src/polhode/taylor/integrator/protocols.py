@@ -136,9 +136,16 @@ class Watcher(Protocol):
         """What tells its events from others; an integrator may watch again for the same."""
 
     def attach(
-        self, variables: Sequence[Expression], rates: Sequence[Expression]
+        self,
+        variables: Sequence[Expression],
+        rates: Sequence[Expression],
+        known: Sequence[Expression],
     ) -> tuple[list[HeyokaEvent], Desk]:
-        """heyoka's events for an integrator about to be built, in its variables; and their desk."""
+        """heyoka's events for an integrator about to be built, in its variables; and their desk.
+
+        ``rates``: with the integrator's parameters, which its events share with its equations.
+        ``known``: the same rates with the body's numbers, for the desk, which serves one body.
+        """
 
     def sit_down(self, desk: Desk) -> None:
         """Take over the desk of an integrator's events: what they meet is told to this watcher."""

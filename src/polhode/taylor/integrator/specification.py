@@ -1,8 +1,13 @@
 """What an integrator is built from, and heyoka's integrator of it.
 
+In the principal form the coefficients of the body are heyoka's parameters, so that one compiled
+integrator serves all bodies of a pattern: those of which the same coefficients are exactly zero.
+Compiling takes a quarter of a second, being found on the disk some milliseconds; a step takes as
+long as with constants.  Coefficients that are equal, 1 or -1 make no pattern of their own.
+
 Variables that the equations keep, such as the spin of a symmetric body, stand in the rates as
-parameters: what they are multiplied by is then linear in the others, and heyoka need not multiply
-two power series.  That takes a tenth off a step in double, a third in quad.
+parameters, too: what they are multiplied by is then linear in the others, and heyoka need not
+multiply two power series.  That takes a tenth off a step in double, a third in quad.
 """
 
 from __future__ import annotations
@@ -36,8 +41,9 @@ from polhode.taylor.integrator.singularities import terminal_event
 Field: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], list[Expression]]
 Distance: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], Expression | None]
 
-#: The parameter of the first variable that is kept; before it two for the time of events.
-FIRST_KEPT = 2
+#: heyoka's parameters: so many for the time of events, then the coefficients of the pattern, then
+#: the variables that are kept.
+CLOCK = 2
 
 LONG = 500  # operations of a run's events whose code is compiled as loops
 
@@ -51,8 +57,9 @@ class Blueprint:
     :func:`polhode.taylor.integrator.singularities.nearest`.
     ``cyclic``: so many of the last variables are cyclic, see
     :mod:`polhode.taylor.integrator.angle_variables`.
-    ``equations``: what tells this field and this distance from others of the same names and
-    coefficients; an integrator of the same equations that is idle is then taken up again.
+    ``equations``: what tells this field from others of the same names of variables and
+    coefficients, where it is of the principal form; its coefficients are then parameters, and an
+    integrator of the same equations that is idle is taken up again.
     """
 
     names: Sequence[str]
@@ -77,6 +84,16 @@ class Blueprint:
         """The coefficients as heyoka's numbers; raises OutOfRange."""
         return scalars([*self.coefficients.values()], self.number)
 
+    @property
+    def pattern(self) -> tuple[str, ...]:
+        """The coefficients that are parameters: those of the principal form that do not vanish."""
+        return () if self.equations is None else tuple(self.coefficients)
+
+    @cached_property
+    def parameters(self) -> Array:
+        """The coefficients as an array of heyoka's numbers, not to be written to."""
+        return array(self.constants, self.number)
+
     @cached_property
     def options(self) -> dict[str, Any]:
         """heyoka's options of an integrator without events."""
@@ -88,38 +105,40 @@ class Blueprint:
     @cached_property
     def key(self) -> Hashable:
         """What an idle integrator of these equations is found by; None where none is kept."""
-        if self.equations is None or not self.number.flat:
+        if self.equations is None:
             return None
-        named = (*self.names, *self.coefficients, *self.constants)
-        return (self.equations, *named, self.number.name, self.options.get("tol"))
+        return (self.equations, *self.names, *self.pattern, self.number, self.tolerance)
 
 
 class Built(NamedTuple):
-    """heyoka's integrator, the desk of its events, and the columns that the equations keep.
+    """heyoka's integrator, the desk of its events, and what its parameters are.
 
-    ``again``: whether another run may take it up: a terminal event leaves traces in it.
+    ``coefficients``: how many of them.  ``kept``: the columns that the equations keep.  ``again``:
+    whether another run may take it up: a terminal event leaves traces in it.
     """
 
     heyoka: HeyokaIntegrator
     desk: Desk | None
+    coefficients: int
     kept: tuple[int, ...]
     again: bool
 
 
 def built(plan: Blueprint, watcher: Watcher | None, cyclic: Cyclic | None) -> Built:
     """heyoka's integrator of a system at its start."""
-    variables = hy.make_vars(*plan.names)
-    named = zip(plan.coefficients, plan.constants, strict=True)
-    k = {name: hy.expression(x) for name, x in named}
+    variables, first = hy.make_vars(*plan.names), CLOCK + len(plan.pattern)
+    k = {name: hy.par[i] for i, name in enumerate(plan.pattern, CLOCK)} or _as_constants(plan)
     rates = plan.field(variables, k)
     kept = kept_columns(rates)
-    stepped = plan.field(as_parameters(variables, kept), k) if kept else rates
+    stepped = plan.field(as_parameters(variables, kept, first), k) if kept else rates
     if cyclic is not None:
         rates, stepped = cyclic.slowed(rates), cyclic.slowed(stepped)
     options, desk = dict(plan.options), None
     with disk_cache(plan.number):
         if watcher is not None:
-            events, desk = watcher.attach(variables, rates)
+            known = plan.field(variables, _as_constants(plan))
+            known = known if cyclic is None else cyclic.slowed(known)
+            events, desk = watcher.attach(variables, rates, known)
             options["nt_events"] = events
             options |= compact_beyond(LONG, [event.expression for event in events])
         away = None if plan.distance is None else plan.distance(variables, k)
@@ -127,8 +146,14 @@ def built(plan: Blueprint, watcher: Watcher | None, cyclic: Cyclic | None) -> Bu
             options["t_events"] = [terminal_event(away, plan.number)]
         equations = list(zip(variables, stepped, strict=True))
         heyoka = hy.taylor_adaptive(equations, plan.state, **options)
-    used = kept[: max(0, len(heyoka.pars) - FIRST_KEPT)]  # no rate asks for those after
-    return Built(heyoka, desk, used, away is None)
+    used = max(0, len(heyoka.pars) - CLOCK)  # no rate asks for those after
+    coefficients = min(used, len(plan.pattern))
+    return Built(heyoka, desk, coefficients, kept[: used - coefficients], away is None)
+
+
+def _as_constants(plan: Blueprint) -> dict[str, Expression]:
+    named = zip(plan.coefficients, plan.constants, strict=True)
+    return {name: hy.expression(x) for name, x in named}
 
 
 def kept_columns(rates: Sequence[Expression]) -> tuple[int, ...]:
@@ -137,7 +162,7 @@ def kept_columns(rates: Sequence[Expression]) -> tuple[int, ...]:
 
 
 def as_parameters(
-    variables: Sequence[Expression], kept: Sequence[int], first: int = FIRST_KEPT
+    variables: Sequence[Expression], kept: Sequence[int], first: int
 ) -> list[Expression]:
     """Variables, with parameters from ``first`` on in the place of those that are kept."""
     found = list(variables)
