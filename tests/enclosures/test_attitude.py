@@ -604,8 +604,14 @@ def test_a_passage_through_a_pole_is_refused_where_angles_are_asked() -> None:
     """A pendulum about axis 1 that goes over the top."""
     body = polhode.Body.of_moments((3, 2, Fraction(3, 2)), (0, 1, 1), 1)
     scene = Scene(body, (3, 0, 0), (0, Fraction(3, 5), Fraction(4, 5)), outputs=OUTPUTS)
-    with pytest.raises(polhode.BadInput, match="psi and phi are lost"):
+    with pytest.raises(polhode.BadInput, match="psi and phi are lost at t = "):
         polhode.Certified(scene).angles([5], 15)
+    found = polhode.certify(scene, at=["1/100", 5], digits=15)
+    ((since,), angles) = found.lost, found.angles
+    assert angles is not None
+    assert angles.centres[0][0] is not None is not angles.centres[0][2]
+    assert angles.centres[1][0] is None is angles.centres[1][2]
+    assert 0.0 <= since < 5.0
 
 
 def test_digits_asked_for_are_those_of_angles_and_attitude_too() -> None:

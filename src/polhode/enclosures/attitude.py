@@ -21,8 +21,7 @@ from flint import arb
 
 from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures import quaternion
-from polhode.enclosures.defect import scaled
-from polhode.enclosures.fixed_point_problem import TIME_BITS, UP, Motion, Problem, sharp
+from polhode.enclosures.fixed_point_problem import TIME_BITS, UP, Motion, Problem, Refused, sharp
 from polhode.enclosures.polynomial import ball
 from polhode.enclosures.quaternion import Approximation, Turned
 from polhode.enclosures.step_bound import TINY, Bounds, gamma
@@ -131,8 +130,11 @@ class Watch:
         pieces, noise = known.pieces, self.problem.noise
         near = pieces.near[n]
         v = np.zeros((max(len(row) for row in found.rows[n]), 4))
-        for i, row in enumerate(found.rows[n]):
-            v[: len(row), i] = [scaled(int(c), -found.level) for c in row.coeffs()]
+        try:
+            for i, row in enumerate(found.rows[n]):
+                v[: len(row), i] = [math.ldexp(int(c), -found.level) for c in row.coeffs()]
+        except OverflowError:
+            raise Refused("an approximation is too large") from None
         before = np.array([math.ldexp(int(x), -self.problem.fine) for x in self._turned.centre])
 
         def at(nodes: Doubles) -> Complexes:
