@@ -208,13 +208,16 @@ def test_what_cannot_be_settled_is_left_to_one_system(monkeypatch):
 
 
 def test_chunks_that_begin_between_representable_times_lose_no_digits(monkeypatch):
-    """The nodes' times are rounded anew in each chunk: by that much their states are late."""
+    """The nodes' times are rounded anew in each chunk: by that much their states are late.
+
+    Both are 3e4 eps off; they differ by 28 eps at most, by hundreds where that is left out.
+    """
     what = scene("euler/largest-axis", [3000])
     whole = integrate(what, "extended", project=False)
     change_policy(monkeypatch, chunk=1500)
     parts = integrate(what, "extended", project=False)
-    assert worst(parts, whole, "attitude") <= 16 * EPS
-    assert worst(parts, whole, "angles") <= 16 * EPS
+    assert worst(parts, whole, "attitude") <= 64 * EPS
+    assert worst(parts, whole, "angles") <= 64 * EPS
 
 
 def test_interrupted_it_holds_what_is_whole(monkeypatch):

@@ -12,7 +12,8 @@ import pytest
 
 import polhode
 from polhode.motion.outcomes import Outcome
-from polhode.taylor.backend.integrator_pool import Idle
+from polhode.numbers.number_types import NumberType
+from polhode.taylor.backend.integrator_pool import Pool
 from polhode.taylor.integrator import compiled
 from shared.policies import change_policy
 
@@ -48,6 +49,13 @@ def test_another_body_of_a_pattern_compiles_nothing(number, centre):
     assert list(first.states[0]) != list(other.states[0])
 
 
+@pytest.mark.parametrize("bits", [53, 61, 64, 65])
+def test_few_bits_are_parameters_too(bits):
+    """heyoka takes parameters of its own precision alone, and an exponent has 64 bits at least."""
+    run = polhode.integrate(top(), NumberType("mp", bits), method="taylor", at=[1])
+    assert abs(float(run.states[0][0]) - polhode.integrate(top(), at=[1]).states[0][0]) < 1e-14
+
+
 def test_with_corrections_and_attitude_neither():
     first, other = (top(**never_seen(), outputs=["attitude", "angles"], end=300) for _ in "ab")
     polhode.integrate(first)
@@ -60,7 +68,7 @@ def test_with_corrections_and_attitude_neither():
 @pytest.fixture
 def built(monkeypatch) -> list:
     """The integrators that are built from now on, none being idle."""
-    monkeypatch.setattr(compiled, "_IDLE", Idle())
+    monkeypatch.setattr(compiled, "POOL", Pool())
     made: list = []
     build = compiled.built
 
@@ -118,13 +126,13 @@ def alone(monkeypatch) -> list:
     """Two bodies of one pattern, each with its states where no other has used an integrator."""
     times, found = [*range(11)], []
     for body in (ORDINARY, SPECIAL):
-        monkeypatch.setattr(compiled, "_IDLE", Idle())
+        monkeypatch.setattr(compiled, "POOL", Pool())
         scene = top(**body)
         run = polhode.integrate(scene, at=times)
         fine = np.array(polhode.integrate(scene, "quad", at=times).states, float)
         assert np.abs(run.states - fine).max() < 1e-13
         found.append((scene.at(times), run.states, run(["1/3", "19/2"])))
-    monkeypatch.setattr(compiled, "_IDLE", Idle())
+    monkeypatch.setattr(compiled, "POOL", Pool())
     return found
 
 

@@ -20,6 +20,12 @@ class Verdict(NamedTuple):
         Whether every inequality of the proof holds.
     text : str
         What is proved; or the first inequality that does not hold.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> bool(polhode.Verdict(False, "not proved: the condition of the step"))
+    False
     """
 
     proved: bool

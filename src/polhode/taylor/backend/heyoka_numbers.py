@@ -54,7 +54,9 @@ def scalar(x: Number, number: NumberType) -> HeyokaNumber:
     bits = number.bits
     mantissa, exponent = exact.rounded(x, bits)
     real = hy.real(mantissa, bits) * hy.real(2, bits) ** exponent
-    return hy.real128(real) if number.name == "quad" else real
+    if number.name == "quad":
+        return hy.real128(real)
+    return hy.real(real, bits) if real.prec != bits else real  # an exponent has 64 at least
 
 
 def scalars(values: Sequence[Number], number: NumberType) -> list[HeyokaNumber]:

@@ -217,9 +217,7 @@ class Watch:
         after = state.copy()
         after[: len(moved)] = moved
         for k, evaluate in enumerate(self.desk.evaluate):
-            options = (
-                {"pars": ta.pars[:CLOCK], "time": ta.time} if self.desk.with_time[k] else {}
-            )
+            options = {"pars": ta.pars[:CLOCK], "time": ta.time} if self.desk.with_time[k] else {}
             value, slope = evaluate(state, **options)[:2]
             new_value, new_slope = evaluate(after, **options)[:2]
             if abs(new_value - value) > abs(value) / 4:
