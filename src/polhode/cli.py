@@ -33,6 +33,11 @@ VERBS = (
 #: What follows is a name, even if it looks like an option.
 _BEFORE = "the verb and its options before it: what follows -- is taken for a name"
 
+WITHOUT_HEYOKA = (
+    "heyoka: expected installed, for whatever integrates: conda install -c conda-forge heyoka.py, "
+    "or on Linux pip install heyoka"
+)
+
 WELCOME = f"""\
 polhode {__version__}: how a heavy rigid body moves about a fixed point, to how many correct digits.
 
@@ -114,9 +119,12 @@ def _main(arguments: Sequence[str] | None) -> int:
             return BAD_INPUT
         except KeyboardInterrupt:
             return _interrupted()
-        except Exception:
+        except Exception as fault:
             if heard.came:  # by a compiled library, which made another exception of it
                 return _interrupted()
+            if isinstance(fault, ModuleNotFoundError) and fault.name == "heyoka":
+                terminal.note(f"polhode: {WITHOUT_HEYOKA}")
+                return BAD_INPUT
             raise
     except StdoutFault as full:
         terminal.give_up_stdout()

@@ -27,8 +27,6 @@ def main(options: Namespace) -> int:
         else:
             say(citation.bibtex().rstrip())
         return DONE
-    from polhode.taylor.backend import heyoka_numbers
-
     facts: dict[str, Any] = {
         "versions": versions(),
         "cpu": cpu(),
@@ -37,7 +35,7 @@ def main(options: Namespace) -> int:
             for n in (number_types.named(name) for name in number_types.NAMES)
         },
         "cases": len(library.names()),
-        "cache": heyoka_numbers.cache(),
+        "cache": _cache(),
         "refined": _self_test(),
     }
     if options.json:
@@ -60,12 +58,24 @@ def main(options: Namespace) -> int:
     return DONE
 
 
+def _cache() -> dict[str, Any]:
+    try:
+        from polhode.taylor.backend import heyoka_numbers
+    except ModuleNotFoundError as fault:
+        fault_text = f"no {fault.name}"
+        return {"enabled": False, "path": None, "bytes": None, "limit": None, "fault": fault_text}
+    return heyoka_numbers.cache()
+
+
 def _self_test() -> str:
     """Whether runs of quad and more digits can be refined here."""
     from polhode.refined.errors import CannotRefine
-    from polhode.refined.refinement import QUAD
-    from polhode.refined.self_test import trusted_kernels, trusted_tables
 
+    try:
+        from polhode.refined.refinement import QUAD
+        from polhode.refined.self_test import trusted_kernels, trusted_tables
+    except ModuleNotFoundError as fault:
+        return f"not here: no {fault.name}"
     try:
         trusted_kernels(QUAD.limbs)
         trusted_tables(QUAD.limbs, QUAD.nodes(6))
