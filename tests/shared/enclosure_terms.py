@@ -48,12 +48,7 @@ def short_steps(*given: Any) -> Any:
     """An honest approximation on steps so short that exp(alpha) is near 1."""
     from polhode.enclosures import window_approximation
 
-    kept = window_approximation.MOST_TURN
-    window_approximation.MOST_TURN = 0.05
-    try:
-        return window_approximation.window(*given)
-    finally:
-        window_approximation.MOST_TURN = kept
+    return window_approximation.window(*given, turn=0.05)
 
 
 def of_faulty(scene: Scene, untrusted: Untrusted, **changes: Any) -> list[float]:

@@ -3,7 +3,7 @@
     python verify.py CERT.json
 
 A certificate states balls that hold the state of a heavy rigid body at certain times.  This file
-shares no code with the program that wrote it, and believes nothing of it but the body and the
+imports nothing of the program that wrote it, and believes nothing of it but the body and the
 statement: the grid, the centres and the numbers of bits are guesses that may be anything.
 
 The equations, in body axes, O fixed, omega = w, upward vertical gamma, k = weight * centre:
@@ -41,7 +41,7 @@ from flint import arb, arb_mat, arb_poly, ctx, fmpq
 FORMAT = "polhode certificate 1"
 LARGEST = 64_000_000  # bytes of a file
 MOST_BITS, MOST_STEPS, MOST_DIGITS = 20_000, 1_000_000, 20_000
-MOST_WORK = 20_000_000_000  # steps times bits squared: some hours
+MOST_WORK = 20_000_000_000  # steps times bits squared
 NAMES = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
 GROUP = 24  # steps
 COARSE = 64  # bits where 2^-46 relatively is enough: matrices and bounds
@@ -438,7 +438,7 @@ def state(certificate: object) -> list[Claim]:
     sense, unit = (1 if grid[-1] > 0 else -1), Fraction(2) ** -time_bits
     for t, _ in claims:
         if not 0 <= sense * t <= sense * grid[-1] * unit:
-            raise NotProved(f"t = {t} lies outside the grid")
+            raise NotProved(f"t = {written(t)} lies outside the grid")
     ctx.prec = bits + 2 * COARSE
     scene = read_scene(held["scene"])
     _check_start(claims, scene[2])
@@ -544,8 +544,31 @@ def _check(claim: Claim, there: Sequence[arb], rates: Sequence[arb]) -> None:
     t, balls = claim
     for name, x, rate, pair in zip(NAMES, there, rates, balls, strict=True):
         middle, radius = (arb(fmpq(y.numerator, y.denominator)) for y in pair)
-        line = f"{name} at t = {t} is not shown to lie in its ball"
+        line = f"{name} at t = {written(t)} is not shown to lie in its ball"
         certainly(abs(x / rate - middle) <= radius, line)
+
+
+def written(t: Fraction) -> str:
+    """A time in full where that is short, else what it is about."""
+    found = str(t) if abs(t.numerator) < 10**20 and t.denominator < 10**20 else ""
+    return found or f"about {decimal(abs(t), up=False, minus=t < 0)}"
+
+
+def rounded_up(x: Fraction) -> str:
+    """A bound with two digits, not below the number."""
+    return decimal(x, up=True, minus=False) if x else "0"
+
+
+def decimal(x: Fraction, up: bool, minus: bool) -> str:
+    """Two digits and an exponent, of any size."""
+    power = math.floor((x.numerator.bit_length() - x.denominator.bit_length()) * math.log10(2)) - 1
+    scaled = x / Fraction(10) ** power
+    while scaled >= 100:
+        scaled, power = scaled / 10, power + 1
+    digits = math.ceil(scaled) if up else math.floor(scaled)
+    if digits >= 100:
+        digits, power = 10, power + 1
+    return f"{'-' * minus}{digits // 10}.{digits % 10}e{power + 1:+03d}"
 
 
 #: What a certificate may claim, and who checks it.
@@ -566,12 +589,12 @@ def verify(path: str) -> list[str]:
     finally:
         ctx.prec = before
     scene = ", ".join(f"{key} {json.dumps(x)}" for key, x in certificate["scene"].items())
-    last = float(max((t for t, _ in claims), key=abs))
+    last = written(max((t for t, _ in claims), key=abs))
     widest = max(radius for _, balls in claims for _, radius in balls)
     return [
         f"scene: {scene}",
-        f"proved: at {len(claims)} times up to t = {last:.6g} the exact motion lies in the balls "
-        f"that the certificate states, of radius {float(widest):.1e} at most",
+        f"proved: at {len(claims)} times up to t = {last} the motion of this scene "
+        f"lies in the balls that the certificate states, of radius {rounded_up(widest)} at most",
     ]
 
 
@@ -589,6 +612,9 @@ def main(arguments: Sequence[str]) -> int:
     except Damaged as fault:
         print(f"{arguments[0]}: no certificate: {fault}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return 130
 
 
 if __name__ == "__main__":

@@ -149,7 +149,7 @@ def _accepted(known: Bounds, n: int, eps: float, hb: float) -> Step:
     growth, delta = float(known.growth[n]), float(known.delta[n])
     sigma, rho = float(known.sigma[n]), float(known.rho[n])
     r = UP * 2.0 * growth * (eps + delta + 2.0 * hb * sigma * sigma) + TINY
-    if not 8.0 * growth * hb * r <= 0.999:
+    if not 8.0 * growth * hb * r <= 0.999 or not sigma + r < 1e150:  # whose square is a number
         raise Refused("the set has grown too large for the next step")
     s = UP * (growth * (delta + hb * (sigma + r) ** 2) + rho * eps) + TINY
     if not s < 1e300:

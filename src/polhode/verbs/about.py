@@ -58,7 +58,7 @@ def main(options: Namespace) -> int:
     return DONE
 
 
-def _cache() -> dict[str, Any]:
+def _cache() -> dict[str, object]:
     try:
         from polhode.taylor.backend import heyoka_numbers
     except ModuleNotFoundError as fault:
