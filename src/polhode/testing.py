@@ -67,7 +67,7 @@ def assert_digits(
     rows = [d for d in found.part_digits.values() if d]
     for k, t in enumerate(found.times):
         here = min((x for d in rows if (x := d[k]) is not None), default=at_least)
-        if here < at_least:
+        if not here >= at_least:  # nor where that is nan
             told = f"{here:.2f} correct digits at t = {brief(t)}, where at least {at_least:g}"
             raise AssertionError(f"{told} are wanted\n{found}")
     return found

@@ -409,3 +409,22 @@ def test_a_proof_costs_about_an_uncertified_quad_run() -> None:
         proofs.append(middle - began)
         runs.append(time.process_time() - middle)
     assert 0.5 < min(proofs) / min(runs) < 3.0
+
+
+def test_a_number_that_the_rule_calls_zero_is_told():
+    """1/2 but for 1e-1300, and 0 by the rule: the proof is of a body without weight."""
+    body = {
+        "moments": [3, 2, 4],
+        "centre": [0, 0, 1],
+        "omega": [0, 1, 1],
+        "gamma": [0, "3/5", "4/5"],
+    }
+    found = polhode.certify(
+        polhode.top(**body, weight="(sqrt(1+10**-1300)-1)*10**1300"), at=[1], digits=12
+    )
+    assert found.assumed[0].startswith("which numbers under a root")
+    tiny = "sqrt(sqrt(1+10**-1300)-1)"
+    free = polhode.top(moments=[2, 3, 4], omega=[tiny, 0, 1], gamma=[0, 0, 1])
+    assert polhode.certify(free, at=[1], digits=12).assumed[0] == found.assumed[0]
+    plain = polhode.top(**body | {"moments": [3, "sqrt(5)", 4]}, weight="sqrt(2)")
+    assert polhode.certify(plain, at=[1], digits=12).assumed == ()

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import platform
 from collections.abc import Sequence
+from contextlib import suppress
 from fractions import Fraction
 from importlib.metadata import version
 from pathlib import Path
@@ -19,9 +20,13 @@ from polhode.equations.kinematics import starting_attitude, starting_phi
 from polhode.equations.pole_passage import departure, phi_leaving_the_pole
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, noted, sign
+from polhode.numbers.expression import ExpressionError
+from polhode.scenes import scene_file
 from polhode.scenes.body import Vector, dot, principal
 from polhode.scenes.scene import Scene
+from polhode.scenes.validation import Literal, number_in_text
 
+NUMBERS = "which numbers under a root, and which of the weight and the centre, are 0"
 AXES = "which principal moments are equal, and which of their axes are the body's"
 LENGTH = "that gamma has the length 1"
 TIMES = "which of the times are the same, or 0"
@@ -118,6 +123,10 @@ def assumed(scene: Scene, times: Sequence[Exact]) -> tuple[str, ...]:
     """What is decided by the rule for *equal* alone."""
     found = []
     with noted() as met:
+        _read(scene)
+    if met:
+        found.append(NUMBERS)
+    with noted() as met:
         principal(scene.body.inertia, scene.body.centre)
     if met:
         found.append(AXES)
@@ -139,6 +148,23 @@ def assumed(scene: Scene, times: Sequence[Exact]) -> tuple[str, ...]:
         if met:
             found.append(START)
     return tuple(found)
+
+
+def _read(scene: Scene) -> None:
+    """All that is decided of the numbers as they are written, and of the weight's torque."""
+    sign(scene.body.weight)
+    for x in scene.body.centre:
+        sign(x)
+    waiting: list[object] = [scene_file.tables(scene.source)] if scene.source else []
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, dict):
+            waiting += value.values()
+        elif isinstance(value, list):
+            waiting += value
+        elif isinstance(value, str) and not isinstance(value, Literal):
+            with suppress(ExpressionError):  # a title
+                number_in_text(value, "")
 
 
 def _start(scene: Scene) -> None:

@@ -61,9 +61,6 @@ rates  = [0, 0, {spin}]
 end     = {end}
 samples = 201
 outputs = ["angles"]
-
-[[events]]
-name = "nutation"
 """
 
 
