@@ -211,6 +211,28 @@ def test_events_are_found_once_where_angles_are_led_over_a_pole():
     assert len(run.times) == 1
 
 
+@pytest.mark.parametrize("number", [DOUBLE, EXTENDED], ids=lambda n: n.name)
+@pytest.mark.parametrize("end", [20, -20])
+def test_events_met_on_the_way_over_a_pole_and_after_it_are_those_of_a_run_without_angles(
+    number, end
+):
+    """The bridge over the pole has other variables than the rest of the run."""
+    events = [Event("level", "gamma3"), Event("cap", "gamma3 - 0.9999999")]  # 0.0002 from the start
+    start = {"omega": [2, 1, "1/3"], "gamma": [0, 0, 1]}
+    scene = polhode.top(moments=[3, 2, 1], centre=[0, 0, 1], weight=1, **start)
+    plain = replace(scene, events=tuple(events))
+    expected = polhode.integrate(plain, number, at=[end], project=False).events
+    found = polhode.integrate(
+        replace(plain, outputs=("angles",)), number, at=[end], project=False
+    ).events
+    assert [len(e.times) for e in expected] == [len(e.times) for e in found] == [15, 1]
+    for mine, true in zip(found, expected, strict=True):
+        for t, when in zip(mine.times, true.times, strict=True):
+            assert abs(t - when) < 100 * exactly(number.eps)
+        gaps = abs(np.array(mine.states) - np.array(true.states))
+        assert gaps.max() < 100 * float(number.eps)
+
+
 # -- grazing ----------------------------------------------------------------------------------
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from polhode.common.cached_property import cached_property
+from polhode.common.errors import BadInput
 from polhode.common.recent import Recent
 from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form, equations
@@ -208,6 +210,7 @@ class Schedule:
     inside: Times
 
 
+_WIDEST = 1000  # of the binary exponent of a run's unit of time, which doubles are to hold
 _kept: Recent[Problem] = Recent(16)
 _rules: Recent[Rules] = Recent(1)
 
@@ -220,11 +223,15 @@ def problem(
 ) -> Problem:
     """The problem of such runs, shared by scenes that differ in their times alone.
 
-    Not by those that go the other way in time: events count what crosses on the way.
+    Not by those that go the other way in time: events count what crosses on the way.  Raises
+    BadInput for a motion whose pace no double tells.
     """
     key = (number, tolerance, inputs, sign(scene.end) >= 0)
 
     def made() -> Problem:
+        if abs(scene.time_unit) > _WIDEST:
+            pace = f"about 10**{-scene.time_unit * math.log10(2):.0f} per unit of time"
+            raise BadInput(scene.name, "rate", pace, "one between 1e-300 and 1e300: other units")
         return Problem(scene.apart(), number, tolerance, inputs)
 
     return _kept.get(scene.identity, key, made)

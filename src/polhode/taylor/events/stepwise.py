@@ -108,6 +108,7 @@ class Watch:
         self.known: list[list[Zeros]] = [
             [] for _ in scene.events
         ]  # plain crossings found otherwise
+        self.settled: list[list[Mark]] = [[] for _ in scene.events]  # of earlier integrators
         # Of the integrator attached last: itself, the exact time from which its own counts, and
         # what it hands to callbacks, with its dense output, a view of its memory.
         self.stepping: HeyokaIntegrator = None
@@ -151,6 +152,8 @@ class Watch:
 
     def sit_down(self, desk: Desk) -> None:
         """Take over the desk of the integrator that a run goes on with."""
+        if desk is not self.desk:
+            self._settle()
         self.desk, desk.watch = desk, self
         ends = any(event.stop for event in self.scene.events)
         self.later = [self.number.flat and not (ends or timed) for timed in desk.with_time]
@@ -249,7 +252,8 @@ class Watch:
             before = self.start[k] if self.forward else -self.start[k]
             zeros = after_start(self._zeros(k), before, self.number)
             found = zeros[1]
-            plain = None if self.raw[k] or self.stop is not None else in_order(zeros, before)
+            marked = self.raw[k] or self.settled[k] or self.stop is not None
+            plain = None if marked else in_order(zeros, before)
             if plain is not None:
                 slopes, met, complete = found.slopes, found.rows, True
                 if event.direction != "any":
@@ -259,12 +263,14 @@ class Watch:
                 rows: Given = met
                 grazing = (False,) * len(slopes)
             else:
-                marks = [*map(self._exact, self.raw[k]), *plain_marks(those(zeros, found.plain))]
-                marks += self._one_by_one(k, those(zeros, ~found.plain))
+                marks = [*self.settled[k], *map(self._exact, self.raw[k])]
+                marks += self._marks(k, zeros)
                 marks, complete = sorted_out(marks, before, self.stop, self.number, ZERO)
                 marks = [m for m in marks if event.counts(m.slope)]
                 times = tuple(self.number.rounded(m.time) * unit for m in marks)
-                rows = [heyoka_numbers.numbers(m.row, self.number) for m in marks]
+                # the first variables are those of the form in every integrator of a run
+                variables = len(read.form.variables)
+                rows = [heyoka_numbers.numbers(m.row[:variables], self.number) for m in marks]
                 grazing = tuple(m.slope == 0 for m in marks)
             answers.append(EventTimes(event.name, times, read.states(rows), grazing, complete))
         return tuple(answers)
@@ -285,6 +291,18 @@ class Watch:
         """A mark with its exact time."""
         width = ZERO if raw.slope else self._exactly(raw.width)
         return Mark(self._time(raw), raw.row, raw.slope, width)
+
+    def _settle(self) -> None:
+        """Polish what one integrator noted before another, of other variables, goes on."""
+        for k, seen in enumerate(self.seen):
+            if seen:
+                self.settled[k] += self._marks(k, self._zeros(k))
+                seen.clear()
+
+    def _marks(self, k: int, zeros: Zeros) -> list[Mark]:
+        """Zeros of an event as marks."""
+        plain = zeros[1].plain
+        return plain_marks(those(zeros, plain)) + self._one_by_one(k, those(zeros, ~plain))
 
     def _one_by_one(self, k: int, zeros: Zeros) -> list[Mark]:
         """Places that are no plain crossings, each looked at along a step from there."""
