@@ -289,21 +289,21 @@ def _flint_sums(
 
     def sums(z: Pair, wanted: Sequence[Characteristic]) -> list[tuple[Scalar, Scalar, Scalar]]:
         with ctx.workprec(prec):
-            t = [_to_acb(flint, x) for x in tau]
+            t = [to_acb(flint, x) for x in tau]
             matrix = flint.acb_mat([[t[0], t[1]], [t[1], t[2]]])
-            column = flint.acb_mat([[_to_acb(flint, x)] for x in z])
+            column = flint.acb_mat([[to_acb(flint, x)] for x in z])
             jets: Any = matrix.theta_jets(column, 1)
             rows = []
             for a1, a2, b1, b2 in wanted:
                 index = 8 * a1 + 4 * a2 + 2 * b1 + b2
-                value, d1, d2 = (_from_acb(jets[index, i]) for i in range(3))
+                value, d1, d2 = (from_acb(jets[index, i]) for i in range(3))
                 rows.append((value, d1, d2))
             return rows
 
     return sums
 
 
-def _to_acb(flint: Any, z: Scalar) -> Any:
+def to_acb(flint: Any, z: Scalar) -> Any:
     """An mpc as an exact acb."""
     parts = []
     for x in (z.real, z.imag):
@@ -312,7 +312,7 @@ def _to_acb(flint: Any, z: Scalar) -> Any:
     return flint.acb(*parts)
 
 
-def _from_acb(x: Any) -> Scalar:
+def from_acb(x: Any) -> Scalar:
     """The midpoint of an acb as mpc."""
     parts = []
     for part in (x.real, x.imag):
