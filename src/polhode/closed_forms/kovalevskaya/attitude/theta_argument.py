@@ -25,10 +25,10 @@ import flint
 import numpy as np
 import numpy.typing as npt
 
+from polhode.closed_forms.kovalevskaya.theta.balls import ball, middle, more_bits
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair, SymmetricMatrix
-from polhode.closed_forms.kovalevskaya.theta.riemann_theta import from_acb, to_acb, whole_parts
+from polhode.closed_forms.kovalevskaya.theta.riemann_theta import whole_parts
 from polhode.common.cached_property import cached_property
-from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 from polhode.numbers.scalars import Scalar
 
@@ -38,7 +38,6 @@ _LOST = 1e-11  # of the sum of the terms' moduli: more than the errors of double
 _SHARE = 0.5  # of x and of y (z = x + tau y) that a piece may move to either side
 _FIRST = 8  # pieces
 _LEVELS = 24  # halvings in doubles
-_SPARE = 16  # bits of the sums beyond the precision in force
 _MOST = 256  # pieces without an end: the line goes along zeros, not past them
 
 Floats = npt.NDArray[np.float64]
@@ -104,8 +103,8 @@ class ThetaSum:
     @cached_property
     def gaussian(self) -> dict[tuple[int, int], Any]:
         """Those N with exp(pi i N.tau N/2), as balls of FLINT."""
-        t11, t12, t22 = (to_acb(flint, t / 2) for t in self.tau)
-        with ctx.workprec(mpmath.prec + _SPARE):
+        t11, t12, t22 = (ball(mpc(t / 2)) for t in self.tau)
+        with more_bits():
             return {
                 (n1, n2): (t11 * (n1 * n1) + t12 * (2 * n1 * n2) + t22 * (n2 * n2)).exp_pi_i()
                 for n1, n2 in self.fine.T.tolist()
@@ -115,8 +114,8 @@ class ThetaSum:
         """Their products with the coefficients of N - k, k modulo 2 as given: a row an N1."""
         if (odd1, odd2) not in self.tables:
             last1, last2 = self.last
-            rows = [to_acb(flint, mpc(A)) for A in self.coefficients]
-            with ctx.workprec(mpmath.prec + _SPARE):
+            rows = [ball(mpc(A)) for A in self.coefficients]
+            with more_bits():
                 found = flint.acb_mat(2 * last1 + 1, 2 * last2 + 1)
                 for (n1, n2), value in self.gaussian.items():
                     A = rows[2 * ((n1 - odd1) % 2) + (n2 - odd2) % 2]
@@ -279,7 +278,7 @@ class Line:
         factor = mpmath.exp(half * common + most)
         inner, outer = z1 - t11 * k1 - t12 * k2, z2 - t12 * k1 - t22 * k2
         last1, last2 = self._f.last
-        with ctx.workprec(mpmath.prec + _SPARE):
+        with more_bits():
             across = [
                 [x * n**j for j in range(3)]
                 for n, x in zip(range(-last2, last2 + 1), _powers(outer, last2), strict=True)
@@ -291,7 +290,7 @@ class Line:
             ]
             table = self._f.table(k1 % 2, k2 % 2)
             found = flint.acb_mat(down) * (table * flint.acb_mat(across))
-            rows = [[factor * from_acb(found[i, j]) for j in range(3 - i)] for i in range(3)]
+            rows = [[factor * middle(found[i, j]) for j in range(3 - i)] for i in range(3)]
         return rows, self._sizes((float(y1 - k1), float(y2 - k2)), (k1, k2)), (k1, k2)
 
     def _sizes(self, y: tuple[float, float], k: tuple[int, int]) -> Floats:
@@ -307,7 +306,7 @@ class Line:
 
 def _powers(z: Scalar, last: int) -> list[Any]:
     """e^(pi i n z) for -last <= n <= last."""
-    x = to_acb(flint, mpc(z)).exp_pi_i()
+    x = ball(mpc(z)).exp_pi_i()
     over = 1 / x
     ahead, back = [flint.acb(1)], [flint.acb(1)]
     for _ in range(last):
