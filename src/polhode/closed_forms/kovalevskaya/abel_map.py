@@ -16,9 +16,12 @@ from collections.abc import Iterator
 from itertools import product
 from typing import Any
 
+import flint
+
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, principal_roots
+from polhode.closed_forms.kovalevskaya.theta.balls import ball, middle, more_bits
 from polhode.closed_forms.kovalevskaya.theta.quadrature import Place, nodes, place
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair
 from polhode.numbers.mpmath_context import mpf, mpmath
@@ -109,43 +112,57 @@ def image(curve: KovalevskayaCurve, s: Scalar, w: Scalar) -> Pair:
     slopes = [span / gap for gap in gaps]
     # With real ends every root is of a positive number, or of a conjugate pair.
     plain = not (mpmath.im(a) or mpmath.im(s))
-    total, moment = mpf(0), mpf(0)
-    for weight, square in _unit_nodes([place(c - a, c - s, span) for c in rest]):
-        factors = [base + slope * square for base, slope in zip(bases, slopes, strict=True)]
+    rule = _unit_nodes([place(c - a, c - s, span) for c in rest])
+    ways = [(ball(base), ball(slope)) for base, slope in zip(bases, slopes, strict=True)]
+    first, way = ball(a), ball(span)
+    total, moment = (flint.arb(0), flint.arb(0)) if plain else (flint.acb(0), flint.acb(0))
+    with more_bits():
         if plain:
-            whole: Any = mpf(1)
-            for factor in factors:
-                whole = whole * factor
-            term = weight / mpmath.sqrt(abs(whole.real))
-        else:
-            term = weight / principal_roots(factors)
-        total += term
-        moment += term * (a + span * square)
+            first, way = (flint.acb(x).real for x in (first, way))
+        for weight, square in rule:
+            factors = [base + slope * square for base, slope in ways]
+            if plain:
+                whole = flint.acb(1)
+                for factor in factors:
+                    whole *= factor
+                term = weight / abs(whole.real).sqrt()
+            else:
+                term = weight / principal_roots(factors)
+            total += term
+            moment += term * (first + way * square)
     factor = -w / product
-    return A0 + factor * total, A1 + factor * moment
+    return A0 + factor * middle(total), A1 + factor * middle(moment)
 
 
 def _from_infinity(points: tuple[Scalar, ...], s: Scalar, w: Scalar) -> Pair:
     ratios = [a / s for a in points]
-    total, moment = mpf(0), mpf(0)
     singular = [place(1 / ratio, 1 / ratio - 1, mpf(1)) for ratio in ratios if ratio]
-    for weight, square in _unit_nodes(singular):
-        factors = [(1 - ratio) / (1 - ratio * square) for ratio in ratios]
-        if mpmath.im(s):
-            term = weight * principal_roots(factors)
-        else:  # positive: real factors and conjugate pairs
-            term = weight * mpmath.sqrt(abs(mpmath.re(mpmath.fprod(factors))))
-        total += term * square
-        moment += term
-    factor = -2 * s / w
-    return factor * total, factor * s * moment
+    rule = _unit_nodes(singular)
+    gaps = [(ball(1 - ratio), ball(ratio)) for ratio in ratios]
+    plain = not mpmath.im(s)
+    total, moment = (flint.arb(0), flint.arb(0)) if plain else (flint.acb(0), flint.acb(0))
+    with more_bits():
+        for weight, square in rule:
+            factors = [gap / (1 - ratio * square) for gap, ratio in gaps]
+            if plain:  # positive: real factors and conjugate pairs
+                whole = flint.acb(1)
+                for factor in factors:
+                    whole *= factor
+                term = weight * abs(whole.real).sqrt()
+            else:
+                term = weight * principal_roots(factors)
+            total += term * square
+            moment += term
+    over = -2 * s / w
+    return over * middle(total), over * s * middle(moment)
 
 
-def _unit_nodes(squares: list[Place]) -> Iterator[tuple[Any, Any]]:
+def _unit_nodes(squares: list[Place]) -> list[tuple[Any, Any]]:
     """Nodes (weight, x^2) for integrals over dx from 0 to 1; singularities at these x^2."""
     singular = []
     for z, rest in squares:
         root = cmath.sqrt(z)
         singular += [(root, rest / (1 + root)), (-root, 1 + root)]
-    for weight, x, y in nodes(singular, periodic=False):
-        yield weight * mpmath.sqrt(x * y), x * x
+    rule = nodes(singular, periodic=False)
+    with more_bits():
+        return [(weight * (x * y).sqrt(), x * x) for weight, x, y in rule]
