@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import pytest
 
-from polhode.closed_forms.bobylev_steklov.top import (
+from polhode.closed_forms._one_orbit.bobylev_steklov import (
     ASYMPTOTIC,
     SWINGING,
     TURNING,

@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import pytest
 
-from polhode.closed_forms.chaplygin.top import REGIME, Chaplygin
+from polhode.closed_forms._one_orbit.chaplygin import REGIME, Chaplygin
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf
 from shared import orbit_checks as checks

@@ -18,7 +18,6 @@ from hypothesis import strategies as st
 from polhode.closed_forms._winding import euler_angles as euler_angles
 from polhode.closed_forms.euler import attitude as euler_attitude
 from polhode.closed_forms.euler import motion
-from polhode.closed_forms.euler.top import EulerTop
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import series
@@ -26,6 +25,7 @@ from shared.closed_form_checks import (
     check_attitude,
     distance,
     error_of_1000_digits,
+    euler_top,
     fractions,
     full_inertia,
     in_scene,
@@ -116,7 +116,7 @@ MOVING = [name for name in MOTIONS if name != "rest"]
 def top_of(name, gamma=GAMMA, psi=PSI):
     """One motion for all tests that ask for it: its constants are made once."""
     moments, omega, _ = MOTIONS[name]
-    return EulerTop(fractions(moments), fractions(omega), gamma, psi)
+    return euler_top(fractions(moments), fractions(omega), gamma, psi)
 
 
 def speed(omega):
@@ -187,7 +187,7 @@ def test_independent_integration_agrees(name):
 @pytest.mark.parametrize("case", CASES, ids=[c["name"] for c in CASES])
 def test_stored_values(case):
     """States, and a second vector fixed in space that only the attitude can follow."""
-    top = EulerTop(*(fractions(case[key]) for key in ("moments", "omega", "gamma")))
+    top = euler_top(*(fractions(case[key]) for key in ("moments", "omega", "gamma")))
     times = fractions(case["times"])
     with mpmath.workdps(70):
         stored = [list(map(mpf, row)) for row in case["states"]]
@@ -226,7 +226,7 @@ def test_every_order_of_moments_and_every_sign(order):
     for signs in itertools.product((1, -1), repeat=3):
         for size in ((F(3, 10), F(2, 5), F(3, 2)), (F(1), F(0), F(1, 2))):
             omega = tuple(s * x for s, x in zip(signs, size, strict=True))
-            top = EulerTop(order, omega, GAMMA)
+            top = euler_top(order, omega, GAMMA)
             (state,) = series.integrate(order, omega, GAMMA, [F(3, 2)], 20)
             assert mpf(10) ** -32 < distance([state], top.at([F(3, 2)], 20)) < mpf(10) ** -20
 
@@ -235,7 +235,7 @@ def test_every_order_of_moments_and_every_sign(order):
 def test_every_pattern_of_zeros_on_and_off_the_separatrix():
     for order in itertools.permutations((F(3, 2), F(2), F(3))):
         for omega in itertools.product((F(0), F(-2, 5), F(4, 5)), repeat=3):
-            top = EulerTop(order, omega, GAMMA)
+            top = euler_top(order, omega, GAMMA)
             (state,) = series.integrate(order, omega, GAMMA, [F(1, 2)], 18)
             assert distance([state], top.at([F(1, 2)], 18)) < mpf(10) ** -18
 
@@ -256,7 +256,7 @@ difference = st.one_of(st.integers(-9, 9).map(lambda n: F(n, 20)), signed)
 )
 def test_random_motions_with_zeros_equal_values_and_tiny_differences(differences, omega, end):
     moments = tuple(1 + x for x in differences)
-    top = EulerTop(moments, omega, GAMMA)
+    top = euler_top(moments, omega, GAMMA)
     start = top.attitude([F(0)], 40)[0]
     if not any(omega):
         assert top.at([end], 30)[0][:3] == [0, 0, 0]
@@ -273,8 +273,8 @@ def test_irrational_data_and_turned_axes():
     moments, omega = (F(1), F(3, 2), F(2)), (F(3, 10), F(2, 5), exact.sqrt(F(2)))
 
     plain, turned = (
-        EulerTop(moments, omega, GAMMA),
-        EulerTop(moments, in_scene(omega, axes), in_scene(GAMMA, axes), axes=axes),
+        euler_top(moments, omega, GAMMA),
+        euler_top(moments, in_scene(omega, axes), in_scene(GAMMA, axes), axes=axes),
     )
     assert plain.regime == turned.regime
     times = [F(1), F(100)]
@@ -302,7 +302,7 @@ def test_full_inertia_matrix(name):
         principal = fractions(MOTIONS[name][1])
         omega = in_scene(principal, axes)
     inertia = full_inertia(moments, axes)
-    top, times = EulerTop(moments, omega, GAMMA, PSI, axes), [F(1), F(4)]
+    top, times = euler_top(moments, omega, GAMMA, PSI, axes), [F(1), F(4)]
     start = top.attitude([F(0)], 60)[0]
     taylor = series.integrate(inertia, omega, GAMMA, times, 45, quaternion=start)
     closed = [a + b for a, b in zip(top.at(times, 40), top.attitude(times, 40), strict=True)]
@@ -416,7 +416,7 @@ def test_turns_on_a_separatrix_where_the_vertical_is_far_from_the_momentum(gamma
 def test_the_bound_of_the_speed_is_above_it_but_not_far(name):
     """|w| at two quarters of a period: their squares sum to the bound's or more."""
     moments, omega, _ = MOTIONS[name]
-    top = EulerTop(fractions(moments), tuple(10 * x for x in fractions(omega)), GAMMA)
+    top = euler_top(fractions(moments), tuple(10 * x for x in fractions(omega)), GAMMA)
     times = [F(k, 20) for k in range(-40, 41)]
     with mpmath.workprec(128):
         fastest = max(mpmath.norm(mpmath.matrix(row[:3])) for row in top.at(times, 20))
@@ -426,14 +426,14 @@ def test_the_bound_of_the_speed_is_above_it_but_not_far(name):
 def test_counting_next_to_a_permanent_rotation(monkeypatch):
     """Amplitudes of 1e-200, whose squares no double holds."""
     omega = (F(1, 10**200), F(-2, 10**200), F(3, 2))
-    top = EulerTop((F(1), F(3, 2), F(2)), omega, GAMMA)
+    top = euler_top((F(1), F(3, 2), F(2)), omega, GAMMA)
     closed = top.angles([F(40)], 20)
     monkeypatch.setattr(euler_attitude.EulerAttitude, "arguments", lambda *_: None)
     assert distance(closed, top.angles([F(40)], 20)) == 0
 
 
 def straddling():
-    return EulerTop(
+    return euler_top(
         (F(13, 10), F(11, 10), F(9, 5)), (F(0), F(3), F(29, 10)), (F(7, 25), F(0), F(24, 25))
     )
 
@@ -466,7 +466,7 @@ def test_from_a_pole(third):
         (F(3, 10), F(2, 5), F(3, 2)),
         (F(0), F(0), F(third)),
     )
-    top = EulerTop(moments, omega, gamma)
+    top = euler_top(moments, omega, gamma)
     tiny = F(1, 10**30)
     at_pole, after, later, before = top.angles([F(0), tiny, F(1), -tiny], 20)
     assert at_pole[0] is None
@@ -490,7 +490,7 @@ def test_tiny_theta_keeps_its_digits():
     omega = (F(1, 10**100), F(-2, 10**100), F(3, 2))
     G = [a * x for a, x in zip(moments, omega, strict=True)]
     size = exact.sqrt(sum((x * x for x in G), F(0)))
-    top = EulerTop(moments, omega, tuple(x / size for x in G))
+    top = euler_top(moments, omega, tuple(x / size for x in G))
     (low,), (high,) = top.angles([F(9)], 20), top.angles([F(9)], 60)
     assert mpf(10) ** -45 < distance([low], [high]) < mpf(10) ** -20
     assert high[1] < mpf(10) ** -99
@@ -499,8 +499,8 @@ def test_tiny_theta_keeps_its_digits():
 @pytest.mark.parametrize("scale", [F(1, 10**30), F(10**30)])
 def test_units_of_1e30(scale):
     moments, omega, times = (F(1), F(3, 2), F(2)), (F(3, 10), F(2, 5), F(3, 2)), [F(3), F(50)]
-    plain = EulerTop(moments, omega, GAMMA)
-    other = EulerTop(tuple(scale * x for x in moments), tuple(x * scale for x in omega), GAMMA)
+    plain = euler_top(moments, omega, GAMMA)
+    other = euler_top(tuple(scale * x for x in moments), tuple(x * scale for x in omega), GAMMA)
     times_there = [t / scale for t in times]
     with mpmath.workdps(60):
         for one, two in zip(plain.at(times, 50), other.at(times_there, 50), strict=True):
@@ -538,7 +538,7 @@ def test_frequency_of_precession_is_the_mean_rate_of_the_circled_axis(name):
     moments, omega = (fractions(row) for row in CIRCLED[name])
     momentum = [a * w for a, w in zip(moments, omega, strict=True)]
     size = exact.sqrt(sum(x * x for x in momentum))
-    top = EulerTop(moments, omega, tuple(x / size for x in momentum))
+    top = euler_top(moments, omega, tuple(x / size for x in momentum))
     assert top.regime == MOTIONS[name][2]
     mean = top.frequencies(30)["precession"]
     with mpmath.workdps(70):
@@ -564,7 +564,7 @@ def test_motions_without_a_period():
 
 
 def test_without_gamma_only_omega_is_known():
-    top = EulerTop((F(1), F(3, 2), F(2)), (F(3, 10), F(2, 5), F(3, 2)))
+    top = euler_top((F(1), F(3, 2), F(2)), (F(3, 10), F(2, 5), F(3, 2)))
     assert top.at([F(4)], 30) == [row[:3] for row in top_of("around C").at([F(4)], 30)]
     for answers in (top.attitude, top.angles):
         with pytest.raises(ValueError, match="without gamma: only its omega is known"):

@@ -15,11 +15,10 @@ from polhode.closed_forms._winding.argument_of_sum import Sum, Turning
 from polhode.closed_forms.euler import turns
 from polhode.closed_forms.euler.attitude import EulerAttitude
 from polhode.closed_forms.euler.crossings import crossings
-from polhode.closed_forms.euler.top import EulerTop
 from polhode.closed_forms.functions.jacobi import MP, jacobi
 from polhode.numbers.exact import sqrt
 from polhode.numbers.mpmath_context import mpf, mpmath
-from shared.closed_form_checks import rational_axes
+from shared.closed_form_checks import euler_top, rational_axes
 
 F = Fraction
 POLES = [(F(0), F(0), F(1)), (F(0), F(0), F(-1)), (F(0), F(1), F(0)), (F(1), F(0), F(0))]
@@ -35,7 +34,7 @@ SKEW = rational_axes((3, -1, 2, 4))
 
 def made(body, axes=None, sense=1):
     moments, omega, gamma = body
-    return EulerTop(moments, tuple(sense * x for x in omega), gamma, F(1, 3), axes)
+    return euler_top(moments, tuple(sense * x for x in omega), gamma, F(1, 3), axes)
 
 
 def vertical(pick, size=20):

@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import pytest
 
-from polhode.closed_forms.goryachev.top import REGIME, Goryachev
+from polhode.closed_forms._one_orbit.goryachev import REGIME, Goryachev
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf
 from shared import orbit_checks as checks

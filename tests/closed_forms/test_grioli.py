@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import pytest
 
-from polhode.closed_forms.grioli.top import REGIME, Grioli
+from polhode.closed_forms._one_orbit.grioli import REGIME, Grioli
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import orbit_checks as checks

@@ -4,8 +4,8 @@ from fractions import Fraction
 
 import pytest
 
+from polhode.closed_forms._one_orbit.n_kowalewski import REGIME, NKowalewski
 from polhode.closed_forms.functions.quadrature_1dof import one_degree, value
-from polhode.closed_forms.n_kowalewski.top import REGIME, NKowalewski
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import orbit_checks as checks

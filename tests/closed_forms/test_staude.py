@@ -5,8 +5,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from polhode.closed_forms.staude.stability import STABLE, UNDECIDED, UNSTABLE, Stability
-from polhode.closed_forms.staude.top import HANGING, UPRIGHT, Staude
+from polhode.closed_forms._one_orbit.staude import HANGING, UPRIGHT, Staude
+from polhode.closed_forms.functions.rotation_stability import STABLE, UNDECIDED, UNSTABLE, Stability
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import orbit_checks as checks
@@ -190,7 +190,7 @@ def test_membership(start):
 
 def test_a_wrong_matrix_would_be_seen(monkeypatch):
     """One entry of J with its sign changed: the eigenvalues disagree."""
-    from polhode.closed_forms.staude import stability
+    from polhode.closed_forms.functions import rotation_stability as stability
 
     right = stability._jacobian
 

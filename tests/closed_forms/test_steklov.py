@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import pytest
 
-from polhode.closed_forms.steklov.top import REGIMES, Steklov
+from polhode.closed_forms._one_orbit.steklov import REGIMES, Steklov
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 from shared import orbit_checks as checks

@@ -12,14 +12,13 @@ import pytest
 from polhode.closed_forms._winding import argument_of_sum
 from polhode.closed_forms._winding import euler_angles as euler_angles
 from polhode.closed_forms.euler.attitude import EulerAttitude
-from polhode.closed_forms.euler.top import EulerTop
 from polhode.closed_forms.lagrange import attitude as lagrange_attitude
 from polhode.closed_forms.lagrange.attitude import LagrangeAttitude
 from polhode.closed_forms.lagrange.motion import Nutating
 from polhode.closed_forms.lagrange.top import LagrangeTop
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf, mpmath
-from shared.closed_form_checks import in_scene
+from shared.closed_form_checks import euler_top, in_scene
 from shared.lagrange_motions import PSI, motion
 
 F = Fraction
@@ -58,7 +57,7 @@ def free(place, sense=1, last=FREE[2]):
     omega, gamma = (F(3), F(0), 4 / last), (F(0), F(0), F(1) if place == "upper" else F(-1))
     if place == "later":
         gamma = F(24, 25), F(0), F(7, 25)  # the axis, on the other side of Iw
-    return EulerTop((F(1), F(1), last), tuple(sense * x for x in omega), gamma, F(1, 3))
+    return euler_top((F(1), F(1), last), tuple(sense * x for x in omega), gamma, F(1, 3))
 
 
 MOTIONS = {

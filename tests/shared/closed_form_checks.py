@@ -4,6 +4,7 @@ import itertools
 from fractions import Fraction
 
 from polhode.closed_forms._engine.principal_scene import PrincipalScene
+from polhode.closed_forms.euler.top import EulerTop
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 
@@ -23,6 +24,11 @@ def belongs(fits):
     return lambda moments, torque, omega=at_rest[0], gamma=at_rest[1]: fits(
         PrincipalScene(moments, torque, omega, gamma)
     )
+
+
+def euler_top(moments, omega, gamma=None, psi=Fraction(0), axes=None):
+    """A torque-free body."""
+    return EulerTop(moments, (Fraction(0),) * 3, omega, gamma, psi, axes)
 
 
 def distance(one, other, scale=1):

@@ -14,47 +14,34 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from polhode.closed_forms._engine.from_attitude import FromAttitude
+from polhode.closed_forms._engine.axes import MotionAxes
+from polhode.closed_forms._engine.closed_form import Rows
+from polhode.closed_forms._engine.from_attitude import FromMotion
+from polhode.closed_forms._engine.precision import GUARD, AtPrecision, phase_bits
 from polhode.closed_forms.euler.attitude import EulerAttitude
 from polhode.closed_forms.euler.axes import numbered_axes
 from polhode.closed_forms.euler.motion import EulerMotion, permanent_rotation, polhode
 from polhode.closed_forms.euler.regimes import exact_numbers, is_permanent, regime
 from polhode.closed_forms.functions.jacobi import MP, pair_functions
-from polhode.closed_forms.functions.quaternion import turned_back
+from polhode.closed_forms.functions.quaternion import Quaternion, turned_back
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened, vector
 from polhode.common.cached_property import cached_property
+from polhode.numbers.double_double import Pairs
 from polhode.numbers.exact import Exact, sign, sqrt, total
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector, is_zero
 
 _ZERO = Fraction(0)
 _COLUMN_BITS = 192  # of the constants where many times are asked for at once
-_GUARD = 40  # bits beyond the digits asked for, the growth of phases and the spread of the moments
 
 
-class EulerTop(FromAttitude):
-    """The motion of one torque-free body from one start.
+class EulerTop(FromMotion):
+    """The motion of one torque-free body from one start; without gamma only w is known."""
 
-    ``moments`` are the principal moments, ``axes[i]`` the unit vector of principal axis i in the
-    scene's body axes (right-handed; None for the same axes).  ``omega`` and ``gamma`` are given at
-    t = 0 in the scene's axes, where all answers are too; without ``gamma`` only w is known.
-    ``torque`` = Mg r0 must be zero: ValueError.
-
-    ``regime`` names the kind of motion; it is decided once, by exact arithmetic.
-    """
-
-    def __init__(
-        self,
-        moments: tuple[Exact, Exact, Exact],
-        omega: tuple[Exact, Exact, Exact],
-        gamma: tuple[Exact, Exact, Exact] | None = None,
-        psi: Exact = _ZERO,
-        axes: tuple[tuple[Exact, ...], ...] | None = None,
-        torque: Vector = (_ZERO, _ZERO, _ZERO),
-    ) -> None:
+    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
         if not is_zero(torque):
             raise ValueError("a body whose weight has a moment")
-        super().__init__(gamma, psi)
         self._axes, side = numbered_axes(axes, moments, omega)
         principal = self._axes.principal(omega)
         self.regime = regime(moments, principal, side)
@@ -62,59 +49,44 @@ class EulerTop(FromAttitude):
         self._moments = tuple(moments[i] for i in self._axes.order)
         self._omega = self._axes.numbered(omega)
         self._numbers = {} if self._permanent else exact_numbers(self._moments, self._omega)
-        self._motions: dict[int, EulerMotion] = {}
-        self._attitudes: dict[int, EulerAttitude] = {}
+        self._motion = AtPrecision(self._solved)
+        self._placing = AtPrecision(self._placed)
 
-    def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """Rows p, q, r [, gamma1, gamma2, gamma3], one a time.
+    def _state(self, t: Scalar, bits: int) -> list[Scalar]:
+        return self._seen(*self._motion(bits).state(t, MP), bits)
 
-        The error is below 10^-digits, of w relative to its largest modulus.
-        """
-        bits = self._bits(times, digits)
-        rows = []
-        with mpmath.workprec(bits):
-            motion = self._motion(bits)
-            axes = self._axes.mapped(lambda x: number(x, bits))
-            gamma = None
-            if self._known_gamma is not None:
-                gamma = vector(self._axes.numbered(self._known_gamma), bits)
-            for t in times:
-                omega, turn = motion.state(number(t, bits), MP)
-                row = axes.scene(omega)
-                if gamma is not None:
-                    row += axes.scene(turned_back(turn, gamma))
-                rows.append(row)
-        return [shortened(row, digits) for row in rows]
+    def _seen(self, omega: Sequence[Scalar], turn: Quaternion, bits: int) -> list[Scalar]:
+        """w and, where it is known, gamma in the scene's axes."""
+        axes, gamma = self._placing(bits)
+        row = axes.scene(omega)
+        return row if gamma is None else row + axes.scene(turned_back(turn, gamma))
 
-    def columns(self, times: Any) -> tuple[list[Any], list[Any] | None]:
+    def _placed(self, bits: int) -> tuple[MotionAxes, tuple[Scalar, Scalar, Scalar] | None]:
+        """The axes, and gamma at t = 0 in those numbered for the motion."""
+        axes = self._axes.mapped(lambda x: number(x, bits))
+        if self._known_gamma is None:
+            return axes, None
+        return axes, vector(self._axes.numbered(self._known_gamma), bits)
+
+    def columns(self, times: Pairs) -> tuple[list[Pairs], list[Pairs] | None]:
         """p q r [gamma1 gamma2 gamma3], and the quaternion, at many times at once.
 
         ``times`` and answers are :class:`polhode.numbers.double_double.Pairs`; of their 100 bits
         the phases take log2 of the largest.
         """
         with mpmath.workprec(_COLUMN_BITS):
-            motion, fn = self._motion(_COLUMN_BITS), pair_functions()
-            axes = self._axes.mapped(lambda x: number(x, _COLUMN_BITS))
-            omega, turn = motion.state(times, fn)
-            row = axes.scene(omega)
+            omega, turn = self._motion(_COLUMN_BITS).state(times, pair_functions())
+            row = self._seen(omega, turn, _COLUMN_BITS)
             if self._known_gamma is None:
                 return row, None
-            gamma = vector(self._axes.numbered(self._known_gamma), _COLUMN_BITS)
-            row += axes.scene(turned_back(turn, gamma))
-            return row, list(self._attitude(_COLUMN_BITS).after(turn))
+            return row, list(self._turning(_COLUMN_BITS).after(turn))
 
-    def period(self, digits: int) -> mpf | None:
-        """The period of w in the body, in the scene's unit of time.
-
-        None where w is constant or tends to the middle axis.
-        """
+    def _period(self, bits: int) -> Scalar | None:
+        """None where w is constant or tends to the middle axis."""
         if self._permanent or sign(self._numbers["kc2"]) == 0:
             return None
-        bits = self._bits((), digits)
-        with mpmath.workprec(bits):
-            motion: Any = self._motion(bits)
-            period = 4 * motion.elliptic.K / motion.rate
-        return shortened([period], digits)[0]
+        motion: Any = self._motion(bits)
+        return 4 * motion.elliptic.K / motion.rate
 
     def frequencies(self, digits: int) -> dict[str, mpf]:
         """Mean rates in radians a unit of time.
@@ -135,30 +107,18 @@ class EulerTop(FromAttitude):
                     found["precession"] += motion.jump / half_period
         return {name: shortened([x], digits)[0] for name, x in found.items()}
 
-    def _motion(self, bits: int) -> EulerMotion:
-        """The constants at a precision, made once."""
-        if bits not in self._motions:
-            with mpmath.workprec(bits):
-                if self._permanent:
-                    made: EulerMotion = permanent_rotation(vector(self._omega, bits))
-                else:
-                    numbers = {name: number(x, bits) for name, x in self._numbers.items()}
-                    s1, s3 = (1 if sign(self._omega[i]) >= 0 else -1 for i in (0, 2))
-                    s2 = sign(self._moments[2] - self._moments[1]) * s1 * s3
-                    numbers["sn0"] = mpmath.sqrt(numbers["sn0_2"]) * sign(self._omega[1]) * s2
-                    made = polhode(numbers, (s1, s2, s3))
-            self._motions[bits] = made
-        return self._motions[bits]
+    def _solved(self, bits: int) -> EulerMotion:
+        if self._permanent:
+            return permanent_rotation(vector(self._omega, bits))
+        numbers = {name: number(x, bits) for name, x in self._numbers.items()}
+        s1, s3 = (1 if sign(self._omega[i]) >= 0 else -1 for i in (0, 2))
+        s2 = sign(self._moments[2] - self._moments[1]) * s1 * s3
+        numbers["sn0"] = mpmath.sqrt(numbers["sn0_2"]) * sign(self._omega[1]) * s2
+        return polhode(numbers, (s1, s2, s3))
 
-    def _attitude(self, bits: int) -> EulerAttitude:
-        """The attitude as a function of time, its constants made once a precision."""
-        if bits not in self._attitudes:
-            start = self._first_quaternion(bits)
-            with mpmath.workprec(bits):
-                axes = self._axes.mapped(lambda x: number(x, bits))
-                cosine = number(self._cosine, bits)
-                self._attitudes[bits] = EulerAttitude(self._motion(bits), axes, start, cosine)
-        return self._attitudes[bits]
+    def _turning(self, bits: int) -> EulerAttitude:
+        start, (axes, _) = self._first_quaternion(bits), self._placing(bits)
+        return EulerAttitude(self._motion(bits), axes, start, number(self._cosine, bits))
 
     @cached_property
     def _cosine(self) -> Exact:
@@ -177,10 +137,7 @@ class EulerTop(FromAttitude):
         """
         moments = [abs(x) for x in self._moments]
         spread = log2(moments[0]), log2(moments[1]), log2(moments[2])
-        phase = 0.0
         momentum = max((log2(x) + m for x, m in zip(self._omega, spread, strict=True)))
-        last = max((log2(t) for t in times), default=-math.inf)
-        if last > -math.inf and momentum > -math.inf:
-            phase = max(0.0, momentum - min(spread) + last)
-        wanted = digits * math.log2(10) + phase + (max(spread) - min(spread)) + _GUARD
+        phase = phase_bits(times, momentum - min(spread))
+        wanted = digits * math.log2(10) + phase + (max(spread) - min(spread)) + GUARD
         return rounded_up(wanted)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms._engine.misfit import Misfit
+from polhode.closed_forms._engine.family import Family, Maker, Special
 from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.goryachev_chaplygin.axes import failure
 
@@ -12,6 +12,16 @@ def fits(scene: PrincipalScene) -> bool:
     return failure(scene) is None
 
 
-def misfit(scene: PrincipalScene) -> Misfit | None:
-    """The condition that body and start do not meet, and by how much."""
-    return failure(scene)
+def _maker() -> Maker:
+    from polhode.closed_forms.goryachev_chaplygin.top import GoryachevChaplyginTop
+
+    return GoryachevChaplyginTop
+
+
+def _special(scene: PrincipalScene) -> Special:
+    from polhode.closed_forms.goryachev_chaplygin.special import special
+
+    return special(scene)
+
+
+FAMILY = Family("goryachev-chaplygin", fits, failure, _maker, _special)

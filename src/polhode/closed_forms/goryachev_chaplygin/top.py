@@ -12,16 +12,17 @@ import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import partial
-from typing import Any
 
 from polhode.closed_forms._engine.attitude_series import AttitudeSeries, Body
 from polhode.closed_forms._engine.body_frame_motion import Between, Moving, moving
-from polhode.closed_forms._engine.from_attitude import FromAttitude
+from polhode.closed_forms._engine.closed_form import Rows
+from polhode.closed_forms._engine.from_attitude import FromMotion
+from polhode.closed_forms._engine.precision import AtPrecision, phase_bits
 from polhode.closed_forms._winding.asymptotic_period import Settled
 from polhode.closed_forms._winding.euler_angles import Attitude
 from polhode.closed_forms.functions.jacobi import MP
 from polhode.closed_forms.functions.quaternion import of_matrix
-from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
+from polhode.closed_forms.functions.rounding import number, rounded_up
 from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.attitude.attitude import HalvesFrame, bounds
 from polhode.closed_forms.goryachev_chaplygin.attitude.momentum_azimuth import settling, turning
@@ -41,113 +42,70 @@ from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector
 
-_ZERO = Fraction(0)
+HELD = ("A = B = 4C", "r0 at right angles to axis 3", "f = Iw.gamma = 0")
 _GUARD = 64  # bits beyond the digits asked for and the growth of phases
 _SLACK = 32  # of these, what the set-up may use up; where it needs more it is made with more
 _TRIALS = 6
 _REACH = 64  # the motion's units of time within which the attitude is summed piece by piece
 
 
-class GoryachevChaplyginTop(FromAttitude):
-    """One motion of Goryachev and Chaplygin's case from one start.
+class GoryachevChaplyginTop(FromMotion):
+    """One motion of Goryachev and Chaplygin's case from one start."""
 
-    ``moments`` are the principal moments and ``torque`` = Mg r0 in principal axes; ``axes[i]`` is
-    the unit vector of principal axis i in the scene's body axes (right-handed; None for the same
-    axes).  ``omega`` and ``gamma`` are given at t = 0 in the scene's axes, where all answers are
-    too.  Raises ValueError with the condition that fails.
-
-    ``regime`` names the kind of motion; it is decided once, by exact arithmetic.  ``held`` are the
-    conditions that body and start meet.
-    """
-
-    held = ("A = B = 4C", "r0 at right angles to axis 3", "f = Iw.gamma = 0")
-
-    def __init__(
-        self,
-        *,
-        moments: Vector,
-        torque: Vector,
-        omega: Vector,
-        gamma: Vector,
-        psi: Exact = _ZERO,
-        axes: tuple[tuple[Exact, ...], ...] | None = None,
-    ) -> None:
-        super().__init__(gamma, psi)
-        self._start = start(moments, torque, omega, gamma, axes)
+    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
+        self._start = start(moments, torque, omega, self._gamma, axes)
         self.regime = regimes.regime(self._start)
         self._extra = 0
         if self.regime not in regimes.EXPLICIT:
             self._extra = math.ceil(lost_bits(self._start))
-        self._motions: dict[int, GoryachevMotion] = {}
-        self._attitudes: dict[int, Attitude] = {}
-        self._rows: dict[int, list[list[Any]]] = {}
+        self._motion = AtPrecision(lambda bits: motion(self._start, self.regime, bits))
+        self._matrix = AtPrecision(
+            lambda bits: [[number(x, bits) for x in row] for row in self._start.rows]
+        )
 
-    def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """Rows p, q, r, gamma1, gamma2, gamma3, one a time.
+    @property
+    def held(self) -> tuple[str, ...]:
+        """The conditions that body and start meet."""
+        return HELD
 
-        The error is below 10^-digits, of w relative to its largest modulus.
-        """
-        bits = self._bits(times, digits)
-        found, rows = self._motion(bits), []
-        for t in times:
-            with mpmath.workprec(bits):
-                _, state = found.at(self._moment(t, bits), MP)
-                rows.append(self._placed(state, bits))
-        return [shortened(row, digits) for row in rows]
+    def _state(self, t: Scalar, bits: int) -> list[Scalar]:
+        _, state = self._motion(bits).at(self._inside(t), MP)
+        return self._placed(state, bits)
 
-    def period(self, digits: int) -> mpf | None:
-        """The period of the state; None where there are two frequencies or none."""
+    def _period(self, bits: int) -> Scalar | None:
+        """None where there are two frequencies or none."""
         if self.regime in regimes.TWO_FREQUENCIES or self.regime in regimes.ASYMPTOTIC:
             return None
-        bits = self._bits((), digits)
         found = self._motion(bits)
-        with mpmath.workprec(bits):
-            if self.regime in regimes.CONSTANT:
-                period = 4 * mpmath.pi / frequencies(found)[0]
-            else:
-                period = found.path.period  # type: ignore[attr-defined]
-            if period is None:
-                return None
-            period = mpmath.ldexp(period, -self._start.exponent)
-        return shortened([period], digits)[0]
+        if self.regime in regimes.CONSTANT:
+            period = 4 * mpmath.pi / frequencies(found)[0]
+        else:
+            period = found.path.period  # type: ignore[attr-defined]
+        return None if period is None else mpmath.ldexp(period, -self._start.exponent)
 
-    def frequencies(self, digits: int) -> dict[str, mpf]:
-        """The motion's frequencies, radians a unit of time.
+    def _rates(self, bits: int) -> dict[str, Scalar]:
+        """Of two frequencies "u" and "v", the mean rates of x and y.
 
-        Of two frequencies "u" and "v", the mean rates of x and y: u and v repeat with 2 pi of them,
-        p, q and gamma3 with twice that.  Of a periodic motion "body".
+        u and v repeat with 2 pi of them, p, q and gamma3 with twice that.
         """
-        period = self.period(digits + 5)
-        bits = self._bits((), digits)
-        with mpmath.workprec(bits):
-            if period is not None:
-                return {"body": shortened([2 * mpmath.pi / period], digits)[0]}
-            if self.regime not in regimes.TWO_FREQUENCIES:
-                return {}
-            rates = frequencies(self._motion(bits))
-            both = [mpmath.ldexp(x, self._start.exponent) for x in rates]
-        return dict(zip(("u", "v"), shortened(both, digits), strict=True))
+        if self.regime not in regimes.TWO_FREQUENCIES:
+            return {}
+        rates = frequencies(self._motion(bits))
+        return {
+            name: mpmath.ldexp(x, self._start.exponent)
+            for name, x in zip(("u", "v"), rates, strict=True)
+        }
 
-    def _motion(self, bits: int) -> GoryachevMotion:
-        """The constants at a precision, made once."""
-        if bits not in self._motions:
-            self._motions[bits] = motion(self._start, self.regime, bits)
-        return self._motions[bits]
-
-    def _attitude(self, bits: int) -> Attitude:
-        """The attitude as a function of time, its constants made once a precision."""
-        if bits not in self._attitudes:
-            found = self._motion(bits)
-            with mpmath.workprec(bits):
-                made = partial(self._framed, found, bits)
-                several = self.regime in (*regimes.TWO_FREQUENCIES, *regimes.ASYMPTOTIC)
-                self._attitudes[bits] = self._near(found, made, bits) if several else made()
-        return self._attitudes[bits]
+    def _turning(self, bits: int) -> Attitude:
+        found = self._motion(bits)
+        made = partial(self._framed, found, bits)
+        several = self.regime in (*regimes.TWO_FREQUENCIES, *regimes.ASYMPTOTIC)
+        return self._near(found, made, bits) if several else made()
 
     def _near(self, found: GoryachevMotion, made: Callable[[], Moving], bits: int) -> NearAndFar:
         """By series, and beyond their reach by the momentum's frame."""
         unit = self._moment(Fraction(1), bits)
-        rows = [[number(x, bits) for x in row] for row in self._start.rows]
+        rows = self._matrix(bits)
         H, a = number(self._start.H, bits), number(self._start.a, bits)
         speed = mpmath.sqrt(H + 2 * a)
         series = AttitudeSeries(
@@ -167,7 +125,7 @@ class GoryachevChaplyginTop(FromAttitude):
         """By the momentum's frame."""
         with mpmath.workprec(bits):
             unit = self._moment(Fraction(1), bits)
-            rows = [[number(x, bits) for x in row] for row in self._start.rows]
+            rows = self._matrix(bits)
             turn = turning(found)
             H, a = number(self._start.H, bits), number(self._start.a, bits)
             scale = abs(unit)
@@ -209,14 +167,15 @@ class GoryachevChaplyginTop(FromAttitude):
 
     def _moment(self, t: Exact, bits: int) -> mpf:
         """A time in the motion's units and direction."""
-        found = mpmath.ldexp(number(t, bits), self._start.exponent)
+        return self._inside(number(t, bits))
+
+    def _inside(self, t: Scalar) -> mpf:
+        found = mpmath.ldexp(t, self._start.exponent)
         return -found if self._start.backward else found
 
     def _placed(self, state: Sequence[Scalar], bits: int) -> list[mpf]:
         """A state in the scene's axes and units."""
-        if bits not in self._rows:
-            self._rows[bits] = [[number(x, bits) for x in row] for row in self._start.rows]
-        rows = self._rows[bits]
+        rows = self._matrix(bits)
         unit = mpmath.ldexp(-1 if self._start.backward else 1, self._start.exponent)
         w = [unit * x for x in state[:3]]
         return [
@@ -230,8 +189,7 @@ class GoryachevChaplyginTop(FromAttitude):
 
         Bits are added until the constants give the start.
         """
-        last = max((log2(t) for t in times), default=-math.inf)
-        phase = max(0.0, last + self._start.exponent) if last > -math.inf else 0.0
+        phase = phase_bits(times, self._start.exponent)
         wanted = digits * math.log2(10) + phase + _GUARD
         for _ in range(_TRIALS):
             bits = rounded_up(wanted + self._extra)

@@ -11,15 +11,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 from polhode.closed_forms._engine.body_frame_motion import Between, Moving, moving
-from polhode.closed_forms._engine.from_attitude import FromAttitude
+from polhode.closed_forms._engine.closed_form import Rows
+from polhode.closed_forms._engine.from_attitude import FromMotion
+from polhode.closed_forms._engine.precision import AtPrecision, phase_bits
 from polhode.closed_forms._winding.asymptotic_period import Settled
 from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion, of_matrix
-from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
+from polhode.closed_forms.functions.rounding import number, rounded_up, shortened
 from polhode.closed_forms.hess import axes as surface
 from polhode.closed_forms.hess.doubles import DoubleGeneral
 from polhode.closed_forms.hess.explicit import Cone, PlaneMotion, cone, plane
@@ -30,91 +31,53 @@ from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector
 
-_ZERO = Fraction(0)
+HELD = ("r0 at right angles to the middle axis", "(B/C - 1) T1^2 = (1 - B/A) T3^2", "Iw.r0 = 0")
 _GUARD = 64  # bits beyond the digits asked for and the growth of phases
 _SURE = 32  # bits of the way to a periodic motion after which turns repeat
 
 Path = PlaneMotion | Cone | GeneralMotion
 
 
-class HessTop(FromAttitude):
-    """One motion on Hess's surface from one start.
+class HessTop(FromMotion):
+    """One motion on Hess's surface from one start."""
 
-    ``moments`` are the principal moments and ``torque`` = Mg r0 in principal axes; ``axes[i]`` is
-    the unit vector of principal axis i in the scene's body axes (right-handed; None for the same
-    axes).  ``omega`` and ``gamma`` are given at t = 0 in the scene's axes, where all answers are
-    too.  Raises ValueError with the condition that fails.
-
-    ``regime`` names the kind of motion; it is decided once, by exact arithmetic.  ``held`` are the
-    conditions that body and start meet.
-    """
-
-    held = ("r0 at right angles to the middle axis", "(B/C - 1) T1^2 = (1 - B/A) T3^2", "Iw.r0 = 0")
-
-    def __init__(
-        self,
-        *,
-        moments: Vector,
-        torque: Vector,
-        omega: Vector,
-        gamma: Vector,
-        psi: Exact = _ZERO,
-        axes: tuple[tuple[Exact, ...], ...] | None = None,
-    ) -> None:
-        super().__init__(gamma, psi)
-        self._start = surface.start(moments, torque, omega, gamma, axes)
+    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
+        self._start = surface.start(moments, torque, omega, self._gamma, axes)
         self.regime = surface.regime(self._start)
-        self._paths: dict[int, Path] = {}
-        self._attitudes: dict[int, Moving] = {}
-        self._rows: dict[int, list[list[Any]]] = {}
+        self._path = AtPrecision(self._solved)
+        self._matrix = AtPrecision(
+            lambda bits: [[number(x, bits) for x in row] for row in self._start.rows]
+        )
 
-    def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """Rows p, q, r, gamma1, gamma2, gamma3, one a time.
+    @property
+    def held(self) -> tuple[str, ...]:
+        """The conditions that body and start meet."""
+        return HELD
 
-        The error is below 10^-digits, of w relative to its largest modulus.
+    def _state(self, t: Scalar, bits: int) -> list[Scalar]:
+        exponent = self._start.exponent
+        point = self._path(bits).at(mpmath.ldexp(t, exponent), MP)
+        a12 = number(self._start.a12, bits)
+        scale = mpmath.ldexp(1, exponent)
+        w = [scale * x for x in (a12 * point.Z[0], *point.Z)]
+        return self._placed(w, bits) + self._placed([point.u, *point.g], bits)
+
+    def _period(self, bits: int) -> Scalar | None:
+        found = self._path(bits).period
+        return None if found is None else mpmath.ldexp(found, -self._start.exponent)
+
+    def _rates(self, bits: int) -> dict[str, Scalar]:
+        """Of the general motion "nutation", of the angle between r0 and the vertical.
+
+        Where it does not tend to a periodic motion also "turning", of the second phase, known
+        modulo the first.
         """
-        bits = self._bits(times, digits)
-        path, rows = self._path(bits), []
-        with mpmath.workprec(bits):
-            for t in times:
-                point = path.at(self._moment(t, bits), MP)
-                a12 = number(self._start.a12, bits)
-                scale = mpmath.ldexp(1, self._start.exponent)
-                w = [scale * x for x in (a12 * point.Z[0], *point.Z)]
-                gamma = [point.u, *point.g]
-                rows.append(self._placed(w, bits) + self._placed(gamma, bits))
-        return [shortened(row, digits) for row in rows]
-
-    def period(self, digits: int) -> mpf | None:
-        """The period of the state; None where it does not repeat."""
-        bits = self._bits((), digits)
-        with mpmath.workprec(bits):
-            found = self._path(bits).period
-            if found is None:
-                return None
-            found = mpmath.ldexp(found, -self._start.exponent)
-        return shortened([found], digits)[0]
-
-    def frequencies(self, digits: int) -> dict[str, mpf]:
-        """The motion's frequencies, radians a unit of time.
-
-        Of a periodic motion "body".  Of the general one "nutation", of the angle between r0 and the
-        vertical, and where it does not tend to a periodic motion "turning", of the second phase,
-        known modulo the first.
-        """
-        period = self.period(digits + 5)
-        bits = self._bits((), digits)
-        with mpmath.workprec(bits):
-            if period is not None:
-                return {"body": shortened([2 * mpmath.pi / period], digits)[0]}
-            path = self._path(bits)
-            if not isinstance(path, GeneralMotion):
-                return {}
-            scale = mpmath.ldexp(1, self._start.exponent)
-            both = [None if x is None else x * scale for x in path.frequencies]
-        names = ("nutation", "turning")
-        found = dict(zip(names, shortened(both, digits), strict=True))
-        return {name: x for name, x in found.items() if x is not None}
+        path = self._path(bits)
+        if not isinstance(path, GeneralMotion):
+            return {}
+        scale = mpmath.ldexp(1, self._start.exponent)
+        both = zip(("nutation", "turning"), path.frequencies, strict=True)
+        return {name: x * scale for name, x in both if x is not None}
 
     def approach(self, digits: int) -> mpf | None:
         """The rate at which the motion tends to a periodic one; None where it does not.
@@ -139,43 +102,31 @@ class HessTop(FromAttitude):
             rate = mpmath.ldexp(rate, self._start.exponent)
         return shortened([rate], digits)[0]
 
-    def _path(self, bits: int) -> Path:
-        """The constants at a precision, made once."""
-        if bits not in self._paths:
-            with mpmath.workprec(bits):
-                if self.regime in surface.PLANE:
-                    self._paths[bits] = plane(self._start, self.regime, bits)
-                elif self.regime in surface.CONES:
-                    self._paths[bits] = cone(self._start, self.regime, bits)
-                else:
-                    self._paths[bits] = general(self._start, bits)
-        return self._paths[bits]
+    def _solved(self, bits: int) -> Path:
+        if self.regime in surface.PLANE:
+            return plane(self._start, self.regime, bits)
+        if self.regime in surface.CONES:
+            return cone(self._start, self.regime, bits)
+        return general(self._start, bits)
 
-    def _attitude(self, bits: int) -> Moving:
-        """The attitude as a function of time, its constants made once a precision."""
-        if bits not in self._attitudes:
-            path = self._path(bits)
-            with mpmath.workprec(bits):
-                unit = mpmath.ldexp(1, self._start.exponent)
-                begin = self._first_quaternion(bits)
-                chi: Callable[[Scalar], Scalar] | None = None
-                if isinstance(path, Cone):
-                    turning = path.turning * unit
-                    chi = lambda t: turning * t  # noqa: E731
-                wide, quick = self._speeds(path, bits)
-                frame = SurfaceFrame(path, unit)
-                rows = self._matrix(bits)
-                self._attitudes[bits] = moving(
-                    frame,
-                    chi,
-                    begin,
-                    rows,
-                    (wide, quick),
-                    path.period and path.period / unit,
-                    between=self._between(path, rows, unit, wide),
-                    settled=self._settled(path, unit),
-                )
-        return self._attitudes[bits]
+    def _turning(self, bits: int) -> Moving:
+        path, unit = self._path(bits), mpmath.ldexp(1, self._start.exponent)
+        chi: Callable[[Scalar], Scalar] | None = None
+        if isinstance(path, Cone):
+            turning = path.turning * unit
+            chi = lambda t: turning * t  # noqa: E731
+        wide, quick = self._speeds(path, bits)
+        rows = self._matrix(bits)
+        return moving(
+            SurfaceFrame(path, unit),
+            chi,
+            self._first_quaternion(bits),
+            rows,
+            (wide, quick),
+            path.period and path.period / unit,
+            between=self._between(path, rows, unit, wide),
+            settled=self._settled(path, unit),
+        )
 
     def _between(
         self, path: Path, rows: Sequence[Sequence[Scalar]], unit: Scalar, wide: Scalar
@@ -225,25 +176,13 @@ class HessTop(FromAttitude):
         quick = wide + abs(path.turning) if isinstance(path, Cone) else wide
         return mpmath.ldexp(wide, start.exponent), mpmath.ldexp(quick, start.exponent)
 
-    def _moment(self, t: Exact, bits: int) -> mpf:
-        """A time in the motion's units."""
-        return mpmath.ldexp(number(t, bits), self._start.exponent)
-
-    def _matrix(self, bits: int) -> list[list[Scalar]]:
-        """The motion's axes in the scene's."""
-        if bits not in self._rows:
-            self._rows[bits] = [[number(x, bits) for x in row] for row in self._start.rows]
-        return self._rows[bits]
-
     def _placed(self, v: Sequence[Scalar], bits: int) -> list[mpf]:
         """A vector in the scene's axes."""
         rows = self._matrix(bits)
         return [sum(row[j] * x for row, x in zip(rows, v, strict=True)) for j in range(3)]
 
     def _bits(self, times: Sequence[Exact], digits: int) -> int:
-        """Working precision: the digits, what the phases cost, a guard."""
-        last = max((log2(t) for t in times), default=-math.inf)
-        phase = max(0.0, last + self._start.exponent) if last > -math.inf else 0.0
+        phase = phase_bits(times, self._start.exponent)
         return rounded_up(digits * math.log2(10) + phase + _GUARD)
 
 

@@ -12,10 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from polhode.closed_forms._engine.axes import RowMatrix, placed
+from polhode.closed_forms._engine.axes import placed
+from polhode.closed_forms._engine.closed_form import Rows
 from polhode.closed_forms._engine.from_attitude import FromAttitude
+from polhode.closed_forms._engine.precision import AtPrecision
 from polhode.closed_forms._winding.euler_angles import Attitude
 from polhode.closed_forms.functions.rounding import number, rounded_up, shortened
 from polhode.closed_forms.kovalevskaya import regimes
@@ -28,6 +30,7 @@ from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.scalars import Scalar
+from polhode.scenes.body import Vector
 
 if TYPE_CHECKING:
     from polhode.closed_forms.kovalevskaya.attitude.attitude_choice import Attitudes
@@ -39,31 +42,18 @@ _TURNING = 16  # bits that the attitude may lose beyond the phase
 class KovalevskayaTop(FromAttitude):
     """The motion of one Kovalevskaya top from one start.
 
-    ``moments`` are the principal moments and ``torque`` = Mg r0 in principal axes; ``axes[i]`` is
-    the unit vector of principal axis i in the scene's body axes (right-handed; None for the same
-    axes).  ``omega`` and ``gamma`` are given at t = 0 in the scene's axes, where all answers are
-    too.  Raises ValueError for a body that is no Kovalevskaya top
-    (:func:`polhode.closed_forms.kovalevskaya.axes.fits`).
-
-    ``regime`` names the kind of motion, of a generic one the type of its curve; it is decided once,
-    by exact arithmetic (:func:`polhode.closed_forms.kovalevskaya.regimes.regime`).
+    ``regime`` is, of a generic motion, the type of its curve
+    (:func:`polhode.closed_forms.kovalevskaya.regimes.regime`).
     """
 
-    def __init__(
-        self,
-        moments: tuple[Exact, Exact, Exact],
-        torque: tuple[Exact, Exact, Exact],
-        omega: tuple[Exact, Exact, Exact],
-        gamma: tuple[Exact, Exact, Exact],
-        psi: Exact = _ZERO,
-        axes: tuple[tuple[Exact, ...], ...] | None = None,
-    ) -> None:
-        super().__init__(gamma, psi)
+    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
         self._axes = top_axes(moments, torque, axes)
-        self._start = self._axes.start(omega, gamma)
+        self._start = self._axes.start(omega, self._gamma)
         self.regime = regimes.regime(self._start)
         self._answers = Answers(self._start, self.regime)
-        self._matrices: dict[int, tuple[RowMatrix, mpf]] = {}
+        self._matrix = AtPrecision(
+            lambda bits: (self._axes.matrix(bits), number(self._start.weight, bits))
+        )
 
     @cached_property
     def _attitudes(self) -> Attitudes:
@@ -103,15 +93,16 @@ class KovalevskayaTop(FromAttitude):
 
         None for a motion of two frequencies, or without any.
         """
-        if self.regime not in regimes.ONE_FREQUENCY:
-            return None
         bits = rounded_up(self._answers.base(digits) + CERTIFIED)
         with mpmath.workprec(bits):
-            period = special(self._start, self.regime, bits).period
-            if not mpmath.isfinite(period):
-                return None
-            period = mpmath.ldexp(period, -self._start.exponent)
+            period = self._period(bits)
         return shortened([period], digits)[0]
+
+    def _period(self, bits: int) -> Scalar | None:
+        if self.regime not in regimes.ONE_FREQUENCY:
+            return None
+        period = special(self._start, self.regime, bits).period
+        return mpmath.ldexp(period, -self._start.exponent) if mpmath.isfinite(period) else None
 
     def frequencies(self, digits: int) -> dict[str, mpf]:
         """The motion's frequencies, radians a unit of time.
@@ -120,24 +111,20 @@ class KovalevskayaTop(FromAttitude):
         through their cycles; w and gamma repeat when both have made an even number of turns.
         One-frequency motion: "body".  Others: none.
         """
-        period = self.period(digits + 5)
-        bits = rounded_up(self._answers.base(digits) + CERTIFIED)
-        with mpmath.workprec(bits):
-            if period is not None:
-                return {"body": shortened([2 * mpmath.pi / period], digits)[0]}
-            made = self._curve(digits)
-            if made is None:
-                return {}
+        made = self._curve(digits)
+        if made is None:
+            return super().frequencies(digits)
+        with mpmath.workprec(rounded_up(self._answers.base(digits) + CERTIFIED)):
             both = [mpmath.ldexp(x, self._start.exponent) for x in made.frequencies]
         return dict(zip(("s1", "s2"), shortened(both, digits), strict=True))
 
-    def curve(self, digits: int) -> dict[str, Any]:
+    def curve(self, digits: int) -> dict[str, object]:
         """H, K^2 = k^2, the points e1, e2, e3 and the period matrix tau, in time units of 1/n.
 
         n is rounded to a power of two, 2^exponent.  tau is None on a degenerate curve.
         """
         made, bits = self._curve(digits), rounded_up(self._answers.base(digits) + CERTIFIED)
-        found: dict[str, Any] = {"exponent": self._start.exponent}
+        found: dict[str, object] = {"exponent": self._start.exponent}
         for name, x in (("H", self._start.H), ("K2", self._start.k2)):
             found[name] = shortened([number(x, bits)], digits)[0]
         found["e"] = shortened(cubic_roots(self._start, bits), digits)
@@ -157,8 +144,7 @@ class KovalevskayaTop(FromAttitude):
         """The precision of an attitude."""
         return rounded_up(self._answers.base(digits) + self._answers.phase(times) + _TURNING)
 
-    def _attitude(self, bits: int) -> Attitude:
-        """The attitude as a function of time, its constants made once a precision."""
+    def _turning(self, bits: int) -> Attitude:
         return self._attitudes.at(bits)
 
     def _rows(self, times: Sequence[Exact], base: int) -> tuple[list[list[mpf]], mpf]:
@@ -173,10 +159,3 @@ class KovalevskayaTop(FromAttitude):
             matrix, weight = self._matrix(bits)
             w = [mpmath.ldexp(x, exponent) for x in state[:3]]
             return placed(matrix, w) + placed(matrix, [x / weight for x in state[3:]])
-
-    def _matrix(self, bits: int) -> tuple[RowMatrix, mpf]:
-        """The top's axes in the scene's, and n^2."""
-        if bits not in self._matrices:
-            matrix = self._axes.matrix(bits)
-            self._matrices[bits] = matrix, number(self._start.weight, bits)
-        return self._matrices[bits]

@@ -26,7 +26,9 @@ import math
 from collections.abc import Mapping, Sequence
 
 from polhode.closed_forms._engine.axes import MotionAxes
-from polhode.closed_forms._engine.initial_attitude import start_angles, start_quaternion, start_sign
+from polhode.closed_forms._engine.closed_form import ClosedForm, Rows
+from polhode.closed_forms._engine.initial_attitude import start_angles
+from polhode.closed_forms._engine.precision import GUARD, AtPrecision, phase_bits
 from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.functions.quaternion import product
 from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
@@ -45,42 +47,28 @@ from polhode.closed_forms.pendulum.motion import (
     swing_of,
 )
 from polhode.numbers import exact
-from polhode.numbers.exact import EQUAL_BITS, ZERO, Exact, sign
+from polhode.numbers.exact import EQUAL_BITS, Exact, sign
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector, cross, dot, scaled
 
-_GUARD = 40  # bits beyond the digits asked for and the growth of phases
 _SPARE = 8  # bits kept beyond the digits asked for
 
 
-class Pendulum:
-    """The plane motion of one heavy body from one start; raises ValueError unless it fits.
+class Pendulum(ClosedForm):
+    """The plane motion of one heavy body from one start."""
 
-    ``moments`` are the principal moments and ``torque`` is Mg r0 in principal axes; ``axes[i]`` is
-    the unit vector of principal axis i in the scene's body axes (right-handed; None for the same
-    axes).  ``omega`` and ``gamma`` are given at t = 0 in the scene's axes, where all answers are.
-
-    ``regime`` names the kind of motion; it is decided once, by exact arithmetic.
-    """
-
-    def __init__(
-        self,
-        moments: Vector,
-        torque: Vector,
-        omega: Vector,
-        gamma: Vector,
-        psi: Exact = ZERO,
-        axes: tuple[tuple[Exact, ...], ...] | None = None,
-    ) -> None:
+    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
+        gamma = self._gamma
         turn = MotionAxes(axes)
         principal, vertical = _triple(turn.principal(omega)), _triple(turn.principal(gamma))
         if not fits(PrincipalScene(moments, torque, principal, vertical)):
             raise ValueError("a body that does not swing about a horizontal principal axis")
-        self._omega, self._gamma, self._psi = omega, gamma, psi
+        self._omega = omega
         self.regime = regime(moments, torque, principal, vertical)
+        self._body = "rotation" if self.regime == ROTATING else "libration"
         self._numbers: Mapping[str, Exact] = {}
-        self._swings: dict[int, Swing] = {}
+        self._swing = AtPrecision(self._swung)
         if self._at_rest:
             return
         n = axis_of(torque, principal, vertical)
@@ -89,7 +77,7 @@ class Pendulum:
         self._n = scaled(1 / exact.sqrt(dot(n, n)), _triple(turn.scene(n)))
         self._down = _triple(turn.scene(scaled(1 / weight, torque)))
         self._sideways = cross(self._n, self._down)
-        self._angles = Angles(self._n, gamma, psi, self._swing, self._bits)
+        self._angles = Angles(self._n, gamma, self._psi, self._swing, self._bits)
 
     def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
         """Rows p, q, r, gamma1, gamma2, gamma3, one a time.
@@ -102,7 +90,7 @@ class Pendulum:
                 bits = self._bits((), digits)
                 rows.append([number(x, bits) for x in (*self._omega, *self._gamma)])
             else:
-                rows.append(self._state(t, digits))
+                rows.append(self._state_at(t, digits))
         return [shortened(row, digits) for row in rows]
 
     def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
@@ -112,7 +100,7 @@ class Pendulum:
         Where q0 = 0 at t = 0, the first component that is not 0 is positive.
         """
         bits = self._bits(times, digits)
-        start = start_quaternion(self._gamma, self._psi, start_sign(self._gamma, self._psi), bits)
+        start = self._first_quaternion(bits)
         rows = []
         with mpmath.workprec(bits):
             for t in times:
@@ -143,31 +131,17 @@ class Pendulum:
             rows.append(shortened(row, digits, absolute=True))
         return rows
 
-    def period(self, digits: int) -> mpf | None:
-        """The period of the state, in the scene's unit of time; None on the separatrix, at rest."""
+    def _period(self, bits: int) -> Scalar | None:
         if self._at_rest or self.regime == SEPARATRIX:
             return None
-        bits = self._bits((), digits)
-        with mpmath.workprec(bits):
-            swing = self._swing(bits)
-            period = (2 if swing.rotating else 4) * swing.elliptic.K / swing.rate
-        return shortened([period], digits)[0]
-
-    def frequencies(self, digits: int) -> dict[str, mpf]:
-        """2 pi over the period, as "libration" or "rotation"; none where there is no period."""
-        period = self.period(digits + 5)
-        if period is None:
-            return {}
-        with mpmath.workprec(self._bits((), digits)):
-            found = 2 * mpmath.pi / period
-        name = "rotation" if self.regime == ROTATING else "libration"
-        return {name: shortened([found], digits)[0]}
+        swing = self._swing(bits)
+        return (2 if swing.rotating else 4) * swing.elliptic.K / swing.rate
 
     @property
     def _at_rest(self) -> bool:
         return self.regime in (HANGING, UPRIGHT)
 
-    def _state(self, t: Exact, digits: int) -> list[mpf]:
+    def _state_at(self, t: Exact, digits: int) -> list[mpf]:
         """w and gamma, at a precision that keeps the digits of w next to a turning point."""
         first = bits = self._bits((t,), digits)
         while True:
@@ -184,23 +158,15 @@ class Pendulum:
                     return [*(speed * x for x in swing.n), *(sin * y - cos * x for x, y in pairs)]
             bits = rounded_up(first + lost)
 
-    def _swing(self, bits: int) -> Swing:
-        """The constants at a precision, made once."""
-        if bits not in self._swings:
-            with mpmath.workprec(bits):
-                numbers = {name: number(x, bits) for name, x in self._numbers.items()}
-                vectors = (self._n, self._down, self._sideways, self._gamma)
-                rows = [[number(x, bits) for x in vector] for vector in vectors]
-                self._swings[bits] = swing_of(numbers, self.regime != LIBRATING, *rows)
-        return self._swings[bits]
+    def _swung(self, bits: int) -> Swing:
+        numbers = {name: number(x, bits) for name, x in self._numbers.items()}
+        vectors = (self._n, self._down, self._sideways, self._gamma)
+        rows = [[number(x, bits) for x in vector] for vector in vectors]
+        return swing_of(numbers, self.regime != LIBRATING, *rows)
 
     def _bits(self, times: Sequence[Exact], digits: int) -> int:
-        """Working precision: the digits, what the phase costs, a guard."""
-        phase = 0.0
-        last = max((log2(t) for t in times), default=-math.inf)
-        if last > -math.inf and not self._at_rest:
-            phase = max(0.0, log2(self._numbers["rate2"]) / 2 + last)
-        return rounded_up(digits * math.log2(10) + phase + _GUARD)
+        rate = -math.inf if self._at_rest else log2(self._numbers["rate2"]) / 2
+        return rounded_up(digits * math.log2(10) + phase_bits(times, rate) + GUARD)
 
 
 def _triple(row: Sequence[Scalar]) -> Vector:

@@ -92,17 +92,8 @@ class Reference:
         """
         import numpy as np
 
-        ask = getattr(self._motion, "columns", None)
-        if ask is None:
-            return None
-
-        def answer() -> tuple[list[Pairs], list[Pairs] | None]:
-            with np.errstate(all="ignore"):
-                found: tuple[list[Pairs], list[Pairs] | None] = ask(times)
-                return found
-
-        with mpmath.workprec(ROUGH):
-            return answer()
+        with mpmath.workprec(ROUGH), np.errstate(all="ignore"):
+            return self._motion.columns(times)
 
     def column(
         self, word: str, times: Iterable[AnyNumber], digits: int = 50
@@ -125,9 +116,9 @@ class Reference:
         A closed form that certifies itself is asked; of any other the answers are held against
         those with 15 more digits.
         """
-        certify = getattr(self._motion, "error", None)
-        if certify is not None:
-            own: Real = self._asked(lambda found, wanted: certify(wanted, found), times, digits)
+        times = list(times)
+        own = self._asked(lambda found, wanted: self._motion.error(wanted, found), times, digits)
+        if own is not None:
             return own
         times = _times(self.scene, times)
         rows, finer = self.at(times, digits), self.at(times, digits + 15)
@@ -139,21 +130,17 @@ class Reference:
     @property
     def conditions(self) -> tuple[str, ...]:
         """The conditions on body and start that hold exactly, of a family that names them."""
-        found: tuple[str, ...] = getattr(self._motion, "held", ())
-        return found
+        return self._motion.held
 
     @property
     def curve(self) -> dict[str, object] | None:
         """The algebraic curve of a Kovalevskaya top: H, K2, its roots e and period matrix tau."""
-        curve = getattr(self._motion, "curve", None)
-        return None if curve is None else dict(self._told(lambda: curve(50)))
+        return self._told(lambda: self._motion.curve(50))
 
     @property
     def approach(self) -> Real | None:
         """The rate at which a motion of Hess's tends to a periodic one; None where it does not."""
-        approach = getattr(self._motion, "approach", None)
-        found: Real | None = None if approach is None else self._told(lambda: approach(50))
-        return found
+        return self._told(lambda: self._motion.approach(50))
 
     def _asked(
         self, question: Callable[[list[Exact], int], T], times: Iterable[AnyNumber], digits: int

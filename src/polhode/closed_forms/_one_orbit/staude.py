@@ -3,25 +3,43 @@
 
 All right-hand sides of the six equations vanish: w = om gamma and om^2 I gamma - Mg r0 = mu gamma.
 State and theta, phi stay, psi' = om.  Whether the rotation is stable is decided exactly
-(:mod:`.stability`).
+(:mod:`polhode.closed_forms.functions.rotation_stability`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from polhode.closed_forms._engine.family import Family, orbit_family
+from polhode.closed_forms._engine.normal_form import (
+    Condition,
+    Placed,
+    equal,
+)
 from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms._winding.euler_angles import Attitude
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion, product
-from polhode.closed_forms.functions.rounding import number, shortened
-from polhode.closed_forms.staude.conditions import conditions
-from polhode.closed_forms.staude.stability import Stability, stability
+from polhode.closed_forms.functions.rotation_stability import Stability, spectrum
+from polhode.closed_forms.functions.rounding import number
 from polhode.common.cached_property import cached_property
-from polhode.numbers.exact import sign
-from polhode.numbers.mpmath_context import mpf
-from polhode.scenes.body import dot, is_zero
+from polhode.numbers.exact import sign, sqrt
+from polhode.numbers.scalars import Scalar
+from polhode.scenes.body import cross, dot, is_zero, minus
+
+
+def conditions(scene: Placed) -> Iterator[Condition]:
+    """w along gamma, and the moment of the weight balances the gyroscopic one."""
+    p, q, r = scene.omega
+    A, B, C = scene.moments
+    across = cross(scene.gamma, scene.omega)
+    yield equal("w along gamma", sqrt(dot(across, across)), 0, scene.speed)
+    lacking = minus(cross(scene.gamma, scene.torque), cross(scene.omega, (A * p, B * q, C * r)))
+    size = sqrt(dot(scene.torque, scene.torque))
+    yield equal("gamma x Mg r0 = w x Iw", sqrt(dot(lacking, lacking)), 0, size)
+
 
 HANGING, UPRIGHT = "rest, hanging", "rest, upright"
 ROTATION = "permanent rotation"
@@ -64,14 +82,15 @@ class _Uniform:
 
 
 class Staude(OrbitMotion):
-    """One permanent rotation, or rest; :class:`OrbitMotion` says what it is asked."""
+    """One permanent rotation, or rest."""
 
     conditions = staticmethod(conditions)
 
     @cached_property
     def stability(self) -> Stability:
         """The coefficients of the characteristic polynomial, exact."""
-        return stability(self.normal)
+        scene = self.normal
+        return Stability(*spectrum(scene.moments, scene.torque, scene.omega, scene.gamma))
 
     def _regime(self) -> str:
         scene = self.normal
@@ -79,12 +98,9 @@ class Staude(OrbitMotion):
             return UPRIGHT if sign(dot(scene.torque, scene.gamma)) > 0 else HANGING
         return f"{ROTATION}, {self.stability.verdict}"
 
-    def frequencies(self, digits: int) -> dict[str, mpf]:
+    def _rates(self, bits: int) -> Mapping[str, Scalar]:
         """ "precession": psi', the rate about the vertical; none at rest."""
-        if is_zero(self.normal.omega):
-            return {}
-        found = number(self._rotation, self._bits((), digits))
-        return {"precession": shortened([found], digits)[0]}
+        return {} if is_zero(self.normal.omega) else {"precession": number(self._rotation, bits)}
 
     @property
     def _rotation(self) -> Any:
@@ -96,5 +112,9 @@ class Staude(OrbitMotion):
         state = tuple(number(x, bits) for x in (*scene.omega, *scene.gamma))
         return _Constant(state, abs(number(self._rotation, bits)))
 
-    def _turning(self, start: Quaternion, rate: Any, bits: int) -> Attitude:
+    def _turned(self, start: Quaternion, rate: Any, bits: int) -> Attitude:
+        del rate
         return _Uniform(start, number(self._rotation, bits))
+
+
+FAMILY: Family = orbit_family("staude", Staude)

@@ -14,16 +14,54 @@ v = v0 + nu t; the signs of p and r are those that p' = a1 q r asks for, r keeps
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator
 
+from polhode.closed_forms._engine.family import Family, orbit_family
+from polhode.closed_forms._engine.normal_form import (
+    Condition,
+    Placed,
+    matching,
+    on_axis_1,
+    positive,
+)
 from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
-from polhode.closed_forms.functions.elliptic import Elliptic, elliptic
+from polhode.closed_forms._one_orbit.orbits import EllipticOrbit
+from polhode.closed_forms.functions.elliptic import elliptic
 from polhode.closed_forms.functions.rounding import number
-from polhode.closed_forms.steklov.conditions import coefficients, conditions
 from polhode.common.cached_property import cached_property
-from polhode.numbers.exact import Exact, sign
+from polhode.numbers.exact import Exact, exact, sign
 from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.scalars import Scalar
+
+
+def coefficients(scene: Placed) -> dict[str, Exact]:
+    """Of a body that fits."""
+    (A, B, C), c = scene.moments, scene.torque[0]
+    e, a1 = sign(B - A), (B - C) / A
+    M, N = ((A - B) * (A - C) / (A - 2 * X) for X in (C, B))
+    return {
+        "b0": -e * c / (M * a1),
+        "b2": A * (A - C) / ((A - 2 * B) * (B - C)),
+        "c0": e * c / (N * a1),
+        "c2": -A * (A - B) / ((A - 2 * C) * (B - C)),
+        "e": exact(e),
+        "M": M / c,
+        "N": N / c,
+        "G": (M - N) * A / (2 * (B - C) * c),
+    }
+
+
+def conditions(scene: Placed) -> Iterator[Condition]:
+    """Those of the body, then q^2, r^2 and gamma as functions of p."""
+    A, B, C = scene.moments
+    yield from on_axis_1(scene)
+    yield positive("A > 2C", A - 2 * C)
+    yield positive("A < 2B", 2 * B - A)
+    yield positive("A != B", abs(A - B))
+    x, (p, q, r) = coefficients(scene), scene.omega
+    gamma = x["e"] + x["G"] * p * p, x["M"] * p * q, x["N"] * p * r
+    yield from matching(scene, gamma, (x["b0"] + x["b2"] * p * p, x["c0"] + x["c2"] * p * p))
+
 
 #: By the sign of A - B: which of p and q is a sine, and where axis 1 points when p = 0.
 REGIMES = {
@@ -32,38 +70,8 @@ REGIMES = {
 }
 
 
-@dataclass(frozen=True)
-class _Motion:
-    """The orbit at one precision: p, q, r = amplitudes times sn, cn, dn, or cn, sn, dn."""
-
-    elliptic: Elliptic
-    v0: Any
-    nu: Any
-    amplitudes: tuple[Any, Any, Any]
-    sine: bool  # p is a multiple of sn
-    numbers: dict[str, Any]
-
-    @property
-    def period(self) -> Any:
-        """Of w and gamma."""
-        return 4 * self.elliptic.K / self.nu
-
-    @property
-    def fastest(self) -> Any:
-        """The rate of the phase."""
-        return self.nu
-
-    def at(self, t: Any) -> tuple[Any, ...]:
-        """p, q, r, gamma1, gamma2, gamma3."""
-        sn, cn, dn = self.elliptic.at(self.v0 + self.nu * t)
-        one, two = (sn, cn) if self.sine else (cn, sn)
-        p, q, r = (a * f for a, f in zip(self.amplitudes, (one, two, dn), strict=True))
-        x = self.numbers
-        return p, q, r, x["e"] + x["G"] * p * p, x["M"] * p * q, x["N"] * p * r
-
-
 class Steklov(OrbitMotion):
-    """One motion of Steklov; :class:`OrbitMotion` says what it is asked."""
+    """One motion of Steklov."""
 
     conditions = staticmethod(conditions)
 
@@ -98,13 +106,15 @@ class Steklov(OrbitMotion):
         functions = elliptic(x["m"], x["m1"])
         sn, cn, dn = (mpmath.sqrt(x[name]) for name in ("sn2", "cn2", "dn2"))
         P, Q, R = (mpmath.sqrt(x[name]) for name in ("p2", "q2", "r2"))
-        return _Motion(
-            functions,
-            functions.phase(first * sn, second * cn, dn),
-            mpmath.sqrt(x["nu2"]),
-            (P if s > 0 else -P, Q, R if s > 0 else -R)
-            if sine
-            else (-P if s > 0 else P, Q, R if s > 0 else -R),
-            sine,
-            x,
-        )
+        P, R = (P if sine == (s > 0) else -P), (R if s > 0 else -R)
+
+        def state(sn: Scalar, cn: Scalar, dn: Scalar) -> tuple[Scalar, ...]:
+            one, two = (sn, cn) if sine else (cn, sn)
+            p, q, r = P * one, Q * two, R * dn
+            return p, q, r, x["e"] + x["G"] * p * p, x["M"] * p * q, x["N"] * p * r
+
+        phase = functions.phase(first * sn, second * cn, dn)
+        return EllipticOrbit(functions, phase, mpmath.sqrt(x["nu2"]), state)
+
+
+FAMILY: Family = orbit_family("steklov", Steklov)

@@ -1,23 +1,33 @@
-"""Which scenes are N. Kowalewski's motions; their coefficients."""
+"""N. Kowalewski's motions: q^2 quadratic and r^2 cubic in p, time a hyperelliptic integral.
+
+Mg r0 = (c, 0, 0), c > 0, A (10B - 9C) = 18 C (B - C); x = B/C, D = 10x - 9, c3 > 0 a scale
+
+    q^2 = b0 + b1 p + b2 p^2,    r^2 = c0 + c1 p + c2 p^2 + c3 p^3,    p' = (B - C) q r/A
+
+(N. Kowalewski, Math. Ann. 65 (1908) 528), the coefficients in :func:`.conditions.frame_of`.  Time
+is a Fourier series in an angle between two zeros of Q R (:mod:`..functions.one_degree`).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from polhode.closed_forms._engine.misfit import Misfit
+from polhode.closed_forms._engine.family import Family, orbit_family
 from polhode.closed_forms._engine.normal_form import (
     Condition,
     Placed,
     equal,
     matching,
     on_axis_1,
-    placed_in,
     positive,
-    shortfall,
 )
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms._one_orbit.orbits import FlowOrbit
 from polhode.closed_forms.functions.gamma_from_omega import Frame, frame
+from polhode.closed_forms.functions.quadrature_1dof import one_degree
+from polhode.closed_forms.functions.rounding import number
 from polhode.numbers.exact import sqrt
+from polhode.numbers.scalars import Scalar
 
 
 def frame_of(scene: Placed) -> Frame:
@@ -54,11 +64,26 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     yield from matching(scene, found.gamma(*scene.omega), found.squares(scene.omega[0]))
 
 
-def fits(scene: PrincipalScene) -> bool:
-    """Whether body and start belong to the family."""
-    return placed_in(conditions, scene) is not None
+REGIME = "N. Kowalewski"
 
 
-def misfit(scene: PrincipalScene) -> Misfit | None:
-    """The condition that fails; None where all hold."""
-    return shortfall(conditions, scene)
+class NKowalewski(OrbitMotion):
+    """One motion of N. Kowalewski."""
+
+    conditions = staticmethod(conditions)
+
+    def _regime(self) -> str:
+        return REGIME
+
+    def _orbit(self, bits: int) -> Orbit:
+        A, B, C = self.normal.moments
+        p, q, r = (number(x, bits) for x in self.normal.omega)
+        found = frame_of(self.normal).mapped(lambda x: number(x, bits))
+
+        def state(p: Scalar, q: Scalar, r: Scalar) -> tuple[Scalar, ...]:
+            return p, q, r, *found.gamma(p, q, r)
+
+        return FlowOrbit(one_degree(found.Q, found.R, number((B - C) / A, bits), (p, q, r)), state)
+
+
+FAMILY: Family = orbit_family("n-kowalewski", NKowalewski)

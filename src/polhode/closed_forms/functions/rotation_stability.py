@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from polhode.closed_forms._engine.normal_form import Placed
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.scalars import Scalar
 
@@ -39,11 +38,6 @@ class Stability:
         if b < 0 or d < 0 or gap < 0:
             return UNSTABLE
         return STABLE if b > 0 and d > 0 and gap > 0 else UNDECIDED
-
-
-def stability(scene: Placed) -> Stability:
-    """Of a start that is a permanent rotation."""
-    return Stability(*spectrum(scene.moments, scene.torque, scene.omega, scene.gamma))
 
 
 def spectrum(

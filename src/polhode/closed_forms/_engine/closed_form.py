@@ -1,0 +1,159 @@
+"""What every closed form is asked, and what all answer in the same way."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import TypeAlias
+
+from polhode.closed_forms._engine.initial_attitude import start_quaternion, start_sign
+from polhode.closed_forms.functions.quaternion import Quaternion
+from polhode.closed_forms.functions.rounding import shortened
+from polhode.common.cached_property import cached_property
+from polhode.numbers.double_double import Pairs
+from polhode.numbers.exact import ZERO, Exact
+from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.scalars import Scalar
+from polhode.scenes.body import Vector
+
+#: rows[i] is the unit vector of principal axis i in the scene's axes; None: the same axes.
+Rows: TypeAlias = tuple[tuple[Exact, ...], ...]
+
+
+class ClosedForm(ABC):
+    """The motion of one body from one start, in the scene's axes and units, to any digits.
+
+    ``moments`` are the principal moments and ``torque`` is Mg r0 in principal axes; ``axes[i]`` is
+    the unit vector of principal axis i in the scene's body axes (right-handed; None for the same
+    axes).  ``omega``, ``gamma`` and ``psi`` are given at t = 0 in the scene's axes; ``gamma`` is
+    None for a torque-free body of which only omega is asked.  Raises ValueError for a body and
+    start that are not of the family.
+
+    ``regime`` names the kind of motion; it is decided once, by exact arithmetic.  ``times`` are
+    exact, of either sign and in any order; answers are mpf.  A question that the closed form cannot
+    answer (a time beyond what its turns can be counted to, digits lost to an asymptotic motion, an
+    attitude without gamma) raises ValueError, numbers that contradict each other ArithmeticError.
+
+    A family gives :meth:`_set_up`, the precision that times and digits need (:meth:`_bits`), the
+    period, and the answers, most of them by :mod:`.from_attitude`.
+    """
+
+    regime: str
+    _body = "body"  # the name of the frequency of a motion that has a period
+
+    def __init__(
+        self,
+        moments: Vector,
+        torque: Vector,
+        omega: Vector,
+        gamma: Vector | None,
+        psi: Exact = ZERO,
+        axes: Rows | None = None,
+    ) -> None:
+        self._known_gamma, self._psi = gamma, psi
+        self._set_up(moments, torque, omega, axes)
+
+    @abstractmethod
+    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
+        """Put the start into the motion's axes and name its regime; ValueError where it misses."""
+
+    @abstractmethod
+    def _bits(self, times: Sequence[Exact], digits: int) -> int:
+        """The working precision: the digits, what phases cost, a guard; a multiple of 64."""
+
+    @abstractmethod
+    def _period(self, bits: int) -> Scalar | None:
+        """The period at the precision in force; None where there is none."""
+
+    def _rates(self, bits: int) -> Mapping[str, Scalar]:
+        """The frequencies of a motion without period, at the precision in force."""
+        del bits
+        return {}
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """The family's conditions, all of which hold, where the family names them."""
+        return ()
+
+    @abstractmethod
+    def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
+        """Rows p q r [gamma1 gamma2 gamma3], one a time.
+
+        The error is below 10^-digits: of w relative to its largest modulus, of gamma absolute.
+        """
+
+    @abstractmethod
+    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
+        """Unit quaternions q0 q1 q2 q3, body -> space (z up), one a time; q0 >= 0 at t = 0.
+
+        At t = 0, R = Rz(psi) Rx(theta) Rz(phi) with the psi given and phi = atan2(gamma1, gamma2).
+        Where q0 = 0 at t = 0, the first component that is not 0 is positive; then continuous in
+        time.  The error is below 10^-digits.
+        """
+
+    @abstractmethod
+    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
+        """Rows psi, theta, phi; psi and phi continuous in t, None where gamma is along axis 3.
+
+        They start from the psi given and phi = atan2(gamma1, gamma2).  Passing through a pole, psi
+        and phi jump by pi, and one of psi + phi, psi - phi stays continuous.  The error is below
+        10^-digits.  Where the turns are not known in closed form they are counted: the work then
+        grows with time, and beyond a limit ValueError is raised.
+        """
+
+    def period(self, digits: int) -> mpf | None:
+        """The period of the state in the body, in the scene's unit of time; None without any."""
+        bits = self._bits((), digits)
+        with mpmath.workprec(bits):
+            period = self._period(bits)
+        return shortened([period], digits)[0]
+
+    def frequencies(self, digits: int) -> dict[str, mpf]:
+        """The motion's frequencies by name, radians a unit of time; 2 pi over a period is "body".
+
+        What else there is, the table of the guide's page on closed forms says.
+        """
+        period = self.period(digits + 5)
+        bits = self._bits((), digits)
+        with mpmath.workprec(bits):
+            found = self._rates(bits) if period is None else {self._body: 2 * mpmath.pi / period}
+        return dict(zip(found, shortened(list(found.values()), digits), strict=True))
+
+    def columns(self, times: Pairs) -> tuple[list[Pairs], list[Pairs] | None] | None:
+        """State and quaternion at many times at once, of about 30 digits less those of the phases.
+
+        None where the closed form does not give them so.
+        """
+        del times
+        return None
+
+    def error(self, digits: int, times: Sequence[Exact]) -> mpf | None:
+        """Its own estimate of the error of :meth:`at`; None where it makes none."""
+        del digits, times
+        return None
+
+    def curve(self, digits: int) -> dict[str, object] | None:
+        """The algebraic curve on which the motion is linear, where the family tells it."""
+        del digits
+        return None
+
+    def approach(self, digits: int) -> mpf | None:
+        """The rate at which the motion tends to a periodic one; None where it does not."""
+        del digits
+        return None
+
+    @property
+    def _gamma(self) -> Vector:
+        """gamma at t = 0 in the scene's axes."""
+        if self._known_gamma is None:
+            raise ValueError("this motion was given without gamma: only its omega is known")
+        return self._known_gamma
+
+    @cached_property
+    def _sign(self) -> int:
+        """Of the attitude against the Euler angles at t = 0."""
+        return start_sign(self._gamma, self._psi)
+
+    def _first_quaternion(self, bits: int) -> Quaternion:
+        """The attitude at t = 0."""
+        return start_quaternion(self._gamma, self._psi, self._sign, bits)

@@ -1,0 +1,1 @@
+"""Families with one orbit a body, each in one file."""

@@ -1,0 +1,131 @@
+"""Goryachev's motions of 1899 in elliptic functions: f = 0, one orbit a body.
+
+Mg r0 = (c, 0, 0), c > 0, A (9B - 8C) = 16 C (B - C), 2C < B < 8C/3; with D = 9B - 8C
+
+    q^2 = b0 + b2 p^2,    r^2 = c0 + c2 p^2 + c4 p^4,    p' = a1 q r,  a1 = (B - C)/A,
+    b0 = 4BCc/((B-2C)(3B-2C)(3B-4C)),    b2 = -16 C^2/D^2,
+    c0 = 2 b0 (B-2C)(3B-2C)/(BC),    c2 = 16 (3B-4C)(9B^2-28BC+16C^2)/(B D^2),
+    c4 = -256 C^2 (3B-4C)^2 (5B-4C)/(B b0 D^4),    H = b0 (9B^2-22BC+12C^2)/4C
+
+(D. N. Goryachev 1899), gamma by :mod:`polhode.closed_forms.functions.gamma_from_omega`.  X2 > 0 >
+-d being the roots of c0 + c2 X + c4 X^2 and X3 = -b0/b2 > X2, v = v0 + nu t and E = d + X2 cn^2 v,
+
+    p = sqrt(X2 d/E) sn v,    q = s sqrt(b0 (d + X2)/E) dn v,    r = s sqrt(c0) (d + X2) cn v/E,
+    nu = a1 sqrt(b2 c4 X3 (X2 + d)),    m = X2 (X3 + d)/(X3 (X2 + d)).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from polhode.closed_forms._engine.family import Family, orbit_family
+from polhode.closed_forms._engine.normal_form import (
+    Condition,
+    Placed,
+    equal,
+    matching,
+    on_axis_1,
+    positive,
+)
+from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms._one_orbit.orbits import EllipticOrbit
+from polhode.closed_forms.functions.elliptic import elliptic
+from polhode.closed_forms.functions.gamma_from_omega import Frame, frame
+from polhode.closed_forms.functions.rounding import number
+from polhode.common.cached_property import cached_property
+from polhode.numbers.exact import ZERO, Exact, sign, sqrt
+from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.scalars import Scalar
+
+
+def coefficients(scene: Placed) -> dict[str, Exact]:
+    """Of a body that fits."""
+    (_, B, C), c = scene.moments, scene.torque[0]
+    D = 9 * B - 8 * C
+    one, two, three = B - 2 * C, 3 * B - 2 * C, 3 * B - 4 * C
+    b0 = 4 * B * C * c / (one * two * three)
+    return {
+        "b0": b0,
+        "b2": -16 * C * C / (D * D),
+        "c0": 2 * b0 * one * two / (B * C),
+        "c2": 16 * three * (9 * B * B - 28 * B * C + 16 * C * C) / (B * D * D),
+        "c4": -256 * C * C * three * three * (5 * B - 4 * C) / (B * b0 * D**4),
+        "h": b0 * (9 * B * B - 22 * B * C + 12 * C * C) / (4 * C),
+    }
+
+
+def frame_of(scene: Placed, x: dict[str, Exact]) -> Frame:
+    """gamma, q^2 and r^2 as functions of p, from those coefficients."""
+    Q, R = (x["b0"], ZERO, x["b2"]), (x["c0"], ZERO, x["c2"], ZERO, x["c4"])
+    return frame(scene.moments, scene.torque[0], x["h"], Q, R)
+
+
+def conditions(scene: Placed) -> Iterator[Condition]:
+    """Those of the body, then q^2, r^2 and gamma as functions of p."""
+    A, B, C = scene.moments
+    yield from on_axis_1(scene)
+    yield equal("A (9B - 8C) = 16 C (B - C)", A * (9 * B - 8 * C), 16 * C * (B - C))
+    yield positive("B > 2C", B - 2 * C)
+    yield positive("3B < 8C", 8 * C - 3 * B)
+    found = frame_of(scene, coefficients(scene))
+    yield from matching(scene, found.gamma(*scene.omega), found.squares(scene.omega[0]))
+
+
+REGIME = "Goryachev"
+
+
+class Goryachev(OrbitMotion):
+    """One motion of Goryachev."""
+
+    conditions = staticmethod(conditions)
+
+    def _regime(self) -> str:
+        return REGIME
+
+    @cached_property
+    def _exact(self) -> dict[str, Exact]:
+        """The constants; squares of sn, cn, dn at t = 0."""
+        (A, B, C), (p, q, _) = self.normal.moments, self.normal.omega
+        x = coefficients(self.normal)
+        root = sqrt(x["c2"] * x["c2"] - 4 * x["c0"] * x["c4"])
+        X2, d, X3 = (
+            (root + x["c2"]) / (-2 * x["c4"]),
+            (root - x["c2"]) / (-2 * x["c4"]),
+            -x["b0"] / x["b2"],
+        )
+        total = X2 + d
+        E = d * total / (p * p + d)
+        m, m1 = X2 * (X3 + d) / (X3 * total), d * (X3 - X2) / (X3 * total)
+        a1 = (B - C) / A
+        return x | {
+            "X2": X2,
+            "d": d,
+            "nu2": a1 * a1 * x["b2"] * x["c4"] * X3 * total,
+            "m": m,
+            "m1": m1,
+            "sn2": p * p * E / (X2 * d),
+            "cn2": (E - d) / X2,
+            "dn2": q * q * E / (x["b0"] * total),
+        }
+
+    def _orbit(self, bits: int) -> Orbit:
+        x = {name: number(value, bits) for name, value in self._exact.items()}
+        p, q, r = self.normal.omega
+        s = sign(q)
+        functions = elliptic(x["m"], x["m1"])
+        sn, cn, dn = (mpmath.sqrt(x[name]) for name in ("sn2", "cn2", "dn2"))
+        made = frame_of(self.normal, coefficients(self.normal)).mapped(lambda y: number(y, bits))
+        X2, d, total = x["X2"], x["d"], x["d"] + x["X2"]
+
+        def state(sn: Scalar, cn: Scalar, dn: Scalar) -> tuple[Scalar, ...]:
+            over = 1 / (d + X2 * cn * cn)
+            p = mpmath.sqrt(X2 * d * over) * sn
+            q = s * mpmath.sqrt(x["b0"] * total * over) * dn
+            r = s * mpmath.sqrt(x["c0"]) * total * over * cn
+            return p, q, r, *made.gamma(p, q, r)
+
+        phase = functions.phase(sign(p) * sn, s * sign(r) * cn, dn)
+        return EllipticOrbit(functions, phase, mpmath.sqrt(x["nu2"]), state)
+
+
+FAMILY: Family = orbit_family("goryachev", Goryachev)

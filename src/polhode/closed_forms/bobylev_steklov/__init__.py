@@ -1,1 +1,0 @@
-"""Bobylev and Steklov's motions."""

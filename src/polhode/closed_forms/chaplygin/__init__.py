@@ -1,1 +1,0 @@
-"""Chaplygin's motions of 1904."""

@@ -1,1 +1,0 @@
-"""Goryachev's motions of 1899."""

@@ -1,1 +1,0 @@
-"""Grioli's regular precession."""

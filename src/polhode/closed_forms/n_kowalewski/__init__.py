@@ -1,1 +1,0 @@
-"""N. Kowalewski's motions."""

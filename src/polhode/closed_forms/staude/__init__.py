@@ -1,1 +1,0 @@
-"""Permanent rotations: Staude's, and rest."""

@@ -1,1 +1,0 @@
-"""Steklov's motions of 1899."""
