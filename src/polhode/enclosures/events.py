@@ -15,6 +15,7 @@ from polhode.common.arguments import each, steps, whole
 from polhode.common.deadline import Deadline
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
+from polhode.common.result import Result
 from polhode.enclosures import (
     fixed_point_problem,
     integral_contraction,
@@ -59,7 +60,7 @@ class EventTime(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class CertifiedEvents:
+class CertifiedEvents(Result):
     """The events of one name between 0 and the end, in the order in which they are met.
 
     Zeros at 0 and at the end are not among them, as in a run.  ``undecided``: intervals of time in

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from polhode.common.cached_property import cached_property
+from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.enclosures.statement import stated
 from polhode.enclosures.variations.flow_derivative import FlowDerivative
@@ -51,7 +52,7 @@ class Part(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Enclosure(ByValue):
+class Enclosure(Result, ByValue):
     """Balls that contain the exact states p q r [gamma1 gamma2 gamma3] in the scene's body axes.
 
     ``centres``: exact midpoints, a row a time; ``radii``: doubles not below the balls' radii.
@@ -137,11 +138,23 @@ class Enclosure(ByValue):
         ]
 
     def save(self, path: str | Path) -> None:
-        """Write the certificate of the states' balls, which ``polhode verify`` checks.
+        """Write the enclosure, or as .json the certificate that ``polhode verify`` checks.
 
-        ``path``: ends in .json.  It is checked before it is written.  Raises BadInput for what has
-        no certificate: irrational times or times of both signs, a scene without gamma.
+        Parameters
+        ----------
+        path : str or Path
+            ``.json``: the certificate of the states' balls, checked before it is written.  Other
+            endings as of any result; those load again by :func:`polhode.load_result`.
+
+        Raises
+        ------
+        BadInput
+            What has no certificate: irrational times or times of both signs, a scene without
+            gamma.
         """
+        if Path(path).suffix.lower() != ".json":
+            super().save(path)
+            return
         from polhode.certificates import state_certificate
 
         state_certificate.save(self.scene, self.times, self.decimals(), path)

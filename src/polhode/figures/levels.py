@@ -9,6 +9,7 @@ import numpy as np
 
 from polhode.dynamics.levels.effective_potential import Region
 from polhode.dynamics.levels.levels import Column, Levels
+from polhode.figures.canvas import canvas
 from polhode.figures.canvas.canvas import SPACE
 from polhode.numbers.conversion import to_double
 
@@ -68,10 +69,12 @@ def window(found: Levels, f: Any = None, h: Any = None) -> Window:
     return Window((float(f[0]), float(f[1])), (float(h[0]), float(h[1])))
 
 
-def draw(plt: Any, what: Diagram) -> Any:
+def draw(plt: Any, what: Diagram, axes: Any = None) -> Any:
     """Regions as shades, arcs as lines by type, special points, and the scene's level."""
     found, shown = what.levels, what.window
-    figure, axes = plt.subplots(figsize=(6.6, 4.4), layout="constrained")
+    figure, panels = canvas.panels(plt, axes, 1, figsize=(6.6, 4.4))
+    legend = canvas.legend_of(figure, axes)
+    axes = panels[0, 0]
     _shades(axes, found, shown)
     sides = [side for side in (1, -1) if (shown.f[0] < 0 if side < 0 else shown.f[1] > 0)]
     drawn = set()
@@ -102,7 +105,7 @@ def draw(plt: Any, what: Diagram) -> Any:
         if min(shown.f) <= sides[0] * float(mark.f) <= max(shown.f):
             kinds.add(mark.kind)
     axes.plot(to_double(found.here.f), to_double(found.here.h), "o", color=SPACE, ms=5)
-    _legends(plt, figure, axes, drawn, kinds)
+    _legends(legend, axes, drawn, kinds)
     axes.set(xlim=shown.f, ylim=shown.h, xlabel="f", ylabel="h")
     return figure
 
@@ -141,7 +144,7 @@ def _strip(
     return seen
 
 
-def _legends(plt: Any, figure: Any, axes: Any, drawn: set[Any], kinds: set[str]) -> None:
+def _legends(legend: Any, axes: Any, drawn: set[Any], kinds: set[str]) -> None:
     from matplotlib.lines import Line2D
 
     lines = [
@@ -171,10 +174,9 @@ def _legends(plt: Any, figure: Any, axes: Any, drawn: set[Any], kinds: set[str])
     ]
     lines.append(Line2D([], [], linestyle="", marker="o", color=SPACE, ms=5, label="the scene"))
     patches, names = axes.get_legend_handles_labels()
-    figure.legend(
+    legend(
         handles=[*lines, *patches],
         labels=[*(line.get_label() for line in lines), *names],
-        loc="outside right upper",
         frameon=False,
         fontsize=7.5,
     )

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.errors import UNREADABLE, BadInput
-from polhode.common.files import check_writable, npz, read_npz, read_whole, write_whole
+from polhode.common.files import read_npz, read_whole
 from polhode.common.value_semantics import same
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers import expression
@@ -41,10 +41,8 @@ MOST_BITS = 1 << 24  # of a number in a file
 _Held: TypeAlias = "dict[str, npt.NDArray[np.generic]]"
 
 
-def save(run: Trajectory, path: str | Path) -> None:
-    """Write a run to a file; the name ends in .npz; raises BadInput."""
-    path = Path(path)
-    check_writable(path, [".npz"])
+def arrays(run: Trajectory) -> dict[str, Any]:
+    """The arrays of a run's NPZ file, none of which needs pickle."""
     about: dict[str, Any] = {
         "format": FORMAT,
         "name": run.scene.name,
@@ -78,7 +76,7 @@ def save(run: Trajectory, path: str | Path) -> None:
         held[f"event{k}_states"] = _texts(event.states, run.number)
         held[f"event{k}_grazing"] = np.array(event.grazing, dtype=bool)
     held["about"] = np.array(as_json(about))
-    write_whole({path: npz(held, packed=True)})
+    return held
 
 
 def load_run(path: str | Path) -> Trajectory:
@@ -115,16 +113,21 @@ def load_run(path: str | Path) -> Trajectory:
     name = str(path)
     try:
         held = read_npz(read_whole(Path(path), MAX_BYTES, "a run that polhode saved"))
-        about = json.loads(str(held["about"]))
-        if about["format"] != FORMAT:
-            raise ValueError(f"format {about['format']!r}")
-        scene = scene_file.parse(str(held["scene"]), _told(about, "name", str))
-        return _run(held, about, replace(scene, source=str(held["source"])))
+        return run_of(held)
     except BadInput:
         raise
     except (KeyError, TypeError, *UNREADABLE) as fault:
         expected = f"a run that polhode saved ({fault})"
         raise BadInput(name, "file", None, expected) from None
+
+
+def run_of(held: _Held) -> Trajectory:
+    """The run of these arrays; raises KeyError, TypeError or ValueError for others."""
+    about = json.loads(str(held["about"]))
+    if about["format"] != FORMAT:
+        raise ValueError(f"format {about['format']!r}")
+    scene = scene_file.parse(str(held["scene"]), _told(about, "name", str))
+    return _run(held, about, replace(scene, source=str(held["source"])))
 
 
 def _run(held: _Held, about: dict[str, Any], scene: Scene) -> Trajectory:

@@ -34,9 +34,13 @@ def write_trajectory(path: Path, answer: dict[str, Any]) -> None:
     as that allows.  A stream has no file beside it: its times have every digit.
     """
     header, rows = rows_of(answer, short=not is_stream(path))
-    table = ("times", "states", *COLUMNS)  # not repeated beside it
-    kept = {"t_bits": answer["bits"]} | {k: v for k, v in answer.items() if k not in table}
-    write_table(path, (header, *rows), kept)
+    write_table(path, (header, *rows), beside(answer))
+
+
+def beside(answer: dict[str, Any]) -> dict[str, Any]:
+    """What the JSON file beside a trajectory's table has: all that is not in the table."""
+    table = ("times", "states", *COLUMNS)
+    return {"t_bits": answer["bits"]} | {k: v for k, v in answer.items() if k not in table}
 
 
 def write_table(path: Path, rows: Iterable[Sequence[str]], beside: dict[str, Any]) -> None:

@@ -87,7 +87,7 @@ def _write(path: Path, found: Ensemble) -> None:
         return
     short = not is_stream(path)
     beside = ({"t_bits": found.number.bits} if short else {}) | of_ensemble(found, states=False)
-    csv_tables.write_table(path, _rows(found, short), beside)
+    csv_tables.write_table(path, rows(found, short), beside)
 
 
 def arrays(found: Ensemble) -> dict[str, Any]:
@@ -195,7 +195,8 @@ def value_text(x: Exact) -> str:
     return decimals.in_full(x) if isinstance(x, Fraction) else shown(x)
 
 
-def _rows(found: Ensemble, short: bool) -> Iterable[list[str]]:
+def rows(found: Ensemble, short: bool = True) -> Iterable[list[str]]:
+    """Header and a row for each member and time."""
     yield ["member", *found.varied.keys, "t", *_columns(found)]
     times = [shortest(t, found.number) if short else decimal_in_full(t) for t in found.times]
     for k, varied in enumerate(values(found.varied)):

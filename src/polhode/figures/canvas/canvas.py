@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from io import BytesIO, StringIO
 from typing import TYPE_CHECKING, Any
 
@@ -50,6 +51,15 @@ def panels(plt: Any, axes: Any, rows: int, columns: int = 1, **how: Any) -> tupl
         expected = f"{rows * columns} matplotlib axes, one for each panel"
         raise BadInput("plot", "axes", f"{len(given)} things", expected)
     return given[0].figure, given.reshape(rows, columns)
+
+
+def legend_of(figure: Any, axes: Any) -> Any:
+    """Makes a legend: beside the panels of a figure of our own, within axes that were given."""
+    if axes is None:
+        return partial(figure.legend, loc="outside right upper")
+    import numpy as np
+
+    return np.ravel(np.asarray(axes, dtype=object))[0].legend
 
 
 def as_svg(figure: Any, title: str | None = None) -> str:
