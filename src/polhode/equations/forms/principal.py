@@ -67,9 +67,7 @@ def coefficients(body: Body, time_unit: int = 0) -> dict[str, Exact]:
     return {name: value for name, value in every.items() if sign(value) != 0}
 
 
-def every_coefficient(
-    moments: Sequence[Scalar], torque: Sequence[Scalar]
-) -> dict[str, Scalar]:
+def every_coefficient(moments: Sequence[Scalar], torque: Sequence[Scalar]) -> dict[str, Scalar]:
     """All coefficients, for any scalars: A, B, C, Mg r0 in principal axes times 4**time_unit."""
     a, b, c = moments
     x, y, z = torque

@@ -40,9 +40,8 @@ class Pool:
 
     def take(self, kind: Kind[C], key: Hashable) -> C | None:
         """One that integrates this, from now on the caller's; None where there is none."""
-        of_kind = self._kept.get(kind, {})
-        try:  # no lock: this takes one step, and no other thread gets the same
-            return cast(C, of_kind[key].pop())
+        try:  # no lock: no two threads are given the same
+            return cast(C, self._kept[kind][key].pop())
         except (KeyError, IndexError):
             return None
 
