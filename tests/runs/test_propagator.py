@@ -149,6 +149,7 @@ def test_what_is_no_time_is_refused(t):
         (lambda: polhode.propagator(scene(), tol=0), "tol"),
         (lambda: polhode.propagator(scene(), project=0), "project"),
         (lambda: polhode.propagator(scene(), project=None), "project"),
+        (lambda: polhode.propagator(scene(weight="1e-700")), "number"),
     ],
 )
 def test_what_it_does_not_do_is_refused_when_it_is_made(made, key):

@@ -11,6 +11,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput, plain
 from polhode.motion.outcomes import Outcome
+from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Extendeds, Flat, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.runs.methods.output_loop import march
@@ -209,8 +210,7 @@ class Propagator:
         try:
             found, self.outcome = march(integrator, times, rows, self._most, self._chunk, None)
         except OutOfRange as fault:
-            expected = f"a type of wider range ({fault})"
-            raise self._bad("number", self.number.name, expected) from None
+            raise _too_wide(self.scene, self.number, fault) from None
         self.steps = integrator.steps
         states = np.full((len(times), *self._shape), np.nan, self._kind)
         states[: len(found)] = self._read(flat(found))
@@ -277,4 +277,11 @@ def propagator(
         raise BadInput(scene.name, "project", None, "True, False or a number of steps")
     tolerance = rounded_tolerance(scene, kind, tol)
     every = cadence(scene, kind, tolerance, corrections(scene, project))
-    return Propagator(problem(scene, kind, tolerance), every)
+    try:
+        return Propagator(problem(scene, kind, tolerance), every)
+    except OutOfRange as fault:
+        raise _too_wide(scene, kind, fault) from None
+
+
+def _too_wide(scene: Scene, number: NumberType, fault: OutOfRange) -> BadInput:
+    return BadInput(scene.name, "number", number.name, f"a type of wider range ({fault})")

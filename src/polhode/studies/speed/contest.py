@@ -107,7 +107,9 @@ class _Contest:
     def told(self) -> dict[str, list[list[float]]]:
         """The points as plain lists."""
         return {
-            name: [[k, tol, round(found, 3), seconds] for (k, tol), (found, seconds) in rows.items()]
+            name: [
+                [k, tol, round(found, 3), seconds] for (k, tol), (found, seconds) in rows.items()
+            ]
             for name, rows in self.points.items()
         }
 

@@ -131,4 +131,3 @@ def judged(states: Any, outputs: int) -> Any:
 def times(end: int, outputs: int) -> tuple[Exact, ...]:
     """Even output times from 0 on, as doubles."""
     return tuple(DOUBLE.rounded(t) for t in even_times(Fraction(end), outputs))
-

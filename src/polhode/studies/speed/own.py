@@ -53,9 +53,7 @@ def _scene(moments: bytes, torque: bytes) -> Scene:
     """A scene of the body that doubles tell."""
     import numpy as np
 
-    principal, pull = (
-        tuple(map(Fraction, np.frombuffer(x).tolist())) for x in (moments, torque)
-    )
+    principal, pull = (tuple(map(Fraction, np.frombuffer(x).tolist())) for x in (moments, torque))
     body = Body.of_moments(principal, pull, int(any(pull)))
     return Scene(body, (1, 0, 0), (0, 0, 1), name="contest")
 
@@ -66,7 +64,9 @@ def _propagator(moments: bytes, torque: bytes, tol: float) -> Propagator:
 
 
 @cache
-def _timed(moments: bytes, torque: bytes, count: int, end: float, gamma: tuple[float, ...]) -> Scene:
+def _timed(
+    moments: bytes, torque: bytes, count: int, end: float, gamma: tuple[float, ...]
+) -> Scene:
     """The body's scene at even times; gamma of length 1 exactly, as every draw's is."""
     unit = tuple(Fraction(x).limit_denominator(_LARGEST) for x in gamma)
     at = times(int(end), count)

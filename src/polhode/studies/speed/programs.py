@@ -79,5 +79,7 @@ def missing(programs: Sequence[Program]) -> dict[str, str]:
     for program in programs:
         for need in program.needs:
             if find_spec(need) is None:
-                found[need] = ", ".join([*found.get(need, "").split(", "), program.name]).strip(", ")
+                found[need] = ", ".join([*found.get(need, "").split(", "), program.name]).strip(
+                    ", "
+                )
     return found
