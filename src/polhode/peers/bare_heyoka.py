@@ -57,19 +57,20 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     import heyoka as hy
 
     variables = hy.make_vars("p", "q", "r", "g1", "g2", "g3")
-    parameters = [hy.par[k] for k in range(len(present))]
+    there = [k for k, here in enumerate(present) if here]
+    parameters = {k: hy.par[n] for n, k in enumerate(there)}
     rates = of_pattern(present)(*variables, parameters)
     system = list(zip(variables, rates, strict=True))
 
     @cache
     def integrator(tol: float) -> Any:
-        return hy.taylor_adaptive(system, [0.0] * 6, pars=[0.0] * len(present), tol=tol)
+        return hy.taylor_adaptive(system, [0.0] * 6, pars=[0.0] * len(there), tol=tol)
 
     def run(top: Top, start: Any, times: Any, tol: float) -> Any:
         made = integrator(tol)
         made.time = 0.0
         made.state[:] = start
-        made.pars[:] = top.coefficients
+        made.pars[:] = top.coefficients[there]
         if len(times) > 2:
             return made.propagate_grid(times)[-1]
         made.propagate_until(times[-1])

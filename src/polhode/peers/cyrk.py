@@ -48,32 +48,69 @@ def build(problem: Problem) -> Solve:
 
 
 def prepared(present: Sequence[bool], method: str) -> Run:
-    """One compiled function: solve, copy the rows, free the solver's memory."""
+    """One compiled function: solve, copy the rows, free the solver's memory.
+
+    ``method``: DOP853 or VERN8; with ", Python" pysolve_ivp instead, which compiles nothing.
+    """
+    word, _, python = method.partition(", ")
+    if python:
+        return _in_python(present, word)
     import numba
     from CyRK import nbsolve2_ivp
     from CyRK.nb.numba_solver import cyjit_sig
 
     rates = numba.njit(of_pattern(present))
 
-    @numba.cfunc(cyjit_sig)
-    def field(dy: Any, t: float, y: Any, args: Any) -> None:
+    def field_plain(dy: Any, t: float, y: Any, args: Any) -> None:
         dy[0], dy[1], dy[2], dy[3], dy[4], dy[5] = rates(y[0], y[1], y[2], y[3], y[4], y[5], args)
+
+    field = numba.cfunc(cyjit_sig)(field_plain)
 
     address = field.address
 
-    @numba.njit
-    def solve(coefficients: Any, start: Any, times: Any, tol: float) -> Any:
+    def solve_plain(coefficients: Any, start: Any, times: Any, tol: float) -> Any:
         span = (times[0], times[-1])
         found = nbsolve2_ivp(address, span, start, method, times, False, coefficients, tol, tol)
         rows, success = found.y.T.copy(), found.success
         found.free()
         return rows, success
 
+    solve = numba.njit(solve_plain)
+
     def run(top: Top, start: Any, times: Any, tol: float) -> Any:
         rows, success = solve(top.coefficients, start, times, tol)
         if not success:
             raise ArithmeticError("success is False")
         return rows
+
+    return run
+
+
+def _in_python(present: Sequence[bool], method: str) -> Run:
+    """Its pysolve_ivp with a right-hand side in Python: nothing is compiled."""
+    from CyRK import pysolve_ivp
+
+    rates = of_pattern(present)
+
+    def run(top: Top, start: Any, times: Any, tol: float) -> Any:
+        c = top.coefficients.tolist()
+
+        def field(dy: Any, t: float, y: Any) -> None:
+            dy[:] = rates(*y.tolist(), c)
+
+        found = pysolve_ivp(
+            field,
+            (times[0], times[-1]),
+            start,
+            method=method,
+            t_eval=times,
+            rtol=tol,
+            atol=tol,
+            pass_dy_as_arg=True,
+        )
+        if not found.success:
+            raise ArithmeticError("success is False")
+        return found.y.T
 
     return run
 

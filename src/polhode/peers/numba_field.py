@@ -11,35 +11,12 @@ from functools import cache
 from typing import Any
 
 import numba
-import numpy as np
 
 from polhode.peers.field import filling
 
 Coefficients = tuple[float, ...]
 
 rates = numba.njit(filling)
-
-
-@cache
-def function(c: Coefficients) -> Any:
-    """A compiled f(t, y) that returns an array."""
-
-    def field(t: float, y: Any) -> Any:
-        dy = np.empty(6)
-        rates(y, dy, c)
-        return dy
-
-    return numba.njit("float64[:](float64, float64[:])", cache=True)(field)
-
-
-@cache
-def time_state_rates(c: Coefficients, signature: Any) -> Any:
-    """A C callback (t, y, dy, args)."""
-
-    def field(t: float, y: Any, dy: Any, args: Any) -> None:
-        rates(y, dy, c)
-
-    return _callback(field, signature)
 
 
 @cache

@@ -15,9 +15,9 @@ from typing import Any
 from polhode.judging.adaptive_precision import integrate
 from polhode.peers.prepared import Run, Top
 from polhode.runs.propagator import Propagator, propagator
-from polhode.scenes.body import Body
+from polhode.scenes.from_numbers import top as scene_of
 from polhode.scenes.scene import Scene
-from polhode.studies.speed.draws import times
+from polhode.studies.speed.programs import EPS, PROJECTED
 
 _LARGEST = 1000  # denominator of a draw's gamma
 
@@ -39,8 +39,8 @@ def _propagated(top: Top, start: Any, at: Any, tol: float) -> Any:
 
 def _integrated(top: Top, start: Any, at: Any, tol: float) -> Any:
     scene = _timed(*_key(top), len(at), float(at[-1]), tuple(start[3:].tolist()))
-    omega = tuple(map(Fraction, start[:3].tolist()))
-    run = integrate(replace(scene, omega=omega), tol=None if tol == 2.0**-52 else tol)
+    p, q, r = map(Fraction, start[:3].tolist())
+    run = integrate(replace(scene, omega=(p, q, r)), tol=_told(tol))
     return run.states if len(at) > 2 else run.states[-1:]
 
 
@@ -48,26 +48,32 @@ def _key(top: Top) -> tuple[bytes, bytes]:
     return top.moments.tobytes(), top.torque.tobytes()
 
 
-@cache
-def _scene(moments: bytes, torque: bytes) -> Scene:
-    """A scene of the body that doubles tell."""
-    import numpy as np
-
-    principal, pull = (tuple(map(Fraction, np.frombuffer(x).tolist())) for x in (moments, torque))
-    body = Body.of_moments(principal, pull, int(any(pull)))
-    return Scene(body, (1, 0, 0), (0, 0, 1), name="contest")
+def _told(tol: float) -> float | None:
+    """A tolerance as it is asked for: none at all for eps."""
+    return None if tol <= EPS else tol
 
 
 @cache
 def _propagator(moments: bytes, torque: bytes, tol: float) -> Propagator:
-    return propagator(_scene(moments, torque), tol=None if tol == 2.0**-52 else tol)
+    scene = _timed(moments, torque, 2, 1.0, (0.0, 0.0, 1.0))
+    return propagator(scene, tol=_told(tol), project=tol == PROJECTED)
 
 
 @cache
 def _timed(
     moments: bytes, torque: bytes, count: int, end: float, gamma: tuple[float, ...]
 ) -> Scene:
-    """The body's scene at even times; gamma of length 1 exactly, as every draw's is."""
-    unit = tuple(Fraction(x).limit_denominator(_LARGEST) for x in gamma)
-    at = times(int(end), count)
-    return replace(_scene(moments, torque), gamma=unit, times=at)
+    """A scene of the body at even times; gamma of length 1 exactly, as every draw's is."""
+    import numpy as np
+
+    principal, pull = (np.frombuffer(x).tolist() for x in (moments, torque))
+    heavy = any(pull)
+    return scene_of(
+        moments=principal,
+        centre=pull if heavy else None,
+        weight=1 if heavy else 0,
+        omega=[1, 0, 0],
+        gamma=[Fraction(x).limit_denominator(_LARGEST) for x in gamma],
+        end=end,
+        samples=count,
+    )
