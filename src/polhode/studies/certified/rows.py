@@ -19,6 +19,7 @@ from polhode.judging.adaptive_precision import integrate
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
+from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -95,7 +96,7 @@ def rows(
     }
 
 
-def contained_times(scene: Scene) -> list[Fraction]:
+def contained_times(scene: Scene) -> list[Exact]:
     """Three times, the last at most so many steps away."""
     away = precision_choice.steps(fixed_point_problem.motion(scene), scene.end)
     last = scene.end * min(Fraction(1), Fraction(CONTAINED_STEPS) / Fraction(math.ceil(away) + 1))
