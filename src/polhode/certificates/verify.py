@@ -50,7 +50,7 @@ FORMAT = "polhode certificate 1"
 LARGEST = 64_000_000  # bytes of a file
 MOST_BITS, MOST_STEPS, MOST_DIGITS = 4_000, 1_000_000, 20_000
 FARTHEST = 20_000  # bits of a time or a state, before or after the point
-MOST_WORK, EACH, HARD = 20_000_000_000, 100, 1000  # about an hour; see Run.bounded
+MOST_WORK, EACH, HARD = 20_000_000_000, 100, 1000  # about an hour; see Run
 NAMES = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
 GROUP = 24  # steps
 COARSE = 64  # bits of matrices and bounds
@@ -502,12 +502,20 @@ def _bounds(rows: Table, weights: Table) -> Table:
 class Run:
     """A body, a grid and centres, in the unit of time 2^-shift, in which rates are about 1."""
 
-    def __init__(self, held: dict[str, object], inertia: Table, torque: Sequence[arb]) -> None:
-        """``held``: the certificate's guesses; raises Damaged and NotProved."""
+    def __init__(
+        self, held: dict[str, object], inertia: Table, torque: Sequence[arb], more: int = 0
+    ) -> None:
+        """``held``: the certificate's guesses; ``more``: states besides those of the grid.
+
+        Raises Damaged and NotProved.
+        """
         self.bits = _whole(held["bits"], COARSE, MOST_BITS, "bits")
         self.time_bits = _whole(held["time_bits"], -FARTHEST, FARTHEST, "time_bits")
         state_bits = _whole(held["state_bits"], -FARTHEST, FARTHEST, "state_bits")
         self.grid = _grid(held["grid"])
+        count = len(self.grid) + more
+        if count * (self.bits + EACH) ** 2 * (1 + self.bits / HARD) > MOST_WORK:
+            raise Damaged(f"{count} steps and states at {self.bits} bits are too many")
         guesses = [
             [_whole(x, -(2**FARTHEST), 2**FARTHEST, "centres") for x in _list(row, 6, "centres")]
             for row in _list(held["centres"], len(self.grid) - 1, "centres")
@@ -528,12 +536,6 @@ class Run:
     def unit(self) -> Fraction:
         """The grid's unit, in the scene's units."""
         return Fraction(2) ** -self.time_bits
-
-    def bounded(self, more: int) -> None:
-        """Raise Damaged where the steps, and so many states besides, would take too long."""
-        count = len(self.grid) + more
-        if count * (self.bits + EACH) ** 2 * (1 + self.bits / HARD) > MOST_WORK:
-            raise Damaged(f"{count} steps and states at {self.bits} bits are too many")
 
     def stages(self, found: Set, tell: Tell | None) -> Iterator[Stage]:
         """Each step, with the set at its start; raises NotProved."""
@@ -595,8 +597,7 @@ def state(certificate: object, tell: Tell | None = None) -> list[str]:
     scene = read_scene(held["scene"])
     _check_start(claims, scene[2])
     inertia, torque, start = balls_of(scene)
-    run = Run(held, inertia, torque)
-    run.bounded(len(claims))
+    run = Run(held, inertia, torque, len(claims))
     sense, unit = (1 if run.grid[-1] > 0 else -1), run.unit
     for t, _ in claims:
         if not 0 <= sense * t <= sense * run.grid[-1] * unit:
@@ -782,8 +783,7 @@ def orbit(certificate: object, tell: Tell | None = None) -> list[str]:
     ctx.prec = bits + 2 * COARSE
     rows, (centre, (weight,)), level = read_body(held["scene"], ("level",))
     inertia, torque = [[ball(x) for x in row] for row in rows], ball(weight)
-    run = Run(held, inertia, [torque * ball(x) for x in centre])
-    run.bounded(8 + len(parts))
+    run = Run(held, inertia, [torque * ball(x) for x in centre], len(parts))
     if run.grid[-1] < 0:
         raise Damaged("grid: expected a period that is positive")
     r = arb(2) ** -radius_bits

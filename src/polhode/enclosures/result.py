@@ -71,9 +71,9 @@ class Enclosure(ByValue):
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
     >>> found
-    <Enclosure of euler/largest-axis: 1 times to t = 1, 23.9 digits proven>
+    <Enclosure of euler/largest-axis: 1 times to t = 1, 24.7 digits proven>
     >>> print(found.strings()[0][0])  # p, as far as it is proven
-    0.4478086882184148427687
+    0.44780868821841484276869
     """
 
     scene: Scene
