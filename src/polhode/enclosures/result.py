@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from polhode.common.cached_property import cached_property
+from polhode.common.progress import Progress
 from polhode.common.value_semantics import ByValue
 from polhode.enclosures.statement import stated
 from polhode.enclosures.variations.flow_derivative import FlowDerivative
@@ -70,9 +71,9 @@ class Enclosure(ByValue):
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
     >>> found
-    <Enclosure of euler/largest-axis: 1 times to t = 1, 23.9 digits proven>
+    <Enclosure of euler/largest-axis: 1 times to t = 1, 24.7 digits proven>
     >>> print(found.strings()[0][0])  # p, as far as it is proven
-    0.4478086882184148427687
+    0.44780868821841484276869
     """
 
     scene: Scene
@@ -136,15 +137,16 @@ class Enclosure(ByValue):
             for row, radii in zip(self.centres, self.radii, strict=True)
         ]
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: str | Path, progress: Progress | None = None) -> None:
         """Write the certificate of the states' balls, which ``polhode verify`` checks.
 
-        ``path``: ends in .json.  It is checked before it is written.  Raises BadInput for what has
-        no certificate: irrational times or times of both signs, a scene without gamma.
+        ``path``: ends in .json.  ``progress``: told the part done, and how many steps.  It is
+        checked before it is written.  Raises BadInput for what has no certificate: irrational times
+        or times of both signs, a scene without gamma.
         """
         from polhode.certificates import state_certificate
 
-        state_certificate.save(self.scene, self.times, self.decimals(), path)
+        state_certificate.save(self.scene, self.times, self.decimals(), path, progress)
 
     def __repr__(self) -> str:
         last = f" to t = {shown(self.times[-1])}" if self.times else ""

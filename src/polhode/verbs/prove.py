@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
+from polhode.common.files import check_writable, is_stdout
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.verbs.section import read_grid
@@ -18,7 +20,9 @@ from polhode.verbs.terminal import (
     positive,
     print_json,
     print_table,
+    refuse_two_on_stdout,
     say,
+    tell_certificate,
     word,
 )
 
@@ -41,6 +45,8 @@ def options(parser: ArgumentParser) -> None:
     search = "all orbits of a search from N x M cells of the level's section (20x20)"
     parser.add_argument("--search", metavar="NxM", nargs="?", const="20x20", help=search)
     parser.add_argument("--pick", type=positive, metavar="K", help="the K-th orbit of the search")
+    out = "the proof's certificate, for polhode verify; of a search with --pick"
+    parser.add_argument("-o", type=word, dest="file", metavar="CERT.json", help=out)
     for key in ("h", "f"):
         parser.add_argument(f"--{key}", metavar="X", help=f"{key} of the level, if not the scene's")
 
@@ -57,6 +63,11 @@ def main(options: Namespace) -> int:
         raise BadInput(scene.name, "--returns", options.returns, "not with --orbit")
     if options.pick is not None and options.search is None:
         raise BadInput(scene.name, "--pick", options.pick, "--search, whose orbits it counts")
+    if options.file is not None:
+        if options.search is not None and options.pick is None:
+            raise BadInput(scene.name, "-o", options.file, "--pick, which tells the one orbit")
+        check_writable(Path(options.file), [".json"], [library.path_of(options.scene)])
+        refuse_two_on_stdout(Path(options.file), options.json)
     if options.search is not None:
         return _search(options, scene)
     return _orbit(options, scene)
@@ -81,18 +92,28 @@ def _orbit(options: Namespace, scene: Scene) -> int:
         except NotProved as why:
             progress.clear()
             return _refused(why)
+        _save(options, found, progress)
     return _one(options, found)
+
+
+def _save(options: Namespace, found: ProvedOrbit, progress: ProgressLine) -> None:
+    if options.file is not None:
+        found.save(options.file, progress.show)
 
 
 def _one(options: Namespace, found: ProvedOrbit) -> int:
     from polhode.output import proofs as output
 
+    alone = options.file is not None and is_stdout(Path(options.file))
+    tell = note if alone else say  # a certificate on stdout stands there alone
     if options.json:
         print_json(output.of_proof(found))
         return DONE
     for line in output.lines(found):
-        say(line)
-    say(str(found))
+        tell(line)
+    tell(str(found))
+    if options.file is not None:
+        tell_certificate(found.scene.name, options.file)
     note(
         f"{found.scene.name}: every digit is proven; {found.runs} runs at a noise level of "
         f"2**-{found.noise}, {found.seconds:.2f} s"
@@ -122,6 +143,7 @@ def _search(options: Namespace, scene: Scene) -> int:
                 raise BadInput(scene.name, "--pick", options.pick, expected)
             try:
                 one = prove_found(found, options.pick - 1, digits, progress.say)
+                _save(options, one, progress)
             except NotProved as why:
                 progress.clear()
                 return _refused(why)
