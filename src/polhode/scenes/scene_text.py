@@ -27,10 +27,28 @@ _SURROGATE = re.compile("[\ud800-\udfff]")
 
 
 def toml(scene: Scene) -> str:
-    """The scene as the text of a file that holds it exactly; raises BadInput where none can.
+    """Write a scene as the text of a file that holds it exactly.
 
-    A file's own text as long as it says what the scene is; body and start as they were given.
+    It is the file's own text as long as that says what the scene is; body and start stand as they
+    were given.
 
+    Parameters
+    ----------
+    scene : Scene
+        The scene; its numbers rational, or the expressions that they were read from.
+
+    Returns
+    -------
+    str
+        A scene file in TOML: ``polhode.load`` of it gives an equal scene.
+
+    Raises
+    ------
+    BadInput
+        A scene that no file can hold.
+
+    Examples
+    --------
     >>> import polhode
     >>> text = polhode.as_toml(polhode.top(moments=[2, 2, 1], omega=[0.5, 0, 3], end=10))
     >>> print(text)
