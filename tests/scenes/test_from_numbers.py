@@ -14,6 +14,7 @@ import pytest
 
 import polhode
 from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import noted
 from polhode.scenes import keys, library, scene_file
 from polhode.scenes import scene as scene_module
 from polhode.scenes.scene import sure_time_unit
@@ -423,3 +424,13 @@ _BESIDE_ONE = [
     *(Fraction(sign * k, 2**n) for sign in (1, -1) for k in (1, 3) for n in (9, 10, 11, 40, 60)),
     Fraction(0),
 ]
+
+
+@pytest.mark.parametrize("gamma", [[0.6, 0, 0.8], [0.6, 0.48, 0.64]])
+def test_a_vector_brought_to_length_one_is_known_to_be(gamma):
+    """By its square, exactly: no rule for equal numbers is needed."""
+    with noted() as met:
+        scene = polhode.top(**FREE, gamma=gamma)
+    assert met == []
+    assert sum(x * x for x in scene.gamma) == 1
+    assert any(not isinstance(x, Fraction) for x in scene.gamma)

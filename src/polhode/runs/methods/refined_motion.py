@@ -44,7 +44,6 @@ class RefinedMotion:
 
     method = "refined"
     projection: Projection | None = None
-    begun: Sequence[Fraction] = ()
 
     def __init__(
         self,
