@@ -25,6 +25,7 @@ from polhode.closed_forms.kovalevskaya.attitude.attitude_panels import (
     KovalevskayaAttitude,
     MovingState,
 )
+from polhode.closed_forms.kovalevskaya.attitude.axis_turns import AxisTurns
 from polhode.closed_forms.kovalevskaya.attitude.cayley_klein import CayleyKlein, cayley_klein
 from polhode.closed_forms.kovalevskaya.attitude.degenerate_attitude import (
     AveragedAttitude,
@@ -132,6 +133,7 @@ class Attitudes:
             speed=self._rate(bits),
             third=self._axes.third,
             coarse=lambda: self._formula(TRACKING),
+            about_axis=lambda made, more: AxisTurns(self._start, made, self._turn(more), more),
         )
 
     def _formula(self, bits: int) -> CayleyKlein:

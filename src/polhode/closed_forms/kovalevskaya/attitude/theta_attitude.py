@@ -19,6 +19,7 @@ from polhode.closed_forms.kovalevskaya.attitude.attitude_panels import (
     BEND,
     KovalevskayaAttitude,
 )
+from polhode.closed_forms.kovalevskaya.attitude.axis_turns import AxisTurns
 from polhode.closed_forms.kovalevskaya.attitude.cayley_klein import CayleyKlein, quaternion
 from polhode.closed_forms.kovalevskaya.attitude.theta_turns import TorusTurns
 from polhode.common.cached_property import cached_property
@@ -26,6 +27,7 @@ from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 from polhode.numbers.scalars import Scalar
 
 _TRIALS = 6
+_AXIS_TRIALS = 3
 _MORE = 64  # bits more at each trial
 _SLACK = 24  # bits that an answer may miss its certificate by
 TRACKING = 128  # bits of a way along which turns are counted
@@ -51,7 +53,9 @@ class ThetaAttitude:
     speed: Scalar  # a bound of |w|
     third: int  # 1, -1: the scene's third axis is the top's, or its reverse; 0: neither
     coarse: Callable[[], CayleyKlein]  # at TRACKING bits, to count with
+    about_axis: Callable[[CayleyKlein, int], AxisTurns]
     _tori: dict[int, TorusTurns] = field(default_factory=dict)
+    _axis_tori: dict[int, AxisTurns] = field(default_factory=dict)
 
     def at(self, t: Scalar, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t; ArithmeticError where it has no certificate."""
@@ -70,14 +74,25 @@ class ThetaAttitude:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
         if not t:
             return mpf(0), mpf(0)
+        time = mpmath.ldexp(t, self.exponent)
         if not self.third:
-            return self._counted(t)
+            return self._about_axis(time) or self._counted(t)
         for trial in range(_TRIALS):
             with contextlib.suppress(ArithmeticError):
-                xi, eta = self._torus(trial).growth(mpmath.ldexp(t, self.exponent))
+                xi, eta = self._torus(trial).growth(time)
                 # eta has the turns of al, xi those of bt; the other way round for the reversed axis
                 return (eta, xi) if self.third > 0 else (xi, eta)
         return self._counted(t)
+
+    def _about_axis(self, t: Scalar) -> tuple[Scalar, Scalar] | None:
+        """The growth about the scene's own third axis; None where it is to be counted."""
+        for trial in range(_AXIS_TRIALS):
+            if trial not in self._axis_tori:
+                more = trial * _MORE
+                self._axis_tori[trial] = self.about_axis(self.formula(more), self.bits + more)
+            with contextlib.suppress(ArithmeticError):
+                return self._axis_tori[trial].growth(t)
+        return None
 
     def _torus(self, trial: int) -> TorusTurns:
         if trial not in self._tori:
