@@ -21,7 +21,7 @@ import flint
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, principal_roots
-from polhode.closed_forms.kovalevskaya.theta.balls import ball, middle, more_bits
+from polhode.closed_forms.kovalevskaya.theta.balls import Ball, ball, middle, more_bits
 from polhode.closed_forms.kovalevskaya.theta.quadrature import Place, nodes, place
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair
 from polhode.numbers.mpmath_context import mpf, mpmath
@@ -165,7 +165,7 @@ def _from_infinity(points: tuple[Scalar, ...], s: Scalar, w: Scalar) -> Pair:
     return over * middle(total), over * s * middle(moment)
 
 
-def _unit_nodes(squares: list[Place]) -> list[tuple[Any, Any]]:
+def _unit_nodes(squares: list[Place]) -> list[tuple[Ball, Ball]]:
     """Nodes (weight, x^2) for integrals over dx from 0 to 1; singularities at these x^2."""
     singular = []
     for z, rest in squares:

@@ -1,8 +1,8 @@
-"""Turns of psi and phi of generic motion about any axis of the body, at a cost that no time changes.
+"""Turns of psi and phi of generic motion about any axis of the body, at any time at one cost.
 
-In the scene's axes al = la (i eta) - conj(mu) xi and bt = mu (i eta) + conj(la) xi.  xi and eta gain
-one and the same factor of modulus 1 over twice a real period L, for conj(eta) xi is a function of
-gamma: so do al and bt, which vanish at isolated places u where the axis is vertical
+In the scene's axes al = la (i eta) - conj(mu) xi and bt = mu (i eta) + conj(la) xi.  xi and eta
+gain one and the same factor of modulus 1 over twice a real period L, for conj(eta) xi is a function
+of gamma: so do al and bt, which vanish at isolated places u where the axis is vertical
 (:mod:`.axis_zeros`).  From u = 0 to (0, t) an argument grows as along n1 times 2 L1, n2 times 2 L2
 and the short way that is left, but for 2 pi around each zero between that way and the straight one,
 counted by sums of integer parts.
@@ -49,13 +49,15 @@ class AxisTurns:
     made: CayleyKlein
     turn: Quaternion
     bits: int
+    begin: Scalar  # from when: 0, or a time next to it where the start itself is a zero
 
     def growth(self, t: Scalar) -> Pair:
-        """From time 0 to t, in the top's units.
+        """From the begin to t, in the top's units.
 
         Raises ArithmeticError where a zero of al or bt is too near to be counted.
         """
         with mpmath.workprec(self.bits):
+            t = t - self.begin
             a, b = solved(self._double, (mpf(0), t))
             n1, n2 = int(mpmath.nint(a)), int(mpmath.nint(b))
             end = mpf(n1), mpf(n2)
@@ -64,9 +66,11 @@ class AxisTurns:
             found = []
             ends = zip(self._parameters((mpf(0), mpf(0))), self._parameters((0, t)), strict=True)
             for which, (first, last) in enumerate(ends):
-                enclosed = sum(zero.sign * _around(corners, zero) for zero in self._zeros[which])
+                enclosed = sum(
+                    zero.sign * copies_enclosed(corners, zero) for zero in self.zeros[which]
+                )
                 loops = n1 * self._loops[0][which] + n2 * self._loops[1][which]
-                # The polygon runs back along the motion: what it encloses is not on the motion's way
+                # The polygon runs back along the motion's way.
                 grown = loops + near[which] - 2 * mpmath.pi * enclosed
                 turns = (grown - mpmath.arg(last / first)) / (2 * mpmath.pi)
                 if not abs(turns - mpmath.nint(turns)) < _AGREE:
@@ -95,8 +99,8 @@ class AxisTurns:
         return mpc(q0, q3), mpc(q1, q2)
 
     def _parameters(self, u: Pair) -> Pair:
-        """al and bt."""
-        xi, eta = self.made.at(u[1], u[0])
+        """al and bt, u as seen from the begin."""
+        xi, eta = self.made.at(self.begin + u[1], u[0])
         return self._mixed(xi, eta)
 
     def _mixed(self, xi: Scalar, eta: Scalar) -> Pair:
@@ -144,7 +148,7 @@ class AxisTurns:
         return found
 
     @cached_property
-    def _zeros(self) -> tuple[list[Zero], list[Zero]]:
+    def zeros(self) -> tuple[list[Zero], list[Zero]]:
         """Those of al and of bt in one cell."""
         q0, q1, q2, q3 = self.turn
         axis = (
@@ -159,9 +163,11 @@ class AxisTurns:
 
     def _zeros_of(self, which: int, axis: Sequence[Scalar], side: int) -> list[Zero]:
         """Of al (0) or bt (1), at gamma = ``side`` times the axis."""
-        near, found = mpmath.ldexp(1, -mpmath.prec // 3), []
+        near = mpmath.ldexp(1, -mpmath.prec // 3)
+        found: list[Zero] = []
         for state in vertical_states(self.start, [side * x for x in axis]):
-            for u in places(self.start, self.made, self._periods, state):
+            for u1, t in places(self.start, self.made, self._periods, state):
+                u = u1, t - self.begin
                 if abs(self._parameters(u)[which]) > near:
                     continue
                 x, y = solved(self._double, u)
@@ -177,7 +183,7 @@ class AxisTurns:
         p, q, r, G1, G2, _ = (z.real for z in self._state(u))
         x = mpc(p, q)
         X = x * x - mpc(G1, G2)
-        xi, eta = self.made.at(u[1], u[0])
+        xi, eta = self.made.at(self.begin + u[1], u[0])
         time = self._mixed(0.5j * (x * eta - r * xi), 0.5j * (r * eta + x.conjugate() * xi))[which]
         other = self._mixed(0.5j * x.conjugate() * X * eta, 0.5j * x * X.conjugate() * xi)[which]
         across = (other.conjugate() * time).imag  # in the orientation of (u1, t)
@@ -189,11 +195,14 @@ class AxisTurns:
     def _state(self, u: Pair) -> list[Scalar]:
         made = self.made
         U, V = made.ways
-        z = tuple(a + u[0] * b + u[1] * c for a, b, c in zip(made.motion.z0, U, V, strict=True))
+        z = tuple(
+            a + u[0] * b + (self.begin + u[1]) * c
+            for a, b, c in zip(made.motion.z0, U, V, strict=True)
+        )
         return made.motion.state((z[0], z[1]))
 
 
-def _around(corners: Sequence[Pair], zero: Zero) -> int:
+def copies_enclosed(corners: Sequence[Pair], zero: Zero) -> int:
     """How often a closed polygon goes around the copies of a zero, in sum.
 
     A ray upwards from each copy crosses an edge where the edge lies above it: once for each copy

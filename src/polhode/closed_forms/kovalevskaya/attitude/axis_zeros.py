@@ -61,7 +61,7 @@ def vertical_states(start: KovalevskayaStart, direction: Sequence[Scalar]) -> li
         field_conjugate[2] -= mpc(G1, -G2)
         whole = _times(field, field_conjugate)
         whole[4] -= k2
-        roots = mpmath.polyroots(whole[::-1], maxsteps=400, extraprec=4 * bits)
+        roots = mpmath.polyroots(whole, maxsteps=400, extraprec=4 * bits, asc=True)
         near = mpmath.ldexp(1, -bits // 2)
         found = []
         for z in roots:
@@ -77,7 +77,7 @@ def _across(n: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
     """Two unit vectors at right angles to n and to each other."""
     least = min(range(3), key=lambda i: abs(n[i]))
     unit = [mpf(int(i == least)) for i in range(3)]
-    rows = []
+    rows: list[list[Scalar]] = []
     for a, b in ((n, unit), (n, None)):
         other = b or rows[0]
         row = [a[i - 2] * other[i - 1] - a[i - 1] * other[i - 2] for i in range(3)]
