@@ -20,18 +20,20 @@ from polhode.judging.diagnosis.rotation_matrices import matrices
 from polhode.judging.diagnosis.time_unit import UNITS
 from polhode.judging.diagnosis.ways import LEAST_ROWS, Right, Way, as_it_stands, ways
 from polhode.judging.references.certified import Certified
-from polhode.judging.references.reference import Reference, Remembered, reference, rows
+from polhode.judging.references.reference import Reference, Remembered, by_sign, rows
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import GAIN, WRONG, Reading, TimeChange
 from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
+from polhode.scenes.scene import Scene
 
 AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
 
 MOST_ROWS = 40  # looked at
 _AS_GOOD = 1.0  # digits by which a plainer convention may be behind the best
-_FARTHEST = 1e5  # radians or so, to which times of another unit are tried
+_FARTHEST = 3e3  # radians or so, to which times of another unit are tried
 
 
 def readings(
@@ -62,12 +64,12 @@ def readings(
     if found and _explains(found, plain):
         return found
     if len(times) >= LEAST_ROWS:
-        for words, change in _other_times(subject, reference):
-            moved = _right(reference, [change.of(t) for t in times])
+        for words, change in _other_times(subject, reference.scene):
+            moved = _integrated(reference.scene, [change.of(t) for t in times])
             there = [] if moved is None else _read(whole, plain, moved, words, change)
             if there and _explains(there, plain):
                 return there
-    return found or _other_weight(whole, plain, reference, times)
+    return found or _other_weight(whole, plain, reference.scene, times)
 
 
 def _explains(found: Sequence[Reading], plain: dict[str, float | None]) -> bool:
@@ -103,21 +105,17 @@ def _plainest(part: str, values: Doubles, right: Right, stands: bool) -> Way | N
     return next((way for way in found if way.digits >= best - _AS_GOOD), None)
 
 
-def _other_times(
-    subject: Subject, reference: AnyReference
-) -> Iterator[tuple[str, TimeChange]]:
+def _other_times(subject: Subject, scene: Scene) -> Iterator[tuple[str, TimeChange]]:
     """Times at which the rows may hold instead: a step off, backward, from another beginning."""
     first, second = subject.times[:2]
     for sign, word in ((1, "late"), (-1, "early")):
         yield f"one step of t {word}", TimeChange(shift=sign * (second - first))
-    if not isinstance(reference, (Reference, Remembered)):
-        return  # a proof of other times would take long
     if first != 0:
         yield f"t from {float(first):.6g} on", TimeChange(shift=first)
     yield "t of the other sense", TimeChange(sign=-1)
     if first != 0:
         yield "t of the other sense, from its first row on", TimeChange(-1, shift=-first)
-    speed = max([1e-300, *(abs(to_double(x)) for x in reference.scene.start[:3])])
+    speed = max([1e-300, *(abs(to_double(x)) for x in scene.start[:3])])
     farthest = max(abs(to_double(t)) for t in subject.times)
     for unit in UNITS:
         if farthest * float(unit.length) * speed < _FARTHEST:
@@ -127,33 +125,18 @@ def _other_times(
 def _other_weight(
     whole: dict[str, Doubles],
     plain: dict[str, float | None],
-    held: AnyReference,
+    scene: Scene,
     times: Sequence[Fraction],
 ) -> list[Reading]:
     """Readings as the same body's motion under a weight of the other sign, told alone."""
-    scene = held.scene
-    if not isinstance(held, (Reference, Remembered)) or not scene.body.weight:
+    if not scene.body.weight:
         return []
-    try:
-        body = replace(scene.body, weight=-scene.body.weight)
-        other = reference(replace(scene, body=body))
-    except (BadInput, ValueError, TypeError):
-        return []
-    if not isinstance(other, (Reference, Remembered)):
-        return []
-    right = _right(other, times)
-    found = [] if right is None else _read(whole, plain, right, "a weight of the other sign", None)
-    both = [] if right is None else [
-        Reading(part, before, "a weight of the other sign", digits)
-        for part, values in whole.items()
-        if (before := plain[part]) is not None
-        and before < WRONG
-        and (digits := as_it_stands(part, values, right)) is not None
-        and digits >= before + GAIN
-    ]
-    if both and _explains(both, plain):
-        return both
-    told = [reading._replace(change=None) for reading in found]
+    body = replace(scene.body, weight=-scene.body.weight)
+    right = _integrated(replace(scene, body=body), times)
+    change = TimeChange()  # the plain convention is one, too
+    words = "a weight of the other sign"
+    found = [] if right is None else _read(whole, plain, right, words, change)
+    told = [reading._replace(change=None, times=None) for reading in found]
     return told if told and _explains(told, plain) else []
 
 
@@ -170,6 +153,29 @@ def _right(reference: AnyReference, times: Sequence[Fraction]) -> Right | None:
     if states is None:  # a proof that had no more time
         return None
     return Right(states, attitude, None if attitude is None else matrices(attitude))
+
+
+def _integrated(scene: Scene, times: Sequence[Fraction]) -> Right | None:
+    """The motion at other times, integrated in double: dearer digits are not needed to tell."""
+    from polhode.runs.solve import solve
+
+    found: dict[Fraction, tuple[Any, Any]] = {}
+    turning = bool(scene.columns[3:])
+    asked = replace(scene, outputs=("attitude",) if turning else (), events=())
+    try:
+        for part in by_sign(times):
+            run = solve(asked.at(part), DOUBLE, interruptible=False)
+            if len(run.times) < len(part):
+                return None
+            turns = run.attitude if run.attitude is not None else [None] * len(part)
+            found |= dict(zip(part, zip(run.states, turns, strict=True), strict=True))
+    except (BadInput, ImportError, ValueError, OverflowError):
+        return None
+    states = np.array([[float(x) for x in found[t][0]] for t in times])
+    if not turning:
+        return Right(states)
+    attitude = np.array([[float(x) for x in found[t][1]] for t in times])
+    return Right(states, attitude, matrices(attitude))
 
 
 def _whole(subject: Subject, doubles: Callable[[Any], Any]) -> dict[str, Doubles]:

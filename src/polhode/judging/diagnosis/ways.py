@@ -118,9 +118,7 @@ def _of_attitude(values: Doubles, right: Right) -> Iterator[Way]:
                 words = ", ".join(filter(None, (place, sense, frames)))
                 change = None
                 if words and steady:
-                    change = Change(
-                        order, signs, space=quaternion(space.T), body=quaternion(body)
-                    )
+                    change = Change(order, signs, space=quaternion(space.T), body=quaternion(body))
                     change = _of_same_sign(change, values[0], right)
                 way = Way(words or "of either sign at each time", digits, change)
                 found.append((frames.count("="), way))
