@@ -18,12 +18,13 @@ import numpy as np
 from polhode.numbers.rows import Doubles
 from polhode.proofs.chaos.lanes import Crossings, Lanes, backward, periods_of
 
-LANES = 400  # a branch
+LANES = 300  # a branch
 _SIZE = 1e-4  # of the manifolds' first starts
-_MORE = 4.0  # periods beyond those in which they have grown to 1
+_MORE = 3.0  # periods beyond those in which they have grown to 1
 _LONGEST = 0.15  # a segment
 _SINE = 0.03  # between segments, at least
-_MOST = 60  # guesses that are corrected
+_CLOSE = 0.05  # guesses that differ by less, in periods and in powers, are one
+_APART = 0.15  # points of two segments that meet
 _NEWTON = 12
 _SINGULAR = 1e-4
 _SAME = 1e-3
@@ -73,28 +74,34 @@ def saddle(lanes: Lanes, point: Doubles, period: float) -> Saddle | None:
     return Saddle(point, period, multiplier, pair[0], pair[1], rates)
 
 
-def search(lanes: Lanes, at: Saddle) -> list[Homoclinic]:
-    """Transversal homoclinic orbits, the shortest first, one of each class."""
-    guesses = _guesses(lanes, at)
+def search(lanes: Lanes, at: Saddle, most: int) -> list[Homoclinic]:
+    """Transversal homoclinic orbits, so many at most, one of each class, short ones first."""
+    guesses: list[Homoclinic] = []
+    for guess in sorted(_guesses(lanes, at), key=lambda x: _length(at, x)):
+        if not any(_same(at, guess, other, _CLOSE) for other in guesses):
+            guesses.append(guess)
     kept: list[Homoclinic] = []
-    for guess in guesses[:_MOST]:
+    for guess in guesses:
+        if len(kept) == most:
+            break
         found = corrected(lanes, at, guess)
-        if found is not None and not any(_same(at, found, other) for other in kept):
+        if found is not None and not any(_same(at, found, other, _SAME) for other in kept):
             kept.append(found)
-    return sorted(kept, key=lambda x: x.time)
+    return kept
 
 
 def _guesses(lanes: Lanes, at: Saddle) -> list[Homoclinic]:
     factor = abs(at.multiplier)
-    span = at.period * (periods_of(factor, _SIZE) + 1.0 + _MORE)
+    grown = at.period * (periods_of(factor, _SIZE) - 1.0)
+    span = grown + at.period * (2.0 + _MORE)
     sizes = _SIZE * factor ** (np.arange(LANES + 1) / LANES)
     both = np.concatenate([sizes, -sizes])
     out = at.point[:, None] + at.unstable[:, None] * both
     into = backward(at.point[:, None] + at.stable[:, None] * both)
     ahead = lanes.crossings(np.hstack([out, into]), span)
-    first = ahead.lane < len(both)
-    u = _segments(_part(ahead, first, 0), both)
-    s = _segments(_part(ahead, ~first, len(both)), both)
+    first, late = ahead.lane < len(both), ahead.time > grown
+    u = _segments(_part(ahead, first & late, 0), both)
+    s = _segments(_part(ahead, ~first & late, len(both)), both)
     s = _Segments(backward(s.begin), backward(s.end), *s[2:])
     found = []
     for i, j, a, b, angle in _meetings(u, s):
@@ -103,7 +110,7 @@ def _guesses(lanes: Lanes, at: Saddle) -> list[Homoclinic]:
         tu = u.times[0, i] + a * (u.times[1, i] - u.times[0, i])
         ts = s.times[0, j] + b * (s.times[1, j] - s.times[0, j])
         found.append(Homoclinic(float(su), float(ss), float(tu), float(ts), float(angle)))
-    return sorted(found, key=lambda x: x.time)
+    return found
 
 
 class _Segments(NamedTuple):
@@ -153,7 +160,15 @@ def _meetings(u: _Segments, s: _Segments) -> Iterator[tuple[int, int, float, flo
             start = np.repeat(low - np.concatenate([[0], np.cumsum(many)[:-1]]), many)
             j = order[start + np.arange(len(i))]
             for k in range(0, len(i), 500_000):
-                yield from _through(u, s, i[k : k + 500_000], j[k : k + 500_000])
+                yield from _through(u, s, *_near(u, s, i[k : k + 500_000], j[k : k + 500_000]))
+
+
+def _near(u: _Segments, s: _Segments, i: Doubles, j: Doubles) -> tuple[Doubles, Doubles]:
+    """Those pairs whose other components are near as well."""
+    for row in (1, 2, 4, 5):
+        near = np.abs(u.begin[row, i] - s.begin[row, j]) < 2 * _APART
+        i, j = i[near], j[near]
+    return i, j
 
 
 def _through(
@@ -213,20 +228,19 @@ def corrected(lanes: Lanes, at: Saddle, near: Homoclinic) -> Homoclinic | None:
     return None
 
 
-def _same(at: Saddle, one: Homoclinic, other: Homoclinic) -> bool:
-    """Whether two are one orbit, shifted along itself."""
+def _length(at: Saddle, x: Homoclinic) -> float:
+    """The time of an orbit from unit size to unit size: the same wherever it is begun."""
+    rate = math.log(abs(at.multiplier)) / at.period
+    return x.time + math.log(abs(x.unstable * x.stable)) / rate
+
+
+def _same(at: Saddle, one: Homoclinic, other: Homoclinic, near: float) -> bool:
+    """Whether two are one orbit, begun elsewhere."""
     if one.unstable * other.unstable < 0 < at.multiplier:
         return False
-    # the orbit's own time from fixed sizes
-    rate = math.log(abs(at.multiplier)) / at.period
-
-    def length(x: Homoclinic) -> float:
-        return x.time + math.log(abs(x.unstable * x.stable)) / rate
-
     shift = math.log(abs(one.unstable / other.unstable)) / math.log(abs(at.multiplier))
-    return (
-        abs(length(one) - length(other)) < _SAME * at.period and abs(shift - round(shift)) < _SAME
-    )
+    apart = abs(_length(at, one) - _length(at, other))
+    return apart < near * at.period and abs(shift - round(shift)) < near
 
 
 def towards(at: Saddle, found: Homoclinic, size: float) -> tuple[Homoclinic, float]:
