@@ -211,6 +211,29 @@ def test_events_are_found_once_where_angles_are_led_over_a_pole():
     assert len(run.times) == 1
 
 
+@pytest.mark.parametrize("number", NUMBERS[:2], ids=lambda n: n.name)
+def test_events_are_the_same_where_angles_begin_at_a_pole(number):
+    """Those met on the bridge off the pole, among other variables, and those met after it."""
+    scene = polhode.top(
+        moments=[1, 2, "1.5"],
+        centre=["0.1", 0, "0.3"],
+        weight=1,
+        omega=["0.3", "0.7", 2],
+        gamma=[0, 0, 1],
+        at=[1, 5],
+        events=[Event("early", "gamma3 - 0.99"), Event("level", "gamma3 - 1/2")],
+    )
+    run = polhode.integrate(replace(scene, outputs=("angles",)), number)
+    plain = polhode.integrate(scene, number)
+    assert 0 < run.events[0].times[0] < Fraction(1, 4) < run.events[1].times[0]
+    for found, known in zip(run.events, plain.events, strict=True):
+        assert len(found.times) == len(known.times) > 0
+        assert found.states.shape == known.states.shape
+        assert found.complete
+        error = max(abs(a - b) for a, b in zip(found.times, known.times, strict=True))
+        assert error < 100 * number.eps
+
+
 # -- grazing ----------------------------------------------------------------------------------
 
 

@@ -70,19 +70,51 @@ def certify(
     forecast: Callable[[float], None] | None = None,
     derivatives: bool = False,
 ) -> Enclosure:
-    """Proven balls around the exact motion of any body.
+    """Enclose the exact motion of any body in proven balls.
 
-    ``at``: times of either sign in any order, taken exactly; the scene's own unless given.
-    ``digits``: correct digits wanted at every time, 1 to MOST_DIGITS; the precision is chosen from
-    a cheap run and raised until they are proven.  ``integrals``: whether the first integrals
-    shrink the set.  ``max_steps``: a time that will take more is refused before the start; a step
-    costs about 0.4 ms at 16 digits, 0.9 ms at 30.  ``max_seconds``: a limit on the time by the
-    clock; what is proven until then is kept, as it is at Ctrl-C, and the ``outcome`` says so.
-    ``forecast``: called once, before the proof, with the seconds that it will take, roughly.
-    ``derivatives``: whether the derivative of the states by the start is enclosed too, to as many
-    digits as doubles leave; its steps are shorter.  The memory does not grow with the time.  Raises
-    BadInput where the digits cannot be had.
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    at : iterable of numbers, optional
+        Times of either sign in any order, taken exactly, in the scene's unit; the scene's own
+        unless given.
+    digits : int
+        Correct digits wanted at every time, 1 to MOST_DIGITS.  The precision is chosen from a cheap
+        run and raised until they are proven.
+    integrals : bool
+        Whether the first integrals shrink the set.
+    progress : callable, optional
+        Called with the fraction of the time done and the steps taken.
+    max_steps : int
+        A time that will take more is refused before the start.  A step costs about 0.4 ms at 16
+        digits, 0.9 ms at 30.
+    max_seconds : float, optional
+        A limit on the time by the clock; what is proven until then is kept, as it is at Ctrl-C, and
+        the ``outcome`` says so.
+    forecast : callable, optional
+        Called once, before the proof, with the seconds that it will take, roughly.
+    derivatives : bool
+        Whether the derivative of the states by the start is enclosed too, to as many digits as
+        doubles leave; its steps are shorter.
 
+    Returns
+    -------
+    Enclosure
+        A ball for each component at each time, in the scene's axes and units; the memory does not
+        grow with the time.
+
+    Raises
+    ------
+    BadInput
+        Where the digits cannot be had.
+
+    Notes
+    -----
+    The theorem and where each line of it stands: ``polhode guide proofs``.
+
+    Examples
+    --------
     >>> import polhode
     >>> found = polhode.certify("general/asymmetric-regular", at=[10], digits=30)
     >>> 30 <= found.digits[0] < 40

@@ -98,15 +98,39 @@ def certify_events(
     max_seconds: float | None = None,
     forecast: Callable[[float], None] | None = None,
 ) -> tuple[CertifiedEvents, ...]:
-    """The scene's events from 0 to a time, each proven to exist and to be the only one there.
+    """Enclose a scene's events from 0 to a time, each proven to exist and to be the only one there.
 
-    ``end``: the scene's own unless given.  ``digits``: those of the state that is proven along the
-    way; more of them make the radii smaller and separate zeros that are closer.  An event is a
-    polynomial in p q r gamma1 gamma2 gamma3 that is not 0 all along; ``stop`` is not heeded.
-    ``progress``, ``max_steps``,
-    ``max_seconds``, ``forecast``: as of :func:`polhode.certify`; what comes after the time that was
-    reached is undecided.  Raises BadInput for another, and where the digits cannot be had.
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene with events, a path, or the name of a case.  An event is a polynomial in p q r
+        gamma1 gamma2 gamma3 that is not 0 all along; its ``stop`` is not heeded.
+    end : number, optional
+        In the scene's unit; the scene's own unless given.
+    digits : int
+        Those of the state that is proven along the way, 1 to MOST_DIGITS; more of them make the
+        radii smaller and separate zeros that are closer.
+    progress : callable, optional
+        Called with the fraction of the time done and the steps taken.
+    max_steps : int
+        A time that will take more is refused before the start.
+    max_seconds : float, optional
+        A limit on the time by the clock; what comes after the time that was reached is undecided.
+    forecast : callable, optional
+        Called once, before the proof, with the seconds that it will take, roughly.
 
+    Returns
+    -------
+    tuple of CertifiedEvents
+        One for each event of the scene: times as balls, and intervals that stayed undecided.
+
+    Raises
+    ------
+    BadInput
+        An event of another kind, and where the digits cannot be had.
+
+    Examples
+    --------
     >>> import polhode
     >>> event = polhode.Event("level", "gamma3 - 1/2")
     >>> scene = polhode.Scene(polhode.Body.of_moments((1, 1, 1)), (1, 0, 0), (0, 0, 1),

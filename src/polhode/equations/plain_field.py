@@ -17,14 +17,36 @@ from polhode.scenes.scene import Scene
 
 
 def field(scene: Scene | str | Path) -> Callable[[float, npt.ArrayLike], Doubles]:
-    """The rates of p q r [gamma1 gamma2 gamma3] as a function f(t, y) of doubles.
+    """Give the rates of p q r [gamma1 gamma2 gamma3] as a function f(t, y) of doubles.
+
+    It is what ``scipy.integrate.solve_ivp`` and programs like it ask for.
+
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+
+    Returns
+    -------
+    callable
+        f(t, y) -> ndarray of the shape of ``y``: (6,), or (6, n) for n states at once; three rows
+        where a torque-free scene has no gamma.  ``f.start`` is the state at t = 0.
+
+    Raises
+    ------
+    BadInput
+        A scene that cannot be read.
+
+    Notes
+    -----
+    In the scene's own axes and units ::
 
         w' = I⁻¹ (Mg gamma × r0 - w × I w),    gamma' = gamma × w
 
-    in the scene's own axes and units, as ``scipy.integrate.solve_ivp`` and its like ask for it.
-    ``y``: shape (6,), or (6, n) for n states at once; three rows where a torque-free scene has no
-    gamma.  ``f.start`` is the state at t = 0.
+    with w = (p, q, r), (3.29) of Yehia, *Rigid Body Dynamics: A Lagrangian Approach*.
 
+    Examples
+    --------
     >>> import polhode
     >>> f = polhode.field("lagrange/nutation")
     >>> f.start.tolist()

@@ -72,14 +72,33 @@ def plot(
     *,
     end: AnyNumber | None = None,
 ) -> Axes | npt.NDArray[np.object_]:
-    """Draw a figure with matplotlib; the axes drawn into, an array of them where there are several.
+    """Draw a figure with matplotlib.
 
-    ``what_of``: a scene, or a run, whose scene is integrated anew in its number type at as many
-    times as curves need.  ``what``: angles, omega, momentum, attitude, hodographs, sphere,
-    integrals or error.  ``axes``: as many matplotlib axes as the figure has panels, to draw into.
-    ``end``: the last time drawn; unless given the scene's own, but no more than 100 radians
-    (integrals and error: all).  Raises BadInput.
+    Parameters
+    ----------
+    what_of : Trajectory, Scene, str or Path
+        A scene, or a run, whose scene is integrated anew in its number type at as many times as
+        curves need.
+    what : str
+        angles, omega, momentum, attitude, hodographs, sphere, integrals or error.
+    axes : matplotlib axes, optional
+        As many as the figure has panels, to draw into.
+    end : number, optional
+        The last time drawn, in the scene's unit; unless given the scene's own, but no more than 100
+        radians (integrals and error: all).
 
+    Returns
+    -------
+    Axes or ndarray of Axes
+        The axes drawn into, an array of them where there are several.
+
+    Raises
+    ------
+    BadInput
+        A figure that there is not, or that the scene cannot have.
+
+    Examples
+    --------
     >>> import polhode
     >>> panels = polhode.plot("lagrange/looping", "angles", end=4)
     >>> [panel.get_ylabel() for panel in panels]
@@ -99,10 +118,27 @@ def plot(
 
 
 def view(what_of: Trajectory | Scene | str | Path, *, end: AnyNumber | None = None) -> Page:
-    """A motion as one page that moves: no network, nothing else needed; see ``polhode view``.
+    """Show a motion as one page that moves: no network, nothing else needed.
 
-    ``what_of`` and ``end`` as for :func:`polhode.plot`.  Raises BadInput.
+    Parameters
+    ----------
+    what_of : Trajectory, Scene, str or Path
+        A scene, or a run.
+    end : number, optional
+        The last time shown, as for :func:`polhode.plot`.
 
+    Returns
+    -------
+    Page
+        A page of HTML, to be saved or shown in a notebook.
+
+    Raises
+    ------
+    BadInput
+        A scene that cannot be integrated.
+
+    Examples
+    --------
     >>> import polhode
     >>> polhode.view("euler/largest-axis").save("motion.html")  # doctest: +SKIP
     """

@@ -98,30 +98,57 @@ def integrate(
 ) -> Trajectory:
     """Integrate the Euler–Poisson equations of a scene with heyoka's Taylor method.
 
-    They are (3.29) of Yehia, *Rigid Body Dynamics: A Lagrangian Approach*, in principal axes.
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    number : str or NumberType, optional
+        "double" (taken unless given), "extended", "quad", "mp" (50 digits), or a NumberType.
+    digits : int, optional
+        The correct digits wanted.  They choose the number type, by how much this motion multiplies
+        errors on the way; the run is then checked, by the closed form or by a second run in a wider
+        type, and made again in a wider one where digits are missing.
+    at : iterable of numbers, optional
+        Output times in the scene's unit, instead of the scene's own.
+    tol : number, optional
+        The tolerance of a step, the type's eps unless given.
+    max_steps : int, optional
+        The run ends there with an outcome that says so.
+    inputs : NumberType, optional
+        Round start and coefficients to this narrower type first, to see what that rounding alone
+        does.
+    project : bool or int, optional
+        Put the state back on the exact scene's first integrals every so many steps; True: as often
+        as costs about a tenth of the run's time; False: never.  Left out, as True in double and
+        extended at full tolerance, else never, and never in a form other than the principal one.
+    method : {"auto", "taylor", "refined"}
+        "taylor": steps in the number type.  "refined": a run in double corrected by exact
+        arithmetic, for quad and more digits.  "auto": refined where that can be done and is faster.
+    progress : callable or bool, optional
+        Called now and then with the fraction of the time done and the steps taken; True for a bar.
 
-    ``number``: double (default), extended, quad or mp (50 digits), or a NumberType.  ``at``: output
-    times instead of the scene's.  ``tol``: the tolerance of a step, the type's eps unless given.
-    ``inputs``: round start and coefficients to this narrower type first, to see what that rounding
-    alone does.  ``project``: put the state back on the exact scene's first integrals every so many
-    steps, True as often as costs about a tenth of the run's time, False never; left out, as True in
-    double and extended at full tolerance, else never (a form other than the principal one never).
-    ``method``: "taylor", steps in the number type; "refined", a run in double corrected by exact
-    arithmetic (:mod:`polhode.refined`), for quad and more digits; "auto", refined where that can be
-    done and is faster; the trajectory's ``method`` tells which it was.  ``progress``: called now
-    and then with the fraction of the time done and the steps taken; or True for a bar.
+    Returns
+    -------
+    Trajectory
+        States, outputs and events in the scene's axes and units.  It can be called at any time that
+        it reached (:class:`polhode.runs.methods.dense_output.Dense`).  ``method`` tells which it
+        was; ``correct_digits`` and ``checked_by`` what was found of ``digits``, and its outcome is
+        TOO_FEW_DIGITS where they cannot be had: in a number type or at a tolerance that is given
+        too, or on a motion that multiplies errors beyond what can be computed.  Ctrl-C ends the run
+        within a second; it then holds what was reached.
 
-    ``digits``: the correct digits wanted.  They choose the number type, by how much this motion
-    multiplies errors on the way; the run is then checked, by the closed form or by a second run in
-    a wider type, and made again in a wider one where digits are missing.  ``correct_digits`` and
-    ``checked_by`` of the trajectory say what was found; its outcome is TOO_FEW_DIGITS where they
-    cannot be had: in a number type or at a tolerance that is given too, or on a motion that
-    multiplies errors beyond what can be computed.
+    Raises
+    ------
+    BadInput
+        What cannot be integrated: key, value and what was expected.
 
-    The trajectory can be called at any time that it reached, see
-    :class:`polhode.runs.methods.dense_output.Dense`. Ctrl-C ends the run within a second; the
-    trajectory then holds what was reached.  Raises BadInput for what cannot be integrated.
+    Notes
+    -----
+    The equations are (3.29) of Yehia, *Rigid Body Dynamics: A Lagrangian Approach*, in principal
+    axes.
 
+    Examples
+    --------
     >>> import polhode
     >>> run = polhode.integrate("kovalevskaya/generic", digits=30, at=[1, "7/3"])
     >>> run

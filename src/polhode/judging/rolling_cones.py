@@ -53,15 +53,31 @@ def omega_rate(body: Body, omega: Sequence[Any], gamma: Sequence[Any], bits: int
 
 
 def rolling(run: Trajectory) -> Rolling:
-    """How well a run with hodographs (and gamma) keeps the rolling condition, measured.
+    """Measure how well a run keeps the rolling condition of its hodographs.
 
     The tangent of the space curve is taken from its own points, by differences over
-    ``2·HALF_WINDOW + 1`` samples around each; that of the body's curve from the equations, and
-    turned by the attitude: a wrong attitude, a slip of one curve on the other, shows at once.
-    Samples must be dense: what the differences leave falls like the 24th power of their
-    distance, what rounding leaves grows like its inverse.  Raises BadInput where
-    there are no hodographs or fewer samples than the window holds.
+    ``2·HALF_WINDOW + 1`` samples around each; that of the body's curve from the equations, turned
+    by the attitude: a wrong attitude, a slip of one curve on the other, shows at once.
 
+    Parameters
+    ----------
+    run : Trajectory
+        A run of a scene with gamma and the output "hodographs".  Samples must be dense: what the
+        differences leave falls like the 24th power of their distance, what rounding leaves grows
+        like its inverse.
+
+    Returns
+    -------
+    Rolling
+        The largest deviation of the tangents and of the lengths.
+
+    Raises
+    ------
+    BadInput
+        A run without hodographs, or with fewer samples than the window holds.
+
+    Examples
+    --------
     >>> from dataclasses import replace
     >>> import polhode
     >>> scene = replace(polhode.load("lagrange/nutation"), outputs=("hodographs",))

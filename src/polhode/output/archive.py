@@ -82,11 +82,28 @@ def save(run: Trajectory, path: str | Path) -> None:
 
 
 def load_run(path: str | Path) -> Trajectory:
-    """The run that ``run.save`` wrote: equal to it, and callable again; raises BadInput.
+    """Load the run that ``run.save`` wrote: equal to it, and callable again.
 
     Called at a time between its samples, it is integrated once more, the same steps; where this
     machine does not find the same numbers to the last bit, a warning says so.
 
+    Parameters
+    ----------
+    path : str or Path
+        A file that ``run.save`` wrote.
+
+    Returns
+    -------
+    Trajectory
+        The run.
+
+    Raises
+    ------
+    BadInput
+        A file of another kind, or a damaged one.
+
+    Examples
+    --------
     >>> import os, tempfile, polhode
     >>> run = polhode.integrate("lagrange/nutation", at=[1, 2])
     >>> with tempfile.TemporaryDirectory() as folder:

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import inspect
 import json
 import re
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from polhode.common.errors import BadInput, nearest
 from polhode.numbers.quantity import UNITS, named
+from polhode.output import api_reference
 from polhode.scenes import keys
 from polhode.scenes.vocabulary import COLUMNS
 
 FOLDER = Path(__file__).parents[1] / "guide"
 INDEX = "index"
 NOTEBOOK = "notebook"
+_AROUND = 50  # letters before a word that is shown, and half of those after it
 
 
 def topics() -> list[str]:
@@ -35,7 +35,7 @@ def page(topic: str) -> str:
     text = re.sub(r"<!-- keys ?([\w.]*) -->", lambda found: "\n".join(_keys(found[1])), text)
     text = re.sub(r"<!-- columns -->", lambda _: "\n".join(_columns()), text)
     text = re.sub(r"<!-- units -->", lambda _: "\n".join(_units()), text)
-    return re.sub(r"<!-- api -->", lambda _: "\n".join(_api()), text)
+    return re.sub(r"<!-- api -->", lambda _: "\n".join(api_reference.table()), text)
 
 
 def _columns() -> list[str]:
@@ -67,19 +67,36 @@ def _keys(section: str) -> list[str]:
     return lines
 
 
-def _api() -> list[str]:
-    """Every public name with the first sentence of its documentation."""
-    package = import_module("polhode")
-    lines = ["| name | |", "|---|---|"]
-    for name in sorted(package.__all__, key=lambda name: (name[0].isupper(), name)):
-        if name.startswith("_"):
-            continue
-        told = (inspect.getdoc(getattr(package, name)) or "").split("\n\n")[0]
-        called = "" if inspect.isclass(getattr(package, name)) else "()"
-        sentence = re.split(r"(?<=[.;])\s", " ".join(told.split()))[0].rstrip(".;")
-        sentence = re.sub(r":\w+:`([^`]+)`", r"`\1`", sentence.replace("``", "`"))
-        lines.append(f"| `polhode.{name}{called}` | {sentence} |")
-    return lines
+def search(words: str) -> list[tuple[str, str, str]]:
+    """Where all the words stand in one paragraph or row of a table: page, heading, the text there.
+
+    Whole words in any case; a plural finds its singular and the other way round.
+    """
+    patterns = [
+        re.compile(rf"\b{re.escape(word.removesuffix('s'))}s?\b", re.I) for word in words.split()
+    ]
+    found = []
+    for topic in [INDEX, *topics()]:
+        heading = topic
+        for paragraph in re.split(r"\n\s*\n|\n(?=\|)", page(topic)):
+            heads = re.findall(r"^#+ (.*)$", paragraph, re.M)
+            heading = heads[-1] if heads else heading
+            places = [pattern.search(paragraph) for pattern in patterns]
+            if places and all(places):
+                found.append((topic, heading, _about(paragraph, places[0])))
+    return found
+
+
+def _about(paragraph: str, place: re.Match[str] | None) -> str:
+    """What stands around a place, cut between words."""
+    assert place is not None
+    before = re.sub(r"\s+", " ", paragraph[: place.start()]).lstrip()
+    after = re.sub(r"\s+", " ", paragraph[place.start() :]).rstrip()
+    if len(before) > _AROUND:
+        before = "…" + before[-_AROUND:].partition(" ")[2]
+    if len(after) > 2 * _AROUND:
+        after = after[: 2 * _AROUND].rpartition(" ")[0] + "…"
+    return before + after
 
 
 def notebook() -> str:

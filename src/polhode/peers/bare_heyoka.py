@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
-from polhode.peers.field import returning
+from polhode.peers.field import of_pattern, returning
+from polhode.peers.prepared import Run, Top
 from polhode.peers.protocol import Problem, Solution, Solve, serve
 
 
@@ -44,6 +46,36 @@ def _integrator(coefficients: tuple[float, ...], tol: float) -> Any:
     variables = hy.make_vars("p", "q", "r", "g1", "g2", "g3")
     system = list(zip(variables, returning(coefficients)(*variables), strict=True))
     return hy.taylor_adaptive(system, [0.0] * 6, tol=tol)
+
+
+def prepared(present: Sequence[bool], method: str) -> Run:
+    """An integrator a tolerance, its coefficients heyoka's parameters.
+
+    ``method``: unused, there is one.  The end alone is reached by propagate_until, more times by
+    propagate_grid.
+    """
+    import heyoka as hy
+
+    variables = hy.make_vars("p", "q", "r", "g1", "g2", "g3")
+    parameters = [hy.par[k] for k in range(len(present))]
+    rates = of_pattern(present)(*variables, parameters)
+    system = list(zip(variables, rates, strict=True))
+
+    @cache
+    def integrator(tol: float) -> Any:
+        return hy.taylor_adaptive(system, [0.0] * 6, pars=[0.0] * len(present), tol=tol)
+
+    def run(top: Top, start: Any, times: Any, tol: float) -> Any:
+        made = integrator(tol)
+        made.time = 0.0
+        made.state[:] = start
+        made.pars[:] = top.coefficients
+        if len(times) > 2:
+            return made.propagate_grid(times)[-1]
+        made.propagate_until(times[-1])
+        return made.state[None].copy()
+
+    return run
 
 
 if __name__ == "__main__":

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
+from polhode.peers.field import of_pattern
+from polhode.peers.prepared import Run, Top
 from polhode.peers.protocol import Problem, Solution, Solve, serve
 
 
@@ -40,6 +45,37 @@ def build(problem: Problem) -> Solve:
         return Solution(found.y.T.copy(), int(found.steps_taken))
 
     return solve
+
+
+def prepared(present: Sequence[bool], method: str) -> Run:
+    """One compiled function: solve, copy the rows, free the solver's memory."""
+    import numba
+    from CyRK import nbsolve2_ivp
+    from CyRK.nb.numba_solver import cyjit_sig
+
+    rates = numba.njit(of_pattern(present))
+
+    @numba.cfunc(cyjit_sig)
+    def field(dy: Any, t: float, y: Any, args: Any) -> None:
+        dy[0], dy[1], dy[2], dy[3], dy[4], dy[5] = rates(y[0], y[1], y[2], y[3], y[4], y[5], args)
+
+    address = field.address
+
+    @numba.njit
+    def solve(coefficients: Any, start: Any, times: Any, tol: float) -> Any:
+        span = (times[0], times[-1])
+        found = nbsolve2_ivp(address, span, start, method, times, False, coefficients, tol, tol)
+        rows, success = found.y.T.copy(), found.success
+        found.free()
+        return rows, success
+
+    def run(top: Top, start: Any, times: Any, tol: float) -> Any:
+        rows, success = solve(top.coefficients, start, times, tol)
+        if not success:
+            raise ArithmeticError("success is False")
+        return rows
+
+    return run
 
 
 if __name__ == "__main__":

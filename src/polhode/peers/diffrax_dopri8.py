@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
-from polhode.peers.field import returning
+from polhode.peers.field import of_pattern, returning
+from polhode.peers.prepared import Run, Top
 from polhode.peers.protocol import Problem, Solution, Solve, serve
 
 
@@ -52,6 +54,38 @@ def build(problem: Problem) -> Solve:
         return Solution(rows.tolist(), int(steps))
 
     return solve
+
+
+def prepared(present: Sequence[bool], method: str) -> Run:
+    """The whole solve compiled by JAX, once for each number of times."""
+    import diffrax
+    import jax
+    import jax.numpy as jnp
+    import numpy as np
+
+    load()
+    rates, solver = of_pattern(present), getattr(diffrax, method)()
+    term = diffrax.ODETerm(lambda t, y, c: jnp.stack(rates(*(y[i] for i in range(6)), c)))
+
+    @jax.jit
+    def solution(coefficients: Any, start: Any, times: Any, tol: Any) -> Any:
+        found = diffrax.diffeqsolve(
+            *(term, solver, times[0], times[-1], None, start, coefficients),
+            saveat=diffrax.SaveAt(ts=times),
+            stepsize_controller=diffrax.PIDController(rtol=tol, atol=tol),
+            max_steps=None,
+            throw=False,
+        )
+        return found.ys, found.result == diffrax.RESULTS.successful
+
+    def run(top: Top, start: Any, times: Any, tol: float) -> Any:
+        rows, success = solution(top.coefficients, start, times, tol)
+        rows = np.asarray(rows)
+        if not success:
+            raise ArithmeticError("diffrax did not reach the end")
+        return rows
+
+    return run
 
 
 if __name__ == "__main__":

@@ -63,3 +63,32 @@ def filling(y: Any, dy: Any, c: Sequence[float]) -> None:
         dr += c[8] * g2
     dy[0], dy[1], dy[2] = dp, dq, dr
     dy[3], dy[4], dy[5] = r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2
+
+
+def of_pattern(present: Sequence[bool]) -> Callable[..., tuple[Any, ...]]:
+    """Rates of six scalars and coefficients of any kind, with the terms that are ``present``.
+
+    For functions made once and called with many bodies: the coefficients are arguments, and only
+    which of them vanish is compiled in.
+    """
+    a0, a1, a2, a3, a4, a5, a6, a7, a8 = map(bool, present)
+
+    def rates(p: Any, q: Any, r: Any, g1: Any, g2: Any, g3: Any, c: Any) -> tuple[Any, ...]:
+        dp = c[0] * q * r if a0 else 0.0 * q
+        if a1:
+            dp = dp + c[1] * g2
+        if a2:
+            dp = dp + c[2] * g3
+        dq = c[3] * r * p if a3 else 0.0 * r
+        if a4:
+            dq = dq + c[4] * g3
+        if a5:
+            dq = dq + c[5] * g1
+        dr = c[6] * p * q if a6 else 0.0 * p
+        if a7:
+            dr = dr + c[7] * g1
+        if a8:
+            dr = dr + c[8] * g2
+        return dp, dq, dr, r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2
+
+    return rates

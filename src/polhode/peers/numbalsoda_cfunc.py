@@ -5,7 +5,14 @@ Its lsoda is known to report success with an array that it left unchanged at tig
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
+from polhode.peers.field import of_pattern
+from polhode.peers.prepared import Run, Top
 from polhode.peers.protocol import Problem, Solution, Solve, serve
+
+_MOST_STEPS = 10**8
 
 
 def load() -> str:
@@ -36,6 +43,32 @@ def build(problem: Problem) -> Solve:
         return Solution(rows)
 
     return solve
+
+
+def prepared(present: Sequence[bool], method: str) -> Run:
+    """One compiled function around the solver; its limit of 10 000 steps is lifted."""
+    import numba
+    import numbalsoda
+
+    rates, solver = numba.njit(of_pattern(present)), getattr(numbalsoda, method)
+
+    @numba.cfunc(numbalsoda.lsoda_sig)
+    def field(t: float, y: Any, dy: Any, args: Any) -> None:
+        dy[0], dy[1], dy[2], dy[3], dy[4], dy[5] = rates(y[0], y[1], y[2], y[3], y[4], y[5], args)
+
+    address = field.address
+
+    @numba.njit
+    def solve(coefficients: Any, start: Any, times: Any, tol: float) -> Any:
+        return solver(address, start, times, coefficients, tol, tol, _MOST_STEPS)
+
+    def run(top: Top, start: Any, times: Any, tol: float) -> Any:
+        rows, success = solve(top.coefficients, start, times, tol)
+        if not success:
+            raise ArithmeticError("success is False")
+        return rows
+
+    return run
 
 
 if __name__ == "__main__":

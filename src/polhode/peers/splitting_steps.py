@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import numba
+import numpy as np
 
 
 @numba.njit(cache=True)
@@ -48,6 +49,30 @@ def advance(
                 _about_axis(y, lost, axes[1], h * turns[1], carry)
     if heavy:
         _kick(y, lost, torque, 0.5 * weights[-1] * length, carry)
+
+
+@numba.njit(cache=True)
+def along(
+    start: Any, times: Any, moments: Any, torque: Any, weights: Any, fraction: float, carry: bool
+) -> Any:
+    """States (w, gamma) at the times from a start; ``fraction``: of a radian, the longest step."""
+    i, k, j = np.argsort(moments)
+    turns = np.array([1 / moments[i] - 1 / moments[k], 1 / moments[j] - 1 / moments[k]])
+    speed = math.sqrt(start[0] ** 2 + start[1] ** 2 + start[2] ** 2)
+    pull = math.sqrt(torque[0] ** 2 + torque[1] ** 2 + torque[2] ** 2)
+    step = fraction / max(speed, math.sqrt(pull / moments[i]))
+    axes, lost, y = np.array([i, j]), np.zeros(6), start.copy()
+    y[:3] *= moments
+    rows = np.empty((len(times), 6))
+    now = 0.0
+    for n, time in enumerate(times):
+        count = math.ceil(abs(time - now) / step)
+        if count:
+            length = (time - now) / count
+            advance(*(y, lost, axes, turns, 1 / moments[k], torque, weights, length, count, carry))
+        rows[n, :3], rows[n, 3:] = y[:3] / moments, y[3:]
+        now = time
+    return rows
 
 
 @numba.njit(cache=True)

@@ -55,12 +55,41 @@ def prove_orbit(
 ) -> ProvedOrbit:
     """Prove that a periodic orbit exists, and where: start, period, residue, multipliers, kind.
 
-    ``orbit``: an approximate one of the scene's body, as :func:`polhode.orbit` gives it or as a
-    scene that ends after one period; without one it is looked for near the scene's start, with
-    ``period`` and ``returns`` as there.  It is only a guess: the proof is of the exact level ``h``,
-    ``f``, the scene's own unless given.  ``digits``: correct digits wanted of start and period, 1
-    to MOST_DIGITS.  Raises NotProved, which says which condition failed.
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case: its body, and the level unless that is given.
+    orbit : Orbit, Scene, str or Path, optional
+        An approximate orbit of the scene's body, as :func:`polhode.orbit` gives it or as a scene
+        that ends after one period; it is only a guess.  Without one it is looked for near the
+        scene's start.
+    digits : int
+        Correct digits wanted of start and period, 1 to MOST_DIGITS.
+    h, f : number, optional
+        The exact level of the proof: energy and vertical momentum; the scene's own unless given.
+    period, returns : number and int, optional
+        For the search, as in :func:`polhode.orbit`.
+    progress : callable, optional
+        Called with a line of text now and then.
 
+    Returns
+    -------
+    ProvedOrbit
+        What is proved, in balls.
+
+    Raises
+    ------
+    NotProved
+        Which condition failed, and by how much.
+    BadInput
+        A level that does not exist, a period that cannot be.
+
+    Notes
+    -----
+    The theorem and where each line of it stands: ``polhode guide proofs``.
+
+    Examples
+    --------
     >>> import polhode
     >>> found = polhode.prove_orbit("grioli/precession")
     >>> found

@@ -50,21 +50,82 @@ def top(
     name: str = "top",
     **unknown: Never,
 ) -> Scene:
-    """A scene from plain numbers, no file: the arguments are the keys of a scene file.
-
-    ``moments`` or ``inertia`` about the fixed point (with ``about="centre"`` and ``mass`` about the
-    centre of mass), or ``parts``, solids by shape; ``centre``: the centre of mass; ``weight`` = Mg,
-    or ``mass`` and ``g``.  The start: ``omega``, ``momentum`` or ``rates``, and ``gamma`` (the
-    upward vertical in body axes) with ``psi``, ``angles`` (psi, theta, phi) or a ``quaternion``,
-    scalar first; or gamma on the level ``h``, ``f``, ``sign``.  ``end`` with ``samples``, or the
-    times ``at``.  See ``polhode guide scene``.
+    """Make a scene from plain numbers, without a file: the arguments are the keys of a scene file.
 
     Numbers of any kind are taken exactly, a float as the binary number that it is, which
     :func:`polhode.as_toml` shows; the text "0.1" is one tenth, "600 rpm" a number with its unit.
-    A gamma or quaternion of floats that is of length 1 but for their rounding (8 eps) is brought
-    to length 1, as ``normalise`` does, and the scene's text says so.  ``units``: "SI", or left out
-    for any consistent units.  Raises BadInput, a ValueError.
 
+    Parameters
+    ----------
+    moments : vector, optional
+        The principal moments of inertia about the fixed point.
+    inertia : 3 vectors, optional
+        Or the whole inertia matrix about it.
+    parts : sequence of Part or mapping, optional
+        Or solids by shape.
+    about : {"fixed point", "centre"}, optional
+        What moments or inertia are about; "centre" of mass needs ``mass``.
+    centre : vector, optional
+        The centre of mass r0 from the fixed point, in body axes.
+    weight, mass, g : number, optional
+        ``weight`` = Mg, or ``mass`` and ``g``.
+    omega, momentum, rates : vector, optional
+        The start: the angular velocity, or the momentum I·omega, both in body axes, or the rates of
+        psi, theta, phi.
+    gamma : vector, optional
+        The upward vertical in body axes, of length 1.  Floats of length 1 but for their rounding
+        (8 eps) are brought to length 1, and the scene's text says so.
+    psi : number, optional
+        The precession angle at the start, with ``gamma``.
+    angles : vector, optional
+        Or psi, theta, phi.
+    quaternion : 4 numbers, optional
+        Or the attitude, body to space, scalar first.
+    normalise : bool
+        Bring gamma or the quaternion to length 1.
+    h, f : number, optional
+        Or gamma on this level of energy and vertical momentum.
+    sign : str, optional
+        Which of the two gammas on it.
+    end : number, optional
+        The end of the run.
+    samples : int, optional
+        Equally spaced times up to ``end``.
+    at : iterable of numbers, optional
+        Or the output times themselves.
+    form : str, optional
+        The form of the equations.
+    outputs : sequence of str
+        More outputs: "attitude", "angles" and others.
+    events : sequence of Event or mapping
+        What to look for on the way.
+    reference : str, optional
+        The closed form that judges it, instead of the one that is found.
+    title : str
+        A line on what it is.
+    units : {"SI"}, optional
+        Left out for any consistent units.
+    name : str
+        What messages call it.
+    **unknown
+        Nothing else: another argument is refused with the nearest that there are.
+
+    Returns
+    -------
+    Scene
+        The scene.
+
+    Raises
+    ------
+    BadInput
+        A ValueError: the argument, its value and what was expected.
+
+    See Also
+    --------
+    load : a scene from a file; ``polhode guide scene`` tells each key.
+
+    Examples
+    --------
     >>> import polhode
     >>> spun = polhode.top(moments=[1, 1, 0.5], centre=[0, 0, 1], weight=2,
     ...                    angles=[0, 0.5, 0], rates=[0, 0, 8], end=10, samples=101)

@@ -41,8 +41,25 @@ def ships(name: str) -> bool:
 
 
 def load(scene: Scene | str | Path) -> Scene:
-    """A scene by the name of a case that ships or by a path; a Scene as it is; raises BadInput.
+    """Load a scene by the name of a case that ships, or by a path.
 
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A name such as "lagrange/nutation", a path of a TOML file, or a Scene, which is handed back.
+
+    Returns
+    -------
+    Scene
+        The scene, its numbers exact.
+
+    Raises
+    ------
+    BadInput
+        No such case or file, or one that is no scene: file, key, value and what was expected.
+
+    Examples
+    --------
     >>> import polhode
     >>> polhode.load("lagrange/nutation")
     <Scene lagrange/nutation: moments 1, 1, 1/2, 81 times to t = 40>

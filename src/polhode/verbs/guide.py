@@ -6,21 +6,60 @@ from argparse import ArgumentParser, Namespace
 
 from polhode.verbs.terminal import DONE, print_json, say
 
-HELP = "the guide: topics, or one of them"
+HELP = "the guide: topics, one of them, a public name of the package, or where a word stands"
+
+_MOST = 12  # places of a word that are shown
 
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("topic", nargs="?", default="index", metavar="TOPIC", help="see the list")
+    parser.add_argument(
+        "topic",
+        nargs="*",
+        default=["index"],
+        metavar="TOPIC",
+        help="see the list; api NAME of a public name; or words to look for",
+    )
 
 
 def main(options: Namespace) -> int:
-    """Print a page of the guide, or the notebook."""
-    from polhode.output import guide
+    """Print a page of the guide, the notebook, the reference of a name, or where words stand."""
+    from polhode.output import api_reference, guide
 
-    text = guide.notebook() if options.topic == guide.NOTEBOOK else guide.page(options.topic)
+    topic, *more = options.topic
+    if topic == guide.NOTEBOOK and not more:
+        text = guide.notebook()
+    elif topic == "api":
+        text = api_reference.page(".".join(more).removeprefix("polhode.")) if more else _names()
+    elif not more and topic in [guide.INDEX, *guide.topics()]:
+        text = guide.page(topic)
+    else:
+        text = _found(" ".join(options.topic))
     if options.json:
-        print_json({"topic": options.topic, "topics": guide.topics(), "text": text})
+        told = {"topic": " ".join(options.topic), "topics": guide.topics(), "text": text}
+        print_json(told)
     else:
         say(text.rstrip())
     return DONE
+
+
+def _names() -> str:
+    """The list of public names."""
+    from polhode.output import api_reference
+
+    lines = ["# The public names", "", "`polhode guide api NAME` tells one.", ""]
+    return "\n".join([*lines, *api_reference.table()])
+
+
+def _found(words: str) -> str:
+    """Where the words stand; raises BadInput where they stand nowhere."""
+    from polhode.output import guide
+
+    found = guide.search(words)
+    if not found:
+        guide.page(words)  # refused, with the nearest topic
+    shown = [
+        f"polhode guide {topic}  ({heading})\n    {text}" for topic, heading, text in found[:_MOST]
+    ]
+    rest = len(found) - len(shown)
+    return "\n".join([*shown, *[f"({rest} more places)"] * bool(rest)])

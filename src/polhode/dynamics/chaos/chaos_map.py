@@ -129,13 +129,47 @@ def chaos_map(
 ) -> ChaosMap:
     """Judge the motions on a section's grid, or of scenes in which two numbers vary.
 
-    ``grid``: cells of the section's coordinates (50 x 50), of the level ``h``, ``f`` (the scene's)
-    and the section ``by``, ``extremum`` of :func:`polhode.section`.  ``varied``: two numbers of the
-    scene file instead, as in ``integrate_many``.  ``end``: the time T (1000 units of the inner
-    time, a power of two of the scene's, about a radian of its start's fastest rate).  ``tol``: of a
-    step; None for eps.  ``workers``: threads.  ``executor``: of concurrent.futures.  ``parts``: a
-    folder for finished jobs.  Raises BadInput.
+    Each is judged regular, unstable or chaotic by the growth of a tangent vector, see
+    :func:`polhode.lyapunov`.
 
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    grid : tuple of int, optional
+        The cells of the section's two coordinates; 50 by 50 unless given.
+    varied : mapping, optional
+        Two numbers of the scene file instead of the grid, as in :func:`polhode.integrate_many`.
+    end : number, optional
+        The time to follow each motion to, in the scene's unit; 1000 units of the inner time unless
+        given (a power of two of the scene's, about a radian of its start's fastest rate).
+    by, extremum : str, optional
+        The section, as in :func:`polhode.section`.
+    h, f : number, optional
+        The level: energy and vertical momentum in the scene's units; the scene's own unless given.
+    tol : float or None
+        The tolerance of a step; None for the eps of double.
+    workers : int, optional
+        Threads; as many as there are cores unless given.
+    executor : Executor, optional
+        An executor of ``concurrent.futures`` instead of threads.
+    parts : Path, optional
+        A folder for finished jobs, from which the same call goes on after a kill.
+    progress : callable, optional
+        Called with the fraction done and the motions done.
+
+    Returns
+    -------
+    ChaosMap
+        A verdict and an exponent for each cell or member.
+
+    Raises
+    ------
+    BadInput
+        A level that does not exist, an end of 0, a number that cannot vary.
+
+    Examples
+    --------
     >>> import polhode
     >>> found = polhode.chaos_map("general/asymmetric-chaotic", (4, 4), end=1000, h=3, f="1/2")
     >>> found.counts["chaotic"] > 6

@@ -100,11 +100,36 @@ def frequencies(
 ) -> Frequencies:
     """Find the lines of a motion's signals by Laskar's frequency analysis.
 
-    ``source``: a scene, a run or a CSV with a column t; the times of a run or file must be equally
-    spaced.  ``of``: names among p+iq, gamma1+i gamma2, p, q, r, gamma1, gamma2, gamma3, and axis,
-    the third body axis in space (p+iq and gamma3 unless given).  ``end``: how far a scene is
-    integrated, its own end or 200 unless given.  ``lines``: how many of each signal.
+    Parameters
+    ----------
+    source : Scene, Trajectory, str or Path
+        A scene, a run, or a CSV with a column t; the times of a run or file are equally spaced.
+    of : sequence of str, optional
+        Among "p+iq", "gamma1+i gamma2", "p", "q", "r", "gamma1", "gamma2", "gamma3" and "axis", the
+        third body axis in space; "p+iq" and "gamma3" unless given.
+    end : number, optional
+        How far a scene is integrated; its own end, or 200 where it has none, unless given.
+    lines : int
+        How many lines of each signal.
 
+    Returns
+    -------
+    Frequencies
+        Angular frequencies in radians per unit of time, amplitudes, phases, and combinations of the
+        motion's basic frequencies where they are known.
+
+    Raises
+    ------
+    BadInput
+        Times that are not equally spaced, a signal that there is not, too few samples.
+
+    References
+    ----------
+    J. Laskar, "Introduction to frequency map analysis", in *Hamiltonian Systems with Three or More
+    Degrees of Freedom*, NATO ASI Series C 533 (1999).
+
+    Examples
+    --------
     >>> import polhode
     >>> run = polhode.integrate("euler/attitude", at=[k / 10 for k in range(1, 2001)])
     >>> line = polhode.frequencies(run, of=["r"]).lines["r"][0]

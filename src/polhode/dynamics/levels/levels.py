@@ -179,10 +179,26 @@ def topology(region: Region | None) -> str:
 
 
 def levels(scene: Scene | str | Path) -> Levels:
-    """The diagram (f, h) of a scene's body in closed form, and where the scene lies in it.
+    """Draw up the diagram (f, h) of a scene's body in closed form, and find the scene in it.
 
-    Raises BadInput for a scene without gamma, which has no f.
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene with gamma, a path, or the name of a case.
 
+    Returns
+    -------
+    Levels
+        The branches of permanent rotations, the regions between them, and ``here``: the scene's
+        region, its f and h, and critical values of its fourth integral where it has one.
+
+    Raises
+    ------
+    BadInput
+        A scene without gamma, which has no f.
+
+    Examples
+    --------
     >>> import polhode
     >>> here = polhode.levels("kovalevskaya/delaunay").here
     >>> here.region, here.fourth.name, here.fourth.critical[0]

@@ -99,17 +99,50 @@ def reduce_many(
 ) -> Reductions:
     """Integrate many variants of a scene and keep some numbers of each.
 
-    ``keep``: "final" (the last state), "largest X" and "smallest X" (an expression in p q r gamma1
-    gamma2 gamma3 t theta: its extreme over the output times, and where it is first reached), "first
-    NAME" (time after 0 and state of an event: the scene's, or nutation, equator; output times do
-    not matter),
-    "lyapunov" (the largest exponent to the last time, its uncertainty and growth, as
-    :func:`polhode.lyapunov` has them).  The first three are the same to the bit as from the states
-    of :func:`polhode.integrate_many`.  ``number``: double or extended; events and exponents
-    in double only.  The other options are those of ``integrate_many``; ``parts``: a folder for
-    finished jobs, from which a call that was killed goes on.  Memory does not grow with the number
-    of output times.  Ctrl-C keeps what is finished.  Raises BadInput.
+    Memory does not grow with the number of output times.  Ctrl-C keeps what is finished.
 
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    vary : mapping or list of mappings
+        Numbers of the scene file by key, as in :func:`polhode.integrate_many`.
+    keep : str or sequence of str
+        "final" (the last state); "largest X" and "smallest X", X an expression in p q r gamma1
+        gamma2 gamma3 t theta: its extreme over the output times, and where it is first reached;
+        "first NAME": time after 0 and state of an event, the scene's, or nutation or equator,
+        whatever the output times are; "lyapunov": the largest exponent to the last time, its
+        uncertainty and growth, as :func:`polhode.lyapunov` has them.
+    number : str or NumberType, optional
+        double or extended; events and exponents in double only.
+    at : iterable of numbers, optional
+        Output times in the scene's unit; the scene's own unless given.
+    tol : number, optional
+        The tolerance of a step, the type's eps unless given.
+    max_steps : int, optional
+        Of each member.
+    executor : Executor, optional
+        An executor of ``concurrent.futures`` instead of threads.
+    workers : int, optional
+        Threads; as many as there are cores unless given.
+    parts : Path, optional
+        A folder for finished jobs, from which a call that was killed goes on.
+    progress : callable or bool, optional
+        Called with the fraction of members done and how many; True for a bar.
+
+    Returns
+    -------
+    Reductions
+        A table: a row for each member, columns by ``keep``.  What is of the output times is the
+        same to the bit as from the states of :func:`polhode.integrate_many`.
+
+    Raises
+    ------
+    BadInput
+        A member that cannot be integrated, a name in ``keep`` that there is not.
+
+    Examples
+    --------
     >>> import polhode
     >>> found = polhode.reduce_many("lagrange/nutation", {"body.weight": [1, 2]}, "smallest gamma3")
     >>> found["smallest gamma3"].round(3).tolist()

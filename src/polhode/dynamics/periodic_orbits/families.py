@@ -126,14 +126,36 @@ def orbit_family(
 ) -> OrbitFamily:
     """Follow a family of periodic orbits from one orbit to another value of h or f.
 
-    ``start``: an orbit, or a scene near one (see :func:`polhode.orbit`).  ``by``: "h" or "f", what
-    changes; the other one is held.  ``to``: the value at which to end.  ``first``: the value of a
-    scene's orbit, its own unless given.  ``points``: at most so many.  The family is followed
-    through folds; where it turns and comes back to the value that it began at, it ends there.
-    Ctrl-C ends it with what is done.
+    It is followed through folds; where it turns and comes back to the value that it began at, it
+    ends there.  Ctrl-C ends it with what is done.
 
-    Raises BadInput where there is no orbit to begin with, or several families pass through it.
+    Parameters
+    ----------
+    start : Orbit, Scene, str or Path
+        An orbit, or a scene near one (see :func:`polhode.orbit`).
+    by : {"h", "f"}
+        What changes: the energy or the vertical momentum; the other one is held.
+    to : number
+        The value at which to end.
+    first : number, optional
+        The value of a scene's orbit, its own unless given.
+    points : int
+        At most so many.
+    progress : callable, optional
+        Called with a line of text now and then.
 
+    Returns
+    -------
+    OrbitFamily
+        A point for each orbit: value, start, period, residue; and how it ended.
+
+    Raises
+    ------
+    BadInput
+        Where there is no orbit to begin with, or several families pass through it.
+
+    Examples
+    --------
     >>> import polhode
     >>> spun = polhode.top(moments=[2, 1.5, 1], omega=[1, 0, 0], gamma=["4/5", "3/5", 0])
     >>> found = polhode.orbit_family(spun, "h", 4)  # the axis's rotation, twice as fast

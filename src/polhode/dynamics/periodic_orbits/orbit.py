@@ -155,14 +155,37 @@ def orbit(
 ) -> Orbit:
     """Find the periodic orbit near a scene's start, to so many digits.
 
-    ``h``, ``f``: the level of the orbit, the scene's own unless given.  ``period``: a guess;
-    without one the times are tried at which the motion comes near its start again, the first
-    ``returns`` of them (10).  Newton's method in double, then in a type wide enough; the period is
-    the shortest one.  ``progress``: called with a line now and then.
+    Newton's method in double, then in a type wide enough.
 
-    Raises BadInput for a permanent rotation, a motion that does not come near its start, a level
-    that does not exist, and where Newton's method finds no orbit near the start.
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    digits : int
+        The correct digits of start and period.
+    h, f : number, optional
+        The level of the orbit: energy and vertical momentum; the scene's own unless given.
+    period : number, optional
+        A guess, in the scene's unit of time.  Without one the times are tried at which the motion
+        comes near its start again.
+    returns : int, optional
+        How many of these; 10 unless given.
+    progress : callable, optional
+        Called with a line of text now and then.
 
+    Returns
+    -------
+    Orbit
+        Start, shortest period, multipliers and kind.
+
+    Raises
+    ------
+    BadInput
+        A permanent rotation, a motion that does not come near its start, a level that does not
+        exist, and where Newton's method finds no orbit near the start.
+
+    Examples
+    --------
     >>> import polhode
     >>> body = {"moments": [2, 1.5, 1], "gamma": ["4/5", "3/5", 0]}
     >>> near = polhode.top(**body, omega=["1.001", "0.002", 0])

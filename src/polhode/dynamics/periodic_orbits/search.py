@@ -101,10 +101,33 @@ def orbit_search(
 ) -> OrbitSearch:
     """Search a level for periodic orbits.
 
-    ``grid``: cells of the section's coordinates l and L/G (20 x 20).  ``crossings``: the largest
-    number of crossings in a period (3).  ``h``, ``f``: the level, the scene's own unless given.
-    Ctrl-C ends it with what is found.  Raises BadInput for a level that does not exist.
+    Ctrl-C ends it with what is found.
 
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    grid : tuple of int, optional
+        The cells of the section's coordinates l and L/G; 20 by 20 unless given.
+    crossings : int, optional
+        The largest number of crossings in a period; 3 unless given.
+    h, f : number, optional
+        The level: energy and vertical momentum; the scene's own unless given.
+    progress : callable, optional
+        Called with a line of text now and then.
+
+    Returns
+    -------
+    OrbitSearch
+        The orbits found, each once, by rising period.
+
+    Raises
+    ------
+    BadInput
+        A level that does not exist.
+
+    Examples
+    --------
     >>> import polhode
     >>> found = polhode.orbit_search("general/asymmetric-regular", crossings=2)
     >>> sorted({one.kind for one in found.orbits})

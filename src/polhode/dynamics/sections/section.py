@@ -132,19 +132,49 @@ def section(
 ) -> Section:
     """Follow orbits of a scene's body on a level to their crossings of a section.
 
-    ``by``: "momentum" (extrema of |G|, the default) or "height" (extrema of r0.gamma), both of
-    which every orbit crosses; or an expression in p q r gamma1 gamma2 gamma3, whose zeros in either
-    direction are taken.  ``extremum``: "max" (default) or "min".  ``starts``: [l, L/G] or
-    [l, L/G, k], the k-th of several by rising y, for momentum and expressions;
-    [gamma1, gamma2, gamma3, ±1] in the scene's axes for height; or "scene", its own start.
-    ``grid``: as many cells of both coordinates instead, starts in their centres (9 x 8).  ``h``,
-    ``f``: the level, the scene's own unless given.  What the scene's [section] says stands where
-    nothing is given.  ``workers``: processes.  ``executor``: of concurrent.futures.  ``parts``: a
-    folder for finished jobs.
+    What the scene's [section] says stands where nothing is given.
 
-    Raises BadInput for a level that does not exist, a start outside the section, an expression that
-    does not change or is never zero.
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    by : str, optional
+        "momentum" (extrema of |G|, taken unless given) or "height" (extrema of r0·gamma), both of
+        which every orbit crosses; or an expression in p q r gamma1 gamma2 gamma3, whose zeros in
+        either direction are taken.
+    extremum : {"max", "min"}, optional
+        Which extrema; "max" unless given.
+    starts : iterable of vectors, or "scene", optional
+        [l, L/G], or [l, L/G, k], the k-th of several by rising y, for momentum and expressions;
+        [gamma1, gamma2, gamma3, ±1] in the scene's axes for height; or "scene", its own start.
+    grid : tuple of int, optional
+        As many cells of both coordinates instead, starts in their centres; 9 by 8 unless given.
+    crossings : int, optional
+        How many of each orbit.
+    h, f : number, optional
+        The level: energy and vertical momentum; the scene's own unless given.
+    workers : int, optional
+        Processes; as many as there are cores unless given.
+    executor : Executor, optional
+        An executor of ``concurrent.futures`` instead.
+    parts : Path, optional
+        A folder for finished jobs, from which a call that was killed goes on.
+    progress : callable, optional
+        Called with the fraction done and the orbits done.
 
+    Returns
+    -------
+    Section
+        The crossings of each orbit: states, times and the section's coordinates.
+
+    Raises
+    ------
+    BadInput
+        A level that does not exist, a start outside the section, an expression that does not change
+        or is never zero.
+
+    Examples
+    --------
     >>> import polhode
     >>> scene = polhode.load("general/asymmetric-chaotic")
     >>> found = polhode.section(scene, grid=(2, 2), crossings=5, h=3, f="1/2")

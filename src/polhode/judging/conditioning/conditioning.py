@@ -260,12 +260,36 @@ def conditioning(
     number: NumberType | str = DOUBLE,
     max_steps: int = MAX_STEPS,
 ) -> Conditioning:
-    """What a scene's motion does to errors at its times (or others), by variational equations.
+    """Follow what a scene's motion does to errors on the way, by its variational equations.
 
-    It is followed until kappa·eps of ``number`` reaches 1, and is right to two digits and more:
-    where the motion in double is no longer the scene's, it is led along one in a wider type.
-    ``max_steps``: beyond so many, "kappa not followed".
+    kappa(t) is the factor by which one rounding a step, of relative size eps, has grown at t.  It
+    is followed until kappa·eps of ``number`` reaches 1 and is right to two digits and more: where
+    the motion in double is no longer the scene's, it is led along one in a wider type.
 
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    times : iterable of numbers, optional
+        The times to tell it at, in the scene's unit; the scene's own unless given.
+    number : NumberType or str
+        The number type whose roundings are meant.
+    max_steps : int
+        Of the variational equations; beyond so many the answer is "kappa not followed".
+
+    Returns
+    -------
+    Conditioning
+        kappa at each time, the digits that it leaves, and those that a rounding of the scene's
+        numbers leaves.
+
+    Raises
+    ------
+    BadInput
+        A scene or a time that cannot be integrated.
+
+    Examples
+    --------
     >>> import polhode
     >>> found = polhode.conditioning("euler/separatrix", [10, 20])
     >>> [round(x, 1) for x in found.digits_bound()], [round(x, 1) for x in found.inputs()]

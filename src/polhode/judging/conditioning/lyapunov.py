@@ -87,10 +87,29 @@ def lyapunov(
 ) -> Lyapunov:
     """Estimate the largest Lyapunov exponent of a scene's motion, and tell what kind it is.
 
-    ``end``: the time to follow it to; unless given the scene's own end, or 2000 units of the slower
-    of its spin and its pendulum's swing if that is longer.  "undecided" where the time is too short
-    to tell; BadInput for an end at 0.
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    end : number, optional
+        The time to follow it to, in the scene's unit; unless given the scene's own end, or 2000
+        units of the slower of its spin and its pendulum's swing if that is longer.
+    max_steps : int
+        Of the variational equations.
 
+    Returns
+    -------
+    Lyapunov
+        The exponent per unit of time, its standard deviation, and the verdict: regular, unstable,
+        chaotic, or undecided where the time is too short to tell.
+
+    Raises
+    ------
+    BadInput
+        An end at 0, or one beyond the range of doubles.
+
+    Examples
+    --------
     >>> import polhode
     >>> found = polhode.lyapunov("general/asymmetric-chaotic", 2000)
     >>> found.verdict, 0.06 < found.exponent < 0.14

@@ -217,10 +217,25 @@ class Remembered:
 
 
 def reference(scene: Scene | str | Path) -> Reference | Certified | TwoPrecisions:
-    """The reference of a scene: the closed form that fits, a proven enclosure where none does.
+    """Give the reference of a scene: the closed form that fits, a proven enclosure where none does.
 
-    Raises BadInput where the scene asks for a closed form that does not fit.
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
 
+    Returns
+    -------
+    Reference, Certified or TwoPrecisions
+        What answers with states to any number of digits at any time.
+
+    Raises
+    ------
+    BadInput
+        A scene that asks for a closed form that does not fit: the condition, and by how much.
+
+    Examples
+    --------
     >>> import polhode
     >>> polhode.reference("euler/separatrix")
     <Reference of euler/separatrix: euler, separatrix>

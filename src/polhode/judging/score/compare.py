@@ -79,28 +79,57 @@ def compare(
 ) -> Judgement:
     """Judge a run, a trajectory file, columns or an array of states against a reference.
 
-    ``what``: a Trajectory; the path of a CSV file with a column t and any of p q r gamma1 gamma2
-    gamma3 psi theta phi q0 q1 q2 q3, or of a derived output; the same columns as a mapping of names
-    to arrays, a pandas DataFrame or an xarray Dataset; or rows of numbers, which hold at the times
-    ``at`` and have the columns ``columns`` (those of the scene unless given).  Of a file
-    ``columns`` are those that it has, in order, where it has no header or another; or what single
-    names of its header mean: ``["time_ms=t*1e-3", "Q.W=q0"]``.  ``against``: a
-    reference, or the scene whose reference it is; of a run its own scene unless given.  ``number``
-    (and ``digits`` of mp): the type whose rounded values a file's decimals, or the rows, are;
-    floats, of Python or of arrays (single, double or long double), are known as such.
-    ``known``: the scene's conditioning, to spare its computation.
-    ``first``: called with a judgement of a few rows of a table of more than a thousand, and how
-    many those are, before the others are judged by a closed form; of a file, before they are read.
-    ``workers``: processes that a closed form whose rows cost seconds may be asked by.
-    ``progress``: called with the part of the reference's rows that are there, and how many (of a
-    proof, of the time and the steps), where they take long.  ``max_seconds``: a limit on proofs,
-    where no closed form answers; beyond it BadInput.  ``forecast``: called before each proof with
-    the seconds that it will take, roughly, and with the unit that the times seem to have, if any.
-    ``as_it_stands``: judge the numbers in the conventions of the scene alone; otherwise another
-    convention that makes a part right is applied, and ``reading`` says which.
+    Parameters
+    ----------
+    what : Trajectory, str, Path, mapping, DataFrame, Dataset or rows
+        A run; the path of a CSV file with a column t and any of p q r gamma1 gamma2 gamma3 psi
+        theta phi q0 q1 q2 q3, or of a derived output; the same columns as a mapping of names to
+        arrays, a pandas DataFrame or an xarray Dataset; or rows of numbers, which hold at the
+        times ``at`` and have the columns ``columns``.
+    against : reference, Scene, str or Path, optional
+        A reference, or the scene whose reference it is; of a run its own scene unless given.
+    number : str or NumberType, optional
+        The type whose rounded values a file's decimals, or the rows, are.  Floats, of Python or of
+        arrays (single, double or long double), are known as such.
+    digits : int, optional
+        Of mp, where ``number`` is that.
+    at : iterable of numbers, optional
+        The times of rows, in the scene's unit.
+    columns : sequence of str, optional
+        Of rows, those of the scene unless given.  Of a file those that it has, in order, where it
+        has no header or another; or what single names of its header mean: ``["time_ms=t*1e-3",
+        "Q.W=q0"]``.
+    known : Conditioning, optional
+        The scene's conditioning, to spare its computation.
+    first : callable, optional
+        Called with a judgement of a few rows of a table of more than a thousand, and how many those
+        are, before the others are judged by a closed form; of a file, before they are read.
+    workers : int
+        Processes that a closed form whose rows cost seconds may be asked by.
+    progress : callable, optional
+        Called with the part of the reference's rows that are there, and how many (of a proof, of
+        the time and the steps), where they take long.
+    as_it_stands : bool
+        Judge the numbers in the conventions of the scene alone.  Otherwise another convention that
+        makes a part right is applied, and ``reading`` says which.
+    max_seconds : float, optional
+        A limit on proofs, where no closed form answers.
+    forecast : callable, optional
+        Called before each proof with the seconds that it will take, roughly, and with the unit that
+        the times seem to have, if any.
 
-    Raises BadInput for what cannot be read or judged.
+    Returns
+    -------
+    Judgement
+        Correct digits of each part at each time, the band that is expected, and what limits them.
 
+    Raises
+    ------
+    BadInput
+        What cannot be read or judged, and a proof beyond ``max_seconds``.
+
+    Examples
+    --------
     >>> import polhode
     >>> scene = polhode.load("lagrange/nutation").at((1,))
     >>> rows = [[float(x) for x in polhode.reference(scene).at([1], 20)[0]]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -16,7 +17,7 @@ from polhode.equations.system import System, system
 from polhode.numbers.conversion import number_value, to_extended
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Extendeds, Row, Rows
+from polhode.numbers.rows import Extendeds, Row, Rows, flat
 from polhode.numbers.scalars import EXACT
 from polhode.runs.problem.options import rounded_times
 from polhode.scenes.output_times import OutputTimes
@@ -187,6 +188,11 @@ class Prepared:
     @cached_property
     def first(self) -> Rows:
         """The start as the one row of a run; not to be written to."""
+        if self.number.flat and not self.blueprint.cyclic:
+            from polhode.taylor.backend.heyoka_numbers import OutOfRange
+
+            with suppress(OutOfRange):  # whoever integrates says so
+                return flat(self.blueprint.state)[None]
         return self.rows([[number_value(x, self.number) for x in self.system.start]])
 
     def rows(self, rows: Sequence[Row]) -> Rows:

@@ -56,33 +56,63 @@ def integrate_many(
     method: str = "auto",
     progress: Progress | bool | None = None,
 ) -> Ensemble:
-    """Integrate many variants of a scene (3.29), by one compiled code for all.
+    """Integrate many variants of a scene by one compiled code for all.
 
-    ``vary``: numbers of the scene file by key, such as ``{"start.omega[1]": ["0.1", 0.2],
-    "body.weight": "0:1:11"}``: exact values, or FROM:TO:N, every combination being a member; or a
-    list of such mappings with one value for each key, the members one by one.  Doubles go through
-    the machine's SIMD lanes, sorted by cost, in as many threads as there are cores (``workers``).
-    ``executor``: any executor of concurrent.futures instead (a process pool, dask's
-    ``Client.get_executor()``, mpi4py's): jobs are plain data both ways, and jobs lost with a worker
-    are run again here.  ``number``, ``digits``, ``at``, ``tol``, ``max_steps`` as in
-    :func:`polhode.integrate`, and ``method``: "auto" refines, in quad and above, each member that
-    can be and is long enough; ``progress``: called with the fraction of members
-    done and how many, or True for a bar.
+    Doubles go through the machine's SIMD lanes, sorted by cost.  Steps are bare: states are *not*
+    projected onto the first integrals, as those of single runs are, and digits are *not* checked.
 
-    Steps are bare: the states are not projected onto the first integrals, as single runs can be.
-    ``parts``: a folder that finished members are written to about once a second, so that the same
-    call after a kill goes on from there, with the same results to the bit; it is made where it
-    takes longer, and stays until ``ensemble.parts.remove()``.  Raises BadInput where it holds
-    anything but parts of this very sweep.
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    vary : mapping or list of mappings
+        Numbers of the scene file by key, such as ``{"start.omega[1]": ["0.1", 0.2], "body.weight":
+        "0:1:11"}``: exact values, or FROM:TO:N, every combination being a member; or a list of
+        mappings with one value for each key, the members one by one.
+    number : str or NumberType, optional
+        The number type, as in :func:`polhode.integrate`.
+    digits : int, optional
+        Chooses the number type by how far the fastest member turns, and promises no more: members
+        whose motion multiplies errors may have fewer digits right.
+    at : iterable of numbers, optional
+        Output times in the scene's unit; the scene's own unless given.
+    tol : number, optional
+        The tolerance of a step, the type's eps unless given.
+    max_steps : int, optional
+        Of each member.
+    executor : Executor, optional
+        An executor of ``concurrent.futures``, such as a process pool, dask's
+        ``Client.get_executor()`` or mpi4py's, instead of threads.  Jobs are plain data both ways;
+        those lost with a worker are run again here.
+    workers : int, optional
+        Threads; as many as there are cores unless given.
+    parts : Path, optional
+        A folder that finished members are written to about once a second, so that the same call
+        after a kill goes on from there with the same results to the bit.  It is made where the
+        sweep takes longer, and stays until ``ensemble.parts.remove()``.
+    method : {"auto", "taylor", "refined"}
+        "auto" refines, in quad and above, each member that can be and is long enough.
+    progress : callable or bool, optional
+        Called with the fraction of members done and how many; True for a bar.
 
-    ``digits`` chooses the number type by how far the fastest member turns, and promises no more:
-    unlike a single run, a sweep is not checked, and members whose motion multiplies errors may
-    have fewer digits right.  States alone are kept, and outputs of the scene that are made of them;
-    others are left out.
-    Ctrl-C keeps the members that are finished; the others have the outcome NOT_RUN.  Raises
-    BadInput, before anything is integrated, for a member that cannot be, a scene with events, or
-    too much of it all.
+    Returns
+    -------
+    Ensemble
+        The members in the order of ``vary``: states, and outputs of the scene that are made of
+        them.  Ctrl-C keeps the members that are finished; the others have the outcome NOT_RUN.
 
+    Raises
+    ------
+    BadInput
+        Before anything is integrated: a member that cannot be, a scene with events, too much of it
+        all, or ``parts`` with anything but parts of this very sweep.
+
+    Notes
+    -----
+    The equations are (3.29) of Yehia, *Rigid Body Dynamics: A Lagrangian Approach*.
+
+    Examples
+    --------
     >>> import polhode
     >>> many = polhode.integrate_many(
     ...     "lagrange/nutation", {"start.omega[3]": [2, 3], "body.weight": "1:2:3"}, at=[0, 1]

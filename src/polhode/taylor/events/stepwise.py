@@ -105,6 +105,7 @@ class Watch:
         )
         self.raw: list[list[_Raw]] = [[] for _ in scene.events]
         self.seen: list[list[Met]] = [[] for _ in scene.events]
+        self.settled: list[list[Mark]] = [[] for _ in scene.events]  # met by an earlier integrator
         self.known: list[list[Zeros]] = [
             [] for _ in scene.events
         ]  # plain crossings found otherwise
@@ -244,12 +245,13 @@ class Watch:
     def found(self) -> tuple[EventTimes, ...]:
         """The events in scene axes and units, in order of integration; ends the watch's work."""
         read, unit = Readout(self.scene, self.number), Fraction(2) ** self.scene.time_unit
-        answers = []
+        width, answers = len(read.form.variables), []
         for k, event in enumerate(self.scene.events):
             before = self.start[k] if self.forward else -self.start[k]
             zeros = after_start(self._zeros(k), before, self.number)
             found = zeros[1]
-            plain = None if self.raw[k] or self.stop is not None else in_order(zeros, before)
+            noted = self.raw[k] or self.settled[k] or self.stop is not None
+            plain = None if noted else in_order(zeros, before)
             if plain is not None:
                 slopes, met, complete = found.slopes, found.rows, True
                 if event.direction != "any":
@@ -259,15 +261,26 @@ class Watch:
                 rows: Given = met
                 grazing = (False,) * len(slopes)
             else:
-                marks = [*map(self._exact, self.raw[k]), *plain_marks(those(zeros, found.plain))]
-                marks += self._one_by_one(k, those(zeros, ~found.plain))
+                marks = [*map(self._exact, self.raw[k]), *self.settled[k], *self._marks(k, zeros)]
                 marks, complete = sorted_out(marks, before, self.stop, self.number, ZERO)
                 marks = [m for m in marks if event.counts(m.slope)]
                 times = tuple(self.number.rounded(m.time) * unit for m in marks)
-                rows = [heyoka_numbers.numbers(m.row, self.number) for m in marks]
+                # cut: where a run begins with a bridge, that integrates other variables beside
+                rows = [heyoka_numbers.numbers(m.row[:width], self.number) for m in marks]
                 grazing = tuple(m.slope == 0 for m in marks)
             answers.append(EventTimes(event.name, times, read.states(rows), grazing, complete))
         return tuple(answers)
+
+    def settle(self) -> None:
+        """Polish what was met so far, while the integrator that met it is there."""
+        for k, met in enumerate(self.seen):
+            self.settled[k] += self._marks(k, self._zeros(k))
+            met.clear()
+
+    def _marks(self, k: int, zeros: Zeros) -> list[Mark]:
+        """What was met of an event with its exact times: plain crossings and others."""
+        plain = zeros[1].plain
+        return plain_marks(those(zeros, plain)) + self._one_by_one(k, those(zeros, ~plain))
 
     def _exact_times(self, times: Flat) -> tuple[Fraction, ...]:
         return tuple(exact_times(times, self.scene.time_unit, self.number))

@@ -1,0 +1,124 @@
+"""The reference of the package's public names, made of their documentation."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterator
+from importlib import import_module
+
+from polhode.common.errors import BadInput, nearest
+
+_HEADING = re.compile(r"^([A-Z][A-Za-z ]+)\n-{3,}\n", re.M)
+_ROLE = re.compile(r":\w+:`~?([^`]+)`")
+
+
+def names() -> list[str]:
+    """The public names, functions before classes."""
+    every = (name for name in import_module("polhode").__all__ if not name.startswith("_"))
+    return sorted(every, key=lambda name: (name[0].isupper(), name))
+
+
+def table() -> list[str]:
+    """Every public name with the first sentence of its documentation."""
+    package = import_module("polhode")
+    lines = ["| name | |", "|---|---|"]
+    for name in names():
+        thing = getattr(package, name)
+        told = _text(thing).split("\n\n")[0]
+        called = "" if inspect.isclass(thing) else "()"
+        sentence = re.split(r"(?<=[.;])\s", " ".join(told.split()))[0].rstrip(".;")
+        lines.append(f"| `polhode.{name}{called}` | {_plain(sentence)} |")
+    return lines
+
+
+def page(name: str) -> str:
+    """One name as Markdown: how it is called, what it does; of a class its members too.
+
+    Raises BadInput for a name that there is not.
+    """
+    if name not in names():
+        raise BadInput("guide", "api", name, nearest(name, names()))
+    thing = getattr(import_module("polhode"), name)
+    parts = [f"# polhode.{name}", _called(f"polhode.{name}", thing), *_sections(_text(thing))]
+    if inspect.isclass(thing):
+        members = [*_members(thing)]
+        parts += ["## Members"] * bool(members) + members
+    return "\n\n".join(part for part in parts if part)
+
+
+def _text(thing: object) -> str:
+    return inspect.getdoc(thing) or ""
+
+
+def _plain(text: str) -> str:
+    return _ROLE.sub(r"`\1`", text.replace("``", "`"))
+
+
+def _called(name: str, thing: object) -> str:
+    """How it is called, an argument a line; nothing for what is not called by its users."""
+    if not inspect.isroutine(thing):
+        return ""
+    signature = inspect.signature(thing)
+    lines = [f"    {parameter}," for parameter in _arguments(signature)]
+    returned = signature.return_annotation
+    arrow = f" -> {returned}" if isinstance(returned, str) else ""
+    inside = "\n".join([f"{name}(", *lines, f"){arrow}"]) if lines else f"{name}(){arrow}"
+    return f"```python\n{inside}\n```"
+
+
+def _arguments(signature: inspect.Signature) -> Iterator[str]:
+    """The arguments as they are written, with the star before those that have to be named."""
+    starred = False
+    for parameter in signature.parameters.values():
+        if parameter.name == "self":
+            continue
+        keyword = parameter.kind is inspect.Parameter.KEYWORD_ONLY
+        if keyword and not starred:
+            starred = True
+            yield "*"
+        starred = starred or parameter.kind is inspect.Parameter.VAR_POSITIONAL
+        kind = parameter.annotation
+        text = f"{parameter}" if not isinstance(kind, str) else f"{parameter}".replace("'", "")
+        yield text
+
+
+def _sections(text: str) -> Iterator[str]:
+    """The documentation as Markdown: its sections as headings, entries as a list."""
+    before, *parts = _HEADING.split(text)
+    blocks = before.strip().split("\n\n")
+    examples = [block for block in blocks if block.startswith(">>> ")]
+    yield _plain("\n\n".join(block for block in blocks if block not in examples))
+    for title, inside in zip(parts[::2], parts[1::2], strict=True):
+        yield f"## {title}"
+        entries = title in ("Parameters", "Attributes", "Returns", "Raises")
+        if title == "Examples":
+            yield f"```python\n{inside.strip()}\n```"
+        else:
+            yield _plain("\n".join(_entries(inside)) if entries else inside.strip())
+    if examples:
+        yield "## Examples\n\n```python\n" + "\n\n".join(examples) + "\n```"
+
+
+def _entries(text: str) -> Iterator[str]:
+    for line in text.strip().splitlines():
+        if line and not line.startswith(" "):
+            name, _, kind = line.partition(" : ")
+            yield f"- `{name}`" + (f": {kind}" if kind else "")
+        else:
+            yield f"  {line.strip()}" if line else ""
+
+
+def _members(thing: type) -> Iterator[str]:
+    """The public methods and properties of a class, each with its whole documentation."""
+    for name, member in sorted(vars(thing).items()):
+        if name.startswith("_"):
+            continue
+        inner = getattr(member, "__func__", member)
+        text = _text(inner)
+        if not text or not hasattr(inner, "__get__"):
+            continue
+        yield f"### {name}"
+        if callable(inner):
+            yield _called(name, inner)
+        yield from ("##" + part if part.startswith("## ") else part for part in _sections(text))
