@@ -5,19 +5,22 @@ Not trusted: ``theorem`` decides.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
+from flint import arb
 
 from polhode.enclosures import proof_loop, window_approximation
-from polhode.enclosures.fixed_point_problem import CLOCK, LEAST_FINE, Refused
-from polhode.enclosures.proof_loop import Untrusted
+from polhode.enclosures.fixed_point_problem import CLOCK, LEAST_FINE, Problem, Refused
+from polhode.enclosures.proof_loop import Proof, Untrusted, Watcher
+from polhode.motion.outcomes import Outcome
 from polhode.numbers.rows import Doubles
 from polhode.proofs.chaos.h_set import Chart, HSet
 from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
 from polhode.proofs.chaos.lanes import Lanes
 from polhode.proofs.chaos.theorem import Chain
-from polhode.proofs.chaos.transit import Follow, Image, transit
+from polhode.proofs.chaos.transit import Image, transit
 from polhode.proofs.level import Level
 
 NOISE = 80
@@ -60,11 +63,17 @@ def charts(
     return made, [round(at.period * 2**CLOCK), *ticks]
 
 
-def chain(level: Level, made: list[Chart], ticks: list[int], size: float, first: float,
-          multiplier: float) -> Chain:
+def chain(
+    level: Level,
+    made: list[Chart],
+    ticks: list[int],
+    size: float,
+    first: float,
+    multiplier: float,
+) -> Chain:
     """A chain of sets, fitted; raises Refused where one does not reach the next.
 
-    ``first``: where M1 is in N0's chart.
+    ``size``: of N0; ``first``: where M1 is in N0's chart.
     """
     home = HSet(made[0], 0.0, size, size)
     images = [transit(level, home, made[0], ticks[0], NOISE, follow)]
@@ -83,9 +92,12 @@ def chain(level: Level, made: list[Chart], ticks: list[int], size: float, first:
     return Chain(home, tuple(sets), tuple(images))
 
 
-def follow(problem, times, watchers):  # type: ignore[no-untyped-def]
-    """A run of the proof with short steps."""
-    return proof_loop.run(problem, times, untrusted=SHORTER_STEPS, watchers=watchers)
+def follow(problem: Problem, times: Sequence[arb], watchers: Sequence[Watcher]) -> Proof:
+    """A run of the proof with short steps, which an interrupt ends."""
+    found = proof_loop.run(problem, times, untrusted=SHORTER_STEPS, watchers=watchers)
+    if found.outcome is Outcome.INTERRUPTED:
+        raise KeyboardInterrupt
+    return found
 
 
 def _flat(level: Level, state: Doubles, rates: Doubles, v: Doubles) -> Doubles:
@@ -98,8 +110,6 @@ def _flat(level: Level, state: Doubles, rates: Doubles, v: Doubles) -> Doubles:
 
 
 def _gradients(level: Level, state: Doubles) -> Doubles:
-    from flint import arb
-
     known = level.balls(64).gradients([arb(x) for x in state.tolist()])
     return np.array([[float(x.mid()) for x in row] for row in known])
 
@@ -127,6 +137,3 @@ def _reach(image: Image) -> float:
     row = [float(x.abs_upper()) for x in image.turn.tolist()[0]]
     edge = float(abs(image.turn[0, 0]).lower())
     return edge - sum(row[1:]) - float(image.shift[0, 0].abs_upper())
-
-
-_ = Follow

@@ -74,20 +74,18 @@ def saddle(lanes: Lanes, point: Doubles, period: float) -> Saddle | None:
     return Saddle(point, period, multiplier, pair[0], pair[1], rates)
 
 
-def search(lanes: Lanes, at: Saddle, most: int) -> list[Homoclinic]:
-    """Transversal homoclinic orbits, so many at most, one of each class, short ones first."""
+def search(lanes: Lanes, at: Saddle) -> Iterator[Homoclinic]:
+    """Transversal homoclinic orbits, one of each class, short ones first."""
     guesses: list[Homoclinic] = []
     for guess in sorted(_guesses(lanes, at), key=lambda x: _length(at, x)):
         if not any(_same(at, guess, other, _CLOSE) for other in guesses):
             guesses.append(guess)
     kept: list[Homoclinic] = []
     for guess in guesses:
-        if len(kept) == most:
-            break
         found = corrected(lanes, at, guess)
         if found is not None and not any(_same(at, found, other, _SAME) for other in kept):
             kept.append(found)
-    return kept
+            yield found
 
 
 def _guesses(lanes: Lanes, at: Saddle) -> list[Homoclinic]:

@@ -25,9 +25,11 @@ from dataclasses import dataclass
 from flint import arb
 
 from polhode.enclosures.fixed_point_problem import Refused
+from polhode.numbers.flint_context import ctx
 from polhode.proofs.chaos.covering import Margins, covers
-from polhode.proofs.chaos.h_set import HSet, apart
-from polhode.proofs.chaos.transit import Image
+from polhode.proofs.chaos.h_set import HSet, apart, column
+from polhode.proofs.chaos.transit import Image, crossing
+from polhode.proofs.level import Level
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,3 +92,25 @@ def least_entropy(short: arb, long: arb) -> float:
     return low
 
 
+def holds(level: Level, chain: Chain, start: list[arb], period: arb, bits: int) -> None:
+    """The proof that a periodic orbit, known as balls, is the one in N0; raises Refused.
+
+    It meets N0's plane in N0, and its period is within the times of N0 => N0, so that meeting is a
+    fixed point of the section map; with cones there is one only.
+    """
+    home, chart = chain.home, chain.home.chart
+    with ctx.workprec(bits):
+        known = level.balls(bits - 20)
+        off = [x - c for x, c in zip(start, chart.point, strict=True)]
+        _, reached = crossing(known, chart, start, (chart.row * column(off))[0, 0].abs_upper())
+        rates = column(known.field(reached.box))
+        frame = chart.frame.inv()
+        to_chart = frame - frame * (rates * chart.row / (chart.row * rates)[0, 0])
+        y = to_chart * column(off)
+        inside = abs(y[0, 0] - home.middle) < home.width and abs(y[1, 0]) < home.height
+        inside = inside and all(abs(y[i, 0]) < chart.eta for i in range(2, 6))
+        if not inside:
+            raise Refused("the periodic orbit does not pass through its set")
+        first = chain.images[0]
+        if not (first.least < period and period < first.most):
+            raise Refused("the period of the orbit is not the time of its set's return")

@@ -22,7 +22,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 from flint import arb, arb_mat
@@ -42,8 +42,19 @@ from polhode.proofs.level import Level, LevelBalls, largest
 _SPARE = 1.5  # of the time within which the crossing is looked for
 _BITS = 128  # behind the noise level
 
+
+class Watch(Protocol):
+    """What looks at the windows of a proof."""
+
+    def window(self, known: Bounds, steps: Sequence[Step]) -> None:
+        """A window whose steps have been accepted."""
+
+    def finish(self) -> None:
+        """The proof is at its end."""
+
+
 #: Runs a proof: the problem, the times asked for, what watches.
-Follow = Callable[[Problem, Sequence[arb], Sequence[Any]], Any]
+Follow = Callable[[Problem, Sequence[arb], Sequence[Watch]], object]
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +75,7 @@ class Image:
     most: arb
 
 
-class _Watch:
+class _Set:
     """The set and the derivative while a proof goes by."""
 
     def __init__(self, problem: Problem, columns: Doubles, times: Sequence[arb]) -> None:
@@ -93,7 +104,7 @@ def transit(
         middle, columns = _columns(source, start, noise)
         end = [arb((ticks, -CLOCK))]
     problem = exact_start(level, middle, fine, noise)
-    watch = _Watch(problem, columns, end)
+    watch = _Set(problem, columns, end)
     follow(problem, end, (watch,))
     if watch.state.time != ticks or len(watch.derivatives.found) != 1:
         raise Refused("the enclosure did not reach the next plane")
@@ -137,7 +148,7 @@ def _image(
     source: HSet,
     start: Disk,
     chart: Chart,
-    watch: _Watch,
+    watch: _Set,
     time: arb,
     noise: int,
 ) -> Image:
@@ -149,12 +160,13 @@ def _image(
     turn = arb_mat([[arb(x) * unit for x in row] for row in columns.tolist()])
     box = [x + arb(0, _total(row)) for x, row in zip(end, turn.tolist(), strict=True)]
     off = column([x - c for x, c in zip(end, chart.point, strict=True)])
-    span, reached = _crossing(known, chart, box, off, turn)
+    row = chart.row
+    far = (abs((row * off)[0, 0]) + _total((row * turn).entries())).upper()
+    span, reached = crossing(known, chart, box, far)
     if not time > span:
         raise Refused("the time of a transit may not be positive")
     rates = column(known.field(reached.box))
-    along = (chart.row * rates)[0, 0]
-    project = rates * chart.row / along
+    project = rates * row / (row * rates)[0, 0]
     try:
         frame = chart.frame.inv()
     except ZeroDivisionError:
@@ -174,12 +186,14 @@ def _image(
     )
 
 
-def _crossing(
-    known: LevelBalls, chart: Chart, box: list[arb], off: arb_mat, turn: arb_mat
+def crossing(
+    known: LevelBalls, chart: Chart, box: list[arb], far: arb
 ) -> tuple[arb, flow_tube.Around]:
-    """delta, and S with its tests."""
+    """delta, and S with its tests: motions from a box meet a plane once within +- delta.
+
+    ``far``: a bound of |a'(x - c')| on what of the box is meant.
+    """
     row = chart.row
-    far = (abs((row * off)[0, 0]) + _total((row * turn).entries())).upper()
     rate = (row * column(known.field(box)))[0, 0]
     if not abs(rate) > 0:
         raise Refused("a plane may touch the motion")
@@ -192,7 +206,7 @@ def _crossing(
 
 
 def _derivative(
-    known: LevelBalls, watch: _Watch, reached: flow_tube.Around, span: arb
+    known: LevelBalls, watch: _Set, reached: flow_tube.Around, span: arb
 ) -> arb_mat:
     """Balls around D at every time of t_end +- delta."""
     wider = flow_tube.spread_of_derivative(reached, span, known)
