@@ -20,6 +20,7 @@ from flint import arb
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.proofs.chaos.h_set import HSet
 from polhode.proofs.chaos.transit import Image
+from polhode.proofs.level import largest
 
 
 class Margins(NamedTuple):
@@ -45,10 +46,7 @@ def covers(image: Image, target: HSet) -> Margins:
     if not (left < -width and right > width):
         far = min((-left).lower(), right.lower()) / width
         raise Refused(f"an image does not reach over the set that it is to cover: {_factor(far)}")
-    deep = arb(0)
-    for i in range(2, 6):
-        found = _rest(image, i, ())
-        deep = deep if found <= deep else found
+    deep = largest([_rest(image, i, ()) for i in range(2, 6)])
     if not deep < arb(target.chart.eta):
         raise Refused("an image may lie on another sheet of the level")
     stretch = (-left).lower() / width, right.lower() / width

@@ -14,9 +14,10 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from polhode.numbers.rows import Doubles
-from polhode.proofs.chaos.lanes import Crossings, Lanes, backward, periods_of
+from polhode.proofs.chaos.lanes import Crossings, Lanes, Whole, backward, periods_of
 
 LANES = 300  # a branch
 _SIZE = 1e-4  # of the manifolds' first starts
@@ -118,16 +119,16 @@ class _Segments(NamedTuple):
     times: Doubles
 
 
-def _part(found: Crossings, which: Doubles, first: int) -> Crossings:
+def _part(found: Crossings, which: npt.NDArray[np.bool_], first: int) -> Crossings:
     return Crossings(
-        found.lane[which] - first, found.count[which], found.time[which], found.state[:, which]
+        found.lane[which] - first, found.number[which], found.time[which], found.state[:, which]
     )
 
 
 def _segments(found: Crossings, sizes: Doubles) -> _Segments:
     """Of neighbouring lanes, near each other at the same count."""
-    order = np.lexsort((found.lane, found.count))
-    lane, count = found.lane[order], found.count[order]
+    order = np.lexsort((found.lane, found.number))
+    lane, count = found.lane[order], found.number[order]
     time, state = found.time[order], found.state[:, order]
     size = sizes[lane]
     near = (lane[1:] == lane[:-1] + 1) & (count[1:] == count[:-1]) & (size[1:] * size[:-1] > 0)
@@ -161,7 +162,7 @@ def _meetings(u: _Segments, s: _Segments) -> Iterator[tuple[int, int, float, flo
                 yield from _through(u, s, *_near(u, s, i[k : k + 500_000], j[k : k + 500_000]))
 
 
-def _near(u: _Segments, s: _Segments, i: Doubles, j: Doubles) -> tuple[Doubles, Doubles]:
+def _near(u: _Segments, s: _Segments, i: Whole, j: Whole) -> tuple[Whole, Whole]:
     """Those pairs whose other components are near as well."""
     for row in (1, 2, 4, 5):
         near = np.abs(u.begin[row, i] - s.begin[row, j]) < 2 * _APART
@@ -170,7 +171,7 @@ def _near(u: _Segments, s: _Segments, i: Doubles, j: Doubles) -> tuple[Doubles, 
 
 
 def _through(
-    u: _Segments, s: _Segments, i: Doubles, j: Doubles
+    u: _Segments, s: _Segments, i: Whole, j: Whole
 ) -> Iterator[tuple[int, int, float, float, float]]:
     p, q = u.end[:, i] - u.begin[:, i], s.end[:, j] - s.begin[:, j]
     gap = s.begin[:, j] - u.begin[:, i]

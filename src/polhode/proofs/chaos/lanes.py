@@ -11,10 +11,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from polhode.enclosures.fixed_point_problem import CYCLE, Motion
 from polhode.numbers.conversion import to_double
 from polhode.numbers.rows import Doubles
+
+Whole = npt.NDArray[np.intp]
 
 _DEGREE = 20
 _SHORTER = 0.15  # of the radius of convergence that the last coefficients tell
@@ -28,8 +31,8 @@ _RIGHT = [*_AFTER, *_AFTER, *_NEXT]
 class Crossings(NamedTuple):
     """Where lanes met the section: lane, count on it, time, state (6, m)."""
 
-    lane: Doubles
-    count: Doubles
+    lane: Whole
+    number: Whole
     time: Doubles
     state: Doubles
 
@@ -65,7 +68,7 @@ class Lanes:
 
     def field(self, states: Doubles) -> Doubles:
         """The right-hand sides, (6, n)."""
-        return self.series(states, 1)[1]
+        return np.asarray(self.series(states, 1)[1])
 
     def after(self, states: Doubles, times: Doubles) -> Doubles:
         """The states after times of their own, of any sign."""
@@ -77,14 +80,14 @@ class Lanes:
             step = np.minimum(left, _step(found))
             now = _value(found, step)
             left = left - step
-        return now * turn
+        return np.asarray(now * turn)
 
     def crossings(self, states: Doubles, span: float) -> Crossings:
         """Maxima of the height of the centre of mass within a time."""
         lanes = np.arange(states.shape[1])
         now, time = states.copy(), np.zeros(states.shape[1])
-        counts = np.zeros(states.shape[1], dtype=int)
-        found: list[tuple[Doubles, ...]] = []
+        counts = np.zeros(states.shape[1], dtype=np.intp)
+        found: list[tuple[Whole, Whole, Doubles, Doubles]] = []
         while np.any(time < span):
             series = self.series(now)
             step = np.minimum(span - time, _step(series))
@@ -105,10 +108,14 @@ class Lanes:
                 counts[met] += 1
             now, time = _value(series, step), time + step
         if not found:
-            empty = np.zeros(0, dtype=int)
+            empty = np.zeros(0, dtype=np.intp)
             return Crossings(empty, empty, np.zeros(0), np.zeros((6, 0)))
-        parts = [np.concatenate([row[i] for row in found], axis=-1) for i in range(4)]
-        return Crossings(*parts)
+        return Crossings(
+            np.concatenate([row[0] for row in found]),
+            np.concatenate([row[1] for row in found]),
+            np.concatenate([row[2] for row in found]),
+            np.concatenate([row[3] for row in found], axis=1),
+        )
 
     def derivative(self, states: Doubles, times: Doubles) -> Doubles:
         """The derivatives of the flow, (n, 6, 6), by central differences."""
@@ -136,7 +143,7 @@ def _step(series: Doubles) -> Doubles:
     before = np.maximum(np.max(np.abs(series[-2]), axis=0), 1e-300)
     degree = series.shape[0] - 1
     radius = np.minimum(last ** (-1.0 / degree), before ** (-1.0 / (degree - 1)))
-    return np.minimum(_LONGEST, _SHORTER * radius)
+    return np.asarray(np.minimum(_LONGEST, _SHORTER * radius))
 
 
 def _value(series: Doubles, step: Doubles) -> Doubles:

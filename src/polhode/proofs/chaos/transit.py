@@ -205,9 +205,7 @@ def crossing(
     return span, reached
 
 
-def _derivative(
-    known: LevelBalls, watch: _Set, reached: flow_tube.Around, span: arb
-) -> arb_mat:
+def _derivative(known: LevelBalls, watch: _Set, reached: flow_tube.Around, span: arb) -> arb_mat:
     """Balls around D at every time of t_end +- delta."""
     wider = flow_tube.spread_of_derivative(reached, span, known)
     centre, radius = watch.derivatives.found[0]
