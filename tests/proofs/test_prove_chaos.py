@@ -121,6 +121,58 @@ def test_the_slope_holds_the_differences_of_the_section_map():
             )
 
 
+@pytest.fixture(scope="module")
+def tilted():
+    """A set whose directions leave the level, and its image at a time that is off by 2e-3."""
+    what = chains.example()
+    chart = what.charts[0]
+    chart = replace(chart, wide=chart.wide + 0.1 * chart.deep[:, :2])
+    source = HSet(chart, 0.0, 1e-6, 1e-6)
+    ticks = what.ticks[0] + 32
+    level = proofs.level()
+    return (
+        source,
+        ticks,
+        transit.transit(level, source, what.charts[0], ticks, chains.NOISE, chain_candidate.follow),
+    )
+
+
+def test_a_tilted_set_is_where_its_image_says(tilted):
+    source, ticks, found = tilted
+    corners = {}
+    for xi, eta in CORNERS:
+        where, _ = crossed(found.chart, point_of(source, xi, eta)[0], ticks)
+        corners[xi, eta] = where
+        for i in range(2):
+            terms = found.turn.tolist()[i]
+            middle = found.shift[i, 0] + terms[0] * xi + terms[1] * eta
+            room = sum(float(v.abs_upper()) for v in terms[2:]) + float(middle.rad())
+            assert abs(where[i] - float(middle.mid())) <= room + 2e-14
+    for j, other in enumerate([(1.0, -1.0), (-1.0, 1.0)]):
+        for i in range(2):
+            slope = (corners[other][i] - corners[-1.0, -1.0][i]) / 2e-6
+            off = abs(slope - float(found.slope[i, j].mid()))
+            assert off <= float(found.slope[i, j].rad()) + 1e-7
+
+
+def test_a_plane_that_may_be_missed_or_was_met_at_the_start_is_refused(monkeypatch):
+    what = chains.example()
+    with pytest.raises(Refused, match="positive"):
+        transit.transit(
+            proofs.level(), what.chain.home, what.charts[0], 1, 80, chain_candidate.follow
+        )
+    monkeypatch.setattr(transit, "_SPARE", 0.5)
+    with pytest.raises(Refused, match="miss"):
+        transit.transit(
+            proofs.level(),
+            what.chain.home,
+            what.charts[0],
+            what.ticks[0],
+            80,
+            chain_candidate.follow,
+        )
+
+
 def moved(charts, k, by):
     """The charts with one centre moved along its first direction."""
     off = [round(x * 2 ** charts[k].fine) for x in (charts[k].wide[:, 0] * by).tolist()]

@@ -99,7 +99,7 @@ def remark(axes: Any, text: str) -> None:
 SUFFIXES = (".svg", ".png", ".pdf")
 
 
-def drawn(draw: Callable[[Any, Any], Any], what: Samples, suffix: str, title: str) -> bytes:
+def drawn(draw: Callable[[Any, Any], Any], what: object, suffix: str, title: str) -> bytes:
     """The bytes of a printed figure: ``draw(pyplot, what)`` makes it; it depends on nothing else.
 
     ``suffix``: one of SUFFIXES.

@@ -89,7 +89,11 @@ def search(lanes: Lanes, at: Saddle) -> Iterator[Homoclinic]:
             yield found
 
 
-def _guesses(lanes: Lanes, at: Saddle) -> list[Homoclinic]:
+def manifolds(lanes: Lanes, at: Saddle) -> tuple[Crossings, Crossings, Doubles]:
+    """Where the unstable and the stable manifold meet the section; the lanes' s.
+
+    States of the stable one are those of the motion run backward.
+    """
     factor = abs(at.multiplier)
     grown = at.period * (periods_of(factor, _SIZE) - 1.0)
     span = grown + at.period * (2.0 + _MORE)
@@ -99,8 +103,12 @@ def _guesses(lanes: Lanes, at: Saddle) -> list[Homoclinic]:
     into = backward(at.point[:, None] + at.stable[:, None] * both)
     ahead = lanes.crossings(np.hstack([out, into]), span)
     first, late = ahead.lane < len(both), ahead.time > grown
-    u = _segments(_part(ahead, first & late, 0), both)
-    s = _segments(_part(ahead, ~first & late, len(both)), both)
+    return _part(ahead, first & late, 0), _part(ahead, ~first & late, len(both)), both
+
+
+def _guesses(lanes: Lanes, at: Saddle) -> list[Homoclinic]:
+    out, into, both = manifolds(lanes, at)
+    u, s = _segments(out, both), _segments(into, both)
     s = _Segments(backward(s.begin), backward(s.end), *s[2:])
     found = []
     for i, j, a, b, angle in _meetings(u, s):

@@ -22,6 +22,7 @@ from polhode.numbers.scalars import AnyNumber
 from polhode.proofs.chaos import chain_candidate, homoclinic, theorem
 from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
 from polhode.proofs.chaos.lanes import Lanes
+from polhode.proofs.chaos.proved_chaos import Guess as Begun
 from polhode.proofs.chaos.proved_chaos import ProvedChaos
 from polhode.proofs.chaos.theorem import Horseshoe
 from polhode.proofs.level import Level
@@ -165,14 +166,16 @@ class _Search:
                 except Refused as why:
                     self.causes.append(str(why))
                     continue
-                return self._told(level, told, proof, rho)
+                return self._told(level, told, proof, rho, Begun(lanes, at, one))
         return None
 
     def _say(self, text: str) -> None:
         if self.progress is not None:
             self.progress(text)
 
-    def _told(self, level: Level, orbit: ProvedOrbit, proof: Horseshoe, size: float) -> ProvedChaos:
+    def _told(
+        self, level: Level, orbit: ProvedOrbit, proof: Horseshoe, size: float, begun: Begun
+    ) -> ProvedChaos:
         by = 2.0**level.motion.unit
         scene = level.motion.scene
         return ProvedChaos(
@@ -192,6 +195,7 @@ class _Search:
             self.tried,
             time.process_time() - self.began,
             proof,
+            begun,
             provenance(scene.text),
         )
 

@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from polhode.common.value_semantics import ByValue
 from polhode.numbers.exact import Exact
+from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
+from polhode.proofs.chaos.lanes import Lanes
 from polhode.proofs.chaos.theorem import Horseshoe
 from polhode.proofs.proved_orbit import ProvedOrbit, down
 from polhode.scenes.scene import Scene
+
+
+class Guess(NamedTuple):
+    """What the proof began with, in the proof's unit: for figures."""
+
+    lanes: Lanes
+    saddle: Saddle
+    homoclinic: Homoclinic
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,6 +58,7 @@ class ProvedChaos(ByValue):
     tries: int
     seconds: float = field(compare=False)
     proof: Horseshoe = field(compare=False)
+    guess: Guess = field(compare=False)
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
 
     def __repr__(self) -> str:
