@@ -121,20 +121,42 @@ def test_the_slope_holds_the_differences_of_the_section_map():
             )
 
 
-@pytest.fixture(scope="module")
-def tilted():
-    """A set whose directions leave the level, and its image at a time that is off by 2e-3."""
+@pytest.fixture(scope="module", params=[0, 32])
+def tilted(request):
+    """A set whose directions leave the level, and its image, in time or 2e-3 after it."""
     what = chains.example()
     chart = what.charts[0]
     chart = replace(chart, wide=chart.wide + 0.1 * chart.deep[:, :2])
     source = HSet(chart, 0.0, 1e-6, 1e-6)
-    ticks = what.ticks[0] + 32
-    level = proofs.level()
-    return (
-        source,
-        ticks,
-        transit.transit(level, source, what.charts[0], ticks, chains.NOISE, chain_candidate.follow),
+    ticks = what.ticks[0] + request.param
+    found = transit.transit(
+        proofs.level(), source, what.charts[0], ticks, chains.NOISE, chain_candidate.follow
     )
+    return source, ticks, found
+
+
+def test_the_derivative_holds_at_every_time_of_the_crossing(monkeypatch):
+    what, kept = chains.example(), []
+    honest = transit._derivative
+
+    def seen(known, watch, reached, span):
+        kept.append((span, honest(known, watch, reached, span)))
+        return kept[-1][1]
+
+    monkeypatch.setattr(transit, "_derivative", seen)
+    ticks, home = what.ticks[0] + 32, what.chain.home
+    transit.transit(
+        proofs.level(), home, what.charts[0], ticks, chains.NOISE, chain_candidate.follow
+    )
+    ((span, balls),) = kept
+    point = what.saddle.point[:, None]
+    for sign in (-1, 0, 1):
+        time = np.array([math.ldexp(ticks, -14) + sign * float(span)])
+        truth = what.lanes.derivative(point, time)[0]
+        for i in range(6):
+            for j in range(6):
+                off = abs(truth[i, j] - float(balls[i, j].mid()))
+                assert off <= float(balls[i, j].rad()) + 1e-7
 
 
 def test_a_tilted_set_is_where_its_image_says(tilted):
@@ -255,6 +277,21 @@ def test_a_set_off_the_level_is_refused():
         h_set.disk(level.balls(BITS), home)
 
 
+def test_a_plane_along_the_motion_is_refused():
+    home = chains.example().chain.home
+    chart, rates = home.chart, home.chart.deep[:, 3]
+    plane = chart.wide[:, 0] - rates * (chart.wide[:, 0] @ rates) / (rates @ rates)
+    turned = replace(
+        chart,
+        wide=np.column_stack([rates, chart.wide[:, 1]]),
+        deep=np.column_stack([chart.deep[:, :3], plane]),
+        plane=plane,
+    )
+    known = proofs.level().balls(BITS)
+    with ctx.workprec(BITS), pytest.raises(Refused, match="touch the motion"):
+        h_set.disk(known, replace(home, chart=turned))
+
+
 def test_both_coverings_out_of_the_first_set_are_of_one_section_map():
     # with two maps the theorem is false: a free body's steady rotation and half a turn of it
     chain = chains.example().chain
@@ -321,6 +358,7 @@ def test_a_covering_may_exchange_the_edges(stretch):
         ({"slope": [[0.5, 2.0], [0.0, 0.5]]}, "cone"),
         ({"slope": [[2.0, 0.5], [0.0, 0.9]]}, None),
         ({"slope": [[2.0, 0.0], [1.2, 0.9]]}, "cone"),
+        ({"slope": [[0.5, 0.0], [0.0, 2.0]]}, "cone"),
         ({"slope": [[math.nan, 0.0], [0.0, 0.5]]}, "cone"),
     ],
 )
