@@ -137,13 +137,13 @@ def tilted(request):
 
 def test_the_derivative_holds_at_every_time_of_the_crossing(monkeypatch):
     what, kept = chains.example(), []
-    honest = transit._derivative
+    honest = transit.derivative
 
     def seen(known, watch, reached, span):
         kept.append((span, honest(known, watch, reached, span)))
         return kept[-1][1]
 
-    monkeypatch.setattr(transit, "_derivative", seen)
+    monkeypatch.setattr(transit, "derivative", seen)
     ticks, home = what.ticks[0] + 32, what.chain.home
     transit.transit(
         proofs.level(), home, what.charts[0], ticks, chains.NOISE, chain_candidate.follow

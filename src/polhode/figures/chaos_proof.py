@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,18 +15,23 @@ from polhode.proofs.chaos.lanes import backward
 from polhode.proofs.chaos.proved_chaos import ProvedChaos
 from polhode.proofs.chaos.transit import Image
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
 OUT, INTO, SETS = "#d55e00", "#0072b2", "#222222"
 
 
-def draw(plt: Any, found: ProvedChaos) -> Any:
+def draw(plt: ModuleType, found: ProvedChaos) -> Figure:
     """Left the maxima of the height of the centre of mass; right N0's plane, in sizes of N0."""
+    figure: Figure
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.2, 4.2), layout="constrained")
     _manifolds(left, found)
     _sets(right, found)
     return figure
 
 
-def _manifolds(axes: Any, found: ProvedChaos) -> None:
+def _manifolds(axes: Axes, found: ProvedChaos) -> None:
     lanes, saddle, _ = found.guess
     out, into, _ = homoclinic.manifolds(lanes, saddle)
     on = geometry.ground(found.scene, found.h, found.f)
@@ -51,7 +57,7 @@ def _manifolds(axes: Any, found: ProvedChaos) -> None:
     axes.set_title("maxima of the height of the centre of mass", size=9)
 
 
-def _sets(axes: Any, found: ProvedChaos) -> None:
+def _sets(axes: Axes, found: ProvedChaos) -> None:
     chain = found.proof.chain
     home = chain.home
     for name, what in (("N0", home), ("M1", chain.sets[0])):

@@ -172,7 +172,7 @@ def _image(
     except ZeroDivisionError:
         raise Refused("a chart is singular") from None
     to_chart = frame - frame * project  # [E' | K']^-1 P
-    d = _derivative(known, watch, reached, span)
+    d = derivative(known, watch, reached, span)
     into = matrix(source.chart.wide) + matrix(source.chart.deep) * start.slope
     slope = to_chart * d * into
     return Image(
@@ -205,7 +205,7 @@ def crossing(
     return span, reached
 
 
-def _derivative(known: LevelBalls, watch: _Set, reached: flow_tube.Around, span: arb) -> arb_mat:
+def derivative(known: LevelBalls, watch: _Set, reached: flow_tube.Around, span: arb) -> arb_mat:
     """Balls around D at every time of t_end +- delta."""
     wider = flow_tube.spread_of_derivative(reached, span, known)
     centre, radius = watch.derivatives.found[0]
