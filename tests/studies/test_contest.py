@@ -204,12 +204,12 @@ def test_page_and_figures_are_made_from_the_json_alone():
 def test_a_program_that_is_not_there_ends_the_study_unless_it_is_left_out(monkeypatch):
     monkeypatch.setattr(programs, "find_spec", lambda need: None if need == "CyRK" else True)
     with pytest.raises(polhode.BadInput, match=r"CyRK.*--without CyRK"):
-        speed._programs(False, ())
-    chosen = speed._programs(False, ("cyrk",))
+        speed.taking_part(False, ())
+    chosen = speed.taking_part(False, ("cyrk",))
     assert OURS in {program.name for program in chosen}
     assert not [program for program in chosen if program.name.startswith("CyRK")]
     with pytest.raises(polhode.BadInput, match="one of CyRK"):
-        speed._programs(False, ("nothing",))
+        speed.taking_part(False, ("nothing",))
     with pytest.raises(polhode.BadInput, match="runs polhode alone"):
         report.part("accuracy", ["euler"], without=["CyRK"])
 

@@ -57,7 +57,7 @@ def rows(
     asked_cells = cells.wanted_cells(quick, wanted)
     asked = _asked_motions(quick, wanted)
     first = not wanted or wanted("first result")
-    programs = _programs(quick, without) if asked_cells or first else []
+    programs = taking_part(quick, without) if asked_cells or first else []
     with tempfile.TemporaryDirectory() as cache:
         starting = [*first_result.rows(programs, quick, said)] if first else []
         held = cells.rows(asked_cells, [p for p in programs if p.last], Path(cache), quick, said)
@@ -101,7 +101,7 @@ def versions() -> dict[str, str]:
     return found
 
 
-def _programs(quick: bool, without: Sequence[str]) -> list[Program]:
+def taking_part(quick: bool, without: Sequence[str]) -> list[Program]:
     """Those that take part; raises BadInput for one that is not there, or not known."""
     known = {word.lower() for p in PROGRAMS for word in (p.name, *p.needs)}
     for word in without:
