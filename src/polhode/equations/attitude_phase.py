@@ -35,7 +35,7 @@ class Panels(NamedTuple):
     """Panels of a motion, each with a rule's nodes.
 
     ``begin``, ``length``: times.  ``omega``, ``gamma``: at the nodes.  ``shift``: by how much the
-    nodes' times are late, 0 at both ends; None where they are not.
+    nodes' times are late, None where they are not.
     """
 
     begin: Extendeds
@@ -85,6 +85,8 @@ def turned(panels: Panels, rule: Lobatto, turn: Extendeds | None, counted: bool)
         shift = panels.shift.astype(np.float64)
         slopes = rate.astype(np.float64) @ rule.slopes.astype(np.float64)
         grown -= (slopes * shift) @ rule.weights.astype(np.float64)
+        for end, sense in ((0, -1), (-1, 1)):  # from one end's state to the other's
+            grown += sense * shift[:, end] * (rate[:, end] + inmost)
     half = grown / 2
     phase = np.cos(half) + 1j * np.sin(half)
     k = spinors.of_direction(a)

@@ -51,6 +51,10 @@ class Motion(Protocol):
     remarks: Mapping[str, str]
 
     @property
+    def begun(self) -> Sequence[Fraction]:
+        """The times, in its own unit, from which on later ones are rounded."""
+
+    @property
     def read(self) -> RowReader:
         """What reads its rows."""
 

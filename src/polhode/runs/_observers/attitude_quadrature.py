@@ -10,7 +10,9 @@ it would be a fifth, and lanes are cheaper (:mod:`polhode.runs._observers.attitu
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -20,8 +22,9 @@ from polhode.common.progress import Progress
 from polhode.equations.attitude_phase import Panels, Turned
 from polhode.motion.outcomes import Outcome
 from polhode.motion.protocols import Motion
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.gauss_lobatto import Lobatto, enough, lobatto
+from polhode.numbers.number_types import EXTENDED
 from polhode.numbers.rows import Extendeds, beside, flat
 from polhode.runs._observers import attitude_assembly
 from polhode.runs._observers.panel_splitting import Halves
@@ -188,7 +191,7 @@ class Quadrature:
         states, end = flat(found.rows), 0
         turned: list[Turned] = []
         columns: Extendeds = np.ascontiguousarray(states.T)
-        halves = Halves(problem)
+        late, halves = _late(motion.begun, self.grid), Halves(problem)
         try:
             for stretch in self.stretches:
                 parts: list[Turned] = []
@@ -196,7 +199,7 @@ class Quadrature:
                 for group in stretch:
                     nodes = group.nodes[group.nodes[:, -1] < len(states)]
                     if len(nodes):
-                        parts += halves.settled(_panels(group, nodes, columns), group.rule)
+                        parts += halves.settled(_panels(group, nodes, columns, late), group.rule)
                         done = max(done, int(nodes[-1, -1]))
                 turned += parts
                 end = done
@@ -215,8 +218,29 @@ class Quadrature:
         return found._replace(rows=beside(states[kept], more), outcome=outcome, reached=reached)
 
 
-def _panels(group: Group, nodes: npt.NDArray[np.intp], columns: Extendeds) -> Panels:
+def _panels(
+    group: Group, nodes: npt.NDArray[np.intp], columns: Extendeds, late: Extendeds | None
+) -> Panels:
     """A group's panels as far as the run came."""
     at, some = columns[:, nodes], slice(len(nodes))
     shift = None if group.shift is None else group.shift[some]
+    if late is not None:
+        shift = late[nodes] + (0 if shift is None else shift)
     return Panels(group.begin[some], group.length[some], at[:3], at[3:], shift)
+
+
+def _late(begun: Sequence[Fraction], grid: Extendeds) -> Extendeds | None:
+    """By how much states are later than their times, which are rounded anew in later chunks."""
+    offsets = [offset for offset in begun if offset]
+    if not offsets:
+        return None
+    found, kind = np.zeros_like(grid), grid.dtype.type
+    for offset in offsets:
+        high = to_extended(offset) if kind is np.longdouble else kind(offset)
+        low = kind(offset - exactly(high))
+        first = np.searchsorted(np.abs(grid), abs(high), side="right")
+        times = grid[first:]
+        near, rest = exact_sum(times, -high)
+        since = Times.of_grid(times, EXTENDED).since(offset)
+        found[first:] = (since - near) - rest + low
+    return found

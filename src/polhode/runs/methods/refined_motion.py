@@ -44,6 +44,7 @@ class RefinedMotion:
 
     method = "refined"
     projection: Projection | None = None
+    begun: Sequence[Fraction] = ()
 
     def __init__(
         self,

@@ -72,6 +72,11 @@ class TaylorMotion:
         first = self._prepared.first
         return Dense(self.scene, self.number, reached, self.legs, first, self.again)
 
+    @property
+    def begun(self) -> list[Fraction]:
+        """Where the steps' clock began anew."""
+        return [mark.offset for leg in self.legs for mark in leg.marks]
+
     def again(self, leg: Leg) -> Integrating:
         """An integrator that takes a leg's steps again, without looking for events."""
         watch = self._new_watch()
