@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from threading import get_ident
@@ -146,13 +147,16 @@ class Propagator:
             return None
         ahead = np.empty(len(t) + 1, self._kind)
         ahead[0] = 0
-        with np.errstate(over="ignore"):
+        with np.errstate(over="ignore", invalid="ignore"):
             np.multiply(t, self._unit, ahead[1:])
-        sizes = np.abs(ahead)
-        way = np.diff(sizes)
-        apart = np.all(way[1:] > 0) and (way[0] > 0 or t[0] == 0) and np.isfinite(sizes[-1])
-        one_sided = np.all(ahead >= 0) or np.all(ahead <= 0)
-        return ahead if apart and one_sided else None
+            steps = ahead[1:] - ahead[:-1]
+        if t[0] == 0:
+            steps = steps[1:]
+        end = ahead[-1]
+        if not math.isfinite(end) or len(steps) == 0:
+            return None
+        # monotone from 0 on: of one sign, too; a nan is neither
+        return ahead if steps.min() > 0 or steps.max() < 0 else None
 
     def _on_grid(self, ahead: Flat) -> Flat:
         """States at times that heyoka takes at once, a place for the start before them."""
@@ -160,6 +164,8 @@ class Propagator:
         ended, _, _, self.steps, _, rows = self._heyoka.propagate_grid(grid, max_steps=self._chunk)
         self.outcome = ending(ended)
         rows = rows[len(grid) - len(ahead) + 1 :]
+        if len(rows) == len(ahead) - 1 and self._turn is None:
+            return flat(rows * self._back)
         found = np.full((len(ahead) - 1, *self._shape), np.nan, self._kind)
         found[: len(rows)] = rows * self._back if self._turn is None else self._read(rows)
         if self.outcome is _STEP_LIMIT:  # a long way: from here on chunk by chunk, as a run goes
