@@ -5,10 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from functools import cache
-from typing import Any
 
 from polhode.peers.field import of_pattern, returning
-from polhode.peers.prepared import Run, Top
+from polhode.peers.prepared import Array, Run, Top
 from polhode.peers.protocol import Problem, Solution, Solve, serve
 
 
@@ -39,7 +38,7 @@ def build(problem: Problem) -> Solve:
 
 
 @cache
-def _integrator(coefficients: tuple[float, ...], tol: float) -> Any:
+def _integrator(coefficients: tuple[float, ...], tol: float) -> Array:
     """The integrator of one body and tolerance."""
     import heyoka as hy
 
@@ -63,10 +62,10 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     system = list(zip(variables, rates, strict=True))
 
     @cache
-    def integrator(tol: float) -> Any:
+    def integrator(tol: float) -> Array:
         return hy.taylor_adaptive(system, [0.0] * 6, pars=[0.0] * len(there), tol=tol)
 
-    def run(top: Top, start: Any, times: Any, tol: float) -> Any:
+    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
         made = integrator(tol)
         made.time = 0.0
         made.state[:] = start

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from polhode.peers.field import of_pattern
-from polhode.peers.prepared import Run, Top
+from polhode.peers.prepared import Array, Run, Top
 from polhode.peers.protocol import Problem, Solution, Solve, serve
 
 
@@ -61,14 +60,14 @@ def prepared(present: Sequence[bool], method: str) -> Run:
 
     rates = numba.njit(of_pattern(present))
 
-    def field_plain(dy: Any, t: float, y: Any, args: Any) -> None:
+    def field_plain(dy: Array, t: float, y: Array, args: Array) -> None:
         dy[0], dy[1], dy[2], dy[3], dy[4], dy[5] = rates(y[0], y[1], y[2], y[3], y[4], y[5], args)
 
     field = numba.cfunc(cyjit_sig)(field_plain)
 
     address = field.address
 
-    def solve_plain(coefficients: Any, start: Any, times: Any, tol: float) -> Any:
+    def solve_plain(coefficients: Array, start: Array, times: Array, tol: float) -> Array:
         span = (times[0], times[-1])
         found = nbsolve2_ivp(address, span, start, method, times, False, coefficients, tol, tol)
         rows, success = found.y.T.copy(), found.success
@@ -77,7 +76,7 @@ def prepared(present: Sequence[bool], method: str) -> Run:
 
     solve = numba.njit(solve_plain)
 
-    def run(top: Top, start: Any, times: Any, tol: float) -> Any:
+    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
         rows, success = solve(top.coefficients, start, times, tol)
         if not success:
             raise ArithmeticError("success is False")
@@ -92,10 +91,10 @@ def _in_python(present: Sequence[bool], method: str) -> Run:
 
     rates = of_pattern(present)
 
-    def run(top: Top, start: Any, times: Any, tol: float) -> Any:
+    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
         c = top.coefficients.tolist()
 
-        def field(dy: Any, t: float, y: Any) -> None:
+        def field(dy: Array, t: float, y: Array) -> None:
             dy[:] = rates(*y.tolist(), c)
 
         found = pysolve_ivp(

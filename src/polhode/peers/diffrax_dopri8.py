@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from polhode.peers.field import of_pattern
-from polhode.peers.prepared import Run, Top
+from polhode.peers.prepared import Array, Run, Top
 
 
 def prepared(present: Sequence[bool], method: str) -> Run:
@@ -20,7 +19,7 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     rates, solver = of_pattern(present), getattr(diffrax, method)()
     term = diffrax.ODETerm(lambda t, y, c: jnp.stack(rates(*(y[i] for i in range(6)), c)))
 
-    def solution_plain(coefficients: Any, start: Any, times: Any, tol: Any) -> Any:
+    def solution_plain(coefficients: Array, start: Array, times: Array, tol: Array) -> Array:
         found = diffrax.diffeqsolve(
             *(term, solver, times[0], times[-1], None, start, coefficients),
             saveat=diffrax.SaveAt(ts=times),
@@ -32,7 +31,7 @@ def prepared(present: Sequence[bool], method: str) -> Run:
 
     solution = jax.jit(solution_plain)
 
-    def run(top: Top, start: Any, times: Any, tol: float) -> Any:
+    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
         rows, success = solution(top.coefficients, start, times, tol)
         rows = np.asarray(rows)
         if not success:

@@ -6,10 +6,9 @@ Its lsoda is known to report success with an array that it left unchanged at tig
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from polhode.peers.field import of_pattern
-from polhode.peers.prepared import Run, Top
+from polhode.peers.prepared import Array, Run, Top
 
 _MOST_STEPS = 10**8
 
@@ -21,19 +20,19 @@ def prepared(present: Sequence[bool], method: str) -> Run:
 
     rates, solver = numba.njit(of_pattern(present)), getattr(numbalsoda, method)
 
-    def field_plain(t: float, y: Any, dy: Any, args: Any) -> None:
+    def field_plain(t: float, y: Array, dy: Array, args: Array) -> None:
         dy[0], dy[1], dy[2], dy[3], dy[4], dy[5] = rates(y[0], y[1], y[2], y[3], y[4], y[5], args)
 
     field = numba.cfunc(numbalsoda.lsoda_sig)(field_plain)
 
     address = field.address
 
-    def solve_plain(coefficients: Any, start: Any, times: Any, tol: float) -> Any:
+    def solve_plain(coefficients: Array, start: Array, times: Array, tol: float) -> Array:
         return solver(address, start, times, coefficients, tol, tol, _MOST_STEPS)
 
     solve = numba.njit(solve_plain)
 
-    def run(top: Top, start: Any, times: Any, tol: float) -> Any:
+    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
         rows, success = solve(top.coefficients, start, times, tol)
         if not success:
             raise ArithmeticError("success is False")

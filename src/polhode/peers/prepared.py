@@ -8,7 +8,10 @@ pays.  Its module has a function ``prepared(present, method)`` that returns a :d
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
+
+#: numpy's, and in compiled functions numba's or JAX's: they have no type in common.
+Array: TypeAlias = Any
 
 
 class Top(NamedTuple):
@@ -17,12 +20,12 @@ class Top(NamedTuple):
     Arrays of doubles; the coefficients in the order of :mod:`polhode.peers.field`.
     """
 
-    coefficients: Any
-    moments: Any
-    torque: Any
+    coefficients: Array
+    moments: Array
+    torque: Array
 
 
 #: From a body, a start of shape (6,), n times from 0 on and a tolerance to the states at the times,
 #: shape (n, 6).  With two times it may return the last state alone, shape (1, 6).  Raises
 #: ArithmeticError where it does not arrive.
-Run = Callable[[Top, Any, Any, float], Any]
+Run = Callable[[Top, Array, Array, float], Array]

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from typing import Any
 
 from polhode.peers.field import of_pattern
-from polhode.peers.prepared import Run, Top
+from polhode.peers.prepared import Array, Run, Top
 
 
 def prepared(present: Sequence[bool], method: str) -> Run:
@@ -17,7 +16,7 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     warnings.filterwarnings("ignore", "At least one element of `rtol` is too small")
     rates = of_pattern(present)
 
-    def run(top: Top, start: Any, times: Any, tol: float) -> Any:
+    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
         c = top.coefficients.tolist()
         found = solve_ivp(
             lambda t, y: rates(*y.tolist(), c),

@@ -20,9 +20,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
-from polhode.peers.prepared import Run, Top
+from polhode.peers.prepared import Array, Run, Top
 from polhode.peers.protocol import Problem, Solution, Solve, serve
 
 _FIVE = 1 / (4 - 4 ** (1 / 3))
@@ -73,7 +72,7 @@ def build(problem: Problem) -> Solve:
         step = tol ** (1 / int(order)) / fastest
         state = np.array([*(moments * omega), *problem.start[3:]])
         lost = np.zeros(6)
-        rows: list[Any] = []
+        rows: list[Array] = []
         taken, now = 0, 0.0
         for time in problem.times:
             count = math.ceil(abs(time - now) / step)
@@ -104,7 +103,7 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     half = WEIGHTS[int(order)]
     weights, carry = np.array([*half, *half[-2::-1]]), word == "compensated"
 
-    def run(top: Top, start: Any, times: Any, tol: float) -> Any:
+    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
         return along(
             *(start, times, top.moments, top.torque, weights, tol ** (1 / int(order)), carry)
         )

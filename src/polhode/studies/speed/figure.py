@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from polhode.figures.canvas.canvas import as_svg, pyplot
 from polhode.figures.canvas.direct_labels import GRID, GUIDE, LOOKS, WIDTH, End, label_ends
 from polhode.studies.speed.contenders import TYPES_SHOWN
-from polhode.studies.speed.page.contest import SHOWN_OUTPUTS
+from polhode.studies.speed.page.contest import SHOWN_OUTPUTS, Told
 from polhode.studies.speed.programs import OURS
 
 PROJECTED, PLAIN = "polhode double projected", "polhode double"
 
 
-def svgs(found: Mapping[str, Any]) -> dict[str, str]:
+def svgs(found: Told) -> dict[str, str]:
     """The study's figures by name, from its JSON object."""
     drawn = {"speed": work_precision(found["motions"])} if found["motions"] else {}
     if found["cells"]:
@@ -23,7 +23,7 @@ def svgs(found: Mapping[str, Any]) -> dict[str, str]:
     return drawn
 
 
-def work_precision(motions: Sequence[Mapping[str, Any]]) -> str:
+def work_precision(motions: Sequence[Told]) -> str:
     """Error against seconds, a panel a motion, and the wider types on one of them."""
     plt = pyplot()
     rows = len(motions) + 1
@@ -39,7 +39,7 @@ def work_precision(motions: Sequence[Mapping[str, Any]]) -> str:
     return as_svg(figure)
 
 
-def lengths(cells: Sequence[Mapping[str, Any]]) -> str:
+def lengths(cells: Sequence[Told]) -> str:
     """The time of each program over polhode's over the length of a run, a panel a level."""
     plt = pyplot()
     levels = [level["digits"] for level in cells[0]["levels"]]
@@ -54,7 +54,7 @@ def lengths(cells: Sequence[Mapping[str, Any]]) -> str:
     return as_svg(figure)
 
 
-def _over_length(ax: Any, cells: Sequence[Mapping[str, Any]], digits: float) -> None:
+def _over_length(ax: Any, cells: Sequence[Told], digits: float) -> None:
     ends = []
     _scales(ax)
     ax.axhline(1.0, color=GUIDE, lw=1.0)
@@ -74,7 +74,7 @@ def _over_length(ax: Any, cells: Sequence[Mapping[str, Any]], digits: float) -> 
     label_ends(ax, ends)
 
 
-def _ratios(cells: Sequence[Mapping[str, Any]], end: int, digits: float, name: str) -> list[float]:
+def _ratios(cells: Sequence[Told], end: int, digits: float, name: str) -> list[float]:
     """A program's ratios over the kinds: with the outputs shown, with two where it has no other."""
     for outputs in (SHOWN_OUTPUTS, 2):
         found = [
@@ -91,7 +91,7 @@ def _ratios(cells: Sequence[Mapping[str, Any]], end: int, digits: float, name: s
     return []
 
 
-def _panel(ax: Any, motion: Mapping[str, Any]) -> None:
+def _panel(ax: Any, motion: Told) -> None:
     """Doubles as they come, projected at eps, and extended, on one motion."""
     methods = {method["method"]: method for method in motion["methods"]}
     curves = {"polhode": _composite(methods)}
@@ -104,7 +104,7 @@ def _panel(ax: Any, motion: Mapping[str, Any]) -> None:
         ax.axhline(10.0**-floor, color=GUIDE, lw=0.8, ls=(0, (1, 2)))
 
 
-def _composite(methods: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def _composite(methods: Told) -> list[Told]:
     """polhode's double curve as it comes: projected at its tightest tolerance and only there."""
     plain = methods.get(PLAIN, {"points": []})["points"]
     projected = methods.get(PROJECTED, {"points": []})["points"]
@@ -114,7 +114,7 @@ def _composite(methods: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return [*(p for p in plain if p["tol"] > eps), *(p for p in projected if p["tol"] <= eps)]
 
 
-def _types(ax: Any, motion: Mapping[str, Any]) -> None:
+def _types(ax: Any, motion: Told) -> None:
     """polhode in all number types on one motion."""
     curves = {
         method["method"]: method["points"]
@@ -124,7 +124,7 @@ def _types(ax: Any, motion: Mapping[str, Any]) -> None:
     _draw(ax, curves, f"{motion['motion']}, t = {motion['end']}, polhode in wider types")
 
 
-def _draw(ax: Any, curves: Mapping[str, Any], title: str) -> None:
+def _draw(ax: Any, curves: Told, title: str) -> None:
     """Curves with their names; the axes end where the data end."""
     ends = []
     for name, points in curves.items():
