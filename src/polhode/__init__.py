@@ -67,6 +67,7 @@ if _TYPE_CHECKING:
     from polhode.motion.outcomes import Projection as Projection
     from polhode.output.archive import load_run as load_run
     from polhode.output.results.files import load_result as load_result
+    from polhode.proofs.chaos.prove_chaos import prove_chaos as prove_chaos
     from polhode.proofs.prove_orbit import prove_orbit as prove_orbit
     from polhode.proofs.proved_orbit import ProvedOrbit as ProvedOrbit
     from polhode.proofs.refusals import NotProved as NotProved
@@ -142,6 +143,7 @@ _HOMES = {
     "orbit_family": "dynamics.periodic_orbits.families",
     "orbit_search": "dynamics.periodic_orbits.search",
     "plot": "figures.drawing",
+    "prove_chaos": "proofs.chaos.prove_chaos",
     "prove_orbit": "proofs.prove_orbit",
     "propagator": "runs.propagator",
     "reduce_many": "dynamics.observables.reduce_many",

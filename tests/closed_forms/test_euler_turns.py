@@ -10,6 +10,7 @@ from fractions import Fraction
 
 import pytest
 
+from polhode.closed_forms._winding import euler_angles
 from polhode.closed_forms._winding.argument_of_sum import Sum, Turning
 from polhode.closed_forms.euler import turns
 from polhode.closed_forms.euler.attitude import EulerAttitude
@@ -84,8 +85,8 @@ def off(one, other):
 
 def closed(top, times):
     """Whether no turn was counted."""
-    with mpmath.workprec(192):
-        return all(top._attitude(192).arguments(mpf(float(t))) is not None for t in times)
+    moments = [lambda _, t=t: mpf(float(t)) for t in times]
+    return all(euler_angles._closed(top._attitude, t, 192) is not None for t in moments)
 
 
 def agrees(seed, monkeypatch):
@@ -152,6 +153,25 @@ def test_a_separatrix(seed, monkeypatch):
     top = made((*SEPARATRIX, gamma))
     assert closed(top, times)
     assert off(top.angles(times, 15), counted(top, times, monkeypatch)) == 0
+
+
+@pytest.mark.parametrize(
+    ("gap", "gamma"),
+    [
+        (F(1, 10**60), (F(0), F(1), F(0))),
+        (F(-1, 10**60), vertical(random.Random(3))),
+        pytest.param(F(-1, 10**200), (F(0), F(1), F(0)), marks=pytest.mark.slow),
+    ],
+)
+def test_next_to_a_separatrix_bits_are_added_until_terms_are_told_apart(gap, gamma, monkeypatch):
+    """Iw across axis 2: the third axis rests next to the vertical, on one side or the other."""
+    monkeypatch.setattr(euler_angles, "_COUNTING_BITS", 1024 if abs(gap) < 1e-100 else 512)
+    moments, (p, q, r) = SEPARATRIX
+    top = made((moments, (p + gap, q, r), gamma))
+    times, far = [F(190), F(-300)], [F(10**9), F(-(10**9))]
+    assert closed(top, [*times, *far])
+    assert off(top.angles(times, 15), counted(top, times, monkeypatch)) == 0
+    assert off(top.angles(far, 20), top.angles(far, 90)) < mpf("1e-20")
 
 
 def test_a_separatrix_that_passes_the_vertical_ever_nearer_on_one_side(monkeypatch):

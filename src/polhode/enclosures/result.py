@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from polhode.common.cached_property import cached_property
+from polhode.common.progress import Progress
 from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.enclosures.statement import stated
@@ -71,9 +72,9 @@ class Enclosure(Result, ByValue):
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
     >>> found
-    <Enclosure of euler/largest-axis: 1 times to t = 1, 23.9 digits proven>
+    <Enclosure of euler/largest-axis: 1 times to t = 1, 24.7 digits proven>
     >>> print(found.strings()[0][0])  # p, as far as it is proven
-    0.4478086882184148427687
+    0.44780868821841484276869
     """
 
     scene: Scene
@@ -137,7 +138,7 @@ class Enclosure(Result, ByValue):
             for row, radii in zip(self.centres, self.radii, strict=True)
         ]
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: str | Path, progress: Progress | None = None) -> None:
         """Write the enclosure, or as .json the certificate that ``polhode verify`` checks.
 
         Parameters
@@ -145,6 +146,8 @@ class Enclosure(Result, ByValue):
         path : str or Path
             ``.json``: the certificate of the states' balls, checked before it is written.  Other
             endings as of any result; those load again by :func:`polhode.load_result`.
+        progress : callable, optional
+            Told the part of the certificate's check that is done, and how many steps.
 
         Raises
         ------
@@ -157,7 +160,7 @@ class Enclosure(Result, ByValue):
             return
         from polhode.certificates import state_certificate
 
-        state_certificate.save(self.scene, self.times, self.decimals(), path)
+        state_certificate.save(self.scene, self.times, self.decimals(), path, progress)
 
     def __repr__(self) -> str:
         last = f" to t = {shown(self.times[-1])}" if self.times else ""

@@ -18,8 +18,8 @@ since an entry of a product of matrices of six rows is off by at most gamma(6) t
 absolute values.  After SETTLED steps G <- [fl(T G) | diag(|H|1 + gamma(7) |T| |G|1)], T <- I, H is
 emptied: columns are kept and nothing is turned into new axes, so nothing is wrapped.
 
-A step is accepted if r = 2 exp(alpha) (eps + delta + 2 h beta sigma**2) + tiny has
-8 exp(alpha) h beta r <= 1: then the theorem's inequality holds, (sigma + r)**2 being at most
+A step is accepted if r = 2 g (eps + delta + 2 h beta sigma**2) + tiny has
+8 g h beta r <= 1: then the theorem's inequality holds, (sigma + r)**2 being at most
 2 sigma**2 + 2 r**2.  Quantities are in units of 2**-P, so h beta stands times 2**-P.
 """
 

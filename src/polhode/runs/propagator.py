@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from threading import get_ident
@@ -11,6 +12,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput, plain
 from polhode.motion.outcomes import Outcome
+from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Extendeds, Flat, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.runs.methods.output_loop import march
@@ -112,6 +114,9 @@ class Propagator:
             raise self._bad("thread", "another one", "its own, or a copy.copy of the propagator")
         self._stand(start)
         if self._every is not None or type(t) is not float:
+            ahead = self._ahead(t)
+            if ahead is not None:
+                return self._on_grid(ahead)
             given, several = numbers_given(t)
             rows = self._at_times(cast(Sequence[AnyNumber], given))
             return rows if several else rows[0]
@@ -130,6 +135,43 @@ class Propagator:
             found: Flat = self._state * self._back  # exact: powers of two
             return found
         return flat(self._read(self._state[None])[0])
+
+    def _ahead(self, t: object) -> Flat | None:
+        """Times of the propagator's own type that lead away from 0, in the run's own unit.
+
+        After a place for the start; None for other times, which are told what they lack elsewhere.
+        """
+        if self._every is not None or not isinstance(t, np.ndarray):
+            return None
+        if t.dtype != self._kind or t.ndim != 1 or len(t) == 0:
+            return None
+        ahead = np.empty(len(t) + 1, self._kind)
+        ahead[0] = 0
+        with np.errstate(over="ignore", invalid="ignore"):
+            np.multiply(t, self._unit, ahead[1:])
+            steps = ahead[1:] - ahead[:-1]
+        if t[0] == 0:
+            steps = steps[1:]
+        end = ahead[-1]
+        if not math.isfinite(end) or len(steps) == 0:
+            return None
+        # monotone from 0 on: of one sign, too; a nan is neither
+        return ahead if steps.min() > 0 or steps.max() < 0 else None
+
+    def _on_grid(self, ahead: Flat) -> Flat:
+        """States at times that heyoka takes at once, a place for the start before them."""
+        grid = ahead[1:] if ahead[1] == 0 else ahead
+        ended, _, _, self.steps, _, rows = self._heyoka.propagate_grid(grid, max_steps=self._chunk)
+        self.outcome = ending(ended)
+        rows = rows[len(grid) - len(ahead) + 1 :]
+        if len(rows) == len(ahead) - 1 and self._turn is None:
+            return flat(rows * self._back)
+        found = np.full((len(ahead) - 1, *self._shape), np.nan, self._kind)
+        found[: len(rows)] = rows * self._back if self._turn is None else self._read(rows)
+        if self.outcome is _STEP_LIMIT:  # a long way: from here on chunk by chunk, as a run goes
+            rest = ahead[1 + len(rows) :] * self._scale[0]
+            found[len(rows) :] = self._at_times(rest.tolist(), self.steps)
+        return found
 
     def __copy__(self) -> Propagator:
         return Propagator(self._problem, self._every)
@@ -209,8 +251,7 @@ class Propagator:
         try:
             found, self.outcome = march(integrator, times, rows, self._most, self._chunk, None)
         except OutOfRange as fault:
-            expected = f"a type of wider range ({fault})"
-            raise self._bad("number", self.number.name, expected) from None
+            raise _too_wide(self.scene, self.number, fault) from None
         self.steps = integrator.steps
         states = np.full((len(times), *self._shape), np.nan, self._kind)
         states[: len(found)] = self._read(flat(found))
@@ -277,4 +318,11 @@ def propagator(
         raise BadInput(scene.name, "project", None, "True, False or a number of steps")
     tolerance = rounded_tolerance(scene, kind, tol)
     every = cadence(scene, kind, tolerance, corrections(scene, project))
-    return Propagator(problem(scene, kind, tolerance), every)
+    try:
+        return Propagator(problem(scene, kind, tolerance), every)
+    except OutOfRange as fault:
+        raise _too_wide(scene, kind, fault) from None
+
+
+def _too_wide(scene: Scene, number: NumberType, fault: OutOfRange) -> BadInput:
+    return BadInput(scene.name, "number", number.name, f"a type of wider range ({fault})")

@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from polhode.closed_forms._engine.axes import MotionAxes
+from polhode.closed_forms._winding.euler_angles import TooFewBits
 from polhode.closed_forms._winding.winding_number import fine_parameters
 from polhode.closed_forms.euler.motion import EulerMotion, PermanentRotation, Polhode
 from polhode.closed_forms.euler.turns import PolhodeTurns
@@ -22,6 +23,8 @@ from polhode.closed_forms.functions.quaternion import Quaternion, conjugate, of_
 from polhode.common.cached_property import cached_property
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.scalars import Scalar
+
+_TELLING_BITS = 2048  # terms that so many bits do not tell apart are taken for equal
 
 
 @dataclass(frozen=True)
@@ -85,6 +88,9 @@ class EulerAttitude:
         try:
             return self._turns.growth(begin, t)
         except ArithmeticError:
+            # Next to a separatrix a sum rests so near a value that few bits do not tell them apart.
+            if mpmath.prec < _TELLING_BITS:
+                raise TooFewBits("two terms are too nearly equal") from None
             return None
 
     @cached_property

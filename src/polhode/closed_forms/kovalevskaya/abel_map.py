@@ -12,13 +12,16 @@ Next to q = 0 the w_i are roots of w^2 = -2 (s^2 - k^2) S(s), of either sign.
 from __future__ import annotations
 
 import cmath
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import Any
+
+import flint
 
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, principal_roots
+from polhode.closed_forms.kovalevskaya.theta.balls import Ball, ball, middle, more_bits
 from polhode.closed_forms.kovalevskaya.theta.quadrature import Place, nodes, place
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair
 from polhode.numbers.mpmath_context import mpf, mpmath
@@ -36,9 +39,17 @@ def divisors(start: KovalevskayaStart, prec: int) -> list[tuple[CurvePoint, Curv
 
     One pair, or four next to q = 0, of which only one reproduces the start.
     """
+    w, G = start.numbers(3 * prec + 64)
+    return divisors_of(start, w, G[2], prec)
+
+
+def divisors_of(
+    start: KovalevskayaStart, w: Sequence[Scalar], G3: Scalar, prec: int
+) -> list[tuple[CurvePoint, CurvePoint]]:
+    """The same for another state with the integrals of the start."""
     bits = 3 * prec + 64
     with mpmath.workprec(bits):
-        (p, q, r), (_, _, G3) = start.numbers(bits)
+        p, q, r = w
         H, m, b, k2 = (number(x, bits) for x in (start.H, start.m, start.b, start.k2))
         sg, pi = 2 * p, p * p + q * q
         R = -pi * pi + 2 * H * pi - 2 * m * sg + b
@@ -109,43 +120,57 @@ def image(curve: KovalevskayaCurve, s: Scalar, w: Scalar) -> Pair:
     slopes = [span / gap for gap in gaps]
     # With real ends every root is of a positive number, or of a conjugate pair.
     plain = not (mpmath.im(a) or mpmath.im(s))
-    total, moment = mpf(0), mpf(0)
-    for weight, square in _unit_nodes([place(c - a, c - s, span) for c in rest]):
-        factors = [base + slope * square for base, slope in zip(bases, slopes, strict=True)]
+    rule = _unit_nodes([place(c - a, c - s, span) for c in rest])
+    ways = [(ball(base), ball(slope)) for base, slope in zip(bases, slopes, strict=True)]
+    first, way = ball(a), ball(span)
+    total, moment = (flint.arb(0), flint.arb(0)) if plain else (flint.acb(0), flint.acb(0))
+    with more_bits():
         if plain:
-            whole: Any = mpf(1)
-            for factor in factors:
-                whole = whole * factor
-            term = weight / mpmath.sqrt(abs(whole.real))
-        else:
-            term = weight / principal_roots(factors)
-        total += term
-        moment += term * (a + span * square)
+            first, way = (flint.acb(x).real for x in (first, way))
+        for weight, square in rule:
+            factors = [base + slope * square for base, slope in ways]
+            if plain:
+                whole = flint.acb(1)
+                for factor in factors:
+                    whole *= factor
+                term = weight / abs(whole.real).sqrt()
+            else:
+                term = weight / principal_roots(factors)
+            total += term
+            moment += term * (first + way * square)
     factor = -w / product
-    return A0 + factor * total, A1 + factor * moment
+    return A0 + factor * middle(total), A1 + factor * middle(moment)
 
 
 def _from_infinity(points: tuple[Scalar, ...], s: Scalar, w: Scalar) -> Pair:
     ratios = [a / s for a in points]
-    total, moment = mpf(0), mpf(0)
     singular = [place(1 / ratio, 1 / ratio - 1, mpf(1)) for ratio in ratios if ratio]
-    for weight, square in _unit_nodes(singular):
-        factors = [(1 - ratio) / (1 - ratio * square) for ratio in ratios]
-        if mpmath.im(s):
-            term = weight * principal_roots(factors)
-        else:  # positive: real factors and conjugate pairs
-            term = weight * mpmath.sqrt(abs(mpmath.re(mpmath.fprod(factors))))
-        total += term * square
-        moment += term
-    factor = -2 * s / w
-    return factor * total, factor * s * moment
+    rule = _unit_nodes(singular)
+    gaps = [(ball(1 - ratio), ball(ratio)) for ratio in ratios]
+    plain = not mpmath.im(s)
+    total, moment = (flint.arb(0), flint.arb(0)) if plain else (flint.acb(0), flint.acb(0))
+    with more_bits():
+        for weight, square in rule:
+            factors = [gap / (1 - ratio * square) for gap, ratio in gaps]
+            if plain:  # positive: real factors and conjugate pairs
+                whole = flint.acb(1)
+                for factor in factors:
+                    whole *= factor
+                term = weight * abs(whole.real).sqrt()
+            else:
+                term = weight * principal_roots(factors)
+            total += term * square
+            moment += term
+    over = -2 * s / w
+    return over * middle(total), over * s * middle(moment)
 
 
-def _unit_nodes(squares: list[Place]) -> Iterator[tuple[Any, Any]]:
+def _unit_nodes(squares: list[Place]) -> list[tuple[Ball, Ball]]:
     """Nodes (weight, x^2) for integrals over dx from 0 to 1; singularities at these x^2."""
     singular = []
     for z, rest in squares:
         root = cmath.sqrt(z)
         singular += [(root, rest / (1 + root)), (-root, 1 + root)]
-    for weight, x, y in nodes(singular, periodic=False):
-        yield weight * mpmath.sqrt(x * y), x * x
+    rule = nodes(singular, periodic=False)
+    with more_bits():
+        return [(weight * (x * y).sqrt(), x * x) for weight, x, y in rule]

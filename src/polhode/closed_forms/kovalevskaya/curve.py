@@ -22,8 +22,11 @@ from dataclasses import dataclass
 from itertools import pairwise, product
 from typing import Any
 
+import flint
+
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
+from polhode.closed_forms.kovalevskaya.theta.balls import Ball, ball, middle, more_bits
 from polhode.closed_forms.kovalevskaya.theta.quadrature import nodes, place
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import (
     Pair,
@@ -142,32 +145,40 @@ class KovalevskayaCurve:
         """Twice the integral of (1, s) ds/|w| between real branch points."""
         length = b - a
         others = [c for c in self.points if c not in (a, b)]
-        total, moment = mpf(0), mpf(0)
-        for weight, x, y in nodes([place(c - a, c - b, length) for c in others]):
-            near, shift = (a, length * x) if x < y else (b, -length * y)
-            whole: Any = mpf(1)
-            for c in others:
-                whole = whole * ((near - c) + shift)
-            term = weight / mpmath.sqrt(abs(whole.real))
-            total += term
-            moment += term * (near + shift)
+        total, moment = flint.arb(0), flint.arb(0)
+        rule = nodes([place(c - a, c - b, length) for c in others])
+        ends, size = (ball(a), ball(b)), ball(length)
+        gaps = tuple([ball(end - c) for c in others] for end in (a, b))
+        with more_bits():
+            for weight, x, y in rule:
+                first = x < y
+                shift = size * x if first else -size * y
+                whole = flint.acb(1)
+                for gap in gaps[0 if first else 1]:
+                    whole *= gap + shift
+                term = weight / abs(whole.real).sqrt()
+                total += term
+                moment += term * (ends[0 if first else 1] + shift)
         root = mpmath.sqrt(mpf(2))
-        return root * total, root * moment
+        return root * middle(total), root * middle(moment)
 
     def _unbounded(self, a: Scalar) -> Pair:
         """Twice the integral of (1, s) ds/|w| from -infinity to a: s = a - size x/(1 - x)."""
         gaps = [c - a for c in self.points if c != a]
         size = max(abs(gap) for gap in gaps)
-        total, moment = mpf(0), mpf(0)
-        for weight, x, y in nodes([place(d, size, d - size) for d in gaps if d != size]):
-            whole: Any = mpf(1)
-            for gap in gaps:
-                whole = whole * (size * x + gap * y)
-            term = weight / mpmath.sqrt(abs(whole.real))
-            total += term * y
-            moment += term * (a * y - size * x)
+        rule = nodes([place(d, size, d - size) for d in gaps if d != size])
+        first, unit, others = ball(a), ball(size), [ball(gap) for gap in gaps]
+        total, moment = flint.arb(0), flint.arb(0)
+        with more_bits():
+            for weight, x, y in rule:
+                far, whole = unit * x, flint.acb(1)
+                for gap in others:
+                    whole *= far + gap * y
+                term = weight / abs(whole.real).sqrt()
+                total += term * y
+                moment += term * (first * y - far)
         root = mpmath.sqrt(2 * size)
-        return root * total, root * moment
+        return root * middle(total), root * middle(moment)
 
     def _segment(self, j: int) -> Pair:
         along = self.along
@@ -175,49 +186,55 @@ class KovalevskayaCurve:
         length = b - a
         others = [(i, c) for i, c in enumerate(along) if i not in (j, j + 1)]
         rule = nodes([place(c - a, c - b, length) for _, c in others])
-        ends = [(i > j, a - c, b - c) for i, c in others]
-        real = self.real
-        turn = mpc(0, 1) ** (1 + sum(above for above, *_ in ends))
-        total, moment = mpf(0), mpf(0)
-        for weight, x, y in rule:
-            left, right = length * x, length * y
-            if x < y:
-                s, gaps = a + left, [(above, da + left) for above, da, _ in ends]
-            else:
-                s, gaps = b - right, [(above, db - right) for above, _, db in ends]
-            if real:
-                (_, g1), (_, g2), (_, g3) = gaps
-                term = weight / mpmath.sqrt(abs(g1 * g2 * g3))
-            else:
-                term = weight / principal_roots([-g if above else g for above, g in gaps])
-            total += term
-            moment += term * s
+        real, above = self.real, [i > j for i, _ in others]
+        turn = mpc(0, 1) ** (1 + sum(above))
+        ends = tuple([ball(end - c) for _, c in others] for end in (a, b))
+        first, last, way = ball(a), ball(b), ball(length)
+        total, moment = (flint.arb(0), flint.arb(0)) if real else (flint.acb(0), flint.acb(0))
+        with more_bits():
+            for weight, x, y in rule:
+                if x < y:
+                    left = way * x
+                    s, gaps = first + left, [d + left for d in ends[0]]
+                else:
+                    right = way * y
+                    s, gaps = last - right, [d - right for d in ends[1]]
+                if real:
+                    g1, g2, g3 = gaps
+                    term = weight / abs(g1 * g2 * g3).sqrt()
+                else:
+                    signed = [-g if up else g for up, g in zip(above, gaps, strict=True)]
+                    term = weight / principal_roots(signed)
+                total += term
+                moment += term * s
         over = 1 / (turn * mpmath.sqrt(mpf(2)) * mpc(0, 1))
-        return total * over, moment * over
+        return middle(total) * over, middle(moment) * over
 
 
 _ALL: list[Characteristic] = list(product((0, 1), repeat=4))  # type: ignore[arg-type]
 
 
-def principal_roots(factors: Sequence[Scalar]) -> Scalar:
-    """The product of the principal square roots, with one root taken."""
-    whole: Any = 1
+def principal_roots(factors: Sequence[Ball]) -> Ball:
+    """The product of the principal square roots of balls, with one root taken."""
+    whole = flint.acb(1)
     angle = 0.0
     for factor in factors:
-        whole = whole * factor
+        whole *= factor
         angle += _angle(factor)
-    root = mpmath.sqrt(whole)
+    # Of the middle: across the negative numbers there is no root of a ball.
+    root = flint.acb(whole.real.mid(), whole.imag.mid()).sqrt()
     # The principal root of the product differs from the wanted one by a sign at most.
     turn = (angle / 2 - _angle(root)) / math.pi
     return -root if round(turn) % 2 else root
 
 
-def _angle(z: Scalar) -> float:
+def _angle(z: Ball) -> float:
     """arg z in doubles, at any magnitude."""
     near = complex(z)
     if abs(near) > _SMALL:
         return math.atan2(near.imag, near.real)
-    re, im = z.real, z.imag
+    number = mpc(middle(z))
+    re, im = number.real, number.imag
     shift = -max(mpmath.mag(re) if re else -(10**9), mpmath.mag(im) if im else -(10**9))
     return math.atan2(float(mpmath.ldexp(im, shift)), float(mpmath.ldexp(re, shift)))
 

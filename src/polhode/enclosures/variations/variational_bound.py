@@ -143,7 +143,7 @@ def missed(known: Bounds, n: int, step: Step) -> float:
     nu = UP * 2.0 * float(known.pieces.lengths[n]) * problem.beta * off + TINY
     if not nu <= 1.0:
         raise Refused("the set has grown too large for the derivative of the flow")
-    found = UP * (float(known.rho[n]) + float(known.growth[n]) * (nu + nu * nu)) + TINY
+    found = UP * (float(known.rho[n]) + float(known.majorant[n]) * (nu + nu * nu)) + TINY
     if not found < 1e300:
         raise Refused("the derivative of a step has no bound")
     return found

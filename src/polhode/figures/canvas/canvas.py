@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from io import BytesIO, StringIO
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from polhode.common.errors import BadInput
 from polhode.common.text_tables import printable
-
-if TYPE_CHECKING:
-    from polhode.figures.canvas.curve_sampling import Samples
 
 COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
 MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
@@ -109,7 +106,7 @@ def remark(axes: Any, text: str) -> None:
 SUFFIXES = (".svg", ".png", ".pdf")
 
 
-def drawn(draw: Callable[[Any, Any], Any], what: Samples, suffix: str, title: str) -> bytes:
+def drawn(draw: Callable[[Any, Any], Any], what: object, suffix: str, title: str) -> bytes:
     """The bytes of a printed figure: ``draw(pyplot, what)`` makes it; it depends on nothing else.
 
     ``suffix``: one of SUFFIXES.

@@ -432,6 +432,8 @@ class Judgement(Result, ByValue):
     def __repr__(self) -> str:
         try:
             told = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
+            told += f", limited by {self.limit}" if self.limit else ""
+            told += f", read as {self.reading}" if self.reading else ""
         except ValueError:
             told = "nothing was judged"
         return f"<Judgement of {self.subject.name} against {self.reference.kind}: {told}>"

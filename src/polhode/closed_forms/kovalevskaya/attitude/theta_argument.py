@@ -19,15 +19,16 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
+import flint
 import numpy as np
 import numpy.typing as npt
 
+from polhode.closed_forms.kovalevskaya.theta.balls import Ball, ball, middle, more_bits
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair, SymmetricMatrix
 from polhode.closed_forms.kovalevskaya.theta.riemann_theta import whole_parts
 from polhode.common.cached_property import cached_property
-from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 from polhode.numbers.scalars import Scalar
 
 _DECAY = 60.0  # terms below e^-this of the largest are left out in doubles
@@ -84,6 +85,11 @@ class ThetaSum:
         return values, complex(self.tau[0]), complex(self.tau[1]), complex(self.tau[2])
 
     @cached_property
+    def largest(self) -> float:
+        """The largest coefficient's modulus."""
+        return float(max(map(abs, self.coefficients)))
+
+    @cached_property
     def coarse(self) -> Integers:
         """The N that count in doubles, as seen from the integers nearest to -y."""
         return self.window(_DECAY)
@@ -94,14 +100,38 @@ class ThetaSum:
         return self.window(mpmath.prec * math.log(2) + 10)
 
     @cached_property
-    def kept(self) -> list[tuple[int, int, Scalar]]:
-        """Those N with exp(pi i N.tau N/2)."""
-        t11, t12, t22 = self.tau
-        half = 0.5j * mpmath.pi
-        return [
-            (n1, n2, mpmath.exp(half * (t11 * n1 * n1 + 2 * t12 * n1 * n2 + t22 * n2 * n2)))
-            for n1, n2 in self.fine.T.tolist()
-        ]
+    def gaussian(self) -> dict[tuple[int, int], Ball]:
+        """Those N with exp(pi i N.tau N/2), as balls of FLINT."""
+        t11, t12, t22 = (ball(mpc(t / 2)) for t in self.tau)
+        with more_bits():
+            return {
+                (n1, n2): (t11 * (n1 * n1) + t12 * (2 * n1 * n2) + t22 * (n2 * n2)).exp_pi_i()
+                for n1, n2 in self.fine.T.tolist()
+            }
+
+    def table(self, odd1: int, odd2: int) -> Ball:
+        """Their products with the coefficients of N - k, k modulo 2 as given: a row an N1."""
+        if (odd1, odd2) not in self.tables:
+            last1, last2 = self.last
+            rows = [ball(mpc(A)) for A in self.coefficients]
+            with more_bits():
+                found = flint.acb_mat(2 * last1 + 1, 2 * last2 + 1)
+                for (n1, n2), value in self.gaussian.items():
+                    A = rows[2 * ((n1 - odd1) % 2) + (n2 - odd2) % 2]
+                    found[n1 + last1, n2 + last2] = value * A
+            self.tables[odd1, odd2] = found
+        return self.tables[odd1, odd2]
+
+    @cached_property
+    def tables(self) -> dict[tuple[int, int], Ball]:
+        """Those of :meth:`table` that were asked for."""
+        return {}
+
+    @cached_property
+    def last(self) -> tuple[int, int]:
+        """The largest N1 and N2 of the fine ones."""
+        one, other = np.abs(self.fine).max(axis=1)
+        return int(one), int(other)
 
     def window(self, decay: float) -> Integers:
         """The N with terms above e^-decay of the largest, for |y1|, |y2| <= 1/2."""
@@ -131,8 +161,8 @@ class Line:
 
     def end(self, s: Scalar) -> Piece:
         """A piece without length."""
-        terms, _ = self._terms(s)
-        return Piece(s, float(mpmath.arg(mpmath.fsum(terms))), 0.0, 0.0)
+        moments, *_ = self._moments(s)
+        return Piece(s, float(mpmath.arg(moments[0][0])), 0.0, 0.0)
 
     def pieces(self) -> Iterator[Piece]:
         """Settled ones that cover the line."""
@@ -193,23 +223,30 @@ class Line:
         d1, d2 = (complex(z) for z in self._way)
         return terms, 1j * np.pi * (n1 * d1 + n2 * d2)
 
-    def _refined(self, c: Any, half: Any) -> Iterator[Piece]:
+    def _refined(self, c: Scalar, half: Scalar) -> Iterator[Piece]:
         """The same at the precision in force."""
         pending = [(c, half)]
+        d1, d2 = self._way
         for _ in range(_MOST):
             c, half = pending.pop()
-            terms, rates = self._terms(c)
-            sizes = np.array([float(abs(complex(E))) for E in terms])
-            weights = [mpf(x) for x in sizes]
-            mean = mpmath.fdot(rates, weights) / mpmath.fsum(weights)
-            rest = [nu - mean for nu in rates]
-            f0, f1 = mpmath.fsum(terms), mpmath.fdot(terms, rest)
-            f2 = mpmath.fdot(terms, [v * v for v in rest])
-            y = np.array([abs(complex(v)) for v in rest]) * float(half)
-            bound = abs(f2) * half * half / 2 + float((sizes * y**3 * np.exp(y)).sum()) / 6
-            bound += mpmath.ldexp(mpf(float(sizes.sum())), 16 - mpmath.prec)
+            moments, sizes, k = self._moments(c)
+            rates = self._rates
+            total = sizes.sum()
+            mean = complex((rates * sizes).sum() / total)
+            # f_j = sum of E (nu - la)^j: nu = pi i M.d but for what is common
+            la, e1, e2 = mpc(mean), 1j * mpmath.pi * d1, 1j * mpmath.pi * d2
+            f0 = moments[0][0]
+            g1 = e1 * moments[1][0] + e2 * moments[0][1]
+            g2 = e1 * e1 * moments[2][0] + 2 * e1 * e2 * moments[1][1] + e2 * e2 * moments[0][2]
+            f1, f2 = g1 - la * f0, g2 - 2 * la * g1 + la * la * f0
+            y = np.abs(rates - mean) * float(half)
+            with np.errstate(over="ignore", invalid="ignore"):
+                rest = float((sizes * y**3 * np.exp(y)).sum()) / 6
+            bound = abs(f2) * half * half / 2 + rest * (1 + _LOST)
+            bound += mpmath.ldexp(mpf(float(total)), 16 - mpmath.prec)
             if _nearest(f0, f1 * half) > bound:
-                argument, turn = float(mpmath.arg(f0)), float(mean.imag * half)
+                common = e1 * k[0] + e2 * k[1]
+                argument, turn = float(mpmath.arg(f0)), float((la - common).imag * half)
                 yield _piece(c, argument, complex(f1 / f0 * half), turn)
             else:
                 pending += _cut(c, half, f0, f1, bound)
@@ -217,8 +254,19 @@ class Line:
                 return
         raise ArithmeticError("a parameter of the attitude comes too near 0")
 
-    def _terms(self, s: Scalar) -> tuple[list[Scalar], list[Scalar]]:
-        """The terms, over a positive number, and their nu."""
+    @cached_property
+    def _rates(self) -> Complexes:
+        """nu of the fine M."""
+        one, other = self._f.fine
+        d1, d2 = (complex(z) for z in self._way)
+        rates: Complexes = 1j * np.pi * (one * d1 + other * d2)
+        return rates
+
+    def _moments(self, s: Scalar) -> tuple[list[list[Scalar]], Floats, tuple[int, int]]:
+        """Sums of E M1^i M2^j for i + j <= 2, N = M - k; the |E| in doubles; and k.
+
+        The terms are over a positive number.
+        """
         t11, t12, t22 = self._f.tau
         z1, z2 = (a + s * b for a, b in zip(self._z, self._way, strict=True))
         _, ((y1, y2), (k1, k2)) = whole_parts(self._f.tau, (z1, z2))
@@ -227,27 +275,43 @@ class Line:
         most = (half * (t11 * y1 * y1 + 2 * t12 * y1 * y2 + t22 * y2 * y2)).real
         common = t11 * k1 * k1 + 2 * t12 * k1 * k2 + t22 * k2 * k2 - 2 * (k1 * z1 + k2 * z2)
         factor = mpmath.exp(half * common + most)
-        kept = self._f.kept
-        last = int(np.abs(self._f.fine).max())
-        one = _powers(mpmath.exp(2 * half * (z1 - t11 * k1 - t12 * k2)), last)
-        other = _powers(mpmath.exp(2 * half * (z2 - t12 * k1 - t22 * k2)), last)
-        rows = [factor * A for A in self._f.coefficients]
-        d1, d2 = (2 * half * d for d in self._way)
-        terms, rates = [], []
-        for m1, m2, value in kept:
-            n1, n2 = m1 - k1, m2 - k2
-            terms.append(rows[2 * (n1 % 2) + n2 % 2] * value * one[m1] * other[m2])
-            rates.append(n1 * d1 + n2 * d2)
-        return terms, rates
+        inner, outer = z1 - t11 * k1 - t12 * k2, z2 - t12 * k1 - t22 * k2
+        last1, last2 = self._f.last
+        with more_bits():
+            across = [
+                [x * n**j for j in range(3)]
+                for n, x in zip(range(-last2, last2 + 1), _powers(outer, last2), strict=True)
+            ]
+            down = [
+                [x * n**i for n, x in zip(range(-last1, last1 + 1), row, strict=True)]
+                for row in [_powers(inner, last1)]
+                for i in range(3)
+            ]
+            table = self._f.table(k1 % 2, k2 % 2)
+            found = flint.acb_mat(down) * (table * flint.acb_mat(across))
+            rows = [[factor * middle(found[i, j]) for j in range(3 - i)] for i in range(3)]
+        return rows, self._sizes((float(y1 - k1), float(y2 - k2)), (k1, k2)), (k1, k2)
+
+    def _sizes(self, y: tuple[float, float], k: tuple[int, int]) -> Floats:
+        """|E| of the fine M, at z = x + tau (y + k)."""
+        values, t11, t12, t22 = self._f.doubles
+        one, other = self._f.fine
+        m1, m2 = one + y[0], other + y[1]
+        decay = (t11.imag * m1 * m1 + 2 * t12.imag * m1 * m2 + t22.imag * m2 * m2) / 2
+        A = np.abs(values[2 * ((one - k[0]) % 2) + (other - k[1]) % 2])
+        sizes: Floats = A * np.exp(-np.pi * decay) * self._f.largest
+        return sizes
 
 
-def _powers(x: Scalar, last: int) -> dict[int, Any]:
-    """x^n for |n| <= last."""
-    found = {0: mpf(1)}
+def _powers(z: Scalar, last: int) -> list[Ball]:
+    """e^(pi i n z) for -last <= n <= last."""
+    x = ball(mpc(z)).exp_pi_i()
     over = 1 / x
-    for n in range(1, last + 1):
-        found[n], found[-n] = found[n - 1] * x, found[1 - n] * over
-    return found
+    ahead, back = [flint.acb(1)], [flint.acb(1)]
+    for _ in range(last):
+        ahead.append(ahead[-1] * x)
+        back.append(back[-1] * over)
+    return back[:0:-1] + ahead
 
 
 def _piece(at: Scalar, argument: float, slope: complex, turn: float) -> Piece:

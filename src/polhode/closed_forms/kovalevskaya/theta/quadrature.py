@@ -11,7 +11,7 @@ With s = a + L x, the integral over dx/sqrt(x (1-x)) from 0 to 1 is taken
   large real part of y, next to which y1 is laid: up to there y is linear in ta, and d stays of the
   order of 1, so that the number of nodes grows with the logarithm of the distance only.
 
-Nodes are triples (weight, x, 1 - x); both ends keep their digits.
+Nodes are triples (weight, x, 1 - x) of FLINT's balls; both ends keep their digits.
 """
 
 from __future__ import annotations
@@ -20,14 +20,16 @@ import cmath
 import functools
 import math
 from collections.abc import Iterable
-from typing import Any
 
+import flint
+
+from polhode.closed_forms.kovalevskaya.theta.balls import SPARE, Ball, ball, more_bits
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.scalars import Scalar
 
-Nodes = tuple[tuple[Scalar, Scalar, Scalar], ...]
+Nodes = tuple[tuple[Ball, Ball, Ball], ...]
 
-_EXTRA = 12  # bits beyond the precision in force
+_EXTRA = 12  # bits that the rules are made for beyond the precision in force
 MOST_NODES = 60_000
 _COARSE = 2.0
 _NEWTON = 50
@@ -117,36 +119,38 @@ def _strip(y: complex, y1: float, y2: float) -> float:
 
 @functools.lru_cache(maxsize=64)
 def _midpoint(count: int, prec: int) -> Nodes:
-    with mpmath.workprec(prec + _EXTRA):
-        weight = mpmath.pi / count
+    with mpmath.workprec(prec), more_bits():
+        weight = flint.arb.pi() / count
         found = []
         for m in range(count):
-            c, s = mpmath.cos_sin((2 * m + 1) * mpmath.pi / (4 * count))
+            s, c = (flint.arb(2 * m + 1) / (4 * count)).sin_cos_pi()
             found.append((weight, s * s, c * c))
     return tuple(found)
 
 
 @functools.lru_cache(maxsize=64)
 def _double_exponential(ladder: int, y1: float, y2: float, prec: int) -> Nodes:
-    with mpmath.workprec(prec + _EXTRA):
-        h = mpmath.mpf(2) ** (-mpmath.mpf(ladder) / 8)
-        growth, ends = mpmath.exp(h), (mpmath.exp(-y1) / 2, mpmath.exp(-y2) / 2)
-        found: list[tuple[Any, Any, Any]] = []
-        tiny = mpmath.ldexp(1, -mpmath.prec)
+    with mpmath.workprec(prec + SPARE):
+        h = ball(mpmath.mpf(2) ** (-mpmath.mpf(ladder) / 8))
+        tiny = ball(mpmath.ldexp(1, -prec))
+    with mpmath.workprec(prec), more_bits():
+        growth, ends = h.exp(), ((-flint.arb(y1)).exp() / 2, (-flint.arb(y2)).exp() / 2)
+        found: list[tuple[Ball, Ball, Ball]] = []
         for sense in (1, -1):
-            ta, e = mpmath.mpf(0), mpmath.mpf(1)
+            count = 0
             if sense < 0:
-                ta, e = h, growth
-                ends = ends[1], ends[0]
+                count, ends = 1, (ends[1], ends[0])
+            e = growth**count
             while True:
                 up, down = ends[0] * e, ends[1] / e
-                root = mpmath.exp(ta + up - down)  # e^y, y counted towards this end
+                root = (count * h + up - down).exp()  # e^y, y counted towards this end
                 weight = 2 * h * (1 + up + down) / (root + 1 / root)
                 if weight < tiny:
                     break
                 z = root * root
-                near, far = 1 / (1 + z), z / (1 + z)
+                near = 1 / (1 + z)
+                far = z * near
                 found.append((weight, far, near) if sense > 0 else (weight, near, far))
                 e *= growth
-                ta += h
+                count += 1
     return tuple(found)

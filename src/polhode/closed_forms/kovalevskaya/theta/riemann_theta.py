@@ -283,39 +283,22 @@ def _flint_sums(
     """The same by ``acb_theta_jet`` of FLINT."""
     import flint
 
+    from polhode.closed_forms.kovalevskaya.theta.balls import ball, middle
     from polhode.numbers.flint_context import ctx
 
     prec = mpmath.prec + 2 * _SPARE
 
     def sums(z: Pair, wanted: Sequence[Characteristic]) -> list[tuple[Scalar, Scalar, Scalar]]:
         with ctx.workprec(prec):
-            t = [_to_acb(flint, x) for x in tau]
+            t = [ball(x) for x in tau]
             matrix = flint.acb_mat([[t[0], t[1]], [t[1], t[2]]])
-            column = flint.acb_mat([[_to_acb(flint, x)] for x in z])
+            column = flint.acb_mat([[ball(x)] for x in z])
             jets: Any = matrix.theta_jets(column, 1)
             rows = []
             for a1, a2, b1, b2 in wanted:
                 index = 8 * a1 + 4 * a2 + 2 * b1 + b2
-                value, d1, d2 = (_from_acb(jets[index, i]) for i in range(3))
+                value, d1, d2 = (middle(jets[index, i]) for i in range(3))
                 rows.append((value, d1, d2))
             return rows
 
     return sums
-
-
-def _to_acb(flint: Any, z: Scalar) -> Any:
-    """An mpc as an exact acb."""
-    parts = []
-    for x in (z.real, z.imag):
-        sign, mantissa, exponent, _ = x._mpf_
-        parts.append(flint.arb((-int(mantissa) if sign else int(mantissa), int(exponent))))
-    return flint.acb(*parts)
-
-
-def _from_acb(x: Any) -> Scalar:
-    """The midpoint of an acb as mpc."""
-    parts = []
-    for part in (x.real, x.imag):
-        mantissa, exponent = part.mid().man_exp()
-        parts.append(mpmath.make_mpf(libmp.from_man_exp(int(mantissa), int(exponent))))
-    return mpc(*parts)
