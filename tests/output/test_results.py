@@ -51,6 +51,7 @@ def made(name: str) -> Result:
     return _MADE[name]
 
 
+@pytest.mark.sample(9)
 @pytest.mark.parametrize("suffix", [".csv", ".json", ".npz"])
 @pytest.mark.parametrize("name", MAKERS)
 def test_what_is_saved_loads_again_and_is_equal(name, suffix, tmp_path):
@@ -67,6 +68,7 @@ def test_what_is_saved_loads_again_and_is_equal(name, suffix, tmp_path):
     assert sorted(place.suffix for place in tmp_path.iterdir()) == [suffix, *beside]
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", MAKERS)
 def test_results_draw_themselves_and_into_axes_of_ones_own(name):
     found = made(name)
@@ -85,6 +87,7 @@ def test_results_draw_themselves_and_into_axes_of_ones_own(name):
     plt.close("all")
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", MAKERS)
 def test_results_become_tables(name):
     found = made(name)

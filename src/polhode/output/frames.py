@@ -92,7 +92,7 @@ def of_table(found: Table) -> pd.DataFrame:
     """A DataFrame of a result's table; exact numbers are doubles there."""
     pandas = needed("pandas")
     frame = pandas.DataFrame({name: _column(x) for name, x in found.columns.items()})
-    return frame.set_index([*found.columns][: found.index])
+    return frame.set_index([*found.columns][: found.labels])
 
 
 def _column(values: Sequence[Any]) -> Any:

@@ -119,10 +119,11 @@ class _Writer:
         if type(x) is Trajectory:
             told: Any = {"run": [[k, self.written(v)] for k, v in archive.arrays(x).items()]}
         else:
-            make, args, state, *_ = (*x.__reduce_ex__(2), None)
+            reduced: Any = x.__reduce_ex__(2)
+            make, args = reduced[0], list(reduced[1])
+            state = reduced[2] if len(reduced) > 2 else None
             if make.__name__ == "__newobj__":
-                make, *args = args
-                told = {"n": [_name_of(make), *map(self.written, args)]}
+                told = {"n": [_name_of(args[0]), *map(self.written, args[1:])]}
             else:
                 told = {"o": [_name_of(make), *map(self.written, args)]}
             if state is not None:

@@ -71,7 +71,7 @@ def load_result(path: str | Path) -> Result:
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise BadInput(str(path), "file", None, f"a name that ends in {nearest(suffix, SUFFIXES)}")
+        raise BadInput(str(path), "file", None, f"a name that ends in {nearest(suffix, [*SUFFIXES])}")
     told = _told(path)
     if told is None:
         raise BadInput(str(path), "file", None, "a result that polhode saved")

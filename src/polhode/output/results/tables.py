@@ -38,9 +38,9 @@ REFERENCE_DIGITS = 30
 
 
 class Table(NamedTuple):
-    """Columns of equal length by name; the first ``index`` of them tell the rows apart."""
+    """Columns of equal length by name; the first ``labels`` of them tell the rows apart."""
 
-    index: int
+    labels: int
     columns: Mapping[str, Sequence[Any]]
 
     def rows(self) -> list[list[str]]:
