@@ -136,7 +136,7 @@ def test_a_document_names_no_code_but_values():
     for name in ("os:system", "polhode.common.files:write_whole", "polhode.scenes.library:load"):
         value = {"o": [name, "x"]}
         told = {"format": document.FORMAT, "kind": "Orbit", "value": value}
-        told["sum"] = document._sum("Orbit", value)
+        told["sum"] = document.checksum("Orbit", value)
         with pytest.raises(polhode.BadInput, match="no part of a result"):
             document.result_of(told, "x")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -14,10 +14,13 @@ from polhode.figures.canvas import canvas
 from polhode.figures.canvas.canvas import BODY, REST, SPACE, TIME
 from polhode.numbers.conversion import to_double
 
+#: matplotlib's module and axes, one or an array, and the result that is drawn.
+Drawn: TypeAlias = Any
+
 MOST = 200  # times at which a reference is drawn; members of a sweep
 
 
-def draw(plt: Any, found: Result, axes: Any = None) -> Any:
+def draw(plt: Drawn, found: Result, axes: Drawn = None) -> Drawn:
     """The figure of a result; raises BadInput for a kind that has none."""
     make = _FIGURES.get(type(found).__name__)
     if make is None:
@@ -25,15 +28,15 @@ def draw(plt: Any, found: Result, axes: Any = None) -> Any:
     return make(plt, found, axes)
 
 
-def _map(plt: Any, found: Any, axes: Any) -> Any:
+def _map(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     return map.draw(plt, map.Shown(found, "megno"), axes)
 
 
-def _levels(plt: Any, found: Any, axes: Any) -> Any:
+def _levels(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     return levels.draw(plt, levels.Diagram(found, levels.window(found)), axes)
 
 
-def _orbit(plt: Any, found: Any, axes: Any) -> Any:
+def _orbit(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     """omega over one period."""
     from polhode.numbers.number_types import DOUBLE
     from polhode.runs.solve import solve
@@ -46,7 +49,7 @@ def _orbit(plt: Any, found: Any, axes: Any) -> Any:
     return figure
 
 
-def _reference(plt: Any, found: Any, axes: Any) -> Any:
+def _reference(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     """omega by the reference alone, at times of the scene."""
     times = found.scene.times
     times = times[:: -(-len(times) // MOST)] if len(times) > MOST else times
@@ -57,14 +60,14 @@ def _reference(plt: Any, found: Any, axes: Any) -> Any:
     return figure
 
 
-def _omega(axes: Any, t: Any, rows: Any) -> None:
+def _omega(axes: Drawn, t: Drawn, rows: Drawn) -> None:
     for k, (name, colour) in enumerate(zip("pqr", (BODY, SPACE, REST), strict=True)):
         axes.plot(t, rows[:, k], color=colour, label=name, gid=name)
     axes.set(xlabel=TIME, ylabel="ω (1/unit of time)")
     axes.legend(frameon=False)
 
 
-def _judgement(plt: Any, found: Any, axes: Any) -> Any:
+def _judgement(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     """Correct digits over time, and the band that is expected."""
     figure, panels = canvas.panels(plt, axes, 1)
     t, only = [to_double(x) for x in found.times], panels[0, 0]
@@ -81,7 +84,7 @@ def _judgement(plt: Any, found: Any, axes: Any) -> Any:
     return figure
 
 
-def _enclosure(plt: Any, found: Any, axes: Any) -> Any:
+def _enclosure(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     """Proven digits over time."""
     figure, panels = canvas.panels(plt, axes, 1)
     t = [to_double(x) for x in found.times]
@@ -91,7 +94,7 @@ def _enclosure(plt: Any, found: Any, axes: Any) -> Any:
     return figure
 
 
-def _events(plt: Any, found: Any, axes: Any) -> Any:
+def _events(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     """The time from each event to the next."""
     t = np.array([to_double(getattr(x, "time", x)) for x in found.times])
     figure, panels = canvas.panels(plt, axes, 1)
@@ -101,7 +104,7 @@ def _events(plt: Any, found: Any, axes: Any) -> Any:
     return figure
 
 
-def _ensemble(plt: Any, found: Any, axes: Any) -> Any:
+def _ensemble(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     """The height of the third axis of each member over time, r of a free body without gamma."""
     figure, panels = canvas.panels(plt, axes, 1)
     column = found.columns[-1]
@@ -115,7 +118,7 @@ def _ensemble(plt: Any, found: Any, axes: Any) -> Any:
     return figure
 
 
-def _reductions(plt: Any, found: Any, axes: Any) -> Any:
+def _reductions(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     """Each number over what is varied first."""
     figure, panels = canvas.panels(plt, axes, 1)
     over = [to_double(row[0]) for row in found.varied.rows]
@@ -127,7 +130,7 @@ def _reductions(plt: Any, found: Any, axes: Any) -> Any:
     return figure
 
 
-def _search(plt: Any, found: Any, axes: Any) -> Any:
+def _search(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     """Residue over period."""
     figure, panels = canvas.panels(plt, axes, 1)
     points = [(point.period, point.residue) for point in found.orbits]
@@ -138,7 +141,7 @@ def _search(plt: Any, found: Any, axes: Any) -> Any:
 
 
 #: By the name of the class.
-_FIGURES: dict[str, Callable[[Any, Any, Any], Any]] = {
+_FIGURES: dict[str, Callable[[Drawn, Drawn, Drawn], Drawn]] = {
     "Certified": _reference,
     "CertifiedEvents": _events,
     "ChaosMap": _map,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from importlib import import_module
 from types import ModuleType
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from polhode.output.results.tables import Table
     from polhode.runs.sweep.ensemble import Ensemble
     from polhode.runs.trajectory import Trajectory
 
@@ -88,11 +87,11 @@ def of_ensemble_pandas(found: Ensemble) -> pd.DataFrame:
     return dataset.to_dataframe()[[*found.varied.keys, *found.columns, *outputs]]
 
 
-def of_table(found: Table) -> pd.DataFrame:
-    """A DataFrame of a result's table; exact numbers are doubles there."""
+def of_columns(columns: Mapping[str, Sequence[Any]], labels: int) -> pd.DataFrame:
+    """A DataFrame whose first columns are its index; exact numbers are doubles there."""
     pandas = needed("pandas")
-    frame = pandas.DataFrame({name: _column(x) for name, x in found.columns.items()})
-    return frame.set_index([*found.columns][: found.labels])
+    frame = pandas.DataFrame({name: _column(x) for name, x in columns.items()})
+    return frame.set_index([*columns][:labels])
 
 
 def _column(values: Sequence[Any]) -> Any:

@@ -15,7 +15,7 @@ import sys
 from enum import Enum
 from fractions import Fraction
 from importlib import import_module
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from polhode.common.errors import BadInput
 from polhode.common.result import Result
 from polhode.output import archive
 from polhode.runs.trajectory import Trajectory
+
+#: Whatever a result holds, and what JSON makes of it.
+Value: TypeAlias = Any
 
 FORMAT = "polhode result 1"
 #: Rooms whose classes a document may name, and the functions by which some values are made.
@@ -39,20 +42,20 @@ _LEFT_OUT = ("JobCheckpoint", "SweepCheckpoint")
 _SAFE = 1 << 53  # integers that every reader of JSON keeps
 
 
-def document(found: Result) -> dict[str, Any]:
+def document(found: Result) -> dict[str, Value]:
     """The result's document."""
     value = _Writer().written(found)
     kind = type(found).__name__
-    return {"format": FORMAT, "kind": kind, "sum": _sum(kind, value), "value": value}
+    return {"format": FORMAT, "kind": kind, "sum": checksum(kind, value), "value": value}
 
 
-def result_of(told: Any, name: str) -> Result:
+def result_of(told: Value, name: str) -> Result:
     """The result of a document; raises BadInput."""
     expected = "a result that polhode saved"
     try:
         if told["format"] != FORMAT:
             raise ValueError(f"format {told['format']!r}")
-        if told["sum"] != _sum(told["kind"], told["value"]):
+        if told["sum"] != checksum(told["kind"], told["value"]):
             raise ValueError("it was changed or cut")
         found = _Reader().read(told["value"])
     except (KeyError, TypeError, ValueError, AttributeError, ImportError, RecursionError) as fault:
@@ -64,7 +67,8 @@ def result_of(told: Any, name: str) -> Result:
     return found
 
 
-def _sum(kind: str, value: Any) -> str:
+def checksum(kind: str, value: Value) -> str:
+    """What tells a document that was changed or cut."""
     text = json.dumps([kind, value], separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
@@ -76,7 +80,7 @@ class _Writer:
         self.known: dict[int, int] = {}
         self.kept: list[object] = []  # so that no number of an object is used again
 
-    def written(self, x: Any) -> Any:
+    def written(self, x: Value) -> Value:
         """The JSON value of x: plain where JSON has the type, else an object of one key."""
         if x is None or type(x) in (bool, str):
             return x
@@ -104,22 +108,22 @@ class _Writer:
             return {"g": _name_of(x)}
         return self._object(x)
 
-    def _elements(self, x: Any) -> Any:
+    def _elements(self, x: Value) -> Value:
         if x.dtype.kind in "OUS":
             return [self.written(item) for item in x.ravel().tolist()]
         if x.dtype.itemsize > 8 and x.dtype.kind == "f":  # whose bytes differ between machines
             return [np.format_float_scientific(item, unique=True) for item in x.ravel()]
         return base64.b64encode(np.ascontiguousarray(x).tobytes()).decode()
 
-    def _object(self, x: Any) -> Any:
+    def _object(self, x: Value) -> Value:
         if type(x).__name__ in _LEFT_OUT:
             return None
         if id(x) in self.known:
             return {"r": self.known[id(x)]}
         if type(x) is Trajectory:
-            told: Any = {"run": [[k, self.written(v)] for k, v in archive.arrays(x).items()]}
+            told: Value = {"run": [[k, self.written(v)] for k, v in archive.arrays(x).items()]}
         else:
-            reduced: Any = x.__reduce_ex__(2)
+            reduced: Value = x.__reduce_ex__(2)
             make, args = reduced[0], list(reduced[1])
             state = reduced[2] if len(reduced) > 2 else None
             if make.__name__ == "__newobj__":
@@ -139,7 +143,7 @@ class _Reader:
     def __init__(self) -> None:
         self.kept: list[object] = []
 
-    def read(self, told: Any) -> Any:
+    def read(self, told: Value) -> Value:
         """The value; raises what a damaged document makes fail."""
         if isinstance(told, list):
             return [self.read(item) for item in told]
@@ -150,9 +154,9 @@ class _Reader:
             return self._object(key, value, told)
         return getattr(self, f"_{key}")(value)
 
-    def _object(self, key: str, value: Any, told: Any) -> Any:
+    def _object(self, key: str, value: Value, told: Value) -> Value:
         if key == "run":
-            found: Any = archive.run_of({k: self.read(v) for k, v in value})
+            found: Value = archive.run_of({k: self.read(v) for k, v in value})
         else:
             make = _named(value[0])
             args = [self.read(item) for item in value[1:]]
@@ -168,22 +172,22 @@ class _Reader:
     def _f(self, value: str) -> float:
         return float(value)
 
-    def _c(self, value: Any) -> complex:
+    def _c(self, value: Value) -> complex:
         return complex(self.read(value[0]), self.read(value[1]))
 
-    def _t(self, value: Any) -> tuple[Any, ...]:
+    def _t(self, value: Value) -> tuple[Value, ...]:
         return tuple(self.read(item) for item in value)
 
-    def _d(self, value: Any) -> dict[Any, Any]:
+    def _d(self, value: Value) -> dict[Value, Value]:
         return {self.read(k): self.read(v) for k, v in value}
 
-    def _q(self, value: Any) -> Fraction:
+    def _q(self, value: Value) -> Fraction:
         return Fraction(int(value[0], 16), int(value[1], 16))
 
-    def _a(self, value: Any) -> Any:
+    def _a(self, value: Value) -> Value:
         dtype, shape, elements = np.dtype(value[0]), tuple(value[1]), value[2]
         if isinstance(elements, str):
-            flat: Any = np.frombuffer(base64.b64decode(elements), dtype=dtype).copy()
+            flat: Value = np.frombuffer(base64.b64decode(elements), dtype=dtype).copy()
         elif dtype.kind == "f":
             flat = np.array([np.longdouble(text) for text in elements], dtype=np.longdouble)
         else:
@@ -192,20 +196,20 @@ class _Reader:
                 flat[k] = self.read(item)
         return flat.reshape(shape)
 
-    def _s(self, value: Any) -> Any:
+    def _s(self, value: Value) -> Value:
         return self._a(value)[()]
 
-    def _e(self, value: Any) -> Any:
+    def _e(self, value: Value) -> Value:
         return _named(value[0])(self.read(value[1]))
 
-    def _g(self, value: str) -> Any:
+    def _g(self, value: str) -> Value:
         return _named(value)
 
-    def _r(self, value: int) -> Any:
+    def _r(self, value: int) -> Value:
         return self.kept[value]
 
 
-def _name_of(x: Any) -> str:
+def _name_of(x: Value) -> str:
     """Where a class or a function stands; refuses what a document may not name."""
     name = f"{x.__module__}:{x.__qualname__}"
     if _named(name) is not x:
@@ -213,7 +217,7 @@ def _name_of(x: Any) -> str:
     return name
 
 
-def _named(name: str) -> Any:
+def _named(name: str) -> Value:
     module, _, own = name.partition(":")
     package, _, rest = module.partition(".")
     allowed = package == "polhode" and rest.partition(".")[0] in _ROOMS and "." not in own
@@ -225,12 +229,12 @@ def _named(name: str) -> Any:
     return found
 
 
-def _stated(found: Any, state: Any) -> None:
+def _stated(found: Value, state: Value) -> None:
     """Give an object its fields, as unpickling does."""
     if hasattr(found, "__setstate__"):
         found.__setstate__(state)
         return
-    slots: Any = None
+    slots: Value = None
     if isinstance(state, tuple) and len(state) == 2:
         state, slots = state
     for fields in (state, slots):

@@ -71,7 +71,9 @@ def load_result(path: str | Path) -> Result:
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise BadInput(str(path), "file", None, f"a name that ends in {nearest(suffix, [*SUFFIXES])}")
+        raise BadInput(
+            str(path), "file", None, f"a name that ends in {nearest(suffix, [*SUFFIXES])}"
+        )
     told = _told(path)
     if told is None:
         raise BadInput(str(path), "file", None, "a result that polhode saved")
@@ -181,7 +183,8 @@ def to_pandas(found: Result) -> pd.DataFrame:
         return frames.of_run_pandas(found)
     if isinstance(found, Ensemble):
         return frames.of_ensemble_pandas(found)
-    return frames.of_table(table(found))
+    made = table(found)
+    return frames.of_columns(made.columns, made.labels)
 
 
 def to_xarray(found: Result) -> xr.Dataset:

@@ -7,7 +7,7 @@ columns.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -34,6 +34,9 @@ if TYPE_CHECKING:
     from polhode.judging.score.judgement import Judgement
     from polhode.motion.outcomes import EventTimes
 
+#: A number of any type, or a text.
+Value: TypeAlias = Any
+
 REFERENCE_DIGITS = 30
 
 
@@ -41,7 +44,7 @@ class Table(NamedTuple):
     """Columns of equal length by name; the first ``labels`` of them tell the rows apart."""
 
     labels: int
-    columns: Mapping[str, Sequence[Any]]
+    columns: Mapping[str, Sequence[Value]]
 
     def rows(self) -> list[list[str]]:
         """Header and rows as text; numbers round-trip, empty where there is none."""
@@ -61,14 +64,14 @@ def _section(found: Section) -> Table:
     there = np.arange(found.times.shape[1]) < found.counts[:, None]
     orbit, crossing = np.nonzero(there)
     states = {name: found.states[..., k][there] for k, name in enumerate(STATE)}
-    columns: dict[str, Any] = {"orbit": orbit + 1, "crossing": crossing + 1}
+    columns: dict[str, Value] = {"orbit": orbit + 1, "crossing": crossing + 1}
     columns |= {"t": (found.times + found.rests)[there], "l": found.l[there]}
     return Table(2, columns | {"L_over_G": found.ratio[there]} | states)
 
 
 def _map(found: ChaosMap) -> Table:
     verdicts = [found.words[k] for k in found.verdict]
-    columns: dict[str, Any] = {"motion": np.arange(1, len(verdicts) + 1)}
+    columns: dict[str, Value] = {"motion": np.arange(1, len(verdicts) + 1)}
     columns |= {key: found.at[:, k] for k, key in enumerate(found.keys)}
     columns |= {"cell": found.cell, "verdict": verdicts}
     names = ("fli", "megno", "growth", "exponent", "until")
@@ -79,7 +82,7 @@ def _levels(found: Levels) -> Table:
     counts = [len(curve.points) for curve in found.curves]
     points = np.concatenate([curve.points for curve in found.curves])
     each = [k for k, n in enumerate(counts) for _ in range(n)]
-    columns: dict[str, Any] = {"curve": [k + 1 for k in each]}
+    columns: dict[str, Value] = {"curve": [k + 1 for k in each]}
     columns |= {"point": [i + 1 for n in counts for i in range(n)]}
     columns |= {"family": [found.curves[k].family for k in each]}
     columns |= {"type": [found.curves[k].type for k in each]}
@@ -90,7 +93,7 @@ def _frequencies(found: Frequencies) -> Table:
     from polhode.output.frequencies import words
 
     rows = [(name, k + 1, x) for name, lines in found.lines.items() for k, x in enumerate(lines)]
-    columns: dict[str, Any] = {"signal": [r[0] for r in rows], "line": [r[1] for r in rows]}
+    columns: dict[str, Value] = {"signal": [r[0] for r in rows], "line": [r[1] for r in rows]}
     columns |= {"frequency": [r[2].frequency for r in rows], "error": [r[2].error for r in rows]}
     columns |= {"amplitude": [abs(r[2].amplitude) for r in rows]}
     columns |= {"phase": [float(np.angle(r[2].amplitude)) for r in rows]}
@@ -100,13 +103,13 @@ def _frequencies(found: Frequencies) -> Table:
 def _orbit(found: Orbit) -> Table:
     state = [*found.scene.omega, *(found.scene.gamma or ())]
     near = {name: [_wide(x, found.digits)] for name, x in zip(STATE, state, strict=True)}
-    columns: dict[str, Any] = {"orbit": [1], "period": [_wide(found.period, found.digits)]}
+    columns: dict[str, Value] = {"orbit": [1], "period": [_wide(found.period, found.digits)]}
     columns |= {"h": [to_double(found.h)], "f": [to_double(found.f)], "kind": [found.kind]}
     return Table(1, columns | {"residue": [found.residue], "error": [found.error]} | near)
 
 
 def _points(points: Sequence[FamilyPoint]) -> Table:
-    columns: dict[str, Any] = {"orbit": [*range(1, len(points) + 1)]}
+    columns: dict[str, Value] = {"orbit": [*range(1, len(points) + 1)]}
     names = ("h", "f", "period", "residue", "kind")
     columns |= {name: [getattr(point, name) for point in points] for name in names}
     states = {name: [float(x.state[k]) for x in points] for k, name in enumerate(STATE)}
@@ -122,7 +125,7 @@ def _search(found: OrbitSearch) -> Table:
 
 
 def _reductions(found: Reductions) -> Table:
-    columns: dict[str, Any] = {"member": [*range(1, len(found) + 1)]}
+    columns: dict[str, Value] = {"member": [*range(1, len(found) + 1)]}
     for k, key in enumerate(found.varied.keys):
         columns[key] = [to_double(row[k]) for row in found.varied.rows]
     return Table(1, columns | dict(found.numbers))
@@ -130,14 +133,14 @@ def _reductions(found: Reductions) -> Table:
 
 def _enclosure(found: Enclosure) -> Table:
     names = found.scene.columns
-    columns: dict[str, Any] = {"t": found.times}
+    columns: dict[str, Value] = {"t": found.times}
     columns |= {name: [row[k] for row in found.midpoints] for k, name in enumerate(names)}
     columns |= {f"radius_{n}": [row[k] for row in found.radii] for k, n in enumerate(names)}
     return Table(1, columns | {"digits": found.digits})
 
 
 def _certified_events(found: CertifiedEvents) -> Table:
-    columns: dict[str, Any] = {"event": [*range(1, len(found.times) + 1)]}
+    columns: dict[str, Value] = {"event": [*range(1, len(found.times) + 1)]}
     columns |= {"t": [event.time for event in found.times]}
     columns |= {name: [getattr(e, name) for e in found.times] for name in ("radius", "slope")}
     return Table(1, columns)
@@ -145,13 +148,13 @@ def _certified_events(found: CertifiedEvents) -> Table:
 
 def _event_times(found: EventTimes) -> Table:
     width = len(found.states[0]) if len(found.states) else 0
-    columns: dict[str, Any] = {"event": [*range(1, len(found.times) + 1)], "t": found.t}
+    columns: dict[str, Value] = {"event": [*range(1, len(found.times) + 1)], "t": found.t}
     columns |= {name: [row[k] for row in found.states] for k, name in enumerate(STATE[:width])}
     return Table(1, columns | {"grazing": found.grazing})
 
 
 def _judgement(found: Judgement) -> Table:
-    columns: dict[str, Any] = {"t": found.times}
+    columns: dict[str, Value] = {"t": found.times}
     if found.digits:
         columns["correct_digits"] = found.digits
         for k, name in enumerate(("least", "median", "most")):
@@ -170,7 +173,7 @@ def _reference(found: Reference | Certified | TwoPrecisions) -> Table:
     return Table(1, {"t": scene.times, **states})
 
 
-def _wide(x: Any, digits: int) -> Any:
+def _wide(x: Value, digits: int) -> Value:
     """An exact number as an mpf of so many digits and a few."""
     from polhode.numbers.conversion import to_mpf
     from polhode.numbers.mpmath_context import ordinary
@@ -180,7 +183,7 @@ def _wide(x: Any, digits: int) -> Any:
 
 
 #: By the name of the class: a kind that is not asked for is not imported.
-KINDS: dict[str, Callable[[Any], Table]] = {
+KINDS: dict[str, Callable[[Value], Table]] = {
     "Certified": _reference,
     "CertifiedEvents": _certified_events,
     "ChaosMap": _map,
