@@ -107,7 +107,7 @@ ANY = {
     "figures": 134,
     "judging": 79,
     "numbers": 19,
-    "output": 77,
+    "output": 28,
     "peers": 15,
     "refined": 58,
     "scenes": 91,

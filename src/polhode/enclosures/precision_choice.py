@@ -21,7 +21,7 @@ _STEPS_A_UNIT = 3.0  # of the proof, in its unit of time
 _SECONDS_A_STEP = 8e-8  # over the square of the noise level, for P of 70 to 220
 _MARGIN = 1.0  # bits
 _FAR = 0.1  # of the way: from there on the growth tells of the rest
-_AHEAD, _SURE = 1.1, 4  # times the growth that is left, and bits
+_AHEAD, _SURE = 1.25, 8  # times the growth that is left, and bits: less than a try more
 _OF_OUTPUTS = {"attitude": 6.0, "angles": 9.0}  # the same of a turn, and of angles near a pole
 
 

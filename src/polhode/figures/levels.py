@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from polhode.dynamics.levels.levels import Column, Levels
 from polhode.figures.canvas import canvas
 from polhode.figures.canvas.canvas import SPACE
 from polhode.numbers.conversion import to_double
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 COLUMNS = 160
 LINES: dict[str, Any] = {
@@ -110,7 +113,7 @@ def draw(plt: Any, what: Diagram, axes: Any = None) -> Any:
     return figure
 
 
-def _shades(axes: Any, found: Levels, shown: Window) -> None:
+def _shades(axes: Axes, found: Levels, shown: Window) -> None:
     top = max(shown.h)
     span = (shown.f[1] - shown.f[0]) / 1e6  # f = 0 itself may be critical everywhere
     ends = [x or (span if x == shown.f[0] else -span) for x in shown.f]
@@ -129,7 +132,7 @@ def _shades(axes: Any, found: Levels, shown: Window) -> None:
 
 
 def _strip(
-    axes: Any, one: Column, other: Column, f: tuple[float, float], top: float
+    axes: Axes, one: Column, other: Column, f: tuple[float, float], top: float
 ) -> set[Region]:
     """The regions between two columns that have the same ones."""
     seen = set()
@@ -144,7 +147,7 @@ def _strip(
     return seen
 
 
-def _legends(legend: Any, axes: Any, drawn: set[Any], kinds: set[str]) -> None:
+def _legends(legend: Any, axes: Axes, drawn: set[Any], kinds: set[str]) -> None:
     from matplotlib.lines import Line2D
 
     lines = [

@@ -24,6 +24,7 @@ from polhode.numbers.decimals import decimal_in_full, strings
 from polhode.numbers.number_types import LEAST_MP_BITS, NAMES, NumberType, named
 from polhode.numbers.rows import Given, Row, Rows
 from polhode.numbers.scalars import AnyNumber
+from polhode.output.json_object import JsonObject
 from polhode.output.json_results import as_json
 from polhode.runs.reevaluate import made_again
 from polhode.runs.trajectory import Trajectory
@@ -41,9 +42,9 @@ MOST_BITS = 1 << 24  # of a number in a file
 _Held: TypeAlias = "dict[str, npt.NDArray[np.generic]]"
 
 
-def arrays(run: Trajectory) -> dict[str, Any]:
+def arrays(run: Trajectory) -> JsonObject:
     """The arrays of a run's NPZ file, none of which needs pickle."""
-    about: dict[str, Any] = {
+    about: JsonObject = {
         "format": FORMAT,
         "name": run.scene.name,
         "number": run.number.name,
@@ -60,7 +61,7 @@ def arrays(run: Trajectory) -> dict[str, Any]:
         "events": [{"name": e.name, "complete": e.complete} for e in run.events],
         "provenance": dict(run.provenance),
     }
-    held: dict[str, Any] = {
+    held: JsonObject = {
         "scene": np.array(toml(run.scene)),
         "source": np.array(run.scene.source),
         "times": np.array(run.time_strings(), dtype=np.str_),
@@ -130,7 +131,7 @@ def run_of(held: _Held) -> Trajectory:
     return _run(held, about, replace(scene, source=str(held["source"])))
 
 
-def _run(held: _Held, about: dict[str, Any], scene: Scene) -> Trajectory:
+def _run(held: _Held, about: JsonObject, scene: Scene) -> Trajectory:
     number, outcome = _number(about), Outcome(about["outcome"])
     times = _times(held, "times")
     asked = scene.output_times.rounded(number)
@@ -174,7 +175,7 @@ def _run(held: _Held, about: dict[str, Any], scene: Scene) -> Trajectory:
     return run
 
 
-def _number(about: dict[str, Any]) -> NumberType:
+def _number(about: JsonObject) -> NumberType:
     found = NumberType(_told(about, "number", str), _told(about, "bits", int))
     known = found.name in NAMES and found.bits <= MOST_BITS
     known = known and (found.name != "mp" or found.bits >= LEAST_MP_BITS)
@@ -184,7 +185,7 @@ def _number(about: dict[str, Any]) -> NumberType:
 
 
 def _events(
-    held: _Held, about: dict[str, Any], scene: Scene, number: NumberType
+    held: _Held, about: JsonObject, scene: Scene, number: NumberType
 ) -> tuple[EventTimes, ...]:
     """The times of each event of the scene."""
     listed = _told(about, "events", list)
@@ -200,7 +201,7 @@ def _events(
     return tuple(found)
 
 
-def _projection(about: dict[str, Any]) -> Projection | None:
+def _projection(about: JsonObject) -> Projection | None:
     told = _told(about, "projection", dict, None)
     if told is None:
         return None
@@ -213,7 +214,7 @@ def _projection(about: dict[str, Any]) -> Projection | None:
     )
 
 
-def _told(about: dict[str, Any], key: str, *kinds: type | None) -> Any:
+def _told(about: JsonObject, key: str, *kinds: type | None) -> Any:
     """A value of the JSON part, of the one kind that polhode writes there, or None where it may."""
     value = about[key]
     if isinstance(value, int) and not isinstance(value, bool) and float in kinds:

@@ -12,6 +12,7 @@ from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import check_writable, npz, read_npz, read_whole, write_whole
 from polhode.common.result import Result
 from polhode.output import archive, csv_tables, frames
+from polhode.output.json_object import JsonObject
 from polhode.output.json_results import as_json
 from polhode.output.results import document, summaries
 from polhode.output.results.tables import table
@@ -122,7 +123,7 @@ def _parquet_cell(x: Any) -> Any:
 _FORMATS = {".csv": _csv, ".json": _json, ".npz": _npz, ".parquet": _parquet}
 
 
-def _with_document(found: Result, summary: dict[str, Any]) -> str:
+def _with_document(found: Result, summary: JsonObject) -> str:
     return as_json(summary | {KEY: json.dumps(document.document(found))})
 
 

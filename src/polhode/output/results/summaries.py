@@ -11,6 +11,7 @@ import numpy as np
 from polhode.common.result import Result
 from polhode.judging.references.reference import reference
 from polhode.output import csv_tables, json_results
+from polhode.output.json_object import JsonObject
 from polhode.output.results.tables import table
 from polhode.output.results.texts import text_of
 from polhode.runs.sweep.ensemble import Ensemble
@@ -34,7 +35,7 @@ _ROOMS = {
 _WITH_ARRAYS = ("ChaosMap", "Levels", "OrbitFamily", "OrbitSearch", "Reductions", "Section")
 
 
-def summary(found: Result, *, beside: bool = False) -> dict[str, Any]:
+def summary(found: Result, *, beside: bool = False) -> JsonObject:
     """The JSON object of a result; ``beside``: a table, without what that has."""
     kind = type(found).__name__
     if isinstance(found, Trajectory):
@@ -50,15 +51,15 @@ def summary(found: Result, *, beside: bool = False) -> dict[str, Any]:
     if beside or kind not in _ROOMS:
         return {"kind": kind, "about": repr(found)}
     room, name = _ROOMS[kind]
-    made: dict[str, Any] = getattr(import_module(f"polhode.output.{room}"), name)(found)
+    made: JsonObject = getattr(import_module(f"polhode.output.{room}"), name)(found)
     return made
 
 
-def arrays(found: Result) -> dict[str, Any]:
+def arrays(found: Result) -> JsonObject:
     """The arrays of a result's NPZ file, none of which needs pickle."""
     kind = type(found).__name__
     if kind in _WITH_ARRAYS or isinstance(found, Ensemble):
-        make: Callable[[Result], dict[str, Any]]
+        make: Callable[[Result], JsonObject]
         make = import_module(f"polhode.output.{_ROOMS[kind][0]}").arrays
         return make(found)
     return {name: _array(column) for name, column in table(found).columns.items()}
