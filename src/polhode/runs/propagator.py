@@ -22,7 +22,7 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import OutOfRange
-from polhode.taylor.backend.step_outcomes import ending
+from polhode.taylor.backend.step_outcomes import TIME_LIMIT, ending
 from polhode.taylor.corrections.integral_projection import Projector, StartTarget
 from polhode.taylor.integrator.compiled import Compiled
 from polhode.taylor.integrator.stepping import Integrator
@@ -80,6 +80,7 @@ class Propagator:
         unit = np.ldexp(self._kind.type(1), self.scene.time_unit)
         self._scale = np.array([unit] * 3 + [1] * (self._shape[0] - 3), self._kind)
         self._back = 1 / self._scale
+        self._plain = unit == 1
         self._unit = (1 / unit).item()  # Python's own number: a product too large is inf, unsaid
         choices = defaults.of(self.number)
         self._chunk, self._most = choices.chunk, choices.max_steps
@@ -114,9 +115,12 @@ class Propagator:
             raise self._bad("thread", "another one", "its own, or a copy.copy of the propagator")
         self._stand(start)
         if self._every is not None or type(t) is not float:
-            ahead = self._ahead(t)
-            if ahead is not None:
-                return self._on_grid(ahead)
+            grid = self._grid(t)
+            if grid is not None:
+                found = self._on_grid(grid, len(cast(Flat, t)))
+                if found is not None:
+                    return found
+                self._stand(start)  # what is wrong with the times is told below
             given, several = numbers_given(t)
             rows = self._at_times(cast(Sequence[AnyNumber], given))
             return rows if several else rows[0]
@@ -126,50 +130,58 @@ class Propagator:
         if end - end != 0:  # beyond the type in the run's own unit
             return flat(self._at_times([t])[0])
         ended, _, _, self.steps, _, _ = self._heyoka.propagate_until(end, max_steps=self._chunk)
-        self.outcome = ending(ended)
-        if self.outcome is _STEP_LIMIT:  # a long way: from here on chunk by chunk, as a run goes
-            return flat(self._at_times([t], self.steps)[0])
-        if self.outcome is not _REACHED_END:
+        if ended == TIME_LIMIT:
+            self.outcome = _REACHED_END
+        else:
+            self.outcome = ending(ended)
+            if self.outcome is _STEP_LIMIT:  # a long way: from here on chunk by chunk, as a run
+                return flat(self._at_times([t], self.steps)[0])
             return np.full(self._shape, np.nan, self._kind)
         if self._turn is None:
-            found: Flat = self._state * self._back  # exact: powers of two
-            return found
+            return flat(self._state.copy() if self._plain else self._state * self._back)  # exact
         return flat(self._read(self._state[None])[0])
 
-    def _ahead(self, t: object) -> Flat | None:
-        """Times of the propagator's own type that lead away from 0, in the run's own unit.
+    def _grid(self, t: object) -> Flat | None:
+        """Times of the propagator's own type in the run's own unit, from 0 on, as heyoka has them.
 
-        After a place for the start; None for other times, which are told what they lack elsewhere.
+        None for other times, and those that do not lead away from 0; heyoka itself refuses those
+        between the first and the last that are not in order.
         """
-        if self._every is not None or not isinstance(t, np.ndarray):
+        if self._every is not None or type(t) is not np.ndarray:
             return None
         if t.dtype != self._kind or t.ndim != 1 or len(t) == 0:
             return None
-        ahead = np.empty(len(t) + 1, self._kind)
-        ahead[0] = 0
-        with np.errstate(over="ignore", invalid="ignore"):
-            np.multiply(t, self._unit, ahead[1:])
-            steps = ahead[1:] - ahead[:-1]
-        if t[0] == 0:
-            steps = steps[1:]
-        end = ahead[-1]
-        if not math.isfinite(end) or len(steps) == 0:
+        first, last = t.item(0), t.item(-1)
+        if not (0 <= first <= last or 0 >= first >= last) or last == 0:
             return None
-        # monotone from 0 on: of one sign, too; a nan is neither
-        return ahead if steps.min() > 0 or steps.max() < 0 else None
+        if not math.isfinite(last * self._unit):  # beyond the type in the run's own unit
+            return None
+        if first == 0:
+            return flat(t if self._plain else t * self._unit)
+        grid = np.empty(len(t) + 1, self._kind)
+        grid[0] = 0
+        np.multiply(t, self._unit, grid[1:])
+        return grid
 
-    def _on_grid(self, ahead: Flat) -> Flat:
-        """States at times that heyoka takes at once, a place for the start before them."""
-        grid = ahead[1:] if ahead[1] == 0 else ahead
-        ended, _, _, self.steps, _, rows = self._heyoka.propagate_grid(grid, max_steps=self._chunk)
-        self.outcome = ending(ended)
-        rows = rows[len(grid) - len(ahead) + 1 :]
-        if len(rows) == len(ahead) - 1 and self._turn is None:
-            return flat(rows * self._back)
-        found = np.full((len(ahead) - 1, *self._shape), np.nan, self._kind)
+    def _on_grid(self, grid: Flat, count: int) -> Flat | None:
+        """States at the last ``count`` times of a grid; None where heyoka refuses the grid."""
+        try:
+            ended, _, _, self.steps, _, rows = self._heyoka.propagate_grid(
+                grid, max_steps=self._chunk
+            )
+        except ValueError:  # not in order, or not finite
+            return None
+        self.outcome = _REACHED_END if ended == TIME_LIMIT else ending(ended)
+        if len(rows) == len(grid) and self._turn is None:
+            rows = rows[len(rows) - count :]
+            if not self._plain:
+                np.multiply(rows, self._back, rows)  # exact: powers of two
+            return flat(rows)
+        rows = rows[len(grid) - count :]
+        found = np.full((count, *self._shape), np.nan, self._kind)
         found[: len(rows)] = rows * self._back if self._turn is None else self._read(rows)
         if self.outcome is _STEP_LIMIT:  # a long way: from here on chunk by chunk, as a run goes
-            rest = ahead[1 + len(rows) :] * self._scale[0]
+            rest = grid[len(grid) - count + len(rows) :] * self._scale[0]
             found[len(rows) :] = self._at_times(rest.tolist(), self.steps)
         return found
 
@@ -203,7 +215,10 @@ class Propagator:
                 raise self._bad("start", plain(start), "gamma of length 1, to 8 eps")
         if self._turn is not None:
             row = self._turned(row, self._turn)
-        np.multiply(row, self._scale, self._state)
+        if self._plain:
+            self._state[:] = row
+        else:
+            np.multiply(row, self._scale, self._state)
         self._compiled.begin()
 
     def _array(self, start: npt.ArrayLike) -> Flat:
