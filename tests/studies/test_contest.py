@@ -122,6 +122,17 @@ def test_a_level_is_reached_between_its_tolerances_by_nearly_all_draws_or_not_at
     assert [x["verdict"]["stands"] for x in row["levels"]] == ["behind", "alone", "alone"]
 
 
+def test_what_is_far_behind_at_every_level_is_not_held_again():
+    ours = points(REACH, dict.fromkeys(REACH, 1.0))
+    far = points(REACH, dict.fromkeys(REACH, 10.2))
+    close = points(REACH, dict.fromkeys(REACH, 30.0) | {1e-5: 9.8, 1e-8: 9.8})  # at 6 digits
+    lost = points({1e-5: 2.0}, {1e-5: 50.0})  # reaches no level: nothing is known of it
+    again = cells.held_again({OURS: ours, "far": far, PEER: close, "lost": lost})
+    assert again["far"] == []
+    assert again["lost"] == [1e-5]
+    assert again[OURS] == again[PEER] == [1e-5, 1e-8, 1e-11, 1e-14]
+
+
 def test_a_tie_is_no_win():
     """The interval of the median holds 1 where draws disagree."""
     own = dict.fromkeys(range(DRAWS), 1.0)

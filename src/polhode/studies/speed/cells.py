@@ -1,9 +1,11 @@
 """The contest's cells: who reaches how many digits, in what time, and how it compares with polhode.
 
 Each kind of motion is held in several processes, so that everything compiled is made as often, and
-the fastest of all counts, for all alike.  At each level the seconds of each draw are read between
-its two tolerances next to it; a program reaches a level where at least seven of eight draws do.
-Ratios are medians over the draws that both reach, with a bootstrap interval: a tie holds 1.
+the fastest of all counts, for all alike; but what in the first process takes more than ten times as
+long as the fastest, at every level, is not held again: equal builds differ by less than two.  At
+each level the seconds of each draw are read between its two tolerances next to it; a program
+reaches a level where at least seven of eight draws do.  Ratios are medians over the draws that both
+reach, with a bootstrap interval: a tie holds 1.
 """
 
 from __future__ import annotations
@@ -31,6 +33,7 @@ NEARLY_ALL = 7  # of the draws
 PATIENCE, QUICK_PATIENCE = 0.5, 0.05
 QUICK_CELLS = ((10, 2), (10, 101))
 QUICK_KINDS = ("kovalevskaya", "asymmetric")
+_FAR = 10.0  # times the fastest: no other build makes that up
 _LIMIT = 900.0  # seconds of a process
 _RESAMPLED, _SURE = 2000, 0.95
 _MODULE = "polhode.studies.speed.contest"
@@ -63,10 +66,11 @@ def rows(
     """A row a cell, in the order asked."""
     truths = _truths(asked, tick)
     with ThreadPoolExecutor(1 if quick else cores()) as pool:
-        held = pool.map(
-            lambda kind: _kind(kind, asked[kind], programs, truths, cache, quick, tick), asked
-        )
-        return [row for rows_of_kind in held for row in rows_of_kind]
+        held = {  # the kind that takes longest, of fast spins, begins first
+            kind: pool.submit(_kind, kind, asked[kind], programs, truths, cache, quick, tick)
+            for kind in reversed([*asked])
+        }
+        return [row for kind in asked for row in held[kind].result()]
 
 
 def _kind(
@@ -105,10 +109,7 @@ def _kind(
         if fault:
             for cell in cells:
                 faults[cell.label][f"process {turn + 1}"] = fault
-        job["tolerances"] = {
-            label: {name: _next_to_levels(there) for name, there in found.items()}
-            for label, found in points.items()
-        }
+        job["tolerances"] = {label: held_again(found) for label, found in points.items()}
     return [row(cell, points[cell.label], faults[cell.label]) for cell in cells]
 
 
@@ -222,6 +223,23 @@ def _next_to_levels(points: Points) -> list[float]:
             chosen.update(tol for _, tol in [x for x in line if x[0] < level][-1:])
             chosen.update(tol for _, tol in [x for x in line if x[0] >= level][:1])
     return sorted(chosen, reverse=True)
+
+
+def held_again(points: Mapping[str, Points]) -> dict[str, list[float]]:
+    """The tolerances of each program that are timed once more: none of one that is far behind."""
+    found = {}
+    middles = [
+        {
+            n: statistics.median(t.values())
+            for n, there in points.items()
+            if (t := seconds_of(there, x))
+        }
+        for x in LEVELS
+    ]
+    for name, there in points.items():
+        met = [times[name] <= _FAR * min(times.values()) for times in middles if name in times]
+        found[name] = _next_to_levels(there) if any(met) or not met else []
+    return found
 
 
 def _short(x: float) -> float:
