@@ -14,6 +14,7 @@ Told: TypeAlias = dict[str, Any]
 
 LONG = 1000  # from this end on a run is told as a long one
 SHOWN_OUTPUTS = 101  # of the figure
+_UNCOUNTED = "Cells in which it does not reach the digits itself are not among them."
 WORDS = ("ahead", "even", "behind", "alone", "not reached")
 
 
@@ -31,23 +32,23 @@ def finding(found: Told) -> str:
         _stands(cells, "at t = 1 and 10, to 6,", lambda c, d: c["end"] <= 10 and d == 6),
         _stands(cells, "and there to 9 and 12", lambda c, d: c["end"] <= 10 and d > 6),
     ]
-    sentences = [told[0], "; ".join(text for text in told[1:] if text) + "."]
+    sentences = [told[0], "; ".join(text for text in told[1:] if text) + ".", _UNCOUNTED]
     sentences += [_losses(cells), _engine(cells), _trajectories(cells), _compensated(cells)]
     sentences += [_first(found["first"]), _absent(found)]
     return " ".join(text for text in sentences if text)
 
 
 def short(found: Told) -> str:
-    """The same in a paragraph: where polhode is ahead, where it is not, and what a start costs."""
+    """The same in a paragraph: where polhode is ahead, where it is not, beside its own engine."""
     cells = found["cells"]
     told = [
-        _stands(cells, "From t = 100 on", lambda c, _: c["end"] >= 100),
+        _stands(cells, "from t = 100 on", lambda c, _: c["end"] >= 100),
         _stands(cells, "at t = 1 and 10", lambda c, _: c["end"] <= 10),
     ]
     sentences = [
-        "To 6, 9 and 12 digits, every program prepared once and given a new start each time:",
+        "Every program prepared once and given a new start each time, to 6, 9 and 12 digits,",
         "; ".join(text for text in told if text) + ".",
-        *(_losses(cells), _engine(cells), _compensated(cells), _absent(found)),
+        *(_losses(cells), _engine(cells), _absent(found)),
     ]
     return " ".join(text for text in sentences if text)
 
@@ -120,8 +121,9 @@ def _stands(cells: Sequence[Told], where: str, wanted: Callable[[Told, float], b
     reached = len(here) - count["not reached"]
     if not reached:
         return ""
-    text = f"{where} a polhode propagator is ahead of every other program in "
-    text += f"{count['ahead'] + count['alone']} of the {reached} cells in which it reaches them"
+    ahead = count["ahead"] + count["alone"]
+    text = f"{where} a polhode propagator is ahead of every other program in {ahead} of "
+    text += f"{reached} cells"
     more = [f"{count[word]} {word}" for word in ("even", "behind") if count[word]]
     return f"{text} ({', '.join(more)})" if more else text
 
@@ -140,11 +142,11 @@ def _losses(cells: Sequence[Told]) -> str:
         here = [verdict for cell, verdict in lost if cell["end"] == end]
         worst = min(here, key=lambda verdict: verdict["ratio"][0])
         middle = statistics.median(verdict["ratio"][0] for verdict in here)
-        told.append(
-            f"at t = {end} the best takes {middle:.2f} of its time (median of {len(here)} cells), "
-            f"at best {worst['best']} {worst['ratio'][0]:.2f}"
-        )
-    return f"Where it is behind, {'; '.join(told)}."
+        told.append(f"{middle:.2f} at t = {end} ({worst['best']} {worst['ratio'][0]:.2f})")
+    return (
+        f"Where it is behind, the best takes, in the median and at the least, {', '.join(told)} of "
+        "its time."
+    )
 
 
 def _engine(cells: Sequence[Told]) -> str:
@@ -160,7 +162,7 @@ def _engine(cells: Sequence[Told]) -> str:
             if program["program"] == ENGINE and program["ratio"] is not None
         ]
         if ratios:
-            told.append(f"{statistics.median(ratios):.2f} at t = {end} (at most {max(ratios):.2f})")
+            told.append(f"{statistics.median(ratios):.2f} (at most {max(ratios):.2f}) at t = {end}")
     if not told:
         return ""
     text = "heyoka written by hand is polhode's own engine; a propagator takes "
@@ -211,7 +213,7 @@ def _compensated(cells: Sequence[Told]) -> str:
     ratios = [program["ratio"][0] for _, program in met if program["ratio"] is not None]
     text = f"To 12 digits from t = {LONG} on {name} arrives in {reached} of {asked} runs"
     if ratios:
-        text += f", in {min(ratios):.2g} to {max(ratios):.2g} times polhode's time where both do"
+        text += f", in {statistics.median(ratios):.2g} times polhode's time where both do"
     return f"{text}."
 
 
