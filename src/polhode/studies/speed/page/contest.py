@@ -270,7 +270,7 @@ def _cells(found: Sequence[tuple[Told, Told]]) -> Iterator[str]:
     yield ", ".join(f"{n} {word}" for word, n in count.items() if n)
     met = [x["verdict"] for _, x in found if "best" in x["verdict"]]
     names = [verdict["best"] for verdict in met]
-    yield ", ".join(sorted(set(names), key=lambda name: -names.count(name))[:2]) or "–"
+    yield ", ".join(sorted(set(names), key=lambda name: (-names.count(name), name))[:2]) or "–"
     yield _spread([verdict["ratio"][0] for verdict in met])
     for name in (ENGINE, RUN):
         yield _spread(
