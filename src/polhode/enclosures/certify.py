@@ -142,10 +142,11 @@ def certify(
     forecasts = [
         precision_choice.forecast(side.motion, side.last, digits, deadline) for side in sides
     ]
-    bits = max(needed for needed, _ in forecasts)
-    noise = max(LEAST_NOISE, *(math.ceil(sum(found)) for found in forecasts))
+    bits = max(found.bits for found in forecasts)
+    noise = max(LEAST_NOISE, *(math.ceil(found.bits + found.grown) for found in forecasts))
     if forecast is not None:
-        forecast(sum(precision_choice.seconds(side.motion, side.last, noise) for side in sides))
+        turned = bool({"angles", "attitude"} & {*scene.modelled})
+        forecast(sum(found.seconds(noise, turned) for found in forecasts))
     best: Enclosure | None = None
     refusal = ""
     for tries in range(1, _MOST_TRIES + 1):

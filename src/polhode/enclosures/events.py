@@ -160,15 +160,16 @@ def certify_events(
             expected = "an expression that is not zero all along the motion"
             raise BadInput(scene.name, key, text, expected)
     deadline = time_limit(scene, max_seconds)
-    bits, grown = precision_choice.forecast(what, last, digits, deadline)
-    noise = max(LEAST_NOISE, math.ceil(bits + grown))
+    needed_for = precision_choice.forecast(what, last, digits, deadline)
+    noise = max(LEAST_NOISE, math.ceil(needed_for.bits + needed_for.grown))
     if forecast is not None:
-        forecast(_DEARER * precision_choice.seconds(what, last, noise))
+        outputs = bool({"angles", "attitude"} & {*scene.modelled})
+        forecast(_DEARER * needed_for.seconds(noise, outputs))
     for _ in range(_MOST_TRIES):
         try:
             return _found(what, polynomials, last, noise, progress, deadline)
         except Refused as why:
-            noise = min(MOST_NOISE, precision_choice.raised(noise, bits, why))
+            noise = min(MOST_NOISE, precision_choice.raised(noise, needed_for.bits, why))
     raise BadInput(scene.name, "digits", digits, "digits that can be proven to the end")
 
 

@@ -23,6 +23,7 @@ from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 
 MOST_SECONDS = 600.0  # that a proof may take, about, where one is asked for
+_UNASKED_SECONDS = 10.0  # and where none is
 MOST_CHECKED = 20  # output times at which a run is checked
 CLOSED_FORM, PROOF, SECOND_RUN = "closed form", "proof", "second run"
 _SPARE = 2  # digits that are proven beyond those wanted
@@ -92,7 +93,9 @@ def _proof(
 
     if digits + _SPARE > MOST_DIGITS or not (wanted or run.number.bits > 64):
         return None
-    limit = MOST_SECONDS if wanted else defaults.seconds(wider(run.number), run.steps)
+    limit = MOST_SECONDS
+    if not wanted:
+        limit = min(_UNASKED_SECONDS, defaults.seconds(wider(run.number), run.steps))
 
     def forecast(seconds: float) -> None:
         if seconds > limit:
