@@ -155,7 +155,7 @@ class Enclosure(Result, ByValue):
             What has no certificate: irrational times or times of both signs, a scene without
             gamma.
         """
-        if Path(path).suffix.lower() != ".json":
+        if Path(path).suffix.lower() not in (".json", ""):  # "-" is stdout
             super().save(path)
             return
         from polhode.certificates import state_certificate

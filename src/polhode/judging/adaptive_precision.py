@@ -128,8 +128,8 @@ def integrate(
     proved : bool, optional
         How ``digits`` are checked where no closed form is known.  True: by a proven enclosure.
         False: by a second run, refined over other intervals or in a wider type, which is an
-        estimate.  Left out: by a proof where that costs less than steps in the wider type, and at most
-        some ten seconds.
+        estimate.  Left out: by a proof where that costs less than steps in the wider type, and at
+        most some ten seconds.
     progress : callable or bool, optional
         Called now and then with the fraction of the time done and the steps taken; True for a bar.
 

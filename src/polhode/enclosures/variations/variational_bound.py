@@ -127,8 +127,8 @@ class Derivatives:
             where = places(known.pieces.times, asked)
         for n, step in enumerate(steps):
             eps = missed(known, n, step)
-            while where and where[0][0] == n:
-                v, lost = matrix(known, n, where.pop(0)[1])
+            for tau in where.get(n, []):
+                v, lost = matrix(known, n, tau)
                 self.found.append(self._product.at(v, UP * (eps + lost)))
             self._product.step(known.ends[n], eps)
 
