@@ -24,6 +24,7 @@ if _TYPE_CHECKING:
     from polhode.common.errors import BadInput as BadInput
     from polhode.common.html_page import Page as Page
     from polhode.common.provenance import __version__ as __version__
+    from polhode.common.result import Result as Result
     from polhode.dynamics.chaos.chaos_map import ChaosMap as ChaosMap
     from polhode.dynamics.chaos.chaos_map import chaos_map as chaos_map
     from polhode.dynamics.frequencies.frequencies import Frequencies as Frequencies
@@ -65,6 +66,8 @@ if _TYPE_CHECKING:
     from polhode.motion.outcomes import Outcome as Outcome
     from polhode.motion.outcomes import Projection as Projection
     from polhode.output.archive import load_run as load_run
+    from polhode.output.results.files import load_result as load_result
+    from polhode.proofs.chaos.prove_chaos import prove_chaos as prove_chaos
     from polhode.proofs.prove_orbit import prove_orbit as prove_orbit
     from polhode.proofs.proved_orbit import ProvedOrbit as ProvedOrbit
     from polhode.proofs.refusals import NotProved as NotProved
@@ -113,6 +116,7 @@ _HOMES = {
     "Reductions": "dynamics.observables.reduce_many",
     "Reference": "judging.references.reference",
     "Rolling": "judging.rolling_cones",
+    "Result": "common.result",
     "Scene": "scenes.scene",
     "Section": "dynamics.sections.section",
     "SectionPlan": "scenes.scene",
@@ -132,12 +136,14 @@ _HOMES = {
     "integrate_many": "runs.sweep.integrate_many",
     "levels": "dynamics.levels.levels",
     "load": "scenes.library",
+    "load_result": "output.results.files",
     "load_run": "output.archive",
     "lyapunov": "judging.conditioning.lyapunov",
     "orbit": "dynamics.periodic_orbits.orbit",
     "orbit_family": "dynamics.periodic_orbits.families",
     "orbit_search": "dynamics.periodic_orbits.search",
     "plot": "figures.drawing",
+    "prove_chaos": "proofs.chaos.prove_chaos",
     "prove_orbit": "proofs.prove_orbit",
     "propagator": "runs.propagator",
     "reduce_many": "dynamics.observables.reduce_many",
@@ -167,8 +173,7 @@ _provide(
     scenes=_presentation("SCENES"),
     runs=_presentation("RUNS"),
     reevaluation=_presentation("REEVALUATION"),
-    ensembles=_presentation("ENSEMBLES"),
-    judgements=_presentation("JUDGEMENTS"),
+    results=_presentation("RESULTS"),
 )
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
 from polhode.judging.score.compare import compare
 from polhode.judging.score.judgement import Judgement
@@ -56,6 +58,9 @@ def assert_digits(
     AssertionError: 6.00 correct digits at t = 1, where at least 9 are wanted
     ...
     """
+    of_kind("assert_digits", "at_least", at_least, (int, float), "a number of digits")
+    if math.isnan(at_least):
+        raise BadInput("assert_digits", "at_least", at_least, "a number of digits")
     scene = library.load(scene)
     if callable(mine) and not isinstance(mine, Trajectory):
         times = scene.times if at is None else tuple(at)

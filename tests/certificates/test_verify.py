@@ -182,6 +182,55 @@ def test_a_damaged_file_is_one_line(text, tmp_path):
         polhode.verify(path)
 
 
+def test_numbers_longer_than_python_reads_are_read(small, tmp_path):
+    """4300 digits are Python's own limit; beyond the checker's one line tells."""
+    path = tmp_path / "x.json"
+    text = json.dumps(small)
+    first = json.dumps(small["centres"][0][0])
+    path.write_text(text.replace(first, "1" * 5000, 1))
+    assert "condition of the step" in polhode.verify(path).text
+    path.write_text(text.replace(first, "1" * 30_000, 1))
+    with pytest.raises(BadInput, match="20000 digits"):
+        polhode.verify(path)
+    middle, _ = small["statement"][0]["balls"][0]
+    longer = middle + "0" * 5000
+    path.write_text(text.replace(json.dumps(middle), json.dumps(longer), 1))
+    assert polhode.verify(path).proved
+
+
+def test_a_certificate_from_the_standard_input(small, tmp_path):
+    for command in ([verify.__file__, "-"], ["-m", "polhode", "verify", "-"]):
+        told = subprocess.run(
+            [sys.executable, *command], input=json.dumps(small), capture_output=True, text=True
+        )
+        assert told.returncode == 0, told.stderr
+        assert "proved: at 2 times" in told.stdout
+
+
+def test_a_certificate_on_stdout_is_alone(capsys):
+    command = ["reference", "lagrange/nutation", "--at", "1", "--digits", "10", "--certified"]
+    assert main([*command, "-o", "-"]) == 0
+    told = capsys.readouterr()
+    assert json.loads(told.out)["kind"] == "state"
+    assert "every digit is proven" in told.err
+
+
+def test_work_that_would_take_hours_is_refused_at_once(small):
+    given = small | {"bits": 4000}
+    given["grid"] = [*range(10_000)]
+    given["centres"] = [small["centres"][0]] * 9_999
+    with pytest.raises(verify.Damaged, match="are too many"):
+        verify.state(given)
+
+
+def test_progress_is_told(small):
+    seen = []
+    verify.verify(json.dumps(small).encode(), lambda part, steps: seen.append((part, steps)))
+    assert seen[0] == (0.0, 0)
+    assert [steps for _, steps in seen] == list(range(len(small["centres"])))
+    assert all(0 <= part < 1 for part, _ in seen)
+
+
 def test_a_key_of_the_scene_that_is_not_known_is_refused(small):
     given = copy.deepcopy(small)
     given["scene"]["damping"] = "0"
@@ -228,8 +277,8 @@ def faulty(fault, given, monkeypatch):
         rows[2][3 if fault == "taylor" else 0] += arb("1e-12").mid()
         return rows
 
-    def bent(a):
-        v = transition(a)
+    def bent(a, fine):
+        v = transition(a, fine)
         if fault == "no transition":
             return [v[0], arb_mat(6, 6)]
         v[1] = (v[1] * arb("1.001")).mid()
@@ -293,7 +342,7 @@ def test_the_command_line(digits, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("scene", "at", "said"),
     [
-        ("euler/largest-axis", [0], "times of one sign"),
+        ("euler/largest-axis", [0], "a time other than 0"),
         ("lagrange/nutation", [-1, 1], "times of one sign"),
         ("lagrange/nutation", ["sqrt(2)"], "rational times"),
     ],

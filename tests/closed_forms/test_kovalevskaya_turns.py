@@ -9,7 +9,7 @@ import pytest
 import polhode
 from polhode.closed_forms.functions.rounding import number as rounded
 from polhode.closed_forms.kovalevskaya import regimes
-from polhode.closed_forms.kovalevskaya.attitude import theta_argument
+from polhode.closed_forms.kovalevskaya.attitude import axis_turns, theta_argument
 from polhode.closed_forms.kovalevskaya.attitude.real_periods import real_periods
 from polhode.closed_forms.kovalevskaya.attitude.theta_argument import ThetaSum
 from polhode.closed_forms.kovalevskaya.attitude.theta_turns import TorusTurns
@@ -17,7 +17,7 @@ from polhode.closed_forms.kovalevskaya.theta.riemann_periods import solved
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers.conversion import exactly
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
-from shared.closed_form_checks import fractions
+from shared.closed_form_checks import fractions, rational_axes
 from shared.kovalevskaya_motions import GENERIC
 
 F = Fraction
@@ -29,12 +29,32 @@ THROUGH_POLES = {
     "from a pole, asymptotic": (("8/5", 0, "1/2"), (0, 0, 1)),
     "from a pole, multiply degenerate": (("4/5", "3/5", 1), (0, 0, 1)),
 }
+SKEW = rational_axes((3, -1, 2, 4))
+CYCLIC = (F(0), F(1), F(0)), (F(0), F(0), F(1)), (F(1), F(0), F(0))
 TAU = mpc("0.2", "0.9"), mpc("-0.3", "0.25"), mpc("-0.4", "1.7")
 COEFFICIENTS = mpc("0.3", "-1"), mpc("0.8", "0.1"), mpc("-0.2", "0.6"), mpc("1.1", "0.4")
 
 
 def top_of(start):
     return KovalevskayaTop(BODY, TORQUE, *map(fractions, start))
+
+
+def attitudes_of(top):
+    return top._attitudes
+
+
+def turned(start, axes):
+    """A top in other axes of the scene."""
+    rows = [
+        tuple(sum((axes[i][j] * v[i] for i in range(3)), F(0)) for j in range(3))
+        for v in map(fractions, start)
+    ]
+    return KovalevskayaTop(BODY, TORQUE, *rows, F(1, 3), axes)
+
+
+def about_axis(attitude, t):
+    """Growth about the scene's third axis, in closed form and counted."""
+    return attitude.about_axis(mpmath.ldexp(t, attitude.exponent)), attitude.counted(t)
 
 
 def value(z, coefficients):
@@ -140,9 +160,9 @@ def test_next_to_a_degenerate_motion_turns_are_those_of_a_run(name):
 def test_turns_through_poles_are_the_counted_ones(name, time):
     top = top_of(THROUGH_POLES[name])
     assert regimes.passes_poles(top._start)
-    attitudes = top._attitudes
+    attitudes = attitudes_of(top)
     with mpmath.workprec(128):
-        found, counted = attitudes._turns(128, mpf(time)), attitudes._tallied(mpf(time))
+        found, counted = attitudes._turns(128, mpf(time)), attitudes.tallied(mpf(time))
         assert max(abs(a - b) for a, b in zip(found, counted, strict=True)) < 1e-6
 
 
@@ -190,7 +210,7 @@ def test_a_corrupted_way_is_noticed(name, monkeypatch):
     old = getattr(TorusTurns, name)
     monkeypatch.setattr(TorusTurns, name, lambda *a: [x + mpf("1e-4") for x in old(*a)])
     with pytest.raises(ArithmeticError, match="turns"):
-        TorusTurns(top._attitudes.at(128).formula(0), 128).growth(mpf(1000))
+        TorusTurns(attitudes_of(top).at(128).formula(0), 128).growth(mpf(1000))
 
 
 def test_doubles_leave_no_piece_unsettled(monkeypatch):
@@ -200,3 +220,62 @@ def test_doubles_leave_no_piece_unsettled(monkeypatch):
     monkeypatch.setattr(theta_argument, "_LOST", 10.0)
     with mpmath.workprec(80):
         assert abs(ThetaSum(TAU, COEFFICIENTS).growth(z, way) - plain) < 1e-9
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("axes", [SKEW, CYCLIC])
+@pytest.mark.parametrize("name", GENERIC)
+def test_turns_about_another_axis_are_the_counted_ones(name, axes):
+    attitude = attitudes_of(turned(GENERIC[name], axes)).at(128)
+    with mpmath.workprec(128):
+        for t in (mpf(9), mpf(-14)):
+            found, counted = about_axis(attitude, t)
+            assert max(abs(a - b) for a, b in zip(found, counted, strict=True)) < 1e-9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["isolated node", "from a pole"])
+def test_turns_about_another_axis_next_to_poles(name):
+    """A motion on a degenerate curve, by two neighbours; a start with the scene's axis vertical."""
+    with mpmath.workprec(128):
+        if name == "from a pole":
+            rows = [[str(x) for x in row] for row in SKEW]
+            start = ("1/2", "1/3", 2), [rows[i][2] for i in range(3)]
+            attitude = attitudes_of(turned(start, SKEW)).at(128)
+            found, counted = about_axis(attitude, mpf(-7))
+        else:
+            attitudes = attitudes_of(turned(THROUGH_POLES[name], SKEW))
+            found = attitudes.about_axis(attitudes.neighbours(mpf(9), 128), mpf(9))
+            counted = attitudes.tallied(mpf(9))
+        assert max(abs(a - b) for a, b in zip(found, counted, strict=True)) < 1e-9
+
+
+def test_turns_about_another_axis_at_any_time():
+    """psi far away grows as its rate says, and at the mean rate of a shorter motion."""
+    top = turned(GENERIC["e-ee+"], SKEW)
+    far = [F(10) ** 9 + F(i, 64) for i in range(9)]
+    (first, *_, last), rows = top.angles([far[0], far[-1]], 12), top.at(far, 20)
+    rates = [(r[0] * r[3] + r[1] * r[4]) / (r[3] ** 2 + r[4] ** 2) for r in rows]
+    grown = mpmath.fdot([1, 4, 2, 4, 2, 4, 2, 4, 1], rates) / 192
+    assert abs(last[0] - first[0] - grown) < 1e-2
+    short = top.angles([F(10) ** 7], 12)[0]
+    for i in (0, 2):
+        assert abs(first[i] / far[0].numerator * far[0].denominator - short[i] / 10**7) < 1e-5
+
+
+@pytest.mark.parametrize("fault", ["missed", "sign", "turned round"])
+def test_a_zero_missed_or_of_the_wrong_sign_is_noticed(fault, monkeypatch):
+    attitude = attitudes_of(turned(GENERIC["e-ee+"], CYCLIC)).at(128)
+    with mpmath.workprec(128):
+        _, counted = about_axis(attitude, mpf(23))
+        (torus,) = attitude.axis_tori.values()
+        known = torus.zeros
+        if fault == "turned round":
+            around = axis_turns.copies_enclosed
+            monkeypatch.setattr(axis_turns, "copies_enclosed", lambda *a: -around(*a))
+        elif fault == "sign":
+            torus.zeros = [[z._replace(sign=-z.sign) for z in row] for row in known]
+        else:
+            torus.zeros = [row[1:] for row in known]
+        other, _ = about_axis(attitude, mpf(23))
+        assert max(abs(a - b) for a, b in zip(counted, other, strict=True)) > 6

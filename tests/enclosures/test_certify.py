@@ -226,7 +226,8 @@ BY_THE_RULE: list[tuple[Any, list[Any], tuple[str, ...], list[str]]] = [
     (("3/5", 0, "4/5"), [1, 2], ("angles", "attitude"), []),
     ((0, 0, 1), [1], ("angles", "attitude"), []),
     (("sqrt(3)/2", 0, "1/2"), [1], (), []),
-    (("sqrt(3)/2", 0, "1/2"), [1], ("attitude",), ["that gamma has"]),
+    (("sqrt(3)/2", 0, "1/2"), [1], ("attitude",), []),  # the squares of roots are known
+    (("sin(1)", 0, "cos(1)"), [1], ("attitude",), ["that gamma has"]),
     # 4096 bits do not tell it from a start at the pole, where phi is another
     (
         ("sqrt(2)*sqrt(3) - sqrt(6) + 1e-1300", 0, 1),

@@ -15,7 +15,7 @@ from shared import enclosure_trials as trials
 from shared.mutation import without
 
 #: How near the claimed numbers come to the exact ones at worst: neither wrong nor slack.
-LEAST = {"alpha": 0.999, "growth": 0.999, "sigma": 0.999, "delta": 0.2}
+LEAST = {"alpha": 0.999, "majorant": 0.999, "growth": 0.999, "sigma": 0.999, "delta": 0.2}
 
 
 def _windows(rng: random.Random, kinds: Any, levels: Any, steps: int = 12) -> Any:
@@ -65,8 +65,10 @@ def test_no_number_of_many_steps_is_below_its_exact_value() -> None:
 @pytest.mark.parametrize(
     ("name", "change"),
     [
-        ("growth", ("exponential", "np.where(usable, found * (1.0 + 1e-7), math.inf)", "usable")),
+        ("majorant", ("exponential", "np.where(usable, found * (1.0 + 1e-7), math.inf)", "usable")),
         ("alpha", ("bounds", "(a_norms + a_gaps) * weights[:count]", "0.5 * a_norms")),
+        ("growth", ("bounds", "UP * kappa * exponential(m)", "exponential(m)")),
+        ("flow", ("bounds", "UP * kappa * exponential(m)", "1.0 + 0.0 * m")),
         ("sigma", ("bounds", "sigma = UP * np.sum(e_sizes, axis=1)", "sigma = e_sizes[:, 0]")),
         ("delta", ("_delta", "pieces.lengths * np.max(missed, axis=1)", "0.0")),
         ("matrix", ("jacobian", "-scaled[:, :, 3 + b]", "scaled[:, :, 3 + b]")),

@@ -12,7 +12,10 @@ from polhode.figures.canvas import dot_strips
 from polhode.figures.canvas.canvas import COLOURS, as_svg, pyplot
 from polhode.figures.canvas.direct_labels import LOOKS, End, _apart, ink, label_ends
 from polhode.studies.long_run import rows as long_run
-from polhode.studies.speed import benchmark_grid, contenders
+from polhode.studies.speed import contenders
+from polhode.studies.speed.programs import OURS, PROGRAMS
+
+DRAWN = [p.name for p in PROGRAMS if p.last and p.name != OURS]
 
 
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=9), st.floats(0.01, 0.1))
@@ -32,22 +35,18 @@ def test_labels_that_cannot_fit_are_centred():
 
 
 def test_every_method_has_a_look_and_no_two_the_same():
-    methods = (*contenders.OURS, contenders.HEYOKA, *contenders.PEERS, *contenders.SHORT_PEERS)
-    names = {m.name for m in (*methods, *benchmark_grid.METHODS)} | {
-        long_run.PLAIN,
-        long_run.PROJECTED,
-    }
-    assert names <= LOOKS.keys()
-    # a peer may stand among those of the short motion again, with other tolerances
-    drawn = [LOOKS[name] for name in {m.name for m in methods}]
-    assert len(set(drawn)) == len(drawn)
+    types = {m.name for m in contenders.OURS}
+    assert {*types, *DRAWN, long_run.PLAIN, long_run.PROJECTED} <= LOOKS.keys()
+    for names in (types, DRAWN):
+        assert len({LOOKS[name] for name in names}) == len(names)
 
 
 def test_a_colour_is_a_programs_or_a_number_types():
     """No other program has a colour of polhode's number types, or of another program."""
     programs: dict[str, set[str]] = {}
-    for m in (contenders.HEYOKA, *contenders.PEERS, *contenders.SHORT_PEERS):
-        programs.setdefault(LOOKS[m.name].colour, set()).add(m.name.split()[0])
+    for name in DRAWN:
+        if not name.startswith("polhode"):
+            programs.setdefault(LOOKS[name].colour, set()).add(name.split()[0])
     assert all(len(names) == 1 for names in programs.values())
     assert programs.keys().isdisjoint(COLOURS.values())
 

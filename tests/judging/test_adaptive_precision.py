@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 
@@ -130,3 +132,20 @@ def test_half_of_the_digits_are_told_to_be_gone_where_they_are():
 def test_a_state_that_stands_still_loses_nothing():
     run = polhode.integrate("euler/rest")
     assert min(run.expected.digits) == run.number.most_digits
+
+
+def test_digits_are_told_where_no_double_holds_the_time():
+    """A pendulum so light that 1e340 is the beginning of its first swing."""
+    light = polhode.top(
+        moments=[1, 2, "1.5"],
+        centre=["0.1", 0, "0.3"],
+        weight="1e-700",
+        omega=[0, 0, 0],
+        gamma=["0.6", 0, "0.8"],
+        end="1e340",
+    )
+    assert 14 < polhode.integrate(light).expected.digits[-1] < 16
+    assert polhode.integrate(light, digits=10).correct_digits >= 10
+    spun = replace(light, omega=(Fraction(0), Fraction(0), Fraction(1)))
+    with pytest.raises(polhode.BadInput, match=r"number = double: expected a type of wider range"):
+        polhode.integrate(spun, digits=10)

@@ -45,3 +45,9 @@ def test_another_convention_is_wrong_unless_it_is_allowed(run):
         polhode.testing.assert_digits(columns, SCENE, at_least=9)
     found = polhode.testing.assert_digits(columns, SCENE, at_least=9, as_it_stands=False)
     assert found.reading == "omega p q r = q p r"
+
+
+@pytest.mark.parametrize("digits", ["12", float("nan")])
+def test_digits_that_are_no_number_are_refused_in_one_line(run, digits):
+    with pytest.raises(polhode.BadInput, match=r"^assert_digits: at_least = .* a number of digits"):
+        polhode.testing.assert_digits(run, SCENE, at_least=digits)

@@ -12,7 +12,7 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.judging.diagnosis import conventions
+from polhode.judging.diagnosis import rotation_matrices
 from polhode.judging.tables.column_aliases import Column, column
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 
@@ -31,7 +31,7 @@ COLUMNS = {
         for name, column in zip(names, zip(*rows, strict=True), strict=True)
     },
 }
-MATRICES = conventions._matrices(np.array([COLUMNS[name] for name in ATTITUDE]).T)
+MATRICES = rotation_matrices.matrices(np.array([COLUMNS[name] for name in ATTITUDE]).T)
 
 
 def written(path, **columns):

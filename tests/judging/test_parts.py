@@ -228,9 +228,9 @@ def test_an_attitude_that_a_closed_form_does_not_answer_is_enclosed(monkeypatch)
 
 
 def test_a_long_proof_is_foretold_with_the_unit_that_t_seems_to_have(tmp_path, capsys):
-    """t = 5000 are five seconds, and would take minutes to prove; 200 000 are refused at once."""
+    """t = 20 000 are twenty seconds, and would take minutes to prove; 200 000 are refused at once."""
     name = "general/asymmetric-regular"
-    for end, told in ((5, ""), (200, "; t looks like milliseconds\n")):
+    for end, told in ((20, ""), (200, "; t looks like milliseconds\n")):
         run = polhode.integrate(name, at=[Fraction(k, 100) for k in range(1, 20)] + [end])
         columns = {"t": [1000 * float(t) for t in run.t]}
         columns |= {n: [*map(float, run.states[:, k])] for k, n in enumerate(STATE)}
@@ -238,14 +238,14 @@ def test_a_long_proof_is_foretold_with_the_unit_that_t_seems_to_have(tmp_path, c
         if told:
             assert cli.main(["compare", str(tmp_path / f"{end}.csv"), name, "--as-it-stands"]) == 2
             assert capsys.readouterr().err.endswith(told)
-    path = str(tmp_path / "5.csv")
+    path = str(tmp_path / "20.csv")
     assert cli.main(["compare", path, name, "--as-it-stands", "--max-seconds", "0.2"]) == 3
     out, err = capsys.readouterr()
     assert out == ""
     told, ended = err.splitlines()
     assert "the proof that judges will take about " in told
     assert told.endswith("its t looks like milliseconds")
-    assert "max_seconds = 0.2: expected seconds in which the motion is proven to t = 5000," in ended
+    assert "max_seconds = 0.2: expected seconds in which the motion is proven to t = 20000," in ended
 
 
 def test_a_limit_that_is_not_reached_changes_nothing(tmp_path, capsys):

@@ -45,7 +45,7 @@ Job = Callable[[], Any]
 
 def plain(case: str, times: Sequence[Fraction]) -> polhode.Scene:
     """A case's body and start, nothing else asked for."""
-    return replace(polhode.load(case), times=tuple(times), outputs=(), events=(), published=())
+    return replace(polhode.load(case), times=times, outputs=(), events=(), published=())
 
 
 def least(jobs: Sequence[Job], seconds: float, row: int = 4) -> list[float]:

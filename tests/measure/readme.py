@@ -16,7 +16,7 @@ from polhode.studies import report
 from polhode.studies.long_run.page import far_table
 from polhode.studies.page.blocks import PageTable, markdown
 from polhode.studies.speed import page
-from polhode.studies.speed.page import caveats, lengths
+from polhode.studies.speed.page import contest
 
 ROOT = Path(__file__).parents[2]
 WIDTH = 104
@@ -39,9 +39,8 @@ def parts() -> dict[str, str]:
 
 
 def _ahead(found: Any) -> str:
-    """What stands, and what was withdrawn, in two paragraphs."""
-    told = page.finding(found), caveats.withdrawn(found["motions"])
-    return "\n\n".join(map(_filled, told))
+    """How polhode stands beside other programs, in a few sentences."""
+    return _filled(contest.short(found))
 
 
 def _table(made: PageTable) -> str:
@@ -50,27 +49,8 @@ def _table(made: PageTable) -> str:
 
 def _speed(found: Any) -> str:
     """Who is ahead where, in sentences."""
-    regular = [m for m in found["motions"] if m["kind"] == "regular"]
-    told = (
-        page.finding(found),
-        caveats.withdrawn(found["motions"]),
-        caveats.compensated(found["motions"]),
-        f"{_engine(regular)} {lengths.beside_engine(found['cells'])}",
-        _refined(found["refined"]),
-    )
+    told = page.finding(found), _refined(found["refined"])
     return "\n\n".join(map(_filled, told))
-
-
-def _engine(motions: Any) -> str:
-    """What a run takes beside heyoka written by hand."""
-    rows = [m["verdict"]["engine"]["polhode double projected"] for m in motions]
-    tight = _between([row["overhead_tightest"] for row in rows])
-    most = max(row["overhead_most"] for row in rows)
-    return (
-        f"Beside heyoka written by hand a run to t = 1000 at the tolerance eps takes {tight} times "
-        f"as long, a looser one up to {most:.2g} times: for checking the scene, exact output "
-        "times, and putting the state back on its integrals."
-    )
 
 
 def _refined(rows: Any) -> str:
@@ -81,10 +61,6 @@ def _refined(rows: Any) -> str:
         f"1/{row['gain']:.0f} ({row['motion']}, t = {row['end']})" for row in last.values()
     )
     return f"In quad a refined run takes so much of the time of heyoka's own steps: {told}."
-
-
-def _between(values: Any) -> str:
-    return f"{min(values):.3g} to {max(values):.3g}"
 
 
 def _filled(text: str) -> str:

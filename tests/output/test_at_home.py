@@ -90,8 +90,8 @@ def test_what_is_no_archive_is_refused(tmp_path, content):
         path.write_bytes(content)
     with pytest.raises(polhode.BadInput, match="a run that polhode saved"):
         polhode.load_run(path)
-    with pytest.raises(polhode.BadInput, match=r"ends in \.npz"):
-        a_run().save(tmp_path / "run.csv")
+    with pytest.raises(polhode.BadInput, match=r"ends in \.csv or \.json or \.npz"):
+        a_run().save(tmp_path / "run.xyz")
 
 
 @pytest.mark.sample(1)

@@ -72,7 +72,7 @@ def test_the_matrix_holds_the_derivative_at_corners(corner, boxes):
 DROPPED = {
     "nu": (
         STARTS,
-        (variational_bound, "missed", "float(known.growth[n]) * (nu + nu * nu)", "0.0"),
+        (variational_bound, "missed", "float(known.majorant[n]) * (nu + nu * nu)", "0.0"),
     ),
     "the box in nu": (STARTS, (variational_bound, "missed", " + step.r", " + 0.0")),
     "the box in the set": (STARTS, (flow_tube, "Tube.__init__", "+ radius", "+ 0.0 * radius")),

@@ -326,7 +326,9 @@ def test_the_work_is_shared_among_threads(monkeypatch):
 def test_bare_steps_are_said_to_be_bare():
     many = polhode.integrate_many(heavy(), {"body.weight": [1]}, at=[1])
     assert many.projected is False
-    assert "not projected" in polhode.integrate_many.__doc__
+    told = " ".join(polhode.integrate_many.__doc__.split())
+    assert "states are *not* projected" in told
+    assert "digits are *not* checked" in told
 
 
 # -- executors ------------------------------------------------------------------------------------

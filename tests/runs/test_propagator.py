@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import pickle
 import signal
 import threading
@@ -149,6 +150,7 @@ def test_what_is_no_time_is_refused(t):
         (lambda: polhode.propagator(scene(), tol=0), "tol"),
         (lambda: polhode.propagator(scene(), project=0), "project"),
         (lambda: polhode.propagator(scene(), project=None), "project"),
+        (lambda: polhode.propagator(scene(weight="1e-700")), "number"),
     ],
 )
 def test_what_it_does_not_do_is_refused_when_it_is_made(made, key):
@@ -234,3 +236,26 @@ def test_a_long_way_is_gone_as_a_run_goes_it():
     assert found.tolist() == go(t=[4.0])[0].tolist()
     go(t=1e300)
     assert (go.outcome, go.steps < 10**6) == (polhode.Outcome.STEP_LIMIT, True)
+
+
+@pytest.mark.parametrize("number", ["double", "extended"])
+@pytest.mark.parametrize("name", ["general/asymmetric-regular", "euler/largest-axis"])
+def test_an_array_of_times_gives_the_states_of_a_list_to_the_bit(name, number):
+    """An array of the propagator's own type goes to heyoka at once, a list by exact times."""
+    go = polhode.propagator(name, number=number)
+    kind = np.longdouble if number == "extended" else np.float64
+    for end in (3, -3, 30_000 if number == "double" else 30):  # the last one in several chunks
+        times = np.linspace(0, end, 7, dtype=kind)
+        for given in (times, times[1:]):
+            rows, steps, outcome = go(t=given), go.steps, go.outcome
+            assert np.array_equal(rows, go(t=[*given]))
+            assert (steps, outcome) == (go.steps, go.outcome)
+            assert np.array_equal(rows[-1], go(t=given[-1]))
+
+
+@pytest.mark.parametrize("times", [[1, 2, 1], [1, 1], [0, 0], [-1, 1], [1, math.nan], [math.inf]])
+def test_an_array_of_times_that_lead_nowhere_is_refused(times):
+    go = polhode.propagator("general/asymmetric-regular")
+    with pytest.raises(polhode.BadInput, match=r"monotone|finite"):
+        go(t=np.array(times, float))
+    assert go(t=np.array([1.0])).shape == (1, 6)  # and it is usable

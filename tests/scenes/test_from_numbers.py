@@ -14,7 +14,10 @@ import pytest
 
 import polhode
 from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import noted
 from polhode.scenes import keys, library, scene_file
+from polhode.scenes import scene as scene_module
+from polhode.scenes.scene import sure_time_unit
 
 EPS = np.finfo(float).eps
 FREE = {"moments": [1, 2, 2.5], "omega": [0.1, 1, 0]}
@@ -397,3 +400,37 @@ def test_every_title_is_read_as_it_was_given(title):
 def test_a_title_that_no_file_can_hold_is_refused_at_once(title, said):
     with pytest.raises(polhode.BadInput, match=said):
         polhode.top(**FREE, title=title)
+
+
+def test_the_unit_of_time_is_the_one_of_the_exact_numbers(monkeypatch):
+    """Doubles decide where they are sure of it; next to a power of two they are not."""
+    rng = np.random.default_rng(7)
+    sizes = [Fraction(float(x)) for x in np.exp(rng.uniform(-90, 90, 300))]
+    near = [Fraction(2) ** int(k) * (1 + x) for k in (-41, 0, 3) for x in _BESIDE_ONE]
+    sure, scenes = 0, []
+    for rate in sizes + near:
+        spin = {"omega": [rate, 0, 0], "gamma": [0, 0, 1]}
+        scenes.append(polhode.top(moments=[1, 2, 2], **spin))
+        weight = {"centre": [0, 0, 1], "weight": rate**2}  # rate**4 is the fourth power, exactly
+        scenes.append(polhode.top(moments=[1, 1, 1], omega=[0, 0, 0], gamma=[0, 1, 0], **weight))
+    found = [scene.time_unit for scene in scenes]
+    sure = sum(sure_time_unit(x.omega, x.body) is not None for x in scenes)
+    monkeypatch.setattr(scene_module, "sure_time_unit", lambda omega, body: None)
+    assert found == [replace(scene, name="again").time_unit for scene in scenes]
+    assert 300 < sure < len(scenes)
+
+
+_BESIDE_ONE = [
+    *(Fraction(sign * k, 2**n) for sign in (1, -1) for k in (1, 3) for n in (9, 10, 11, 40, 60)),
+    Fraction(0),
+]
+
+
+@pytest.mark.parametrize("gamma", [[0.6, 0, 0.8], [0.6, 0.48, 0.64]])
+def test_a_vector_brought_to_length_one_is_known_to_be(gamma):
+    """By its square, exactly: no rule for equal numbers is needed."""
+    with noted() as met:
+        scene = polhode.top(**FREE, gamma=gamma)
+    assert met == []
+    assert sum(x * x for x in scene.gamma) == 1
+    assert any(not isinstance(x, Fraction) for x in scene.gamma)

@@ -42,20 +42,37 @@ def checked(known: Bounds, n: int, constants: Sequence[Fraction]) -> dict[str, t
     with ctx.workprec(BITS):
         alpha = sum((_norm(a, j) / (j + 1) for j in range(_length(a))), fmpq(0))
         found["alpha"] = arb(alpha), known.alpha[n]
-        found["growth"] = arb(alpha).exp(), known.growth[n]
+        found["majorant"] = arb(alpha).exp(), known.majorant[n]
+        log = _logarithmic(a, known.problem.weights)
+        least = log if bool(log < arb(alpha).exp()) else arb(alpha).exp()
+        found["growth"] = least, known.growth[n]
         delta = _least_integral(residual)
         found["delta"] = delta * arb(big), known.delta[n]
         sigma = sum(max(abs(row[j]) for row in e) for j in range(max(len(row) for row in e)))
         found["sigma"] = arb(sigma * big), known.sigma[n]
         v = [[_poly(known.matrices[n, :, i, j], fmpq(1)) for j in range(6)] for i in range(6)]
-        found["matrix residual"] = arb(alpha).exp() * arb(_matrix_residual(a, v)), known.rho[n]
+        found["matrix residual"] = least * arb(_matrix_residual(a, v)), known.rho[n]
         flow = _flow(a)
+        sizes = [sum(abs(flow[i, j]) for j in range(6)).lower() for i in range(6)]
+        found["flow"] = max(sizes), known.growth[n]
         miss = max(
             sum(abs(flow[i, j] - arb(float(known.ends[n, i, j]))) for j in range(6)).upper()
             for i in range(6)
         )
         found["matrix"] = miss, known.rho[n]
     return found
+
+
+def _logarithmic(a: Any, weights: Sequence[float]) -> Any:
+    """kappa exp(m) of ``logarithmic_norm``, from exact numbers."""
+    q = [arb(x) for x in weights]
+    m = arb(0)
+    for k in range(_length(a)):
+        rows = [[arb(a[i][j][k]) * q[i] / q[j] for j in range(6)] for i in range(6)]
+        both = [(rows[i][j] + rows[j][i]) / 2 for i in range(6) for j in range(6)]
+        m += sum((x * x for x in both), arb(0)).sqrt() / (k + 1)
+    least = min(weights)
+    return sum((x * x for x in q), arb(0)).sqrt() / arb(least) * m.exp()
 
 
 def jump(known: Bounds, n: int, centre: Sequence[int]) -> list[Fraction]:

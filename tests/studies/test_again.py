@@ -65,7 +65,7 @@ def test_every_row_has_a_command_that_finds_it(name):
 
 
 def test_a_command_that_finds_nothing_is_seen():
-    rows = [("euler t=10 outputs=2", "heyoka alone"), ("euler/rest",)]
+    rows = [("euler t=10 outputs=2", "heyoka by hand"), ("euler/rest",)]
     assert finds("polhode study speed --only 't=10 outputs=2' --only heyoka", "speed", rows)
     assert not finds("polhode study speed --only 't=10 outputs=3'", "speed", rows)
     assert not finds("polhode study speed --only rest --only heyoka", "speed", rows)

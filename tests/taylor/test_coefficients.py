@@ -65,21 +65,6 @@ def test_with_corrections_and_attitude_neither():
     assert hy.llvm_state.get_memcache_size() == size
 
 
-@pytest.fixture
-def built(monkeypatch) -> list:
-    """The integrators that are built from now on, none being idle."""
-    monkeypatch.setattr(compiled, "POOL", Pool())
-    made: list = []
-    build = compiled.built
-
-    def counted(*arguments):
-        made.append(build(*arguments))
-        return made[-1]
-
-    monkeypatch.setattr(compiled, "built", counted)
-    return made
-
-
 @pytest.mark.parametrize("number", ["double", "extended"])
 def test_what_is_1_or_equal_makes_no_pattern_and_what_is_0_does(built, number):
     for more, count in [

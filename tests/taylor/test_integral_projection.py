@@ -88,9 +88,13 @@ def test_a_fourth_integral_needs_its_condition_exactly():
 @pytest.mark.parametrize("name", TOPS)
 @pytest.mark.parametrize(("number", "end"), [("double", 5000), ("extended", 1500)])
 def test_a_projected_run_has_more_digits(name, number, end):
-    scene = polhode.load(name).at((Fraction(end),))
-    bare, projected = (worst(scene, number, project=p) for p in (False, None))
-    assert bare + 0.5 < projected < bare + 5
+    """In the mean of some late times: at one of them errors are small or large by chance."""
+    scene = polhode.load(name).at([Fraction(end * k, 40) for k in range(33, 41)])
+    bare, projected = (
+        np.mean(polhode.compare(polhode.integrate(scene, number, project=p)).digits)
+        for p in (False, None)
+    )
+    assert bare + 1 < projected < bare + 5
 
 
 @pytest.mark.sample(1, first=2)

@@ -18,21 +18,6 @@ from polhode.taylor.integrator import compiled
 NAME = "lagrange/nutation"
 
 
-@pytest.fixture
-def built(monkeypatch) -> list:
-    """The integrators that are built from now on, none being idle."""
-    monkeypatch.setattr(compiled, "POOL", Pool())
-    made: list = []
-    build = compiled.built
-
-    def counted(*arguments):
-        made.append(build(*arguments))
-        return made[-1]
-
-    monkeypatch.setattr(compiled, "built", counted)
-    return made
-
-
 @pytest.mark.parametrize("number", ["double", "extended"])
 def test_a_second_run_builds_nothing_and_has_the_same_bits(built, number):
     scene = replace(polhode.load(NAME), outputs=())

@@ -63,6 +63,7 @@ def test_a_case_is_written_with_comments(tmp_path, capsys):
         (["--like", "lagrange/nutation", "--spin", "3"], "nothing beside --like"),
         (["--like", "lagrange/nutatio"], "lagrange/nutation"),
         (["--tilt", "3 m"], "in m, not in rad"),
+        (["--spin", ""], "expected a number"),
     ],
 )
 def test_what_cannot_be_leaves_nothing(options, said, tmp_path, capsys):

@@ -8,7 +8,11 @@ from typing import NamedTuple
 from polhode.certificates import verify as checker
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
+from polhode.common.files import read_whole
+from polhode.common.progress import Progress
 from polhode.numbers.flint_context import ctx
+
+_STDIN = Path("/dev/stdin")
 
 
 class Verdict(NamedTuple):
@@ -35,16 +39,19 @@ class Verdict(NamedTuple):
         return self.proved
 
 
-def verify(path: str | Path) -> Verdict:
-    """Check a certificate by a program that shares no code with the one that wrote it.
+def verify(path: str | Path, progress: Progress | None = None) -> Verdict:
+    """Check a certificate by a program that shares no code with the proof.
 
-    That program is one file, ``polhode/certificates/verify.py``, which needs python-flint and the
-    standard library alone: ``python verify.py CERT.json`` does the same.
+    That program is one file, ``polhode/certificates/verify.py``, which imports nothing of polhode,
+    only python-flint and the standard library: ``python verify.py CERT.json`` does the same.
 
     Parameters
     ----------
     path : str or Path
-        A file that ``Enclosure.save`` or ``polhode reference --certified -o`` wrote.
+        A file that ``save`` of an enclosure or a proved orbit wrote, or ``-o`` of ``polhode
+        reference --certified`` or ``polhode prove orbit``; ``-`` is the standard input.
+    progress : callable, optional
+        Told the part of the steps that is done, and how many.
 
     Returns
     -------
@@ -65,9 +72,11 @@ def verify(path: str | Path) -> Verdict:
     True
     """
     of_kind("verify", "path", path, (str, Path), "the path of a certificate")
+    file = _STDIN if str(path) == "-" else Path(path)
+    data = read_whole(file, checker.LARGEST, "a readable certificate", str(path))
     try:
         with ctx.workprec(checker.COARSE):  # which the checker changes as it likes
-            return Verdict(True, "\n".join(checker.verify(str(path))))
+            return Verdict(True, "\n".join(checker.verify(data, progress)))
     except checker.NotProved as fault:
         return Verdict(False, f"not proved: {fault}")
     except checker.Damaged as fault:

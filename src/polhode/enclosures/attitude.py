@@ -107,7 +107,7 @@ class Watch:
             where = places(pieces.times, asked)
         for n, step in enumerate(steps):
             self.deadline.check()
-            taus = [tau for place, tau in where if place == n]
+            taus = where.get(n, [])
             followed = self._follow(known, found, n, step, taus)
             for k, tau in enumerate(taus):
                 about = None if followed is None else (float(followed[k, 0]), float(followed[k, 1]))

@@ -142,10 +142,11 @@ def certify(
     forecasts = [
         precision_choice.forecast(side.motion, side.last, digits, deadline) for side in sides
     ]
-    bits = max(needed for needed, _ in forecasts)
-    noise = max(LEAST_NOISE, *(math.ceil(sum(found)) for found in forecasts))
+    bits = max(found.bits for found in forecasts)
+    noise = max(LEAST_NOISE, *(math.ceil(found.bits + found.grown) for found in forecasts))
     if forecast is not None:
-        forecast(sum(precision_choice.seconds(side.motion, side.last, noise) for side in sides))
+        turned = bool({"angles", "attitude"} & {*scene.modelled})
+        forecast(sum(found.seconds(noise, turned) for found in forecasts))
     best: Enclosure | None = None
     refusal = ""
     for tries in range(1, _MOST_TRIES + 1):
@@ -321,9 +322,10 @@ def _digits(scene: Scene, sides: Sequence[_Side], centres: Any, radii: Any) -> t
     """Proven correct digits at each time, rounded down to a hundredth."""
     if not centres:
         return ()
-    squares = [sum(x * x for x in row[:3]) for row in centres]
-    largest = max(range(len(squares)), key=squares.__getitem__)
-    sure = float(exact.sqrt(squares[largest])) - 2.0 * max(radii[largest][:3])
+    sizes = [math.hypot(*map(float, row[:3])) for row in centres]
+    largest = sizes.index(max(sizes))  # in doubles: any row's is a lower bound of the largest
+    square = sum(x * x for x in centres[largest][:3])
+    sure = float(exact.sqrt(square)) - 2.0 * max(radii[largest][:3])
     if _at_rest(sides[0].motion):
         rate = scene.pendulum_rate_squared
         sure = float(exact.sqrt(rate)) if sign(rate) else 1.0

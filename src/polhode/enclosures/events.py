@@ -15,6 +15,7 @@ from polhode.common.arguments import each, steps, whole
 from polhode.common.deadline import Deadline
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
+from polhode.common.result import Result
 from polhode.enclosures import (
     fixed_point_problem,
     integral_contraction,
@@ -59,7 +60,7 @@ class EventTime(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class CertifiedEvents:
+class CertifiedEvents(Result):
     """The events of one name between 0 and the end, in the order in which they are met.
 
     Zeros at 0 and at the end are not among them, as in a run.  ``undecided``: intervals of time in
@@ -159,15 +160,16 @@ def certify_events(
             expected = "an expression that is not zero all along the motion"
             raise BadInput(scene.name, key, text, expected)
     deadline = time_limit(scene, max_seconds)
-    bits, grown = precision_choice.forecast(what, last, digits, deadline)
-    noise = max(LEAST_NOISE, math.ceil(bits + grown))
+    needed_for = precision_choice.forecast(what, last, digits, deadline)
+    noise = max(LEAST_NOISE, math.ceil(needed_for.bits + needed_for.grown))
     if forecast is not None:
-        forecast(_DEARER * precision_choice.seconds(what, last, noise))
+        outputs = bool({"angles", "attitude"} & {*scene.modelled})
+        forecast(_DEARER * needed_for.seconds(noise, outputs))
     for _ in range(_MOST_TRIES):
         try:
             return _found(what, polynomials, last, noise, progress, deadline)
         except Refused as why:
-            noise = min(MOST_NOISE, precision_choice.raised(noise, bits, why))
+            noise = min(MOST_NOISE, precision_choice.raised(noise, needed_for.bits, why))
     raise BadInput(scene.name, "digits", digits, "digits that can be proven to the end")
 
 

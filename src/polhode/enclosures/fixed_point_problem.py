@@ -25,6 +25,7 @@ from flint import arb, fmpz
 
 from polhode.enclosures.polynomial import Polynomial, ball, total, variable
 from polhode.numbers import exact
+from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
 from polhode.scenes.body import Body, Vector, dot
@@ -37,6 +38,7 @@ TIME_BITS = 4096  # of a time asked for: on the right side of a step's boundary
 UP = 1.0 + 1e-9  # covers fewer than 1e5 roundings of nonnegative doubles
 _SMALL = 1 << 40  # a denominator that is shorter than a rounded constant
 _FINER = 24  # Q - P: the radii of the constants, times exp(alpha), stay below the noise
+_SLOW, _LEAST_WEIGHT = 1.0 / 64.0, 1e-12  # of a pull, and of a moment, for the weights
 _SHARPER = 20  # bits behind 2**-S to which every constant must be known
 _MOST_BITS = 1 << 15
 
@@ -60,7 +62,8 @@ class Problem:
     ``constants``: bend, pull, push, three each, as integers over ``denominators``, one for each of
     the three rows; ``slack``: their radii, in units of 2**-noise.  ``factors``: the same constants
     as doubles; ``factor_slack``: their radii, absolute.  ``start``: six integers times 2**-fine;
-    ``spread``: their radii in units of 2**-noise.
+    ``spread``: their radii in units of 2**-noise.  ``weights``: positive, of a norm in which the
+    motion hardly stretches; any would do.
     """
 
     noise: int
@@ -72,6 +75,7 @@ class Problem:
     factor_slack: tuple[float, ...]
     start: tuple[int, ...]
     spread: tuple[float, ...]
+    weights: tuple[float, ...] = (1.0,) * 6
 
     @property
     def beta(self) -> float:
@@ -185,7 +189,17 @@ def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Probl
         tuple(factor_slack),
         tuple(start),
         tuple(spread),
+        _weights(what),
     )
+
+
+def _weights(what: Motion) -> tuple[float, ...]:
+    """c m_i**(1/2), and 1 for gamma; doubles near them, m_i parts of the largest moment."""
+    largest = max(what.moments)
+    moments = [max(to_double(exact.divide(m, largest)), _LEAST_WEIGHT) for m in what.moments]
+    pull = math.hypot(*(to_double(exact.divide(k, largest)) for k in what.torque))
+    c = 1.0 / math.sqrt(max(pull, _SLOW))
+    return (*(c * math.sqrt(m) for m in moments), 1.0, 1.0, 1.0)
 
 
 def _whole(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,27 +19,41 @@ from polhode.numbers.exact import Exact
 
 BITS_A_DIGIT = math.log2(10)
 _STEPS_A_UNIT = 3.0  # of the proof, in its unit of time
-_SECONDS_A_STEP = 8e-8  # over the square of the noise level, for P of 70 to 220
+_OF_DOUBLES_STEPS = 0.4  # so many the proof takes, of those of a run in double with a tangent
+_SECONDS_A_STEP = 4e-4, 2.6e-8, 5.9e-13  # and over the noise level's square and fourth power
 _MARGIN = 1.0  # bits
 _FAR = 0.1  # of the way: from there on the growth tells of the rest
-_AHEAD, _SURE = 1.1, 4  # times the growth that is left, and bits
+_AHEAD, _SURE = 1.25, 8  # times the growth that is left, and bits: less than a try more
 _OF_OUTPUTS = {"attitude": 6.0, "angles": 9.0}  # the same of a turn, and of angles near a pole
 
 
-def forecast(
-    what: Motion, last: Exact, digits: float, deadline: Deadline = NONE
-) -> tuple[float, float]:
-    """The bits that the digits need at the time ``last``, and those that the motion takes.
+class Forecast(NamedTuple):
+    """What a proof needs, roughly.
 
-    Their sum is the noise level P to try.  At the deadline it is told from what is known then.
+    ``bits``: those of the digits, ``grown``: those that the motion takes; their sum is the noise
+    level P to try.  ``steps``: of the proof.
     """
-    grown, fastest = growth(what, last, deadline)
+
+    bits: float
+    grown: float
+    steps: float
+
+    def seconds(self, noise: int, outputs: bool) -> float:
+        """About how long the proof takes at a noise level; longer with angles or attitude."""
+        constant, square, fourth = _SECONDS_A_STEP
+        step = constant + (square + fourth * noise * noise) * noise * noise
+        return (2.0 if outputs else 1.0) * step * self.steps
+
+
+def forecast(what: Motion, last: Exact, digits: float, deadline: Deadline = NONE) -> Forecast:
+    """What the digits need at the time ``last``; at the deadline from what is known then."""
+    grown, fastest, taken = growth(what, last, deadline)
     slow = max(0.0, -math.log2(fastest)) if fastest > 0.0 else 0.0  # digits of w are relative
     bits = digits * BITS_A_DIGIT + _MARGIN + slow
     more = max((_OF_OUTPUTS.get(name, 0.0) for name in what.scene.modelled), default=0.0)
     if more:  # they add up what the state is off on the way
         bits += more + math.log2(1.0 + steps(what, last))
-    return bits, max(0.0, grown)
+    return Forecast(bits, max(0.0, grown), taken)
 
 
 def raised(noise: int, bits: float, why: Refused) -> int:
@@ -59,23 +74,21 @@ def steps(what: Motion, last: Exact) -> float:
     return _STEPS_A_UNIT * abs(to_double(last / Fraction(2) ** what.unit))
 
 
-def seconds(what: Motion, last: Exact, noise: int) -> float:
-    """About how long a proof takes: its steps cost as the square of the noise level."""
-    outputs = 2.0 if {"angles", "attitude"} & {*what.scene.modelled} else 1.0
-    return outputs * _SECONDS_A_STEP * noise * noise * steps(what, last)
+def growth(what: Motion, last: Exact, deadline: Deadline = NONE) -> tuple[float, float, float]:
+    """log2 of the sum over the steps of what an error made there is at the end; |w|; the steps.
 
-
-def growth(what: Motion, last: Exact, deadline: Deadline = NONE) -> tuple[float, float]:
-    """log2 of the sum over the steps of what an error made there is at the end; the largest |w|.
-
-    The latter in the proof's unit of time.
+    |w| at its largest, in the proof's unit of time.
     """
     count = max(1.0, steps(what, last))
-    logs, fastest = window_approximation.tangents(what, to_double(last), deadline)
+    logs, fastest, taken = window_approximation.tangents(what, to_double(last), deadline)
     if len(logs) < 2:
-        return 2.0 * math.log2(1.0 + count), fastest
+        return 2.0 * math.log2(1.0 + count), fastest, count
     ahead = max(logs)  # an error is no smaller later than where the tangent is short by chance
     exponents = np.maximum(ahead - np.array(logs), 0.0)
     largest = float(np.max(exponents))
     mean = float(np.mean(np.exp2(exponents - largest)))
-    return largest + math.log2(mean) + math.log2(count), fastest
+    return (
+        largest + math.log2(mean) + math.log2(count),
+        fastest,
+        min(count, _OF_DOUBLES_STEPS * taken),
+    )

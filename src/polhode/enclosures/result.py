@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from polhode.common.cached_property import cached_property
+from polhode.common.progress import Progress
+from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.enclosures.statement import stated
 from polhode.enclosures.variations.flow_derivative import FlowDerivative
@@ -51,7 +53,7 @@ class Part(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Enclosure(ByValue):
+class Enclosure(Result, ByValue):
     """Balls that contain the exact states p q r [gamma1 gamma2 gamma3] in the scene's body axes.
 
     ``centres``: exact midpoints, a row a time; ``radii``: doubles not below the balls' radii.
@@ -70,9 +72,9 @@ class Enclosure(ByValue):
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
     >>> found
-    <Enclosure of euler/largest-axis: 1 times to t = 1, 23.9 digits proven>
+    <Enclosure of euler/largest-axis: 1 times to t = 1, 24.7 digits proven>
     >>> print(found.strings()[0][0])  # p, as far as it is proven
-    0.4478086882184148427687
+    0.44780868821841484276869
     """
 
     scene: Scene
@@ -136,15 +138,29 @@ class Enclosure(ByValue):
             for row, radii in zip(self.centres, self.radii, strict=True)
         ]
 
-    def save(self, path: str | Path) -> None:
-        """Write the certificate of the states' balls, which ``polhode verify`` checks.
+    def save(self, path: str | Path, progress: Progress | None = None) -> None:
+        """Write the enclosure, or as .json the certificate that ``polhode verify`` checks.
 
-        ``path``: ends in .json.  It is checked before it is written.  Raises BadInput for what has
-        no certificate: irrational times or times of both signs, a scene without gamma.
+        Parameters
+        ----------
+        path : str or Path
+            ``.json``: the certificate of the states' balls, checked before it is written.  Other
+            endings as of any result; those load again by :func:`polhode.load_result`.
+        progress : callable, optional
+            Told the part of the certificate's check that is done, and how many steps.
+
+        Raises
+        ------
+        BadInput
+            What has no certificate: irrational times or times of both signs, a scene without
+            gamma.
         """
+        if Path(path).suffix.lower() not in (".json", ""):  # "-" is stdout
+            super().save(path)
+            return
         from polhode.certificates import state_certificate
 
-        state_certificate.save(self.scene, self.times, self.decimals(), path)
+        state_certificate.save(self.scene, self.times, self.decimals(), path, progress)
 
     def __repr__(self) -> str:
         last = f" to t = {shown(self.times[-1])}" if self.times else ""

@@ -7,22 +7,33 @@ coefficients.  With A = h f'(x~), d = x~' - h f(x~) and z = x - xhat, exactly
     z' = A z + h B(e + z, e + z) - (d + e' - A e).                                          (1)
 
 Let alpha >= int |A|, delta >= int |d + e' - A e|, sigma >= sup |e|, eps >= |z(0)|, all on [0, 1] in
-the max-norm, and |B(v, v)| <= beta |v|**2.
+the max-norm, |B(v, v)| <= beta |v|**2, and g >= |Phi(t, s)|, 0 <= s <= t <= 1, Phi the exact
+transition matrix of A: exp(alpha) is such a number, :func:`logarithm` has another.
 
-Theorem.  If r > 0 satisfies exp(alpha) (eps + delta + h beta (sigma + r)**2) < r, then the exact
+Theorem.  If r > 0 satisfies g (eps + delta + h beta (sigma + r)**2) < r, then the exact
 motion exists on the whole step, |z| <= r there, and for any polynomial matrix V and all tau
 
     z(tau) in V(tau) z(0) + [-s, s]**6,
-    s = exp(alpha) (delta + h beta (sigma + r)**2) + rho eps,                               (2)
-    rho = exp(alpha) (|I - V(0)| + int |A V - V'|).
+    s = g (delta + h beta (sigma + r)**2) + rho eps,                                        (2)
+    rho = g (|I - V(0)| + int |A V - V'|).
 
-Proof.  While |z| <= r, Gronwall's inequality and (1) give |z| < r, so the first time at which
-|z| = r cannot lie in the step, and a bounded solution of a polynomial field goes on.  The exact
-transition matrix Phi(tau, s) of A has |Phi| <= exp(alpha); variation of constants gives the first
-part of s.  U = Phi - V obeys U' = A U + (A V - V'), U(0) = I - V(0), so |U| <= rho.
+Proof.  While |z| <= r, variation of constants in (1) gives |z| < r, so the first time at which
+|z| = r cannot lie in the step, and a bounded solution of a polynomial field goes on.  The same
+formula, with z(0) apart, gives Phi(tau, 0) z(0) and the first part of s.  U = Phi - V obeys
+U' = A U + (A V - V'), U(0) = I - V(0), so |U| <= rho.
 
-This module computes alpha, delta, sigma, rho of every step of a window.  Norms of polynomials are
-sums over the norms of their coefficients (over k + 1 under an integral): bounds for all tau.
+Lemma.  For a diagonal matrix Q of any positive numbers q_i and S = sym(Q A Q^-1) = sum S_k tau**k,
+
+    g = kappa exp(m),    kappa = (sum q_i**2)**(1/2)/min q_i,    m = sum |S_k|_F/(k + 1),
+
+|.|_F Frobenius' norm.  Proof.  y = Q z, z' = A z, obeys (|y|_2**2)' = 2 y.S y <= 2 lambda |y|_2**2,
+lambda the largest eigenvalue of S, at most |S|_F <= sum |S_k|_F tau**k: |y|_2 grows by exp(m) at
+most.  And |z| <= |y|_2/min q_i, |y|_2 <= (sum q_i**2)**(1/2) |z| in the max-norm.  A turn without
+stretching does not occur in S: with q_i near c m_i**(1/2) for w, m_i the moments, and 1 for gamma,
+neither does a symmetric top's spin, nor most of gamma's turn with the body.
+
+This module computes alpha, g, delta, sigma, rho of every step of a window.  Norms of polynomials
+are sums over the norms of their coefficients (over k + 1 under an integral): bounds for all tau.
 gamma(k) = 1.01 k u, u = 2**-53, bounds k roundings in any order.  Small quantities (e, d, delta,
 sigma) are in units of 2**-P.
 
@@ -32,11 +43,16 @@ additions after it included, off by at most gamma(4 (k + 1) + 4) sum |A_j| |V_(k
 integral that is divided by k + 1, and 4 + 4/(k + 1) <= 8: all k together are off by at most
 gamma(8) sum |A_j| sum |V_k|.  The other terms pass two roundings, (k + 1) V_(k+1) a product and an
 addition, which is gamma(2) sum |V_k| under the integral, and d two additions, beside its own.
+
+An A_k is known to its gap in the max-norm; the error of S_k from that is at most skew 6**(1/2) gap
+in Frobenius' norm, skew = max q/min q.  Rounding an entry of Q A Q^-1, and a sum of two, loses
+gamma(5) of the moduli, gamma(5) skew 6**(1/2) |A_k| in all.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -49,6 +65,7 @@ from polhode.enclosures.taylor_polynomials import Pieces
 U = 2.0**-53
 MOST_ALPHA = 1e4
 TINY = 1e-280  # above anything that underflow can have lost
+UNDERFLOW = 1e-150  # above what squares can have lost
 ROUNDINGS = 8  # of a coefficient of a product, over k + 1; see the module
 
 
@@ -71,8 +88,9 @@ def gamma(k: int) -> float:
 class Bounds:
     """What (2) needs of every step of a window, and what was bounded.
 
-    ``alpha``, ``growth`` >= exp(alpha), ``delta``, ``sigma``, ``rho``: (W,).  ``ends``: V(1) as
-    doubles, (W, 6, 6); its own rounding is part of rho.  ``sizes``: sum of |V_k|, (W,).
+    ``alpha``, ``majorant`` >= exp(alpha), ``growth``: g, ``delta``, ``sigma``, ``rho``: (W,).
+    ``ends``: V(1) as doubles, (W, 6, 6); its own rounding is part of rho.  ``sizes``: sum of
+    |V_k|, (W,).
     """
 
     problem: Problem
@@ -80,6 +98,7 @@ class Bounds:
     correction: Any
     matrices: Any
     alpha: Any
+    majorant: Any
     growth: Any
     delta: Any
     sigma: Any
@@ -143,7 +162,9 @@ def bounds(problem: Problem, known: Defects, correction: Any, matrices: Any) -> 
     a_sum = UP * (np.sum(a_norms, axis=1) + np.sum(a_gaps, axis=1))
     weights = 1.0 / np.arange(1, known.values.shape[1] + 1)
     alpha = UP * np.sum((a_norms + a_gaps) * weights[:count], axis=1)
-    growth = exponential(alpha)
+    majorant = exponential(alpha)
+    kappa, m = logarithm(problem.weights, a, a_norms, a_gaps)
+    growth = np.minimum(majorant, UP * kappa * exponential(m))
     e_sizes = np.max(np.abs(correction), axis=2)
     sigma = UP * np.sum(e_sizes, axis=1)
     delta = _delta(problem, known, correction, a, a_sum, np.sum(a_gaps, axis=1), sigma, weights)
@@ -159,6 +180,7 @@ def bounds(problem: Problem, known: Defects, correction: Any, matrices: Any) -> 
         correction,
         matrices,
         alpha,
+        majorant,
         growth,
         delta,
         sigma,
@@ -228,6 +250,22 @@ def _jacobian_gaps(problem: Problem, pieces: Pieces, lengths: Any) -> Any:
 def _norms(matrices: Any) -> Any:
     """The largest row sums of matrices."""
     return UP * np.sum(np.abs(matrices), axis=-1).max(axis=-1)
+
+
+def logarithm(weights: Sequence[float], a: Any, norms: Any, gaps: Any) -> tuple[float, Any]:
+    """kappa, and m of every step, (W,); no numbers that are finite where there are none.
+
+    ``weights``: the q_i, of any origin; ``a``: doubles near the A_k, (W, n, 6, 6), ``norms`` their
+    norms and ``gaps`` how far the A_k are from them, (W, n).
+    """
+    q = np.array(weights)
+    scaled = a * (q[:, None] / q)
+    symmetric = 0.5 * (scaled + scaled.transpose(0, 1, 3, 2))
+    sizes = np.sqrt(np.sum(symmetric * symmetric, axis=(2, 3))) + UNDERFLOW
+    skew = UP * float(np.max(q) / np.min(q))
+    sizes = sizes + 2.45 * skew * (gaps + gamma(5) * norms)  # 6**(1/2) < 2.45
+    kappa = UP * float(np.sqrt(np.sum(q * q)) / np.min(q))
+    return kappa, UP * np.sum(sizes / np.arange(1, sizes.shape[1] + 1), axis=1)
 
 
 def exponential(alpha: Any) -> Any:

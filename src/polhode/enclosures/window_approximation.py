@@ -129,10 +129,13 @@ def _series(problem: Problem, states: Any, lengths: Any, count: int) -> Any:
     return found
 
 
-def tangents(what: Motion, last: float, deadline: Deadline = NONE) -> tuple[list[float], float]:
-    """log2 of a tangent's length along the motion, at even times, and the largest |w| there.
+def tangents(
+    what: Motion, last: float, deadline: Deadline = NONE
+) -> tuple[list[float], float, float]:
+    """log2 of a tangent's length along the motion, at even times, the largest |w|, and the steps.
 
-    The list is short where double fails, or at the deadline; |w| is in the proof's unit of time.
+    The list is short where double fails, or at the deadline; |w| is in the proof's unit of time;
+    the steps are those of double to the last time, if it goes on as it went.
     """
     scene = what.scene
     plain = system(replace(scene, form="principal", events=(), outputs=()), ())
@@ -154,4 +157,5 @@ def tangents(what: Motion, last: float, deadline: Deadline = NONE) -> tuple[list
         logs.append(flow.exponent + math.log2(float(np.max(np.abs(flow.tangents)))))
         fastest = max(fastest, float(np.linalg.norm(flow.state[:3])))
     flow.release()
-    return logs, fastest * 2.0 ** (what.unit - scene.time_unit)
+    steps = flow.steps * _LOOKS / max(1, len(logs) - 1)
+    return logs, fastest * 2.0 ** (what.unit - scene.time_unit), steps

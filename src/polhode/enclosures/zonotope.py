@@ -18,8 +18,8 @@ since an entry of a product of matrices of six rows is off by at most gamma(6) t
 absolute values.  After SETTLED steps G <- [fl(T G) | diag(|H|1 + gamma(7) |T| |G|1)], T <- I, H is
 emptied: columns are kept and nothing is turned into new axes, so nothing is wrapped.
 
-A step is accepted if r = 2 exp(alpha) (eps + delta + 2 h beta sigma**2) + tiny has
-8 exp(alpha) h beta r <= 1: then the theorem's inequality holds, (sigma + r)**2 being at most
+A step is accepted if r = 2 g (eps + delta + 2 h beta sigma**2) + tiny has
+8 g h beta r <= 1: then the theorem's inequality holds, (sigma + r)**2 being at most
 2 sigma**2 + 2 r**2.  Quantities are in units of 2**-P, so h beta stands times 2**-P.
 """
 
@@ -97,9 +97,9 @@ def advance(
         eps = UP * (float(np.max(hull)) + float(np.max(jump)))
         step = _accepted(known, n, eps, float(hbs[n]))
         steps.append(step)
-        while where and where[0][0] == n:
+        if taus := where.get(n):
             deadline.check()
-            rows.append(_ball(known, n, where.pop(0)[1], carried, jump, hull, eps, step))
+            rows += _balls(known, n, taus, carried, jump, hull, eps, step)
         carried.step(known.ends[n], jump, hull, step.s)
     centre, rest = _centre(known)
     carried.settle(rest)
@@ -200,9 +200,9 @@ def inside(times: Sequence[Any], end: int) -> list[Any]:
     return found
 
 
-def places(times: Sequence[int], asked: Sequence[Any]) -> list[tuple[int, Any]]:
-    """For each time the step that holds its ball, and tau in it; raises Refused outside."""
-    found: list[tuple[int, Any]] = []
+def places(times: Sequence[int], asked: Sequence[Any]) -> dict[int, list[Any]]:
+    """The times as tau in the steps that hold their balls, by step; raises Refused outside."""
+    found: dict[int, list[Any]] = {}
     n = 0
     for t in asked:
         ticks = t * arb((1, CLOCK))  # exact
@@ -211,38 +211,56 @@ def places(times: Sequence[int], asked: Sequence[Any]) -> list[tuple[int, Any]]:
         if not (times[n] <= ticks.lower() and ticks.upper() <= times[n + 1]):
             raise Refused("a time asked for is not inside a step")
         tau = (ticks - times[n]) / (times[n + 1] - times[n])
-        found.append((n, tau))
+        found.setdefault(n, []).append(tau)
     return found
 
 
-def _ball(
-    known: Bounds, n: int, tau: Any, carried: _Carried, jump: Any, hull: Any, eps: float, step: Step
-) -> list[Any]:
-    """Six balls around the exact state at tau in step n, by (2) of ``bound``."""
+def _balls(
+    known: Bounds,
+    n: int,
+    taus: Sequence[Any],
+    carried: _Carried,
+    jump: Any,
+    hull: Any,
+    eps: float,
+    step: Step,
+) -> list[list[Any]]:
+    """Six balls around the exact state at each tau in step n, by (2) of ``bound``."""
     v = known.matrices[n]
     terms = v.shape[0]
-    near = float(tau.mid())
+    near = np.array([float(tau.mid()) for tau in taus])
     with ctx.workprec(64):
-        off = upper(tau - arb(near))
-    powers = np.cumprod(np.concatenate([[1.0], np.full(terms - 1, near)]))
+        off = np.array([upper(tau - arb(x)) for tau, x in zip(taus, near.tolist(), strict=True)])
+    powers = np.cumprod(
+        np.hstack([np.ones((len(near), 1)), *[near[:, None]] * (terms - 1)]), axis=1
+    )
     w = np.tensordot(powers, v, axes=1)
-    turned = w @ carried.turn
-    radii = np.sum(np.abs(turned @ carried.settled), axis=1)
-    radii = radii + np.sum(np.abs(w @ carried.born[:, : carried.count]), axis=1)
+    radii = np.sum(np.abs(w @ carried.turn @ carried.settled), axis=2)
+    radii = radii + np.sum(np.abs(w @ carried.born[:, : carried.count]), axis=2)
     radii = radii + np.abs(w) @ (jump + gamma(16) * hull)
     lost = gamma(2 * terms + 6) + UP * terms * off  # |V(tau) - V(near)| <= sum k |V_k| off
-    radii = UP * (radii + step.s + lost * float(known.sizes[n]) * eps) + TINY
-    return around(known, n, tau, radii)
+    radii = UP * (radii + step.s + (lost * float(known.sizes[n]) * eps)[:, None]) + TINY
+    with ctx.workprec(known.problem.noise + 104):
+        centre = _approximation(known, n)
+        return [_widened(known, centre, *at) for at in zip(taus, radii.tolist(), strict=True)]
 
 
 def around(known: Bounds, n: int, tau: Any, radii: Sequence[float]) -> list[Any]:
     """The approximation at tau in step n as balls, widened by radii in units of 2**-noise."""
-    problem, pieces = known.problem, known.pieces
-    found = []
-    with ctx.workprec(problem.noise + 104):
-        unit, level = arb((1, -problem.noise)), arb((1, -pieces.level))
-        for i, x in enumerate(pieces.rows[n]):
-            e = arb_poly([arb(float(c)) for c in known.correction[n, :, i]])
-            centre = arb_poly(x)(tau) * level + e(tau) * unit
-            found.append(centre + arb(0, float(radii[i])) * unit)
-    return found
+    with ctx.workprec(known.problem.noise + 104):
+        return _widened(known, _approximation(known, n), tau, radii)
+
+
+def _approximation(known: Bounds, n: int) -> list[Any]:
+    """The polynomials of step n, corrections added to them."""
+    pieces = known.pieces
+    unit, level = arb((1, -known.problem.noise)), arb((1, -pieces.level))
+    return [
+        arb_poly(x) * level + arb_poly([arb(float(c)) for c in known.correction[n, :, i]]) * unit
+        for i, x in enumerate(pieces.rows[n])
+    ]
+
+
+def _widened(known: Bounds, centre: Sequence[Any], tau: Any, radii: Sequence[float]) -> list[Any]:
+    unit = arb((1, -known.problem.noise))
+    return [p(tau) + arb(0, float(r)) * unit for p, r in zip(centre, radii, strict=True)]

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from polhode.equations import kinematics
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact
-from polhode.scenes.body import cross, dot, is_zero, minus, scaled
+from polhode.scenes.body import cross, dot, is_zero, minus, parallel, scaled
 from polhode.scenes.scene import Scene
 
 
@@ -30,7 +30,7 @@ def at_rest(scene: Scene) -> Rest:
     w by itself may only where no torque acts on it: then it does not depend on gamma.
     """
     body, omega, gamma = scene.body, scene.omega, scene.gamma
-    along = gamma is None or is_zero(cross(gamma, omega))  # gamma' = gamma × w
+    along = gamma is None or parallel(gamma, omega)  # gamma' = gamma × w
     if not along and not body.torque_free:
         return Rest(False, False)
     gyroscopic = cross(omega, body.momentum(omega))

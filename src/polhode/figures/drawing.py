@@ -10,7 +10,8 @@ import numpy as np
 
 from polhode.common.errors import BadInput, nearest
 from polhode.common.html_page import Page
-from polhode.figures import motion_page
+from polhode.common.result import Result
+from polhode.figures import motion_page, results
 from polhode.figures.canvas import canvas, curve_sampling, over_time
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.judging.references.reference import reference as reference_of
@@ -59,15 +60,15 @@ def plot(
 ) -> Axes: ...
 @overload
 def plot(
-    what_of: Trajectory | Scene | str | Path,
-    what: str = "angles",
+    what_of: Result | Scene | str | Path,
+    what: str = "",
     axes: object = None,
     *,
     end: AnyNumber | None = None,
 ) -> Axes | npt.NDArray[np.object_]: ...
 def plot(
-    what_of: Trajectory | Scene | str | Path,
-    what: str = "angles",
+    what_of: Result | Scene | str | Path,
+    what: str = "",
     axes: object = None,
     *,
     end: AnyNumber | None = None,
@@ -76,11 +77,12 @@ def plot(
 
     Parameters
     ----------
-    what_of : Trajectory, Scene, str or Path
+    what_of : Result, Scene, str or Path
         A scene, or a run, whose scene is integrated anew in its number type at as many times as
-        curves need.
+        curves need; or any other result, which has one figure.
     what : str
-        angles, omega, momentum, attitude, hodographs, sphere, integrals or error.
+        Of a scene or a run: angles, omega, momentum, attitude, hodographs, sphere, integrals or
+        error; unless given angles, or omega into one pair of axes.
     axes : matplotlib axes, optional
         As many as the figure has panels, to draw into.
     end : number, optional
@@ -104,12 +106,19 @@ def plot(
     >>> [panel.get_ylabel() for panel in panels]
     ['ψ (rad)', 'θ (rad)', 'φ (rad)']
     """
-    if what not in OUTPUTS:
-        raise BadInput("plot", "what", what, nearest(what, [*OUTPUTS]))
     plt = canvas.pyplot(own=False)
-    found = _samples(what_of, what, end)
-    figure = import_module(f"polhode.figures.{what}").draw(plt, found, axes)
-    made = figure.axes if axes is None else axes
+    if isinstance(what_of, Result) and not isinstance(what_of, Trajectory):
+        if what or end is not None:
+            raise BadInput("plot", "what", what or end, "nothing: such a result has one figure")
+        figure = results.draw(plt, what_of, axes)
+    else:
+        what = what or ("omega" if hasattr(axes, "plot") else "angles")
+        if what not in OUTPUTS:
+            raise BadInput("plot", "what", what, nearest(what, [*OUTPUTS]))
+        found = _samples(what_of, what, end)
+        figure = import_module(f"polhode.figures.{what}").draw(plt, found, axes)
+    own = [panel for panel in figure.axes if panel.get_label() != "<colorbar>"]
+    made = own if axes is None else axes
     several: npt.NDArray[np.object_] = np.ravel(np.asarray(made, dtype=object))
     if len(several) != 1:
         return several

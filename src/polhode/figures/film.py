@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,10 @@ from polhode.figures.canvas.globe import Globe, facing_most
 from polhode.figures.motion_page import Motion, of_samples
 from polhode.figures.sphere import IN_SPACE, apex
 from polhode.numbers.conversion import to_double
+from polhode.numbers.rows import Doubles
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 SUFFIXES = (".gif", ".mp4")
 FRAMES, PER_SECOND = 120, 20
@@ -135,7 +139,7 @@ class _Frames:
         axes.set_title(f"t = {self.motion.times[k]:.4g}", size=9)
 
 
-def _rings(motion: Motion) -> list[tuple[Any, Any]]:
+def _rings(motion: Motion) -> list[tuple[Doubles, Doubles]]:
     """Parallels and meridians of the ellipsoid of inertia: points and outward normals."""
     body = motion.scene.body
     roots = 1 / np.sqrt([to_double(x) for x in body.moments])
@@ -153,7 +157,7 @@ def _rings(motion: Motion) -> list[tuple[Any, Any]]:
     return [((u * semi) @ axes, (u / semi) @ axes) for u in found]
 
 
-def _two_sided(axes: Any, globe: Globe, points: Any, side: Any) -> None:
+def _two_sided(axes: Axes, globe: Globe, points: Doubles, side: Doubles) -> None:
     """A curve on the body, its far side lighter."""
     page = globe.onto_page(points)
     for part, colour, order in ((side < 0, HIDDEN[BODY], 3), (side >= 0, BODY, 4)):

@@ -7,7 +7,7 @@ along the second.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 from polhode.scenes.vocabulary import SPACE as SPACE_COLUMNS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 FLATTEST = 12  # semi-axes more unequal than this make no ellipsoid to look at
 UNIT = " (rad / unit of time)"
@@ -100,7 +103,7 @@ def invariable_plane(found: Samples, space: Doubles, momentum: Doubles) -> tuple
     return across, np.cross(upward, across)
 
 
-def _flat(axes: Any, x: Doubles, y: Doubles, size: float, colour: str, name: str) -> None:
+def _flat(axes: Axes, x: Doubles, y: Doubles, size: float, colour: str, name: str) -> None:
     """A plane curve with a dot at its start, in a square; ``size``: the largest |w|."""
     axes.plot(x, y, color=colour, gid=name)
     axes.plot(x[:1], y[:1], "o", color=colour, ms=2.6)

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from polhode.dynamics.levels.effective_potential import Region
 from polhode.dynamics.levels.levels import Column, Levels
+from polhode.figures.canvas import canvas
 from polhode.figures.canvas.canvas import SPACE
 from polhode.numbers.conversion import to_double
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 COLUMNS = 160
 LINES: dict[str, Any] = {
@@ -68,10 +72,12 @@ def window(found: Levels, f: Any = None, h: Any = None) -> Window:
     return Window((float(f[0]), float(f[1])), (float(h[0]), float(h[1])))
 
 
-def draw(plt: Any, what: Diagram) -> Any:
+def draw(plt: Any, what: Diagram, axes: Any = None) -> Any:
     """Regions as shades, arcs as lines by type, special points, and the scene's level."""
     found, shown = what.levels, what.window
-    figure, axes = plt.subplots(figsize=(6.6, 4.4), layout="constrained")
+    figure, panels = canvas.panels(plt, axes, 1, figsize=(6.6, 4.4))
+    legend = canvas.legend_of(figure, axes)
+    axes = panels[0, 0]
     _shades(axes, found, shown)
     sides = [side for side in (1, -1) if (shown.f[0] < 0 if side < 0 else shown.f[1] > 0)]
     drawn = set()
@@ -102,12 +108,12 @@ def draw(plt: Any, what: Diagram) -> Any:
         if min(shown.f) <= sides[0] * float(mark.f) <= max(shown.f):
             kinds.add(mark.kind)
     axes.plot(to_double(found.here.f), to_double(found.here.h), "o", color=SPACE, ms=5)
-    _legends(plt, figure, axes, drawn, kinds)
+    _legends(legend, axes, drawn, kinds)
     axes.set(xlim=shown.f, ylim=shown.h, xlabel="f", ylabel="h")
     return figure
 
 
-def _shades(axes: Any, found: Levels, shown: Window) -> None:
+def _shades(axes: Axes, found: Levels, shown: Window) -> None:
     top = max(shown.h)
     span = (shown.f[1] - shown.f[0]) / 1e6  # f = 0 itself may be critical everywhere
     ends = [x or (span if x == shown.f[0] else -span) for x in shown.f]
@@ -126,7 +132,7 @@ def _shades(axes: Any, found: Levels, shown: Window) -> None:
 
 
 def _strip(
-    axes: Any, one: Column, other: Column, f: tuple[float, float], top: float
+    axes: Axes, one: Column, other: Column, f: tuple[float, float], top: float
 ) -> set[Region]:
     """The regions between two columns that have the same ones."""
     seen = set()
@@ -141,7 +147,7 @@ def _strip(
     return seen
 
 
-def _legends(plt: Any, figure: Any, axes: Any, drawn: set[Any], kinds: set[str]) -> None:
+def _legends(legend: Any, axes: Axes, drawn: set[Any], kinds: set[str]) -> None:
     from matplotlib.lines import Line2D
 
     lines = [
@@ -171,10 +177,9 @@ def _legends(plt: Any, figure: Any, axes: Any, drawn: set[Any], kinds: set[str])
     ]
     lines.append(Line2D([], [], linestyle="", marker="o", color=SPACE, ms=5, label="the scene"))
     patches, names = axes.get_legend_handles_labels()
-    figure.legend(
+    legend(
         handles=[*lines, *patches],
         labels=[*(line.get_label() for line in lines), *names],
-        loc="outside right upper",
         frameon=False,
         fontsize=7.5,
     )

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polhode.dynamics.chaos.chaos_map import ChaosMap
+from polhode.figures.canvas import canvas
 
 KINDS = ("fli", "megno", "exponent", "verdict")
 LABELS = {"fli": "FLI = max ln|u|", "megno": "MEGNO", "exponent": "exponent (1/unit of time)"}
@@ -22,10 +23,12 @@ class Shown(NamedTuple):
     what: str
 
 
-def draw(plt: Any, shown: Shown) -> Any:
+def draw(plt: Any, shown: Shown, axes: Any = None) -> Any:
     """The cells in colour; white where no motion is on the level."""
     found, what = shown
-    figure, axes = plt.subplots(figsize=(6.0, 4.4), layout="constrained")
+    figure, panels = canvas.panels(plt, axes, 1, figsize=(6.0, 4.4))
+    legend = canvas.legend_of(figure, axes)
+    axes = panels[0, 0]
     cells = np.full(found.shape[0] * found.shape[1], np.nan)
     values = np.asarray(getattr(found, what), dtype=float)
     early = found.until < found.end * (1 - 1e-9)
@@ -45,7 +48,7 @@ def draw(plt: Any, shown: Shown) -> Any:
             Patch(color=shade, label=f"{name}: {found.counts[name]}")
             for name, shade in zip(found.words, SHADES, strict=True)
         ]
-        figure.legend(handles=patches, loc="outside right upper", frameon=False, fontsize=8)
+        legend(handles=patches, frameon=False, fontsize=8)
     else:
         top = min(float(np.quantile(values, 0.99)), TOPS.get(what, np.inf))
         mesh = axes.pcolormesh(x, y, grid, cmap="viridis", vmax=top, rasterized=True)

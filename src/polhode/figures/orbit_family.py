@@ -6,29 +6,29 @@ from typing import Any
 
 from polhode.dynamics.periodic_orbits.continuation import BRANCH, DOUBLING, FOLD
 from polhode.dynamics.periodic_orbits.families import OrbitFamily
+from polhode.figures.canvas import canvas
 from polhode.figures.canvas.canvas import BODY, PLAIN, REST, SPACE
 
 _MARKS = {FOLD: ("s", SPACE), BRANCH: ("D", REST), DOUBLING: ("o", PLAIN)}
 
 
-def draw(plt: Any, found: OrbitFamily) -> Any:
+def draw(plt: Any, found: OrbitFamily, axes: Any = None) -> Any:
     """Period above, residue below; elliptic between 0 and 1."""
-    figure, (above, below) = plt.subplots(
-        2, 1, figsize=(4.8, 4.8), sharex=True, layout="constrained"
-    )
+    figure, panels = canvas.panels(plt, axes, 2, figsize=(4.8, 4.8), sharex=True)
+    above, below = panels[:, 0]
     over = [getattr(point, found.by) for point in found.points]
-    for axes, name in ((above, "period"), (below, "residue")):
+    for panel, name in ((above, "period"), (below, "residue")):
         values = [getattr(point, name) for point in found.points]
-        axes.plot(over, values, "-", color=BODY, lw=0.9, gid=f"family {name}")
-        axes.plot(over, values, ".", color=BODY, ms=2.5)
+        panel.plot(over, values, "-", color=BODY, lw=0.9, gid=f"family {name}")
+        panel.plot(over, values, ".", color=BODY, ms=2.5)
         told = set()
         for one in found.bifurcations:
             mark, colour = _MARKS[one.what]
             label = None if one.what in told else one.what
             told.add(one.what)
             at = getattr(one.point, found.by), getattr(one.point, name)
-            axes.plot(*at, mark, color=colour, ms=4, mfc="none", label=label)
-        axes.set_ylabel(name)
+            panel.plot(*at, mark, color=colour, ms=4, mfc="none", label=label)
+        panel.set_ylabel(name)
     below.set_yscale("symlog", linthresh=2, linscale=1.5)
     for level in (0, 1):
         below.axhline(level, color="#999999", lw=0.5, ls=":")

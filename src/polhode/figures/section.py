@@ -8,14 +8,16 @@ import numpy as np
 
 from polhode.dynamics.sections.section import Section
 from polhode.equations.section_functions import HEIGHT
+from polhode.figures.canvas import canvas
 
 #: Dark enough on white, neighbours far apart.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d00", "#5d3a9b", "#1b9e9e", "#a50f15")
 
 
-def draw(plt: Any, found: Section) -> Any:
+def draw(plt: Any, found: Section, axes: Any = None) -> Any:
     """l and L/G; of a section by height the azimuth of the vertical about r0 and its cosine."""
-    figure, axes = plt.subplots(figsize=(5.6, 4.2), layout="constrained")
+    figure, panels = canvas.panels(plt, axes, 1, figsize=(5.6, 4.2))
+    axes = panels[0, 0]
     first, second = (found.l, found.ratio) if found.by != HEIGHT else height(found)
     made = int(found.counts.sum())
     size = float(np.clip(120 * made**-0.5, 0.7, 3.0))  # dots that neither vanish nor merge

@@ -11,11 +11,11 @@ from typing import Literal, NamedTuple, TypedDict, Unpack, overload
 from polhode.common.arguments import whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress, bar
-from polhode.common.text_tables import few
+from polhode.judging.digit_check import checked
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
 from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NumberType, wider
-from polhode.numbers.rows import Doubles, Extendeds, Given
+from polhode.numbers.rows import Doubles, Extendeds
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.runs.problem.options import Options, checked_options, choose_number
 from polhode.runs.solve import solve
@@ -26,9 +26,8 @@ from polhode.taylor.backend import defaults
 
 MOST_SECONDS = 600.0  # that the digits which a motion loses may make a run longer, about
 MOST_RUNS = 4  # until the digits are had
-MOST_CHECKED = 20  # output times at which a run is checked
-#: What checked a run.  The last is for a motion that leaves nothing to check.
-CLOSED_FORM, SECOND_RUN, EXPECTED = "closed form", "second run", "expected error"
+#: For a motion that leaves nothing to check.
+EXPECTED = "expected error"
 
 
 class _Options(TypedDict, total=False):
@@ -40,6 +39,7 @@ class _Options(TypedDict, total=False):
     inputs: NumberType | None
     project: bool | int | None
     method: str
+    proved: bool | None
     progress: Progress | bool | None
 
 
@@ -94,6 +94,7 @@ def integrate(
     inputs: NumberType | None = None,
     project: bool | int | None = None,
     method: str = "auto",
+    proved: bool | None = None,
     progress: Progress | bool | None = None,
 ) -> Trajectory:
     """Integrate the Euler–Poisson equations of a scene with heyoka's Taylor method.
@@ -106,8 +107,8 @@ def integrate(
         "double" (taken unless given), "extended", "quad", "mp" (50 digits), or a NumberType.
     digits : int, optional
         The correct digits wanted.  They choose the number type, by how much this motion multiplies
-        errors on the way; the run is then checked, by the closed form or by a second run in a wider
-        type, and made again in a wider one where digits are missing.
+        errors on the way; the run is then checked, by the closed form, a proof or a second run, and
+        made again in a wider type where digits are missing.
     at : iterable of numbers, optional
         Output times in the scene's unit, instead of the scene's own.
     tol : number, optional
@@ -124,6 +125,11 @@ def integrate(
     method : {"auto", "taylor", "refined"}
         "taylor": steps in the number type.  "refined": a run in double corrected by exact
         arithmetic, for quad and more digits.  "auto": refined where that can be done and is faster.
+    proved : bool, optional
+        How ``digits`` are checked where no closed form is known.  True: by a proven enclosure.
+        False: by a second run, refined over other intervals or in a wider type, which is an
+        estimate.  Left out: by a proof where that costs less than steps in the wider type, and at
+        most some ten seconds.
     progress : callable or bool, optional
         Called now and then with the fraction of the time done and the steps taken; True for a bar.
 
@@ -167,6 +173,8 @@ def integrate(
         scene = scene.at(at)
     if digits is not None:
         digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
+    elif proved is not None:
+        raise BadInput(scene.name, "proved", proved, "digits that are to be checked")
     if digits is None:
         chosen, free, need = choose_number(scene, number, None), False, Need(0.0, math.inf)
     else:
@@ -178,7 +186,7 @@ def integrate(
         if digits is None or not (run.outcome.done and run.times):
             return run
         hopeless = need.lost > need.most
-        run = _as_expected(run) if hopeless else checked(run, progress)
+        run = _as_expected(run) if hopeless else checked(run, digits, proved, progress)
         right = run.correct_digits or 0.0
         if right >= digits or run.outcome is Outcome.INTERRUPTED:
             return run
@@ -251,35 +259,3 @@ def _missed(lost: float, number: NumberType, right: float) -> float:
 def _as_expected(run: Trajectory) -> Trajectory:
     """A run with the fewest digits that it is expected to have."""
     return replace(run, correct_digits=min(run.expected.digits), checked_by=EXPECTED)
-
-
-def checked(run: Trajectory, progress: Progress | None = None) -> Trajectory:
-    """A run with ``correct_digits`` and ``checked_by``: by the closed form, or by a second run.
-
-    The second run is one of wider type; the digits are those to which the two agree.
-    """
-    from polhode.judging.correct_digits import worst_digits
-    from polhode.judging.references.reference import reference, rows
-
-    kept = few(len(run.times), MOST_CHECKED)
-    times, states = [run.times[k] for k in kept], [run.states[k] for k in kept]
-    scene = run.scene.at(tuple(times))
-    held = run.number.most_digits
-    against = reference(scene)
-    true: Given | None = None
-    if against.is_closed_form:
-        try:
-            true, by = rows(against.at, times, math.ceil(held) + 6), CLOSED_FORM
-        except BadInput:  # digits that this closed form does not have
-            true = None
-    if true is None:
-        plain = replace(scene, events=(), outputs=(), form="principal", reference="auto")
-        longer = max(10 * run.steps, 1000)
-        second = solve(plain, wider(run.number), Options("taylor", longer), progress)
-        if second.outcome is Outcome.INTERRUPTED:
-            return replace(run, outcome=Outcome.INTERRUPTED)
-        if not second.outcome.done:
-            return replace(run, correct_digits=0.0, checked_by=f"{SECOND_RUN}: {second.cause}")
-        true, by = second.states, SECOND_RUN
-    right = worst_digits(states, true, scene, cap=held)
-    return replace(run, correct_digits=right, checked_by=by)

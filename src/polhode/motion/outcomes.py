@@ -6,10 +6,16 @@ from bisect import bisect_right
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
+from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue, may_wait
 from polhode.numbers.decimals import decimal_in_full, shown
 from polhode.numbers.rows import Rows
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
 
 class Outcome(Enum):
@@ -95,7 +101,7 @@ _CAUSES = {
 
 @may_wait("times")
 @dataclass(frozen=True, eq=False, repr=False)
-class EventTimes(ByValue):
+class EventTimes(Result, ByValue):
     """When one event of a scene happened, in order of integration, and the states then.
 
     ``times``: rounded to the run's type.  ``states``: rows as in a trajectory, taken at the event
@@ -132,6 +138,13 @@ class EventTimes(ByValue):
             states=self.states[:count],
             grazing=self.grazing[:count],
         )
+
+    @property
+    def t(self) -> npt.NDArray[np.float64]:
+        """The times as doubles, the nearest ones."""
+        import numpy as np
+
+        return np.array([float(t) for t in self.times])
 
     def time_strings(self) -> list[str]:
         """The times, every digit."""

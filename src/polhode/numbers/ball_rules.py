@@ -88,6 +88,22 @@ def nothing(a: arb) -> arb:
     return type(a)(0, float("inf"))
 
 
+def middle(known: arb) -> tuple[int, int]:
+    """(m, e) with m·2**e the midpoint of a ball; 0 where nothing is known."""
+    mantissa, exponent = known.mid().man_exp() if known.is_finite() else (0, 0)
+    return int(mantissa), int(exponent)
+
+
+def ends(known: arb) -> tuple[tuple[int, int], tuple[int, int]]:
+    """(m, e) with m·2**e the lower and the upper end of a ball, exactly."""
+    (middle, p), (radius, q) = (
+        (int(m), int(e)) for m, e in (known.mid().man_exp(), known.rad().man_exp())
+    )
+    least = min(p, q)
+    middle, radius = middle << (p - least), radius << (q - least)
+    return (middle - radius, least), (middle + radius, least)
+
+
 def _up_to(most: arb) -> arb:
     """A ball that holds [0, most]."""
     return type(most)(0).union(most)

@@ -176,6 +176,9 @@ def multiply(a: Exact, b: Exact) -> Exact:
                 return ZERO
             if one == 1:
                 return other
+            known = other.square if isinstance(other, Irrational) else None
+            square = one * one * known if isinstance(known, Fraction) else None
+            return Irrational(ball_rules.product, a, b, square=square)
     return Irrational(ball_rules.product, a, b)
 
 
@@ -189,7 +192,9 @@ def divide(a: Exact, b: Exact) -> Exact:
         return ZERO
     if isinstance(b, Fraction):
         return multiply(a, 1 / b)
-    return Irrational(ball_rules.quotient, a, b)
+    known = b.square if isinstance(a, Fraction) else None
+    square = a * a / known if isinstance(known, Fraction) else None
+    return Irrational(ball_rules.quotient, a, b, square=square)
 
 
 def total(terms: Iterable[Exact]) -> Exact:
@@ -306,18 +311,19 @@ def noted() -> Iterator[list[Irrational]]:
 def rounded(x: Number, bits: int) -> tuple[int, int]:
     """(m, e) with m·2**e the number of ``bits`` significant bits nearest to x (ties to even)."""
     if not isinstance(x, Irrational):
-        return _rounded_rational(Fraction(x), bits)
+        return _rounded_ratio(x.numerator, x.denominator, bits)
     if sign(x) == 0:
         return 0, 0
-    prec = bits + 64
+    prec = max(bits + 64, _LADDER[0])  # which the sign has asked for
     while True:
         known = x.enclosure(prec)
         if known.is_finite():
-            low, high = (_rounded_binary(*end, bits) for end in _ends(known))
+            low, high = (_rounded_binary(*end, bits) for end in ball_rules.ends(known))
             if low == high:
                 return low
         if prec > 2 * EQUAL_BITS + 8 * bits:  # a tie by the rule: the even neighbour
-            return _rounded_binary(*_rounded_binary(*_middle(known), bits + 8), bits)
+            middle = ball_rules.middle(known)
+            return _rounded_binary(*_rounded_binary(*middle, bits + 8), bits)
         prec *= 2
 
 
@@ -332,7 +338,7 @@ def magnitude(x: Irrational) -> int:
     known = x.enclosure(_LADDER[0])
     if known.contains(0) or not known.is_finite():
         return 0
-    _, (mantissa, exponent) = _ends(known)
+    _, (mantissa, exponent) = ball_rules.ends(known)
     return exponent + mantissa.bit_length()
 
 
@@ -348,8 +354,8 @@ def _check_angle(x: Exact) -> None:
         raise ValueError("sine or cosine of an angle too large to be reduced")
 
 
-def _rounded_rational(x: Fraction, bits: int) -> tuple[int, int]:
-    top, bottom = abs(x.numerator), x.denominator
+def _rounded_ratio(over: int, bottom: int, bits: int) -> tuple[int, int]:
+    top = abs(over)
     if top == 0:
         return 0, 0
     exponent = top.bit_length() - bottom.bit_length() - bits
@@ -363,29 +369,13 @@ def _rounded_rational(x: Fraction, bits: int) -> tuple[int, int]:
         quotient, rest = divmod(top, bottom)
     if 2 * rest > bottom or (2 * rest == bottom and quotient & 1):
         quotient += 1
-    return (quotient if x > 0 else -quotient), exponent
+    return (quotient if over > 0 else -quotient), exponent
 
 
 def _rounded_binary(mantissa: int, exponent: int, bits: int) -> tuple[int, int]:
     """mantissa·2**exponent to so many bits."""
-    found, by = _rounded_rational(Fraction(mantissa), bits)
+    found, by = _rounded_ratio(mantissa, 1, bits)
     return (found, by + exponent) if found else (0, 0)
-
-
-def _middle(known: arb) -> tuple[int, int]:
-    """(m, e) with m·2**e the midpoint of a ball; 0 where nothing is known."""
-    mantissa, exponent = known.mid().man_exp() if known.is_finite() else (0, 0)
-    return int(mantissa), int(exponent)
-
-
-def _ends(known: arb) -> tuple[tuple[int, int], tuple[int, int]]:
-    """(m, e) with m·2**e the lower and the upper end of a ball, exactly."""
-    (middle, p), (radius, q) = (
-        (int(m), int(e)) for m, e in (known.mid().man_exp(), known.rad().man_exp())
-    )
-    least = min(p, q)
-    middle, radius = middle << (p - least), radius << (q - least)
-    return (middle - radius, least), (middle + radius, least)
 
 
 def _irrational(

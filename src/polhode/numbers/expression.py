@@ -32,6 +32,7 @@ _TOKEN = re.compile(
 _DECIMAL = re.compile(
     r"([+-]?)(?:([0-9]+)(?:\.([0-9]*))?|\.([0-9]+))(?:[eE]([+-]?[0-9]{1,9}))?", re.ASCII
 )
+_SHORT = re.compile(r"-?[0-9]{1,18}(?:\.[0-9]{0,18})?", re.ASCII)
 _UNDERSCORE = re.compile(r"(?<=[0-9])_(?=[0-9])")
 
 
@@ -52,6 +53,8 @@ class Algebra(NamedTuple):
 
 def number(text: str) -> Exact:
     """The exact value of an expression without names."""
+    if _SHORT.fullmatch(text):  # most numbers of a scene: read at a third of the time
+        return decimal(text)
     value = evaluate(text, {})
     assert isinstance(value, (Fraction, Irrational))
     return value

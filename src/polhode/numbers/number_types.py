@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
+from polhode.common.cached_property import cached_property
 from polhode.numbers import exact
 from polhode.numbers.exact import Number
 
@@ -36,7 +37,7 @@ class NumberType:
         """Whether numpy holds its numbers as they are: double and extended; mpmath those above."""
         return self.name in ("double", "extended")
 
-    @property
+    @cached_property
     def eps(self) -> Fraction:
         """The distance from 1 to the next number."""
         return Fraction(1, 1 << (self.bits - 1))

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.errors import UNREADABLE, BadInput
-from polhode.common.files import check_writable, npz, read_npz, read_whole, write_whole
+from polhode.common.files import read_npz, read_whole
 from polhode.common.value_semantics import same
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers import expression
@@ -24,6 +24,7 @@ from polhode.numbers.decimals import decimal_in_full, strings
 from polhode.numbers.number_types import LEAST_MP_BITS, NAMES, NumberType, named
 from polhode.numbers.rows import Given, Row, Rows
 from polhode.numbers.scalars import AnyNumber
+from polhode.output.json_object import JsonObject
 from polhode.output.json_results import as_json
 from polhode.runs.reevaluate import made_again
 from polhode.runs.trajectory import Trajectory
@@ -41,11 +42,9 @@ MOST_BITS = 1 << 24  # of a number in a file
 _Held: TypeAlias = "dict[str, npt.NDArray[np.generic]]"
 
 
-def save(run: Trajectory, path: str | Path) -> None:
-    """Write a run to a file; the name ends in .npz; raises BadInput."""
-    path = Path(path)
-    check_writable(path, [".npz"])
-    about: dict[str, Any] = {
+def arrays(run: Trajectory) -> JsonObject:
+    """The arrays of a run's NPZ file, none of which needs pickle."""
+    about: JsonObject = {
         "format": FORMAT,
         "name": run.scene.name,
         "number": run.number.name,
@@ -62,7 +61,7 @@ def save(run: Trajectory, path: str | Path) -> None:
         "events": [{"name": e.name, "complete": e.complete} for e in run.events],
         "provenance": dict(run.provenance),
     }
-    held: dict[str, Any] = {
+    held: JsonObject = {
         "scene": np.array(toml(run.scene)),
         "source": np.array(run.scene.source),
         "times": np.array(run.time_strings(), dtype=np.str_),
@@ -78,7 +77,7 @@ def save(run: Trajectory, path: str | Path) -> None:
         held[f"event{k}_states"] = _texts(event.states, run.number)
         held[f"event{k}_grazing"] = np.array(event.grazing, dtype=bool)
     held["about"] = np.array(as_json(about))
-    write_whole({path: npz(held, packed=True)})
+    return held
 
 
 def load_run(path: str | Path) -> Trajectory:
@@ -115,11 +114,7 @@ def load_run(path: str | Path) -> Trajectory:
     name = str(path)
     try:
         held = read_npz(read_whole(Path(path), MAX_BYTES, "a run that polhode saved"))
-        about = json.loads(str(held["about"]))
-        if about["format"] != FORMAT:
-            raise ValueError(f"format {about['format']!r}")
-        scene = scene_file.parse(str(held["scene"]), _told(about, "name", str))
-        return _run(held, about, replace(scene, source=str(held["source"])))
+        return run_of(held)
     except BadInput:
         raise
     except (KeyError, TypeError, *UNREADABLE) as fault:
@@ -127,7 +122,16 @@ def load_run(path: str | Path) -> Trajectory:
         raise BadInput(name, "file", None, expected) from None
 
 
-def _run(held: _Held, about: dict[str, Any], scene: Scene) -> Trajectory:
+def run_of(held: _Held) -> Trajectory:
+    """The run of these arrays; raises KeyError, TypeError or ValueError for others."""
+    about = json.loads(str(held["about"]))
+    if about["format"] != FORMAT:
+        raise ValueError(f"format {about['format']!r}")
+    scene = scene_file.parse(str(held["scene"]), _told(about, "name", str))
+    return _run(held, about, replace(scene, source=str(held["source"])))
+
+
+def _run(held: _Held, about: JsonObject, scene: Scene) -> Trajectory:
     number, outcome = _number(about), Outcome(about["outcome"])
     times = _times(held, "times")
     asked = scene.output_times.rounded(number)
@@ -171,7 +175,7 @@ def _run(held: _Held, about: dict[str, Any], scene: Scene) -> Trajectory:
     return run
 
 
-def _number(about: dict[str, Any]) -> NumberType:
+def _number(about: JsonObject) -> NumberType:
     found = NumberType(_told(about, "number", str), _told(about, "bits", int))
     known = found.name in NAMES and found.bits <= MOST_BITS
     known = known and (found.name != "mp" or found.bits >= LEAST_MP_BITS)
@@ -181,7 +185,7 @@ def _number(about: dict[str, Any]) -> NumberType:
 
 
 def _events(
-    held: _Held, about: dict[str, Any], scene: Scene, number: NumberType
+    held: _Held, about: JsonObject, scene: Scene, number: NumberType
 ) -> tuple[EventTimes, ...]:
     """The times of each event of the scene."""
     listed = _told(about, "events", list)
@@ -197,7 +201,7 @@ def _events(
     return tuple(found)
 
 
-def _projection(about: dict[str, Any]) -> Projection | None:
+def _projection(about: JsonObject) -> Projection | None:
     told = _told(about, "projection", dict, None)
     if told is None:
         return None
@@ -210,7 +214,7 @@ def _projection(about: dict[str, Any]) -> Projection | None:
     )
 
 
-def _told(about: dict[str, Any], key: str, *kinds: type | None) -> Any:
+def _told(about: JsonObject, key: str, *kinds: type | None) -> Any:
     """A value of the JSON part, of the one kind that polhode writes there, or None where it may."""
     value = about[key]
     if isinstance(value, int) and not isinstance(value, bool) and float in kinds:

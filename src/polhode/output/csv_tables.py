@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 from polhode.common.files import check_writable, is_stream, write_whole
 from polhode.numbers.decimals import shortest
 from polhode.numbers.number_types import NumberType
+from polhode.output.json_object import JsonObject
 from polhode.output.json_results import as_json, rows_of_column
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS
@@ -27,19 +27,23 @@ def check_paths(path: Path, inputs: Sequence[Path | None] = ()) -> None:
         check_writable(sidecar(path), [".json"], inputs)
 
 
-def write_trajectory(path: Path, answer: dict[str, Any]) -> None:
+def write_trajectory(path: Path, answer: JsonObject) -> None:
     """A trajectory as CSV, number type, bits, scene and provenance in a JSON file beside it.
 
     There ``t_bits`` tells to how many bits the decimals of t are to be rounded, which are as short
     as that allows.  A stream has no file beside it: its times have every digit.
     """
     header, rows = rows_of(answer, short=not is_stream(path))
-    table = ("times", "states", *COLUMNS)  # not repeated beside it
-    kept = {"t_bits": answer["bits"]} | {k: v for k, v in answer.items() if k not in table}
-    write_table(path, (header, *rows), kept)
+    write_table(path, (header, *rows), beside(answer))
 
 
-def write_table(path: Path, rows: Iterable[Sequence[str]], beside: dict[str, Any]) -> None:
+def beside(answer: JsonObject) -> JsonObject:
+    """What the JSON file beside a trajectory's table has: all that is not in the table."""
+    table = ("times", "states", *COLUMNS)
+    return {"t_bits": answer["bits"]} | {k: v for k, v in answer.items() if k not in table}
+
+
+def write_table(path: Path, rows: Iterable[Sequence[str]], beside: JsonObject) -> None:
     """Rows as CSV and what is not in them as JSON beside it; a stream has nothing beside it."""
     texts = {path: "".join(",".join(row) + "\n" for row in rows)}
     write_whole(texts if is_stream(path) else texts | {sidecar(path): as_json(beside)})
@@ -51,7 +55,7 @@ def columns_of(scene: Scene) -> list[str]:
     return [*scene.columns, *(name for names in asked for name in names)]
 
 
-def rows_of(answer: dict[str, Any], *, short: bool = False) -> tuple[list[str], list[list[str]]]:
+def rows_of(answer: JsonObject, *, short: bool = False) -> tuple[list[str], list[list[str]]]:
     """Header and rows of a trajectory's table, strings as printed; empty where undefined.
 
     ``short``: of a run; each t is the shortest decimal that rounds to it in the run's type.

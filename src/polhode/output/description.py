@@ -13,18 +13,19 @@ from polhode.judging.references.reference import Reference
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.decimals import shown
 from polhode.output import csv_tables, json_results
+from polhode.output.json_object import JsonObject
 from polhode.scenes.classification import kind_of_body
 from polhode.scenes.scene import Scene
 
 SECONDS = 1.0  # that frequencies may take
 
 
-def described(scene: Scene) -> dict[str, Any]:
+def described(scene: Scene) -> JsonObject:
     """The facts that ``polhode show`` prints, as a JSON object."""
     reference = reference_of(scene)
     body = scene.body
     values = scene.integrals
-    facts: dict[str, Any] = {
+    facts: JsonObject = {
         "scene": scene.name,
         "title": scene.title,
         "tags": list(scene.tags),
@@ -62,15 +63,15 @@ def described(scene: Scene) -> dict[str, Any]:
     return facts
 
 
-def _near(scene: Scene) -> dict[str, Any]:
+def _near(scene: Scene) -> JsonObject:
     """Families and special motions that the scene is near to, and the condition that fails."""
     found = [f"{name}: {missed}" for name, missed in near(scene)]
     return {"near": found} if found else {}
 
 
-def _frequencies(reference: Reference) -> dict[str, Any]:
+def _frequencies(reference: Reference) -> JsonObject:
     """Period, frequencies and curve, as far as they are to be had in a moment."""
-    found: dict[str, Any] = {}
+    found: JsonObject = {}
     try:
         with within(SECONDS):
             found["frequencies"] = json_results.frequencies(reference)
@@ -87,7 +88,7 @@ def _frequencies(reference: Reference) -> dict[str, Any]:
     return found
 
 
-def _curve(found: dict[str, Any]) -> dict[str, Any]:
+def _curve(found: JsonObject) -> JsonObject:
     """The curve of a Kovalevskaya top, in time units of 2**-exponent, to 17 digits."""
     from polhode.numbers.mpmath_context import mpmath
 

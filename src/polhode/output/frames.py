@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -10,6 +12,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Given, Stack, kind_of
 from polhode.scenes.vocabulary import COLUMNS
 
@@ -38,7 +41,7 @@ def columns(run: Trajectory) -> dict[str, Stack]:
 
 def of_run_pandas(run: Trajectory) -> pd.DataFrame:
     """A DataFrame: a row a time, its index t in doubles."""
-    pandas = _needed("pandas")
+    pandas = needed("pandas")
     index = pandas.Index(run.t, name="t")
     found = pandas.DataFrame(columns(run), index=index)
     found.attrs.update(_about(run), outcome=run.outcome.value)
@@ -47,7 +50,7 @@ def of_run_pandas(run: Trajectory) -> pd.DataFrame:
 
 def of_run_xarray(run: Trajectory) -> xr.Dataset:
     """A Dataset: a variable a column along t, in doubles."""
-    xarray = _needed("xarray")
+    xarray = needed("xarray")
     data = {name: ("t", values) for name, values in columns(run).items()}
     dataset: xr.Dataset = xarray.Dataset(
         data, {"t": run.t}, _about(run) | {"outcome": run.outcome.value}
@@ -57,7 +60,7 @@ def of_run_xarray(run: Trajectory) -> xr.Dataset:
 
 def of_ensemble_xarray(found: Ensemble) -> xr.Dataset:
     """A Dataset: a variable a column along member and t; what is varied, outcomes and steps."""
-    xarray = _needed("xarray")
+    xarray = needed("xarray")
     parts = [(found.columns, found.states)]
     parts += [(COLUMNS[word].names, rows) for word, rows in found.outputs.items()]
     data: dict[str, Any] = {
@@ -84,11 +87,25 @@ def of_ensemble_pandas(found: Ensemble) -> pd.DataFrame:
     return dataset.to_dataframe()[[*found.varied.keys, *found.columns, *outputs]]
 
 
+def of_columns(columns: Mapping[str, Sequence[Any]], labels: int) -> pd.DataFrame:
+    """A DataFrame whose first columns are its index; exact numbers are doubles there."""
+    pandas = needed("pandas")
+    frame = pandas.DataFrame({name: _column(x) for name, x in columns.items()})
+    return frame.set_index([*columns][:labels])
+
+
+def _column(values: Sequence[Any]) -> Any:
+    if any(isinstance(x, (Fraction, Exact)) for x in values):
+        return [to_double(x) for x in values]
+    return np.asarray(values) if not isinstance(values, np.ndarray) else values
+
+
 def _about(found: Trajectory | Ensemble) -> dict[str, object]:
     return {"scene": found.scene.name, "number": found.number.name, "bits": found.number.bits}
 
 
-def _needed(package: str) -> ModuleType:
+def needed(package: str) -> ModuleType:
+    """A package that not everybody has; raises BadInput where it is missing."""
     try:
         return import_module(package)
     except ImportError:

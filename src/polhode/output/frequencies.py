@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from polhode.dynamics.frequencies.frequencies import Frequencies
+from polhode.output.json_object import JsonObject
 
 
-def of_frequencies(found: Frequencies) -> dict[str, Any]:
+def of_frequencies(found: Frequencies) -> JsonObject:
     """The object that ``frequencies --json`` prints."""
     return {
         "source": found.name,

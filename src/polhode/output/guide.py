@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import Any
 
 from polhode.common.errors import BadInput, nearest
 from polhode.numbers.quantity import UNITS, named
 from polhode.output import api_reference
+from polhode.output.json_object import JsonObject
 from polhode.scenes import keys
 from polhode.scenes.vocabulary import COLUMNS
 
@@ -102,15 +102,15 @@ def _about(paragraph: str, place: re.Match[str] | None) -> str:
 def notebook() -> str:
     """A Jupyter notebook to begin with, made of the cells in ``notebook.txt``."""
     text = (FOLDER / "notebook.txt").read_text(encoding="utf-8")
-    cells: list[dict[str, Any]] = []
+    cells: list[JsonObject] = []
     for k, part in enumerate(re.split(r"^# ---\n", text, flags=re.M)):
         lines = part.strip("\n").splitlines(keepends=True)
-        cell: dict[str, Any] = {"id": f"cell-{k}", "metadata": {}}
+        cell: JsonObject = {"id": f"cell-{k}", "metadata": {}}
         if all(line.startswith("#") for line in lines):
             told = [line.removeprefix("#").removeprefix(" ") for line in lines]
             cells.append(cell | {"cell_type": "markdown", "source": told})
         else:
-            code: dict[str, Any] = {"cell_type": "code", "execution_count": None, "outputs": []}
+            code: JsonObject = {"cell_type": "code", "execution_count": None, "outputs": []}
             cells.append(cell | code | {"source": lines})
     kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
     whole = {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}

@@ -18,6 +18,7 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Real
 from polhode.output.guaranteed_digits import right_rows
+from polhode.output.json_object import JsonObject
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.classification import kind_of_body
 from polhode.scenes.scene import Scene
@@ -33,9 +34,9 @@ if TYPE_CHECKING:  # a run needs none of these
     from polhode.judging.score.judgement import Judgement
 
 
-def of_run(run: Trajectory, regime: str) -> dict[str, Any]:
+def of_run(run: Trajectory, regime: str) -> JsonObject:
     """The object that ``run --json`` prints."""
-    answer: dict[str, Any] = {
+    answer: JsonObject = {
         "scene": run.scene.name,
         "number": run.number.name,
         "bits": run.number.bits,
@@ -103,7 +104,7 @@ def rows_of_column(word: str, shown: Any) -> Texts:
     return rows
 
 
-def of_event(event: EventTimes, number: NumberType) -> dict[str, Any]:
+def of_event(event: EventTimes, number: NumberType) -> JsonObject:
     """When an event happened, and the states then."""
     return {
         "name": event.name,
@@ -121,13 +122,13 @@ def of_drift(drift: Drift) -> dict[str, str | None]:
     }
 
 
-def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> dict[str, Any]:
+def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> JsonObject:
     """The object that ``reference --json`` prints: the closed form to so many digits."""
     scene = reference.scene
     number = NumberType("mp", number_types.bits_for(digits + 1))
     printed = number.printed_digits
     held = held_times(scene, times, digits)
-    answer: dict[str, Any] = {
+    answer: JsonObject = {
         "scene": scene.name,
         "number": "mp",
         "bits": number.bits,
@@ -147,7 +148,7 @@ def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> d
     return answer
 
 
-def of_enclosure(found: Enclosure) -> dict[str, Any]:
+def of_enclosure(found: Enclosure) -> JsonObject:
     """The object that ``reference --certified --json`` prints: proven digits alone.
 
     ``states``: decimals to which every number of the ball rounds; ``midpoints`` and ``radii``: the
@@ -158,7 +159,7 @@ def of_enclosure(found: Enclosure) -> dict[str, Any]:
     scene = found.scene
     number = NumberType("mp", found.noise + 64)
     balls = found.decimals()
-    answer: dict[str, Any] = {
+    answer: JsonObject = {
         "scene": scene.name,
         "number": "mp",
         "bits": number.bits,
@@ -195,7 +196,7 @@ def of_enclosure(found: Enclosure) -> dict[str, Any]:
     }
 
 
-def of_certified_events(found: CertifiedEvents) -> dict[str, Any]:
+def of_certified_events(found: CertifiedEvents) -> JsonObject:
     """Proven events: decimals to which every number of a time's ball rounds, radii, slopes."""
     from polhode.enclosures.result import guaranteed, rounded_up
 
@@ -244,12 +245,12 @@ def frequencies(reference: Reference, digits: int = 17) -> dict[str, str | None]
     }
 
 
-def of_judgement(judged: Judgement) -> dict[str, Any]:
+def of_judgement(judged: Judgement) -> JsonObject:
     """The object that ``compare --json`` prints."""
     reference, subject = judged.reference, judged.subject
     parts, known = judged.part_digits, judged.agreement
     told = any(d is not None for digits in parts.values() for d in digits)
-    answer: dict[str, Any] = {
+    answer: JsonObject = {
         "file": subject.name,
         "scene": reference.scene.name,
         "reference": reference.kind,
@@ -300,7 +301,7 @@ def of_judgement(judged: Judgement) -> dict[str, Any]:
     return answer
 
 
-def of_omega_alone(found: OmegaAlone | None) -> dict[str, Any] | None:
+def of_omega_alone(found: OmegaAlone | None) -> JsonObject | None:
     """What omega alone says of gamma as a JSON object."""
     if found is None:
         return None
@@ -311,7 +312,7 @@ def of_omega_alone(found: OmegaAlone | None) -> dict[str, Any] | None:
     }
 
 
-def of_motion(found: Lyapunov) -> dict[str, Any]:
+def of_motion(found: Lyapunov) -> JsonObject:
     """The verdict regular or chaotic as a JSON object."""
     return {
         "verdict": found.verdict,

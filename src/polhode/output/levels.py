@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from polhode.dynamics.levels.effective_potential import Region
 from polhode.dynamics.levels.levels import Curve, Levels, Mark, topology
 from polhode.numbers.decimals import shown
 from polhode.numbers.mpmath_context import mpf
+from polhode.output.json_object import JsonObject
 
 DIGITS = 36
 
 
-def of_levels(found: Levels) -> dict[str, Any]:
+def of_levels(found: Levels) -> JsonObject:
     """The object that ``levels --json`` prints; numbers isolated exactly are decimal strings."""
     here = found.here
     return {
@@ -41,7 +40,7 @@ def of_levels(found: Levels) -> dict[str, Any]:
     }
 
 
-def arrays(found: Levels) -> dict[str, Any]:
+def arrays(found: Levels) -> JsonObject:
     """The arrays of an NPZ file: ``points`` (n, 2) of f and h, ``curve`` the curve of each."""
     import numpy as np
 
@@ -61,7 +60,7 @@ def of_region(region: Region | None) -> list[int] | None:
     return None if region is None else list(region)
 
 
-def _of_curve(curve: Curve) -> dict[str, Any]:
+def _of_curve(curve: Curve) -> JsonObject:
     return {
         "family": curve.family,
         "axis": None if curve.axis is None else curve.axis + 1,
@@ -74,7 +73,7 @@ def _of_curve(curve: Curve) -> dict[str, Any]:
     }
 
 
-def _of_mark(mark: Mark) -> dict[str, Any]:
+def _of_mark(mark: Mark) -> JsonObject:
     parameter = "s" if mark.family == "first" else "om"
     found = {parameter: _number(mark.parameter), "f": _number(mark.f), "h": _number(mark.h)}
     return {"family": mark.family, **found}

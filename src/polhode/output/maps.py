@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from polhode.dynamics.chaos.chaos_map import ChaosMap
 from polhode.numbers.decimals import shown
+from polhode.output.json_object import JsonObject
 
 _ROWS = ("at", "cell", "verdict", "fli", "megno", "growth", "exponent", "until")
 
 
-def of_map(found: ChaosMap) -> dict[str, Any]:
+def of_map(found: ChaosMap) -> JsonObject:
     """The object that ``map --json`` prints: lists with an entry a motion."""
     rows = {name: getattr(found, name).tolist() for name in _ROWS}
     rows["verdict"] = [found.words[k] for k in rows["verdict"]]
     return {**_about(found), **rows, "provenance": dict(found.provenance)}
 
 
-def arrays(found: ChaosMap) -> dict[str, Any]:
+def arrays(found: ChaosMap) -> JsonObject:
     """The arrays of an NPZ file; ``verdict`` 0 regular, 1 undecided, 2 chaotic or unstable."""
     import numpy as np
 
@@ -37,7 +36,7 @@ def means(found: ChaosMap) -> str:
     )
 
 
-def _about(found: ChaosMap) -> dict[str, Any]:
+def _about(found: ChaosMap) -> JsonObject:
     return {
         "scene": found.scene.name,
         "h": None if found.h is None else shown(found.h),

@@ -8,21 +8,27 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from polhode.common.result import Result
 from polhode.common.text_tables import few, printable
 from polhode.figures.canvas.canvas import BODY, REST, SPACE
+from polhode.judging.references.certified import Certified
+from polhode.judging.references.reference import Reference
+from polhode.judging.references.two_precisions import TwoPrecisions
+from polhode.judging.score.judgement import Judgement
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import brief, shown
+from polhode.output.results.tables import table
+from polhode.runs.sweep.ensemble import Ensemble
+from polhode.runs.trajectory import Trajectory
 from polhode.scenes.classification import kind_of_body
 from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
-    from polhode.judging.score.judgement import Judgement
-    from polhode.runs.sweep.ensemble import Ensemble
-    from polhode.runs.trajectory import Trajectory
     from polhode.scenes.scene import Scene
 
 WIDE, HIGH = 360, 120  # of the curves, in pixels
 MOST_POINTS = 400
+MOST_ROWS = 8
 
 
 def of_scene(scene: Scene) -> str:
@@ -39,6 +45,32 @@ def of_scene(scene: Scene) -> str:
     if scene.times:
         facts["times"] = f"{len(scene.times)}, to t = {shown(scene.end)}"
     return _table(scene.title or scene.name, facts)
+
+
+def of_result(found: Result) -> str:
+    """What a notebook shows of any result."""
+    if isinstance(found, Trajectory):
+        return of_run(found)
+    if isinstance(found, Ensemble):
+        return of_ensemble(found)
+    if isinstance(found, Judgement):
+        return of_judgement(found)
+    return _head(found)
+
+
+def _head(found: Result) -> str:
+    """The line that names a result, and the first rows of its table; not of what must compute."""
+    told = f"<p>{escape(printable(repr(found).strip('<>')))}</p>"
+    if isinstance(found, (Reference, Certified, TwoPrecisions)):
+        return told
+    header, *rows = table(found).rows()
+    head = "".join(f"<th>{escape(name)}</th>" for name in header)
+    lines = "".join(
+        "<tr>" + "".join(f"<td>{escape(printable(x[:24]))}</td>" for x in row) + "</tr>"
+        for row in rows[:MOST_ROWS]
+    )
+    more = f"<p>{len(rows)} rows in all</p>" if len(rows) > MOST_ROWS else ""
+    return f"{told}<table><tr>{head}</tr>{lines}</table>{more}"
 
 
 def of_run(run: Trajectory) -> str:

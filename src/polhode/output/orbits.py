@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import Any
 
 from polhode.dynamics.periodic_orbits import high_precision
 from polhode.dynamics.periodic_orbits.families import Bifurcation, FamilyPoint, OrbitFamily
@@ -14,9 +13,10 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_string, in_full, shown
 from polhode.numbers.exact import Exact
+from polhode.output.json_object import JsonObject
 
 
-def of_orbit(found: Orbit) -> dict[str, Any]:
+def of_orbit(found: Orbit) -> JsonObject:
     """The object that ``orbit --json`` prints."""
     gamma = found.scene.gamma or ()
     return {
@@ -42,7 +42,7 @@ def of_orbit(found: Orbit) -> dict[str, Any]:
     }
 
 
-def of_family(found: OrbitFamily) -> dict[str, Any]:
+def of_family(found: OrbitFamily) -> JsonObject:
     """The object that ``orbit --continue --json`` prints."""
     return {
         "scene": found.scene.name,
@@ -54,7 +54,7 @@ def of_family(found: OrbitFamily) -> dict[str, Any]:
     }
 
 
-def of_search(found: OrbitSearch) -> dict[str, Any]:
+def of_search(found: OrbitSearch) -> JsonObject:
     """The object that ``orbit --search --json`` prints."""
     return {
         "scene": found.scene.name,
@@ -67,7 +67,7 @@ def of_search(found: OrbitSearch) -> dict[str, Any]:
     }
 
 
-def arrays(found: OrbitFamily | OrbitSearch) -> dict[str, Any]:
+def arrays(found: OrbitFamily | OrbitSearch) -> JsonObject:
     """The arrays of an NPZ file: ``state`` (n, 6), ``h``, ``f``, ``period``, ``residue``."""
     import numpy as np
 
@@ -76,7 +76,7 @@ def arrays(found: OrbitFamily | OrbitSearch) -> dict[str, Any]:
     family = isinstance(found, OrbitFamily)
     points = found.points if isinstance(found, OrbitFamily) else found.orbits
     about = of_family(found) if isinstance(found, OrbitFamily) else of_search(found)
-    held: dict[str, Any] = {
+    held: JsonObject = {
         name: np.array([getattr(point, name) for point in points])
         for name in ("h", "f", "period", "residue", "state")
     }
@@ -126,7 +126,7 @@ def _known(x: Fraction, error: float, most: int) -> str:
     return decimal_string(x, min(left, most)) if left >= 1 else "0"
 
 
-def _point(point: FamilyPoint) -> dict[str, Any]:
+def _point(point: FamilyPoint) -> JsonObject:
     return {
         "h": point.h,
         "f": point.f,
@@ -137,5 +137,5 @@ def _point(point: FamilyPoint) -> dict[str, Any]:
     }
 
 
-def _bifurcation(one: Bifurcation) -> dict[str, Any]:
+def _bifurcation(one: Bifurcation) -> JsonObject:
     return {"what": one.what, "after": one.after, **_point(one.point)}

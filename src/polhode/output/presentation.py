@@ -14,12 +14,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from polhode.common.html_page import Page
-    from polhode.judging.presentation import JudgementPresentation
-    from polhode.judging.score.judgement import Judgement
+    from polhode.common.result import Result, ResultPresentation
     from polhode.numbers.rows import Reread
     from polhode.numbers.scalars import AnyNumber
-    from polhode.runs.presentation import EnsemblePresentation, Reevaluation, RunPresentation
-    from polhode.runs.sweep.ensemble import Ensemble
+    from polhode.runs.presentation import Reevaluation, RunPresentation
     from polhode.runs.trajectory import Trajectory
     from polhode.scenes.presentation import ScenePresentation
     from polhode.scenes.scene import Scene
@@ -32,48 +30,34 @@ class _Scenes:
         return notebook.of_scene(scene)
 
 
-class _Judgements:
-    def html(self, judgement: Judgement, /) -> str:
+class _Results:
+    def html(self, found: Result, /) -> str:
         from polhode.output import notebook
 
-        return notebook.of_judgement(judgement)
+        return notebook.of_result(found)
 
+    def save(self, found: Result, path: str | Path, /) -> None:
+        from polhode.output.results import files
 
-class _Ensembles:
-    def html(self, found: Ensemble, /) -> str:
-        from polhode.output import notebook
+        files.save(found, path)
 
-        return notebook.of_ensemble(found)
+    def plot(self, found: Result, axes: object, /) -> Axes | npt.NDArray[np.object_]:
+        from polhode.figures import drawing
 
-    def to_pandas(self, found: Ensemble, /) -> pd.DataFrame:
-        from polhode.output import frames
+        return drawing.plot(found, axes=axes)
 
-        return frames.of_ensemble_pandas(found)
+    def to_pandas(self, found: Result, /) -> pd.DataFrame:
+        from polhode.output.results import files
 
-    def to_xarray(self, found: Ensemble, /) -> xr.Dataset:
-        from polhode.output import frames
+        return files.to_pandas(found)
 
-        dataset: xr.Dataset = frames.of_ensemble_xarray(found)
-        return dataset
+    def to_xarray(self, found: Result, /) -> xr.Dataset:
+        from polhode.output.results import files
+
+        return files.to_xarray(found)
 
 
 class _Runs:
-    def html(self, run: Trajectory, /) -> str:
-        from polhode.output import notebook
-
-        return notebook.of_run(run)
-
-    def to_pandas(self, run: Trajectory, /) -> pd.DataFrame:
-        from polhode.output import frames
-
-        return frames.of_run_pandas(run)
-
-    def to_xarray(self, run: Trajectory, /) -> xr.Dataset:
-        from polhode.output import frames
-
-        dataset: xr.Dataset = frames.of_run_xarray(run)
-        return dataset
-
     def plot(
         self, run: Trajectory, what: str, axes: object, end: AnyNumber | None, /
     ) -> Axes | npt.NDArray[np.object_]:
@@ -86,11 +70,6 @@ class _Runs:
 
         return drawing.view(run, end=end)
 
-    def save(self, run: Trajectory, path: str | Path, /) -> None:
-        from polhode.output import archive
-
-        archive.save(run, path)
-
 
 class _Reevaluation:
     def at_times(self, run: Trajectory, what: str, t: AnyNumber | Iterable[AnyNumber], /) -> Reread:
@@ -100,7 +79,6 @@ class _Reevaluation:
 
 
 SCENES: Final[ScenePresentation[Scene]] = _Scenes()
-JUDGEMENTS: Final[JudgementPresentation[Judgement]] = _Judgements()
-ENSEMBLES: Final[EnsemblePresentation[Ensemble]] = _Ensembles()
+RESULTS: Final[ResultPresentation] = _Results()
 RUNS: Final[RunPresentation[Trajectory]] = _Runs()
 REEVALUATION: Final[Reevaluation[Trajectory]] = _Reevaluation()

@@ -1,4 +1,4 @@
-"""Proved periodic orbits as JSON objects; names and shapes are a contract."""
+"""Proved periodic orbits and proved chaos as JSON objects; names and shapes are a contract."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from polhode.numbers.decimals import shown
 
 if TYPE_CHECKING:
+    from polhode.proofs.chaos.proved_chaos import ProvedChaos
     from polhode.proofs.proved_orbit import Ball, ProvedOrbit
     from polhode.proofs.refusals import NotProved
 
@@ -90,6 +91,51 @@ def lines(found: ProvedOrbit) -> list[str]:
         *(f"multiplier  {text}" for text in multipliers),
         f"alone       within {down(near.omega)} of omega and {down(near.gamma)} of gamma, "
         f"with a period within {down(near.period)}",
+    ]
+
+
+def of_chaos(found: ProvedChaos) -> dict[str, object]:
+    """The object that ``prove chaos --json`` prints; bounds are decimals on the safe side."""
+    from polhode.proofs.chaos.proved_chaos import up
+    from polhode.proofs.proved_orbit import down
+
+    return {
+        "scene": found.scene.name,
+        "proved": True,
+        "theorem": str(found),
+        "h": shown(found.h),
+        "f": shown(found.f),
+        "entropy_at_least": down(found.entropy),
+        "loops_at_most": [up(found.short), up(found.long)],
+        "sets": found.sets,
+        "coverings": found.coverings,
+        "margins": {
+            "least_stretch": found.stretch,
+            "largest_height": found.height,
+            "least_cone": found.cone,
+        },
+        "size": found.size,
+        "tries": found.tries,
+        "orbit": of_proof(found.orbit),
+        "seconds": round(found.seconds, 3),
+        "provenance": dict(found.provenance),
+    }
+
+
+def chaos_lines(found: ProvedChaos) -> list[str]:
+    """The numbers for people, a line each."""
+    from polhode.proofs.chaos.proved_chaos import up
+    from polhode.proofs.proved_orbit import down
+
+    orbit = found.orbit
+    return [
+        f"level       {orbit.level}",
+        f"orbit       {orbit.kind}, period {orbit.period}, multiplier {orbit.multipliers[0][0]}",
+        f"sets        {found.sets}, {found.coverings} coverings with cones",
+        f"margins     stretch {found.stretch:.3g} > 1, height {found.height:.3g} < 1, "
+        f"cone {found.cone:.3g} > 0",
+        f"loops       shorter than {up(found.short)} and {up(found.long)}",
+        f"entropy     at least {down(found.entropy)}",
     ]
 
 

@@ -5,20 +5,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from polhode.common.files import is_stream, npz, write_whole
 from polhode.common.interrupts import delayed
 from polhode.motion.outcomes import OUTCOMES
 from polhode.numbers.decimals import shown, strings
 from polhode.output import csv_tables, json_results
+from polhode.output.json_object import JsonObject
 from polhode.output.sweeps import spread, value_text, values
 
 if TYPE_CHECKING:
     from polhode.dynamics.observables.reduce_many import Reductions
 
 
-def of_reductions(found: Reductions) -> dict[str, Any]:
+def of_reductions(found: Reductions) -> JsonObject:
     """The object that ``sweep --keep --json`` prints; null where there is no number."""
     members = [
         {
@@ -32,7 +33,7 @@ def of_reductions(found: Reductions) -> dict[str, Any]:
     return {**_about(found), "members": members, "provenance": dict(found.provenance)}
 
 
-def arrays(found: Reductions) -> dict[str, Any]:
+def arrays(found: Reductions) -> JsonObject:
     """The arrays of an NPZ file: each number by its name (members,), beside those of a sweep."""
     import numpy as np
 
@@ -76,7 +77,7 @@ def _write(path: Path, found: Reductions) -> None:
     csv_tables.write_table(path, [header, *lines], _about(found) | {"provenance": found.provenance})
 
 
-def _about(found: Reductions) -> dict[str, Any]:
+def _about(found: Reductions) -> JsonObject:
     return {
         "scene": found.scene.name,
         "number": found.number.name,

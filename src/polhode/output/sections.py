@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from polhode.dynamics.sections.section import Section
 from polhode.numbers.decimals import shown
 from polhode.output import json_results
+from polhode.output.json_object import JsonObject
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
 
-def of_section(found: Section) -> dict[str, Any]:
+def of_section(found: Section) -> JsonObject:
     """The object that ``section --json`` prints: a list an orbit, as long as it has crossings."""
 
     def rows(array: npt.NDArray[np.generic]) -> list[list[float]]:
@@ -35,7 +36,7 @@ def of_section(found: Section) -> dict[str, Any]:
     }
 
 
-def arrays(found: Section) -> dict[str, Any]:
+def arrays(found: Section) -> JsonObject:
     """The arrays of an NPZ file, none of which needs pickle; ``state`` is (n, 6, m)."""
     import numpy as np
 
@@ -57,7 +58,7 @@ def arrays(found: Section) -> dict[str, Any]:
     }
 
 
-def _about(found: Section) -> dict[str, Any]:
+def _about(found: Section) -> JsonObject:
     return {
         "scene": found.scene.name,
         "h": shown(found.h),

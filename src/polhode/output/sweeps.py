@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from polhode.common.files import check_writable, is_stream, npz, write_whole
 from polhode.common.interrupts import delayed
@@ -17,6 +17,7 @@ from polhode.numbers.decimals import decimal_in_full, shortest, shown, strings
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Stack
 from polhode.output import csv_tables, json_results
+from polhode.output.json_object import JsonObject
 from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from polhode.scenes.vary import Grid
 
 
-def of_ensemble(found: Ensemble, states: bool = True) -> dict[str, Any]:
+def of_ensemble(found: Ensemble, states: bool = True) -> JsonObject:
     """The object that ``sweep --json`` prints; a member's states end where it ended."""
     return {
         **_common(found),
@@ -38,14 +39,14 @@ def of_ensemble(found: Ensemble, states: bool = True) -> dict[str, Any]:
     }
 
 
-def _members(found: Ensemble, states: bool) -> Iterator[dict[str, Any]]:
+def _members(found: Ensemble, states: bool) -> Iterator[JsonObject]:
     each = zip(values(found.varied), found.outcomes, found.arrived, found.steps, strict=True)
     reached: dict[Fraction, str] = {}
     for k, (varied, outcome, t, steps) in enumerate(each):
         if t not in reached:
             reached[t] = decimal_in_full(t)
         drift = (None if x != x else x for x in found.drift[k].tolist())
-        member: dict[str, Any] = {
+        member: JsonObject = {
             "values": varied,
             "outcome": outcome.value,
             "reached": reached[t],
@@ -87,10 +88,10 @@ def _write(path: Path, found: Ensemble) -> None:
         return
     short = not is_stream(path)
     beside = ({"t_bits": found.number.bits} if short else {}) | of_ensemble(found, states=False)
-    csv_tables.write_table(path, _rows(found, short), beside)
+    csv_tables.write_table(path, rows(found, short), beside)
 
 
-def arrays(found: Ensemble) -> dict[str, Any]:
+def arrays(found: Ensemble) -> JsonObject:
     """The arrays of an NPZ file, none of which needs pickle.
 
     ``times`` and ``states`` (members, times, columns) are decimal strings above extended;
@@ -142,8 +143,8 @@ def table(found: Ensemble) -> tuple[list[str], list[list[str]]]:
     return header, lines
 
 
-def _common(found: Ensemble) -> dict[str, Any]:
-    answer: dict[str, Any] = {
+def _common(found: Ensemble) -> JsonObject:
+    answer: JsonObject = {
         "scene": found.scene.name,
         "number": found.number.name,
         "bits": found.number.bits,
@@ -195,7 +196,8 @@ def value_text(x: Exact) -> str:
     return decimals.in_full(x) if isinstance(x, Fraction) else shown(x)
 
 
-def _rows(found: Ensemble, short: bool) -> Iterable[list[str]]:
+def rows(found: Ensemble, short: bool = True) -> Iterable[list[str]]:
+    """Header and a row for each member and time."""
     yield ["member", *found.varied.keys, "t", *_columns(found)]
     times = [shortest(t, found.number) if short else decimal_in_full(t) for t in found.times]
     for k, varied in enumerate(values(found.varied)):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from functools import cache
-from typing import Any
 
-from polhode.peers.field import returning
+from polhode.peers.field import of_pattern, returning
+from polhode.peers.prepared import Array, Run, Top
 from polhode.peers.protocol import Problem, Solution, Solve, serve
 
 
@@ -37,13 +38,44 @@ def build(problem: Problem) -> Solve:
 
 
 @cache
-def _integrator(coefficients: tuple[float, ...], tol: float) -> Any:
+def _integrator(coefficients: tuple[float, ...], tol: float) -> Array:
     """The integrator of one body and tolerance."""
     import heyoka as hy
 
     variables = hy.make_vars("p", "q", "r", "g1", "g2", "g3")
     system = list(zip(variables, returning(coefficients)(*variables), strict=True))
     return hy.taylor_adaptive(system, [0.0] * 6, tol=tol)
+
+
+def prepared(present: Sequence[bool], method: str) -> Run:
+    """An integrator a tolerance, its coefficients heyoka's parameters.
+
+    ``method``: unused, there is one.  The end alone is reached by propagate_until, more times by
+    propagate_grid.
+    """
+    import heyoka as hy
+
+    variables = hy.make_vars("p", "q", "r", "g1", "g2", "g3")
+    there = [k for k, here in enumerate(present) if here]
+    parameters = {k: hy.par[n] for n, k in enumerate(there)}
+    rates = of_pattern(present)(*variables, parameters)
+    system = list(zip(variables, rates, strict=True))
+
+    @cache
+    def integrator(tol: float) -> Array:
+        return hy.taylor_adaptive(system, [0.0] * 6, pars=[0.0] * len(there), tol=tol)
+
+    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
+        made = integrator(tol)
+        made.time = 0.0
+        made.state[:] = start
+        made.pars[:] = top.coefficients[there]
+        if len(times) > 2:
+            return made.propagate_grid(times)[-1]
+        made.propagate_until(times[-1])
+        return made.state[None].copy()
+
+    return run
 
 
 if __name__ == "__main__":

@@ -13,7 +13,10 @@ it out of its own equations.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypeAlias
+
+#: A number, an expression of heyoka's, an array: whatever a peer's functions are made of.
+Scalar: TypeAlias = Any
 
 TERMS = (
     *("p.qr", "p.gamma2", "p.gamma3"),
@@ -22,11 +25,13 @@ TERMS = (
 )
 
 
-def returning(c: Sequence[float]) -> Callable[..., tuple[Any, ...]]:
+def returning(c: Sequence[float]) -> Callable[..., tuple[Scalar, ...]]:
     """Rates as a tuple, from six scalars of any kind."""
     c0, c1, c2, c3, c4, c5, c6, c7, c8 = c
 
-    def rates(p: Any, q: Any, r: Any, g1: Any, g2: Any, g3: Any) -> tuple[Any, ...]:
+    def rates(
+        p: Scalar, q: Scalar, r: Scalar, g1: Scalar, g2: Scalar, g3: Scalar
+    ) -> tuple[Scalar, ...]:
         dp, dq, dr = c0 * q * r, c3 * r * p, c6 * p * q
         if c1 != 0.0:
             dp = dp + c1 * g2
@@ -45,7 +50,7 @@ def returning(c: Sequence[float]) -> Callable[..., tuple[Any, ...]]:
     return rates
 
 
-def filling(y: Any, dy: Any, c: Sequence[float]) -> None:
+def filling(y: Scalar, dy: Scalar, c: Sequence[float]) -> None:
     """Rates written into an array, for numba: constants and branches vanish when it compiles."""
     p, q, r, g1, g2, g3 = y[0], y[1], y[2], y[3], y[4], y[5]
     dp, dq, dr = c[0] * q * r, c[3] * r * p, c[6] * p * q
@@ -63,3 +68,34 @@ def filling(y: Any, dy: Any, c: Sequence[float]) -> None:
         dr += c[8] * g2
     dy[0], dy[1], dy[2] = dp, dq, dr
     dy[3], dy[4], dy[5] = r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2
+
+
+def of_pattern(present: Sequence[bool]) -> Callable[..., tuple[Scalar, ...]]:
+    """Rates of six scalars and coefficients of any kind, with the terms that are ``present``.
+
+    For functions made once and called with many bodies: the coefficients are arguments, and only
+    which of them vanish is compiled in.
+    """
+    a0, a1, a2, a3, a4, a5, a6, a7, a8 = map(bool, present)
+
+    def rates(
+        p: Scalar, q: Scalar, r: Scalar, g1: Scalar, g2: Scalar, g3: Scalar, c: Scalar
+    ) -> tuple[Scalar, ...]:
+        dp = c[0] * q * r if a0 else 0.0 * q
+        if a1:
+            dp = dp + c[1] * g2
+        if a2:
+            dp = dp + c[2] * g3
+        dq = c[3] * r * p if a3 else 0.0 * r
+        if a4:
+            dq = dq + c[4] * g3
+        if a5:
+            dq = dq + c[5] * g1
+        dr = c[6] * p * q if a6 else 0.0 * p
+        if a7:
+            dr = dr + c[7] * g1
+        if a8:
+            dr = dr + c[8] * g2
+        return dp, dq, dr, r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2
+
+    return rates

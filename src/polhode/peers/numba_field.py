@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import Any
 
 import numba
-import numpy as np
 
 from polhode.peers.field import filling
+from polhode.peers.prepared import Array
 
 Coefficients = tuple[float, ...]
 
@@ -21,36 +20,14 @@ rates = numba.njit(filling)
 
 
 @cache
-def function(c: Coefficients) -> Any:
-    """A compiled f(t, y) that returns an array."""
-
-    def field(t: float, y: Any) -> Any:
-        dy = np.empty(6)
-        rates(y, dy, c)
-        return dy
-
-    return numba.njit("float64[:](float64, float64[:])", cache=True)(field)
-
-
-@cache
-def time_state_rates(c: Coefficients, signature: Any) -> Any:
-    """A C callback (t, y, dy, args)."""
-
-    def field(t: float, y: Any, dy: Any, args: Any) -> None:
-        rates(y, dy, c)
-
-    return _callback(field, signature)
-
-
-@cache
-def rates_time_state(c: Coefficients, signature: Any) -> Any:
+def rates_time_state(c: Coefficients, signature: Array) -> Array:
     """A C callback (dy, t, y, args)."""
 
-    def field(dy: Any, t: float, y: Any, args: Any) -> None:
+    def field(dy: Array, t: float, y: Array, args: Array) -> None:
         rates(y, dy, c)
 
     return _callback(field, signature)
 
 
-def _callback(field: Callable[..., None], signature: Any) -> Any:
+def _callback(field: Callable[..., None], signature: Array) -> Array:
     return numba.cfunc(signature, cache=True)(field)

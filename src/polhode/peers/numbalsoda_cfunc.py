@@ -5,38 +5,37 @@ Its lsoda is known to report success with an array that it left unchanged at tig
 
 from __future__ import annotations
 
-from polhode.peers.protocol import Problem, Solution, Solve, serve
+from collections.abc import Sequence
+
+from polhode.peers.field import of_pattern
+from polhode.peers.prepared import Array, Run, Top
+
+_MOST_STEPS = 10**8
 
 
-def load() -> str:
-    """Import numbalsoda and numba."""
-    from importlib.metadata import version
-
+def prepared(present: Sequence[bool], method: str) -> Run:
+    """One compiled function around the solver; its limit of 10 000 steps is lifted."""
     import numba
-    import numbalsoda  # noqa: F401
-
-    return f"numbalsoda {version('numbalsoda')}, numba {numba.__version__}"
-
-
-def build(problem: Problem) -> Solve:
-    """Compile the right-hand side."""
     import numbalsoda
-    import numpy as np
 
-    from polhode.peers.numba_field import time_state_rates
+    rates, solver = numba.njit(of_pattern(present)), getattr(numbalsoda, method)
 
-    field = time_state_rates(problem.coefficients, numbalsoda.lsoda_sig)
-    method = getattr(numbalsoda, problem.method)
-    start, times = np.array(problem.start), np.array(problem.times)
+    def field_plain(t: float, y: Array, dy: Array, args: Array) -> None:
+        dy[0], dy[1], dy[2], dy[3], dy[4], dy[5] = rates(y[0], y[1], y[2], y[3], y[4], y[5], args)
 
-    def solve(tol: float) -> Solution:
-        rows, success = method(field.address, start, times, rtol=tol, atol=tol)
+    field = numba.cfunc(numbalsoda.lsoda_sig)(field_plain)
+
+    address = field.address
+
+    def solve_plain(coefficients: Array, start: Array, times: Array, tol: float) -> Array:
+        return solver(address, start, times, coefficients, tol, tol, _MOST_STEPS)
+
+    solve = numba.njit(solve_plain)
+
+    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
+        rows, success = solve(top.coefficients, start, times, tol)
         if not success:
             raise ArithmeticError("success is False")
-        return Solution(rows)
+        return rows
 
-    return solve
-
-
-if __name__ == "__main__":
-    serve(load, build)
+    return run

@@ -3,49 +3,32 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Sequence
 
-from polhode.peers.field import returning
-from polhode.peers.protocol import Problem, Solution, Solve, serve
-
-
-def load() -> str:
-    """Import SciPy."""
-    import scipy.integrate
-
-    return f"scipy {scipy.__version__}"
+from polhode.peers.field import of_pattern
+from polhode.peers.prepared import Array, Run, Top
 
 
-def build(problem: Problem) -> Solve:
-    """Nothing to compile."""
-    rates = returning(problem.coefficients)
-    return solver(problem, lambda t, y: rates(*y.tolist()))
-
-
-def solver(problem: Problem, field: Callable[..., Any]) -> Solve:
-    """solve_ivp on a right-hand side; it raises a relative tolerance below 100 eps to that."""
+def prepared(present: Sequence[bool], method: str) -> Run:
+    """solve_ivp with a right-hand side in Python: nothing is compiled."""
     from scipy.integrate import solve_ivp
 
     warnings.filterwarnings("ignore", "At least one element of `rtol` is too small")
-    span = problem.times[0], problem.times[-1]
+    rates = of_pattern(present)
 
-    def solve(tol: float) -> Solution:
+    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
+        c = top.coefficients.tolist()
         found = solve_ivp(
-            field,
-            span,
-            problem.start,
-            method=problem.method,
-            t_eval=problem.times,
+            lambda t, y: rates(*y.tolist(), c),
+            (times[0], times[-1]),
+            start,
+            method=method,
+            t_eval=times,
             rtol=tol,
             atol=tol,
         )
         if not found.success:
             raise ArithmeticError(found.message)
-        return Solution(found.y.T)
+        return found.y.T
 
-    return solve
-
-
-if __name__ == "__main__":
-    serve(load, build)
+    return run

@@ -19,8 +19,9 @@ The step is fixed, at most tol^(1/order) over the larger of |w| at the start and
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Sequence
 
+from polhode.peers.prepared import Array, Run, Top
 from polhode.peers.protocol import Problem, Solution, Solve, serve
 
 _FIVE = 1 / (4 - 4 ** (1 / 3))
@@ -71,7 +72,7 @@ def build(problem: Problem) -> Solve:
         step = tol ** (1 / int(order)) / fastest
         state = np.array([*(moments * omega), *problem.start[3:]])
         lost = np.zeros(6)
-        rows: list[Any] = []
+        rows: list[Array] = []
         taken, now = 0, 0.0
         for time in problem.times:
             count = math.ceil(abs(time - now) / step)
@@ -87,6 +88,27 @@ def build(problem: Problem) -> Solve:
         return Solution(rows, taken)
 
     return solve
+
+
+def prepared(present: Sequence[bool], method: str) -> Run:
+    """The steps and the loop over the times in compiled functions.
+
+    ``present``: unused, the parts that vanish are left out as the steps are made.
+    """
+    import numpy as np
+
+    from polhode.peers.splitting_steps import along
+
+    order, _, word = method.partition(" ")
+    half = WEIGHTS[int(order)]
+    weights, carry = np.array([*half, *half[-2::-1]]), word == "compensated"
+
+    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
+        return along(
+            *(start, times, top.moments, top.torque, weights, tol ** (1 / int(order)), carry)
+        )
+
+    return run
 
 
 if __name__ == "__main__":

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numba
+import numpy as np
+
+from polhode.peers.prepared import Array
 
 
 @numba.njit(cache=True)
 def advance(
-    y: Any,
-    lost: Any,
-    axes: Any,
-    turns: Any,
+    y: Array,
+    lost: Array,
+    axes: Array,
+    turns: Array,
     spin: float,
-    torque: Any,
-    weights: Any,
+    torque: Array,
+    weights: Array,
     length: float,
     count: int,
     carry: bool,
@@ -51,7 +53,37 @@ def advance(
 
 
 @numba.njit(cache=True)
-def _add(y: Any, lost: Any, n: int, increment: float, carry: bool) -> None:
+def along(
+    start: Array,
+    times: Array,
+    moments: Array,
+    torque: Array,
+    weights: Array,
+    fraction: float,
+    carry: bool,
+) -> Array:
+    """States (w, gamma) at the times from a start; ``fraction``: of a radian, the longest step."""
+    i, k, j = np.argsort(moments)
+    turns = np.array([1 / moments[i] - 1 / moments[k], 1 / moments[j] - 1 / moments[k]])
+    speed = math.sqrt(start[0] ** 2 + start[1] ** 2 + start[2] ** 2)
+    pull = math.sqrt(torque[0] ** 2 + torque[1] ** 2 + torque[2] ** 2)
+    step = fraction / max(speed, math.sqrt(pull / moments[i]))
+    axes, lost, y = np.array([i, j]), np.zeros(6), start.copy()
+    y[:3] *= moments
+    rows = np.empty((len(times), 6))
+    now = 0.0
+    for n, time in enumerate(times):
+        count = math.ceil(abs(time - now) / step)
+        if count:
+            length = (time - now) / count
+            advance(*(y, lost, axes, turns, 1 / moments[k], torque, weights, length, count, carry))
+        rows[n, :3], rows[n, 3:] = y[:3] / moments, y[3:]
+        now = time
+    return rows
+
+
+@numba.njit(cache=True)
+def _add(y: Array, lost: Array, n: int, increment: float, carry: bool) -> None:
     """y[n] += increment; with ``carry`` the rounding of every sum goes into the next.  Knuth."""
     if not carry:
         y[n] += increment
@@ -64,7 +96,7 @@ def _add(y: Any, lost: Any, n: int, increment: float, carry: bool) -> None:
 
 
 @numba.njit(cache=True)
-def _kick(y: Any, lost: Any, torque: Any, h: float, carry: bool) -> None:
+def _kick(y: Array, lost: Array, torque: Array, h: float, carry: bool) -> None:
     """G' = gamma × T."""
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
@@ -72,7 +104,7 @@ def _kick(y: Any, lost: Any, torque: Any, h: float, carry: bool) -> None:
 
 
 @numba.njit(cache=True)
-def _about_axis(y: Any, lost: Any, i: int, h: float, carry: bool) -> None:
+def _about_axis(y: Array, lost: Array, i: int, h: float, carry: bool) -> None:
     """G' = G × w, gamma' = gamma × w with w = Gi along the axis i, over a time h."""
     j, k = (i + 1) % 3, (i + 2) % 3
     half = 0.5 * h * y[i]
@@ -85,7 +117,7 @@ def _about_axis(y: Any, lost: Any, i: int, h: float, carry: bool) -> None:
 
 
 @numba.njit(cache=True)
-def _about_momentum(y: Any, lost: Any, h: float, carry: bool) -> None:
+def _about_momentum(y: Array, lost: Array, h: float, carry: bool) -> None:
     """gamma' = gamma × G over a time h; G stays."""
     square = y[0] * y[0] + y[1] * y[1] + y[2] * y[2]
     if square == 0.0:

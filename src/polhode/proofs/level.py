@@ -99,7 +99,9 @@ def largest(values: Balls) -> arb:
     found = arb(0)
     for x in values:
         size = x.abs_upper()
-        if not size <= found:  # what is no number is the largest
+        if not size.is_finite():  # no number is the largest, whatever comes after it
+            return size
+        if size > found:
             found = size
     return found
 

@@ -106,17 +106,21 @@ def prove_orbit(
     asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
     on = Surface(scene, asked.h, asked.f)
     near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit)
-    return proved(on, _guess_of(on, near), wanted, progress)
+    return proved(on, guess_of(on, near), wanted, progress)
 
 
 def prove_found(
     found: OrbitSearch, k: int, digits: int = DIGITS, progress: Message | None = None
 ) -> ProvedOrbit:
     """The k-th orbit of a search, proved as by :func:`prove_orbit`."""
+    return proved(found.surface, guess_in(found, k), digits, progress)
+
+
+def guess_in(found: OrbitSearch, k: int) -> Guess:
+    """The k-th orbit of a search in the scene's units."""
     on, known = found.surface, found.closed[k]
     state = [Fraction(x) for x in known.state.tolist()]
-    guess = (*(w / on.unit for w in state[:3]), *state[3:])
-    return proved(on, (guess, Fraction(float(known.period)) * on.unit), digits, progress)
+    return (*(w / on.unit for w in state[:3]), *state[3:]), Fraction(float(known.period)) * on.unit
 
 
 def prove_all(found: OrbitSearch, digits: int = DIGITS) -> list[ProvedOrbit | NotProved]:
@@ -130,7 +134,7 @@ def prove_all(found: OrbitSearch, digits: int = DIGITS) -> list[ProvedOrbit | No
     return proofs
 
 
-def _guess_of(on: Surface, near: Scene) -> Guess:
+def guess_of(on: Surface, near: Scene) -> Guess:
     """Start and end of a scene, in the principal axes of the level's body."""
     if near.gamma is None or near.end is None or sign(near.end) <= 0:
         raise BadInput(near.name, "orbit", None, "a start with gamma, and run.end, its period")
@@ -150,7 +154,18 @@ def proved(
     progress: Message | None = None,
     untrusted: Untrusted = SHORT_STEPS,
 ) -> ProvedOrbit:
-    """The theorem near a guess; raises NotProved."""
+    """The theorem near a guess in the scene's units; raises NotProved."""
+    return of_guess(on, guess, digits, progress, untrusted)[2]
+
+
+def of_guess(
+    on: Surface,
+    guess: Guess,
+    digits: int,
+    progress: Message | None = None,
+    untrusted: Untrusted = SHORT_STEPS,
+) -> tuple[Level, Found, ProvedOrbit]:
+    """The same, with the level and the theorem in the proof's unit; raises NotProved."""
     began = time.process_time()
     state, period = guess
     scene, (p, q, r, *gamma) = on.scene, state
@@ -163,7 +178,7 @@ def proved(
         found = orbit_candidate.corrected(level, point, digits, (*parts,), untrusted, progress)
         if found.theorem.open:
             raise NotProved(f"{scene.name}: {_shorter(level, found, untrusted)}")
-        return _result(level, found, time.process_time() - began)
+        return level, found, _result(level, found, time.process_time() - began)
     except Refused as why:
         raise NotProved(f"{scene.name}: {why}") from None
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from pathlib import Path
 from typing import NamedTuple
 
 from flint import arb
 
+from polhode.common.progress import Progress
 from polhode.common.value_semantics import ByValue
 from polhode.enclosures.fixed_point_problem import upper
 from polhode.enclosures.result import decimal_ball, guaranteed
@@ -96,6 +98,26 @@ class ProvedOrbit(ByValue):
             root = square.sqrt()
             first = half + root if self.kind == HYPERBOLIC else half - root
             return (ball_of(first), zero), (ball_of(1 / first), zero)
+
+    def save(self, path: str | Path, progress: Progress | None = None) -> None:
+        """Write the certificate of the orbit, which ``polhode verify`` checks.
+
+        ``path``: ends in .json.  It is checked before it is written, and states less of
+        ``unique_within`` where the checker does not prove it all.  Raises BadInput where that does
+        not prove the rest, or the file cannot be written.
+        """
+        from polhode.certificates import orbit_certificate
+
+        stated = orbit_certificate.Stated(
+            self.h,
+            self.f,
+            self.kind,
+            [x.decimals for x in (*self.omega, *self.gamma)],
+            self.period.decimals,
+            self.residue.decimals,
+            [down(x) for x in self.unique_within],
+        )
+        orbit_certificate.save(self.scene.name, self.scene.body, stated, path, progress)
 
     def __repr__(self) -> str:
         name, period = self.scene.name, float(self.period)

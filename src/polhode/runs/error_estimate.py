@@ -63,7 +63,7 @@ def expected(
     found = growth(asked, held, most, every=every)
     if not number.flat and max(found.lost) > LED_FROM:
         found = growth(asked, held, most, _leading(scene, times, states) or True, every=every)
-    digits = tuple(max(0.0, held - found.at(to_double(t))) for t in times)
+    digits = tuple(max(0.0, held - found.at(t)) for t in times)
     return Expected(digits, found.reaches(held / 2), found.reaches(held))
 
 

@@ -1,4 +1,4 @@
-"""What higher rooms do for trajectories and ensembles: figures, files, tables."""
+"""What higher rooms do for trajectories, beside what they do for all results."""
 
 from __future__ import annotations
 
@@ -6,12 +6,8 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     import numpy as np
     import numpy.typing as npt
-    import pandas as pd
-    import xarray as xr
     from matplotlib.axes import Axes
 
     from polhode.common.html_page import Page
@@ -21,36 +17,8 @@ if TYPE_CHECKING:
 R_contra = TypeVar("R_contra", contravariant=True)
 
 
-class EnsemblePresentation(Protocol[R_contra]):
-    """An ensemble shown, and as tables of other packages."""
-
-    def html(self, found: R_contra, /) -> str:
-        """What a notebook shows of it."""
-        ...
-
-    def to_pandas(self, found: R_contra, /) -> pd.DataFrame:
-        """A row a member and time."""
-        ...
-
-    def to_xarray(self, found: R_contra, /) -> xr.Dataset:
-        """A variable a column, along member and time."""
-        ...
-
-
 class RunPresentation(Protocol[R_contra]):
-    """A trajectory shown, drawn, saved, and as tables of other packages."""
-
-    def html(self, run: R_contra, /) -> str:
-        """What a notebook shows of it."""
-        ...
-
-    def to_pandas(self, run: R_contra, /) -> pd.DataFrame:
-        """A row a time."""
-        ...
-
-    def to_xarray(self, run: R_contra, /) -> xr.Dataset:
-        """A variable a column, along time."""
-        ...
+    """A trajectory drawn in one of many ways, and as a page."""
 
     def plot(
         self, run: R_contra, what: str, axes: object, end: AnyNumber | None, /
@@ -60,10 +28,6 @@ class RunPresentation(Protocol[R_contra]):
 
     def view(self, run: R_contra, end: AnyNumber | None, /) -> Page:
         """A page on which it moves."""
-        ...
-
-    def save(self, run: R_contra, path: str | Path, /) -> None:
-        """Write it to a file that loads again."""
         ...
 
 

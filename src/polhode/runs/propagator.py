@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from threading import get_ident
@@ -11,6 +12,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput, plain
 from polhode.motion.outcomes import Outcome
+from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Extendeds, Flat, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.runs.methods.output_loop import march
@@ -20,7 +22,7 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import OutOfRange
-from polhode.taylor.backend.step_outcomes import ending
+from polhode.taylor.backend.step_outcomes import TIME_LIMIT, ending
 from polhode.taylor.corrections.integral_projection import Projector, StartTarget
 from polhode.taylor.integrator.compiled import Compiled
 from polhode.taylor.integrator.stepping import Integrator
@@ -78,6 +80,7 @@ class Propagator:
         unit = np.ldexp(self._kind.type(1), self.scene.time_unit)
         self._scale = np.array([unit] * 3 + [1] * (self._shape[0] - 3), self._kind)
         self._back = 1 / self._scale
+        self._plain = unit == 1
         self._unit = (1 / unit).item()  # Python's own number: a product too large is inf, unsaid
         choices = defaults.of(self.number)
         self._chunk, self._most = choices.chunk, choices.max_steps
@@ -112,6 +115,12 @@ class Propagator:
             raise self._bad("thread", "another one", "its own, or a copy.copy of the propagator")
         self._stand(start)
         if self._every is not None or type(t) is not float:
+            grid = self._grid(t)
+            if grid is not None:
+                found = self._on_grid(grid, len(cast(Flat, t)))
+                if found is not None:
+                    return found
+                self._stand(start)  # what is wrong with the times is told below
             given, several = numbers_given(t)
             rows = self._at_times(cast(Sequence[AnyNumber], given))
             return rows if several else rows[0]
@@ -121,15 +130,60 @@ class Propagator:
         if end - end != 0:  # beyond the type in the run's own unit
             return flat(self._at_times([t])[0])
         ended, _, _, self.steps, _, _ = self._heyoka.propagate_until(end, max_steps=self._chunk)
-        self.outcome = ending(ended)
-        if self.outcome is _STEP_LIMIT:  # a long way: from here on chunk by chunk, as a run goes
-            return flat(self._at_times([t], self.steps)[0])
-        if self.outcome is not _REACHED_END:
+        if ended == TIME_LIMIT:
+            self.outcome = _REACHED_END
+        else:
+            self.outcome = ending(ended)
+            if self.outcome is _STEP_LIMIT:  # a long way: from here on chunk by chunk, as a run
+                return flat(self._at_times([t], self.steps)[0])
             return np.full(self._shape, np.nan, self._kind)
         if self._turn is None:
-            found: Flat = self._state * self._back  # exact: powers of two
-            return found
+            return flat(self._state.copy() if self._plain else self._state * self._back)  # exact
         return flat(self._read(self._state[None])[0])
+
+    def _grid(self, t: object) -> Flat | None:
+        """Times of the propagator's own type in the run's own unit, from 0 on, as heyoka has them.
+
+        None for other times, and those that do not lead away from 0; heyoka itself refuses those
+        between the first and the last that are not in order.
+        """
+        if self._every is not None or type(t) is not np.ndarray:
+            return None
+        if t.dtype != self._kind or t.ndim != 1 or len(t) == 0:
+            return None
+        first, last = t.item(0), t.item(-1)
+        if not (0 <= first <= last or 0 >= first >= last) or last == 0:
+            return None
+        if not math.isfinite(last * self._unit):  # beyond the type in the run's own unit
+            return None
+        if first == 0:
+            return flat(t if self._plain else t * self._unit)
+        grid = np.empty(len(t) + 1, self._kind)
+        grid[0] = 0
+        np.multiply(t, self._unit, grid[1:])
+        return grid
+
+    def _on_grid(self, grid: Flat, count: int) -> Flat | None:
+        """States at the last ``count`` times of a grid; None where heyoka refuses the grid."""
+        try:
+            ended, _, _, self.steps, _, rows = self._heyoka.propagate_grid(
+                grid, max_steps=self._chunk
+            )
+        except ValueError:  # not in order, or not finite
+            return None
+        self.outcome = _REACHED_END if ended == TIME_LIMIT else ending(ended)
+        if len(rows) == len(grid) and self._turn is None:
+            rows = rows[len(rows) - count :]
+            if not self._plain:
+                np.multiply(rows, self._back, rows)  # exact: powers of two
+            return flat(rows)
+        rows = rows[len(grid) - count :]
+        found = np.full((count, *self._shape), np.nan, self._kind)
+        found[: len(rows)] = rows * self._back if self._turn is None else self._read(rows)
+        if self.outcome is _STEP_LIMIT:  # a long way: from here on chunk by chunk, as a run goes
+            rest = grid[len(grid) - count + len(rows) :] * self._scale[0]
+            found[len(rows) :] = self._at_times(rest.tolist(), self.steps)
+        return found
 
     def __copy__(self) -> Propagator:
         return Propagator(self._problem, self._every)
@@ -161,7 +215,10 @@ class Propagator:
                 raise self._bad("start", plain(start), "gamma of length 1, to 8 eps")
         if self._turn is not None:
             row = self._turned(row, self._turn)
-        np.multiply(row, self._scale, self._state)
+        if self._plain:
+            self._state[:] = row
+        else:
+            np.multiply(row, self._scale, self._state)
         self._compiled.begin()
 
     def _array(self, start: npt.ArrayLike) -> Flat:
@@ -209,8 +266,7 @@ class Propagator:
         try:
             found, self.outcome = march(integrator, times, rows, self._most, self._chunk, None)
         except OutOfRange as fault:
-            expected = f"a type of wider range ({fault})"
-            raise self._bad("number", self.number.name, expected) from None
+            raise _too_wide(self.scene, self.number, fault) from None
         self.steps = integrator.steps
         states = np.full((len(times), *self._shape), np.nan, self._kind)
         states[: len(found)] = self._read(flat(found))
@@ -277,4 +333,11 @@ def propagator(
         raise BadInput(scene.name, "project", None, "True, False or a number of steps")
     tolerance = rounded_tolerance(scene, kind, tol)
     every = cadence(scene, kind, tolerance, corrections(scene, project))
-    return Propagator(problem(scene, kind, tolerance), every)
+    try:
+        return Propagator(problem(scene, kind, tolerance), every)
+    except OutOfRange as fault:
+        raise _too_wide(scene, kind, fault) from None
+
+
+def _too_wide(scene: Scene, number: NumberType, fault: OutOfRange) -> BadInput:
+    return BadInput(scene.name, "number", number.name, f"a type of wider range ({fault})")

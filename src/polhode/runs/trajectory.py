@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from pathlib import Path
 from typing import TYPE_CHECKING, Generic, SupportsFloat, overload
 
 from polhode.common.cached_property import cached_property
 from polhode.common.presentation import Slot
+from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue, may_wait
 from polhode.equations.column import derived, derived_words
 from polhode.equations.form import equations
@@ -29,8 +29,6 @@ from polhode.scenes.vocabulary import COLUMNS, Several, Single
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
-    import pandas as pd
-    import xarray as xr
     from matplotlib.axes import Axes
     from typing_extensions import TypeVar  # whose variables have defaults
 
@@ -52,7 +50,7 @@ _REEVALUATION: Slot[Reevaluation[Trajectory]] = Slot("reevaluation")
 
 @may_wait("provenance")
 @dataclass(frozen=True, eq=False, repr=False)
-class Trajectory(ByValue, Generic[S_co]):
+class Trajectory(Result, ByValue, Generic[S_co]):
     """States of a scene at its output times, in body axes, as numbers of one type.
 
     >>> import polhode
@@ -127,9 +125,6 @@ class Trajectory(ByValue, Generic[S_co]):
             f"to t = {shown(self.reached)}, {self.outcome.value}>"
         )
 
-    def _repr_html_(self) -> str:
-        return _PRESENTATION.get().html(self)
-
     @property
     def t(self) -> npt.NDArray[np.float64]:
         """The times as doubles, the nearest ones."""
@@ -159,37 +154,39 @@ class Trajectory(ByValue, Generic[S_co]):
         """psi, theta, phi at time t, or rows of them: the run made once more."""
         return _REEVALUATION.get().at_times(self, "angles", t)
 
-    @overload
+    @overload  # type: ignore[override]  # a run has many figures
     def plot(
-        self, what: Several = "angles", axes: object = None, *, end: AnyNumber | None = None
+        self, what: Several, axes: object = None, *, end: AnyNumber | None = None
     ) -> npt.NDArray[np.object_]: ...
     @overload
     def plot(self, what: Single, axes: object = None, *, end: AnyNumber | None = None) -> Axes: ...
     @overload
     def plot(
-        self, what: str = "angles", axes: object = None, *, end: AnyNumber | None = None
+        self,
+        what: str = "",
+        axes: object = None,
+        *,
+        end: AnyNumber | None = None,
+        ax: object = None,
     ) -> Axes | npt.NDArray[np.object_]: ...
     def plot(
-        self, what: str = "angles", axes: object = None, *, end: AnyNumber | None = None
+        self,
+        what: str = "",
+        axes: object = None,
+        *,
+        end: AnyNumber | None = None,
+        ax: object = None,
     ) -> Axes | npt.NDArray[np.object_]:
-        """Draw a figure with matplotlib, see :func:`polhode.plot`; the axes drawn into."""
-        return _PRESENTATION.get().plot(self, what, axes, end)
+        """Draw a figure with matplotlib, see :func:`polhode.plot`; the axes drawn into.
+
+        ``ax``: the same as ``axes``; into one pair of axes omega is drawn unless ``what`` says
+        something else.
+        """
+        return _PRESENTATION.get().plot(self, what, axes if ax is None else ax, end)
 
     def view(self, *, end: AnyNumber | None = None) -> Page:
         """The motion as a page that moves, see :func:`polhode.view`."""
         return _PRESENTATION.get().view(self, end)
-
-    def to_pandas(self) -> pd.DataFrame:
-        """A pandas DataFrame: a row a time, index t (extra ``polhode[frames]``)."""
-        return _PRESENTATION.get().to_pandas(self)
-
-    def to_xarray(self) -> xr.Dataset:
-        """An xarray Dataset along t (extra ``polhode[frames]``)."""
-        return _PRESENTATION.get().to_xarray(self)
-
-    def save(self, path: str | Path) -> None:
-        """Write the run to a file .npz, which :func:`polhode.load_run` reads again."""
-        _PRESENTATION.get().save(self, path)
 
     @property
     def seconds(self) -> Mapping[str, float]:

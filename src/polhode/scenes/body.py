@@ -63,6 +63,11 @@ def cross(a: Vector, b: Vector) -> Vector:
     )
 
 
+def parallel(a: Vector, b: Vector) -> bool:
+    """Whether a × b is zero; the components are computed up to the first that is not."""
+    return all(sign(a[i] * b[j] - a[j] * b[i]) == 0 for i, j in ((1, 2), (2, 0), (0, 1)))
+
+
 def scaled(factor: Exact, a: Vector) -> Vector:
     """factor·a."""
     return factor * a[0], factor * a[1], factor * a[2]

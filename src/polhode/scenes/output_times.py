@@ -98,9 +98,7 @@ class OutputTimes(Sequence[Time]):
 
     def rounded(self, number: NumberType) -> OutputTimes[Fraction]:
         """The nearest numbers of a type."""
-        if not number.flat:
-            return ListedTimes(tuple(number.rounded(t) for t in self.exact))
-        found = self._flat(number)
+        found = self._flat(number) if number.flat and len(self) >= _FEW else None
         if found is None:
             return ListedTimes(tuple(number.rounded(t) for t in self.exact))
         return BinaryTimes(found)
@@ -109,8 +107,6 @@ class OutputTimes(Sequence[Time]):
         """The nearest doubles or longdoubles; None where they are to be rounded one by one."""
         import numpy as np
 
-        if not len(self):
-            return None
         if number.bits == 53:
             found: Flat = self.doubles()
             least, most = 2.0**-900, 2.0**900
@@ -171,8 +167,8 @@ class EvenTimes(OutputTimes[Exact]):
     def __getitem__(self, k: int | slice) -> Exact | OutputTimes[Exact]:
         if isinstance(k, slice) or "exact" in self.__dict__:
             return super().__getitem__(k)
-        k = index(k)  # one of numpy's would go on into the Fraction, and overflow
-        return self._at(range(self.samples)[k])
+        k = range(self.samples)[index(k)]  # one of numpy's would overflow in the Fraction
+        return self.end if k == self.samples - 1 else self._at(k)
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, EvenTimes):

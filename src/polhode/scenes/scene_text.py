@@ -97,12 +97,12 @@ def written(data: Mapping[str, Any], name: str) -> str:
 
 def owned(value: Any) -> Any:
     """A value for later: lists, arrays and tables copied, which whoever gave them may change."""
+    if isinstance(value, (str, bytes, int, float)):
+        return value
     if isinstance(value, Mapping):
         return {key: owned(x) for key, x in value.items()}
     if _several(value):
         return [owned(x) for x in value]
-    if isinstance(value, (str, bytes)):
-        return value
     return value[()] if getattr(value, "ndim", None) == 0 else value
 
 
@@ -212,6 +212,8 @@ def _escaped(x: str) -> str:
 
 def _several(value: object) -> TypeGuard[Iterable[object]]:
     """Whether a value is a list of values; an array of no dimension is a number."""
+    if isinstance(value, (list, tuple)):  # the question after Iterable takes ten times as long
+        return True
     listed = isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping))
     return listed and getattr(value, "ndim", 1) > 0
 

@@ -8,11 +8,14 @@ Where ``rows.py`` tells its own ``versions()``, they belong to its provenance.
 
 from __future__ import annotations
 
+import inspect
 import json
+import shlex
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from polhode.common.errors import UNREADABLE, BadInput, nearest
@@ -56,13 +59,21 @@ def write_report(
 
 
 def write_study(
-    name: str, folder: Path, quick: bool = False, tick: Message | None = None
+    name: str,
+    folder: Path,
+    quick: bool = False,
+    tick: Message | None = None,
+    without: Sequence[str] = (),
 ) -> list[Path]:
-    """Run one study and write its results, page and figures, all of them or none; the paths."""
-    if name not in STUDIES:
-        raise BadInput("study", "NAME", name, nearest(name, [*STUDIES]))
+    """Run one study and write its results, page and figures, all of them or none; the paths.
+
+    ``without``: what is left out of a study that can.
+    """
+    options = _options(name, without)
     _check(folder, [name])
-    text = _run(name, quick, f"polhode study {name}" + " --quick" * quick, tick)
+    command = f"polhode study {name}" + " --quick" * quick
+    command += "".join(f" --without {shlex.quote(word)}" for word in without)
+    text = _run(name, quick, command, tick, options)
     texts, _ = _made(folder, json.loads(text), tick)
     texts = {folder / f"{name}.json": text, **texts}
     write_whole(texts)
@@ -70,16 +81,19 @@ def write_study(
 
 
 def part(
-    name: str, texts: Sequence[str], quick: bool = False, tick: Message | None = None
+    name: str,
+    texts: Sequence[str],
+    quick: bool = False,
+    tick: Message | None = None,
+    without: Sequence[str] = (),
 ) -> tuple[dict[str, Any], str]:
     """The rows of a study whose names hold all texts, made again, and their tables as Markdown.
 
     Nothing is written: a part of a study is no study.  Raises BadInput where no row is named so.
     """
-    if name not in STUDIES:
-        raise BadInput("study", "NAME", name, nearest(name, [*STUDIES]))
+    options = _options(name, without)
     only = Only(tuple(texts))
-    found: dict[str, Any] = _module(name, "rows").rows(quick, tick, only)
+    found: dict[str, Any] = _module(name, "rows").rows(quick, tick, only, **options)
     if not only.taken:
         likely = nearest(" ".join(texts), [*dict.fromkeys(only.passed)])
         raise BadInput("study", "--only", " ".join(texts), f"part of the name of a row; {likely}")
@@ -211,10 +225,27 @@ def _check(folder: Path, names: Iterable[str]) -> None:
     check_writable(folder / PAGE)
 
 
-def _run(name: str, quick: bool, command: str, tick: Message | None) -> str:
+def _options(name: str, without: Sequence[str]) -> dict[str, Any]:
+    """Options of a study's rows; raises BadInput for a study that is not, or that has none."""
+    if name not in STUDIES:
+        raise BadInput("study", "NAME", name, nearest(name, [*STUDIES]))
+    if not without:
+        return {}
+    if "without" not in inspect.signature(_module(name, "rows").rows).parameters:
+        raise BadInput("study", "--without", without[0], f"nothing: {name} runs polhode alone")
+    return {"without": tuple(without)}
+
+
+def _run(
+    name: str,
+    quick: bool,
+    command: str,
+    tick: Message | None,
+    options: Mapping[str, Any] = MappingProxyType({}),
+) -> str:
     """Run one study; its results as JSON text."""
     began, made_of = time.perf_counter(), key(name, quick)
-    found = _module(name, "rows").rows(quick, tick)
+    found = _module(name, "rows").rows(quick, tick, **options)
     found["provenance"] = {
         "command": command,
         "key": made_of,

@@ -63,5 +63,8 @@ def _of_shape(options: Namespace) -> str:
     chosen = [name for name in new_scene.SHAPES if getattr(options, name) is not None]
     name = chosen[0] if chosen else "cone"
     given = getattr(options, name).split(",") if chosen else ["3 cm", "5 cm", "50 g"]
-    tilt, spin, end = options.tilt or _TILT, options.spin or _SPIN, options.end or _END
+    tilt, spin, end = (
+        usual if (told := getattr(options, key)) is None else told
+        for key, usual in (("tilt", _TILT), ("spin", _SPIN), ("end", _END))
+    )
     return new_scene.of_shape(name, given, tilt, spin, end, options.file)

@@ -32,9 +32,11 @@ if TYPE_CHECKING:
     from polhode.runs.trajectory import Trajectory
 
 HELP = "a figure of a motion, from a scene or a trajectory file"
+CHAOS = "chaos-proof"
 KINDS = (
     *("angles", "omega", "momentum", "attitude", "hodographs", "sphere", "motion"),
     *("integrals", "error"),
+    CHAOS,
 )
 
 
@@ -79,6 +81,8 @@ def main(options: Namespace) -> int:
     if suffix != ".html":
         canvas.require()
     film.require(suffix)
+    if options.what == CHAOS:
+        return _chaos(options, path, suffix)
     found = samples_of(options)
     if isinstance(found, int):
         return found
@@ -100,6 +104,34 @@ def main(options: Namespace) -> int:
     if options.json:
         shown = {"file": str(path), "what": options.what, "of": found.name, "samples": len(t)}
         print_json(shown | {"from": float(t[0]), "to": float(t[-1])})
+    elif not is_stdout(path):
+        say(str(path))
+    return DONE
+
+
+def _chaos(options: Namespace, path: Path, suffix: str) -> int:
+    """The figure of a proof of chaos, of a scene's level."""
+    from polhode.common.files import is_stdout, write_whole
+    from polhode.figures import chaos_proof
+    from polhode.figures.canvas import canvas
+    from polhode.proofs.chaos.prove_chaos import prove_chaos
+    from polhode.proofs.refusals import NotProved
+
+    for key in ("end", "scene", "number", "digits"):
+        if getattr(options, key) is not None:
+            expected = f"not with --what {CHAOS}"
+            raise BadInput(options.what_of, f"--{key}", getattr(options, key), expected)
+    with ProgressLine("plot") as progress:
+        try:
+            found = prove_chaos(options.what_of, progress=progress.say)
+        except NotProved as why:
+            progress.clear()
+            note(f"polhode: not proved: {why}")
+            return NOT_REACHED
+    title = f"polhode: proof of chaos of {found.scene.name}"
+    write_whole({path: canvas.drawn(chaos_proof.draw, found, suffix, title)})
+    if options.json:
+        print_json({"file": str(path), "what": CHAOS, "of": found.scene.name})
     elif not is_stdout(path):
         say(str(path))
     return DONE

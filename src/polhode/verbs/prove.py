@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
+from polhode.common.files import check_writable, is_stdout
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.verbs.section import read_grid
@@ -18,20 +20,23 @@ from polhode.verbs.terminal import (
     positive,
     print_json,
     print_table,
+    refuse_two_on_stdout,
     say,
+    tell_certificate,
     word,
 )
 
 if TYPE_CHECKING:
+    from polhode.proofs.chaos.proved_chaos import ProvedChaos
     from polhode.proofs.proved_orbit import ProvedOrbit
     from polhode.proofs.refusals import NotProved
 
-HELP = "proofs: that a periodic orbit exists, where, how stable it is"
+HELP = "proofs: that a periodic orbit exists, where, how stable it is; that a level is chaotic"
 
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("what", choices=["orbit"], help="what is to be proved")
+    parser.add_argument("what", choices=["orbit", "chaos"], help="what is to be proved")
     parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     parser.add_argument("--digits", type=positive, metavar="D", help="of start and period (30)")
     parser.add_argument("--orbit", type=word, metavar="FILE", help="a guess: a scene of one period")
@@ -41,13 +46,21 @@ def options(parser: ArgumentParser) -> None:
     search = "all orbits of a search from N x M cells of the level's section (20x20)"
     parser.add_argument("--search", metavar="NxM", nargs="?", const="20x20", help=search)
     parser.add_argument("--pick", type=positive, metavar="K", help="the K-th orbit of the search")
+    out = "the proof's certificate, for polhode verify; of a search with --pick"
+    parser.add_argument("-o", type=word, dest="file", metavar="CERT.json", help=out)
+    tries = "of chaos: homoclinic orbits and sizes of sets that are tried (12)"
+    parser.add_argument("--tries", type=positive, metavar="N", help=tries)
     for key in ("h", "f"):
         parser.add_argument(f"--{key}", metavar="X", help=f"{key} of the level, if not the scene's")
 
 
 def main(options: Namespace) -> int:
-    """Prove one orbit, or those of a search."""
+    """Prove one orbit, or those of a search; or chaos."""
     scene = library.load(options.scene)
+    if options.what == "chaos":
+        return _chaos(options, scene)
+    if options.tries is not None:
+        raise BadInput(scene.name, "--tries", options.tries, "with chaos only")
     guesses = [
         f"--{key}" for key in ("orbit", "period", "search") if getattr(options, key) is not None
     ]
@@ -57,6 +70,11 @@ def main(options: Namespace) -> int:
         raise BadInput(scene.name, "--returns", options.returns, "not with --orbit")
     if options.pick is not None and options.search is None:
         raise BadInput(scene.name, "--pick", options.pick, "--search, whose orbits it counts")
+    if options.file is not None:
+        if options.search is not None and options.pick is None:
+            raise BadInput(scene.name, "-o", options.file, "--pick, which tells the one orbit")
+        check_writable(Path(options.file), [".json"], [library.path_of(options.scene)])
+        refuse_two_on_stdout(Path(options.file), options.json)
     if options.search is not None:
         return _search(options, scene)
     return _orbit(options, scene)
@@ -81,18 +99,65 @@ def _orbit(options: Namespace, scene: Scene) -> int:
         except NotProved as why:
             progress.clear()
             return _refused(why)
+        _save(options, found, progress)
     return _one(options, found)
+
+
+def _save(options: Namespace, found: ProvedOrbit, progress: ProgressLine) -> None:
+    if options.file is not None:
+        found.save(options.file, progress.show)
+
+
+def _chaos(options: Namespace, scene: Scene) -> int:
+    from polhode.proofs.chaos.prove_chaos import TRIES, prove_chaos
+    from polhode.proofs.refusals import NotProved
+
+    for key in ("digits", "period", "returns", "search", "pick", "file"):
+        if getattr(options, key) is not None:
+            name = "-o" if key == "file" else f"--{key}"
+            raise BadInput(scene.name, name, getattr(options, key), "with orbit only")
+    with ProgressLine("prove") as progress:
+        try:
+            found = prove_chaos(
+                scene,
+                options.orbit,
+                options.tries or TRIES,
+                options.h,
+                options.f,
+                progress.say,
+            )
+        except NotProved as why:
+            progress.clear()
+            return _refused(why)
+    return _told(options, found)
+
+
+def _told(options: Namespace, found: ProvedChaos) -> int:
+    from polhode.output import proofs as output
+
+    if options.json:
+        print_json(output.of_chaos(found))
+        return DONE
+    for line in output.chaos_lines(found):
+        say(line)
+    say(str(found))
+    note(f"{found.scene.name}: proved at try {found.tries}, {found.seconds:.2f} s")
+    return DONE
 
 
 def _one(options: Namespace, found: ProvedOrbit) -> int:
     from polhode.output import proofs as output
 
+    alone = options.file is not None and is_stdout(Path(options.file))
+    tell = note if alone else say  # a certificate on stdout stands there alone
     if options.json:
         print_json(output.of_proof(found))
         return DONE
     for line in output.lines(found):
-        say(line)
-    say(str(found))
+        tell(line)
+    tell(str(found))
+    if options.file is not None:
+        tell_certificate(found.scene.name, options.file)
     note(
         f"{found.scene.name}: every digit is proven; {found.runs} runs at a noise level of "
         f"2**-{found.noise}, {found.seconds:.2f} s"
@@ -122,6 +187,7 @@ def _search(options: Namespace, scene: Scene) -> int:
                 raise BadInput(scene.name, "--pick", options.pick, expected)
             try:
                 one = prove_found(found, options.pick - 1, digits, progress.say)
+                _save(options, one, progress)
             except NotProved as why:
                 progress.clear()
                 return _refused(why)

@@ -6,11 +6,12 @@ import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
-from polhode.common.files import check_writable
+from polhode.common.files import check_writable, is_stdout
 from polhode.numbers import number_types
 from polhode.numbers.exact import Exact
 from polhode.output import json_results
@@ -30,6 +31,7 @@ from polhode.verbs.terminal import (
     read_times,
     refuse_two_on_stdout,
     seconds,
+    tell_certificate,
     whole,
     word,
 )
@@ -117,11 +119,14 @@ def main(options: Namespace) -> int:
 
 def _certified(scene: Scene, times: Sequence[Exact], options: Namespace) -> int:
     """A proven enclosure, and proven events; on stdout nothing but proven digits."""
+    from polhode.certificates import state_certificate
     from polhode.enclosures.certify import MAX_STEPS, certify
     from polhode.enclosures.events import certify_events
     from polhode.motion.outcomes import Outcome
 
     held = json_results.held_times(scene, times, options.digits)
+    if options.file is not None:
+        state_certificate.check(scene, held)
     limits: dict[str, Any] = {
         "max_steps": options.max_steps or MAX_STEPS,
         "max_seconds": options.max_seconds,
@@ -138,20 +143,21 @@ def _certified(scene: Scene, times: Sequence[Exact], options: Namespace) -> int:
             events = certify_events(
                 scene, last, digits=options.digits, progress=progress.show, **limits
             )
-    if options.file is not None and found.times:
-        found.save(options.file)
+        if options.file is not None and found.times:
+            found.save(options.file, progress.foretelling(partial(_foretell_certificate, scene)))
     answer = json_results.of_enclosure(found)
     if options.events:
         answer["events"] = [json_results.of_certified_events(event) for event in events]
     if options.json:
         print_json(answer)
     else:
-        print_rows(answer)
+        if options.file is None or not is_stdout(Path(options.file)):
+            print_rows(answer)
         for event in events:
             note(_told(event))
     least = f"at least {found.fewest:.1f} at each time" if found.times else "no time was reached"
     if options.file is not None and found.times:
-        note(f"{scene.name}: certificate in {options.file}; polhode verify {options.file}")
+        tell_certificate(scene.name, options.file)
     if not options.json:
         note(
             f"{scene.name}: every digit is proven, {least}; {found.steps} steps at a noise level "
@@ -181,6 +187,11 @@ def _foretell(scene: Scene, seconds: float) -> None:
             f"{scene.name}: this proof will take about {seconds:.2g} s; "
             "--max-seconds S or Ctrl-C ends it sooner and keeps what is proven"
         )
+
+
+def _foretell_certificate(scene: Scene, seconds: float) -> None:
+    if seconds > LONG:
+        note(f"{scene.name}: making the certificate will take about {seconds:.2g} s")
 
 
 def _told(event: CertifiedEvents) -> str:

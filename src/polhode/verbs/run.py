@@ -37,6 +37,20 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     digits = "digits wanted: checked, and had at every time, or exit code 3 and how many are right"
     parser.add_argument("--digits", type=whole, help=digits)
+    checks = parser.add_mutually_exclusive_group()
+    checks.add_argument(
+        "--proved",
+        action="store_const",
+        const=True,
+        help="check the digits by a proof where no closed form is known",
+    )
+    checks.add_argument(
+        "--unproved",
+        action="store_const",
+        const=False,
+        dest="proved",
+        help="check them by a second run, an estimate; by default by what costs less than steps",
+    )
     parser.add_argument("--number", help="double (default), extended, quad or mp")
     parser.add_argument("--at", metavar="T,T...", help="output times instead of the scene's")
     parser.add_argument(
@@ -93,6 +107,7 @@ def main(options: Namespace) -> int:
             max_steps=options.max_steps,
             project=False if options.no_project else options.project_every,
             method=options.method,
+            proved=options.proved,
             progress=progress.show,
         )
     answer = json_results.of_run(found, reference.regime)

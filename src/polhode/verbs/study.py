@@ -22,6 +22,13 @@ def options(parser: ArgumentParser) -> None:
         help="only rows whose names hold TEXT (all of several); prints them and writes nothing",
     )
     parser.add_argument(
+        "--without",
+        metavar="NAME",
+        action="append",
+        default=[],
+        help="of the study speed: a program that is not there, by its package (all of several)",
+    )
+    parser.add_argument(
         "-o", dest="folder", type=folder, metavar="DIR", default="reports", help="where to"
     )
 
@@ -32,7 +39,9 @@ def main(options: Namespace) -> int:
 
     if options.only:
         with ProgressLine("study") as progress:
-            found, tables = report.part(options.name, options.only, options.quick, progress.say)
+            found, tables = report.part(
+                options.name, options.only, options.quick, progress.say, options.without
+            )
         if options.json:
             print_json(found)
         else:
@@ -40,7 +49,9 @@ def main(options: Namespace) -> int:
         return DONE
     place = Path(options.folder)
     with ProgressLine("study") as progress:
-        written = report.write_study(options.name, place, options.quick, progress.say)
+        written = report.write_study(
+            options.name, place, options.quick, progress.say, options.without
+        )
     if options.json:
         print_json(report.results(place, options.name))
     else:

@@ -11,6 +11,7 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -146,6 +147,14 @@ def refuse_two_on_stdout(path: Path, json: bool) -> None:
         raise BadInput(str(path), "-o", None, "a file: the results as JSON go to stdout")
 
 
+def tell_certificate(name: str, file: str) -> None:
+    """Where a scene's certificate is, and what checks it."""
+    if is_stdout(Path(file)):
+        note(f"{name}: certificate on the standard output; polhode verify - reads it")
+    else:
+        note(f"{name}: certificate in {file}; polhode verify {file}")
+
+
 def print_json(value: Any) -> None:
     """One JSON value on stdout."""
     from polhode.output.json_results import as_json
@@ -205,6 +214,21 @@ class ProgressLine:
         passed, done = now - self.first[0], fraction - self.first[1]
         left = f", {passed / done * (1 - fraction):.0f} s left" if passed > 1 and done > 0 else ""
         self.say(f"{100 * fraction:.1f} %, {steps} {what}{left}")
+
+    def foretelling(self, told: Callable[[float], None]) -> Callable[[float, int], None]:
+        """What shows progress, and tells once, early, how many seconds the work will take."""
+        began, asked = time.monotonic(), False
+
+        def show(fraction: float, steps: int) -> None:
+            nonlocal asked
+            passed = time.monotonic() - began
+            if not asked and passed > 2 and fraction > 0:
+                asked = True
+                self.clear()
+                told(passed / fraction)
+            self.show(fraction, steps)
+
+        return show
 
     def say(self, text: str, at_once: bool = False) -> None:
         """The line's new text; ``at_once``: even if nothing has taken long yet."""

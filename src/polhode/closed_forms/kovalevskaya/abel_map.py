@@ -12,7 +12,7 @@ Next to q = 0 the w_i are roots of w^2 = -2 (s^2 - k^2) S(s), of either sign.
 from __future__ import annotations
 
 import cmath
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import Any
 
@@ -21,7 +21,7 @@ import flint
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, principal_roots
-from polhode.closed_forms.kovalevskaya.theta.balls import ball, middle, more_bits
+from polhode.closed_forms.kovalevskaya.theta.balls import Ball, ball, middle, more_bits
 from polhode.closed_forms.kovalevskaya.theta.quadrature import Place, nodes, place
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair
 from polhode.numbers.mpmath_context import mpf, mpmath
@@ -39,9 +39,17 @@ def divisors(start: KovalevskayaStart, prec: int) -> list[tuple[CurvePoint, Curv
 
     One pair, or four next to q = 0, of which only one reproduces the start.
     """
+    w, G = start.numbers(3 * prec + 64)
+    return divisors_of(start, w, G[2], prec)
+
+
+def divisors_of(
+    start: KovalevskayaStart, w: Sequence[Scalar], G3: Scalar, prec: int
+) -> list[tuple[CurvePoint, CurvePoint]]:
+    """The same for another state with the integrals of the start."""
     bits = 3 * prec + 64
     with mpmath.workprec(bits):
-        (p, q, r), (_, _, G3) = start.numbers(bits)
+        p, q, r = w
         H, m, b, k2 = (number(x, bits) for x in (start.H, start.m, start.b, start.k2))
         sg, pi = 2 * p, p * p + q * q
         R = -pi * pi + 2 * H * pi - 2 * m * sg + b
@@ -157,7 +165,7 @@ def _from_infinity(points: tuple[Scalar, ...], s: Scalar, w: Scalar) -> Pair:
     return over * middle(total), over * s * middle(moment)
 
 
-def _unit_nodes(squares: list[Place]) -> list[tuple[Any, Any]]:
+def _unit_nodes(squares: list[Place]) -> list[tuple[Ball, Ball]]:
     """Nodes (weight, x^2) for integrals over dx from 0 to 1; singularities at these x^2."""
     singular = []
     for z, rest in squares:

@@ -26,7 +26,7 @@ import flint
 
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
-from polhode.closed_forms.kovalevskaya.theta.balls import ball, middle, more_bits
+from polhode.closed_forms.kovalevskaya.theta.balls import Ball, ball, middle, more_bits
 from polhode.closed_forms.kovalevskaya.theta.quadrature import nodes, place
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import (
     Pair,
@@ -214,7 +214,7 @@ class KovalevskayaCurve:
 _ALL: list[Characteristic] = list(product((0, 1), repeat=4))  # type: ignore[arg-type]
 
 
-def principal_roots(factors: Sequence[Any]) -> Any:
+def principal_roots(factors: Sequence[Ball]) -> Ball:
     """The product of the principal square roots of balls, with one root taken."""
     whole = flint.acb(1)
     angle = 0.0
@@ -228,7 +228,7 @@ def principal_roots(factors: Sequence[Any]) -> Any:
     return -root if round(turn) % 2 else root
 
 
-def _angle(z: Any) -> float:
+def _angle(z: Ball) -> float:
     """arg z in doubles, at any magnitude."""
     near = complex(z)
     if abs(near) > _SMALL:

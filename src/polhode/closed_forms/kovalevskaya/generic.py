@@ -59,6 +59,10 @@ class Generic:
     def complex_at(self, t: Scalar) -> list[Scalar]:
         """The state at t as the complex numbers that the quotients give."""
         z = self.z0[0] + t * self.velocity[0], self.z0[1] + t * self.velocity[1]
+        return self.state(z)
+
+    def state(self, z: Pair) -> list[Scalar]:
+        """That of a point of the Jacobian."""
         return _state(self, self.thetas.at(z))
 
 

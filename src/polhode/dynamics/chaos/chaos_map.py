@@ -30,6 +30,7 @@ from polhode.common.jobs import carried_out
 from polhode.common.memory import refuse_too_much
 from polhode.common.progress import Progress
 from polhode.common.provenance import provenance
+from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.chaos import map_motions
 from polhode.dynamics.sections.initial_tangents import tangents_of
@@ -53,7 +54,7 @@ _ROUNDING = 1e-9  # of an end
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class ChaosMap(ByValue):
+class ChaosMap(Result, ByValue):
     """Verdicts of many motions: arrays with a row a motion.
 
     ``keys``: what the two coordinates are; ``at`` (n, 2): theirs.  ``shape``: cells of the grid,

@@ -15,6 +15,7 @@ import numpy as np
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, nearest
 from polhode.common.provenance import provenance
+from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.frequencies import naff
 from polhode.judging.references.reference import reference
@@ -63,7 +64,7 @@ class Line(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Frequencies(ByValue):
+class Frequencies(Result, ByValue):
     """The lines of each signal, strongest first, in radians per unit of time.
 
     ``known``: frequencies by name that the lines are combinations of: a closed form's where
@@ -89,7 +90,9 @@ class Frequencies(ByValue):
     provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        return f"<Frequencies of {self.name}: {', '.join(self.lines)} to t = {self.end:g}>"
+        strongest = {name: lines[0].frequency for name, lines in self.lines.items() if lines}
+        told = ", ".join(f"{name} {x:.10g}" for name, x in strongest.items())
+        return f"<Frequencies of {self.name}: strongest {told or 'none'}, to t = {self.end:g}>"
 
 
 def frequencies(

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
+from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.levels import effective_potential, permanent_rotations, rotation_arcs
 from polhode.dynamics.levels.arc_sampling import points
@@ -87,7 +88,7 @@ class Here(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Levels(ByValue):
+class Levels(Result, ByValue):
     """The diagram of a body, and where a scene lies in it; f and -f mirror each other.
 
     ``exact``: whether the body's numbers and the scene's level are rational, so that types, cusps

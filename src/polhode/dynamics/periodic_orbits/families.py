@@ -13,6 +13,7 @@ from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, nearest
 from polhode.common.progress import Message
 from polhode.common.provenance import provenance
+from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits.continuation import (
     BY,
@@ -68,7 +69,7 @@ class Bifurcation(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class OrbitFamily(ByValue):
+class OrbitFamily(Result, ByValue):
     """Periodic orbits along a curve on which h (or f) changes and f (or h) is held.
 
     ``by``: h or f.  ``points``: from the first orbit on.  ``bifurcations``: in the order in which

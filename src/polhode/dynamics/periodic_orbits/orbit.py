@@ -15,6 +15,7 @@ from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Message
 from polhode.common.provenance import provenance
+from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits import high_precision
 from polhode.dynamics.periodic_orbits.azimuth_advance import advance
@@ -61,7 +62,7 @@ ELLIPTIC, HYPERBOLIC, INVERSE, PARABOLIC = (
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Orbit(ByValue):
+class Orbit(Result, ByValue):
     """A periodic orbit of (omega, gamma) on one level: its start, its period, its stability.
 
     ``scene``: the found start as an exact scene that ends after one period.  ``period``: exactly

@@ -17,6 +17,7 @@ import numpy as np
 from polhode.common.arguments import cells, whole
 from polhode.common.progress import Message
 from polhode.common.provenance import provenance
+from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits.families import FamilyPoint, point_of
 from polhode.dynamics.periodic_orbits.level_set import Surface
@@ -58,7 +59,7 @@ class Guess(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class OrbitSearch(ByValue):
+class OrbitSearch(Result, ByValue):
     """The periodic orbits that were found on one level, by rising period.
 
     ``orbits``: each with its period, residue and a state.  ``guesses``: how many were tried.

@@ -18,6 +18,7 @@ from polhode.common.jobs import carried_out
 from polhode.common.memory import refuse_too_much
 from polhode.common.progress import Progress
 from polhode.common.provenance import provenance
+from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.sections import crossing_accuracy
 from polhode.dynamics.sections import jobs as section_jobs
@@ -39,7 +40,7 @@ _BYTES = 400  # of a crossing, while it is found and put in order
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Section(ByValue):
+class Section(Result, ByValue):
     """Crossings of a section by orbits on one level, an orbit a row; nan past an orbit's last one.
 
     ``by``: momentum, height, or an expression.  ``starts`` (n, 2): coordinates of the starts;

@@ -127,8 +127,8 @@ class Derivatives:
             where = places(known.pieces.times, asked)
         for n, step in enumerate(steps):
             eps = missed(known, n, step)
-            while where and where[0][0] == n:
-                v, lost = matrix(known, n, where.pop(0)[1])
+            for tau in where.get(n, []):
+                v, lost = matrix(known, n, tau)
                 self.found.append(self._product.at(v, UP * (eps + lost)))
             self._product.step(known.ends[n], eps)
 
@@ -143,7 +143,7 @@ def missed(known: Bounds, n: int, step: Step) -> float:
     nu = UP * 2.0 * float(known.pieces.lengths[n]) * problem.beta * off + TINY
     if not nu <= 1.0:
         raise Refused("the set has grown too large for the derivative of the flow")
-    found = UP * (float(known.rho[n]) + float(known.growth[n]) * (nu + nu * nu)) + TINY
+    found = UP * (float(known.rho[n]) + float(known.majorant[n]) * (nu + nu * nu)) + TINY
     if not found < 1e300:
         raise Refused("the derivative of a step has no bound")
     return found

@@ -15,7 +15,7 @@ from polhode.equations.form import Form
 from polhode.equations.forms.matrices import omega_and_gamma
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.scalars import Functions, Scalar, combination
-from polhode.scenes.body import Body
+from polhode.scenes.body import Body, scaled
 from polhode.scenes.scene import Scene
 
 SOURCE = "3.29–3.30"
@@ -61,26 +61,26 @@ _ARMS = (
 def coefficients(body: Body, time_unit: int = 0) -> dict[str, Exact]:
     """The exact coefficients that do not vanish, time measured in units of 2**time_unit."""
     torque = body.axes.components(body.torque)
-    every = every_coefficient(body.moments, torque, Fraction(4) ** time_unit)
+    if time_unit:
+        torque = scaled(Fraction(4) ** time_unit, torque)
+    every = every_coefficient(body.moments, torque)
     return {name: value for name, value in every.items() if sign(value) != 0}
 
 
-def every_coefficient(
-    moments: Sequence[Scalar], torque: Sequence[Scalar], unit: Scalar = 1
-) -> dict[str, Scalar]:
-    """All coefficients, for any scalars: A, B, C, Mg r0 in principal axes, 4**time_unit."""
+def every_coefficient(moments: Sequence[Scalar], torque: Sequence[Scalar]) -> dict[str, Scalar]:
+    """All coefficients, for any scalars: A, B, C, Mg r0 in principal axes times 4**time_unit."""
     a, b, c = moments
     x, y, z = torque
     return {
         "p.qr": (b - c) / a,
         "q.rp": (c - a) / b,
         "r.pq": (a - b) / c,
-        "p.gamma2": unit * z / a,
-        "p.gamma3": -unit * y / a,
-        "q.gamma3": unit * x / b,
-        "q.gamma1": -unit * z / b,
-        "r.gamma1": unit * y / c,
-        "r.gamma2": -unit * x / c,
+        "p.gamma2": z / a,
+        "p.gamma3": -y / a,
+        "q.gamma3": x / b,
+        "q.gamma1": -z / b,
+        "r.gamma1": y / c,
+        "r.gamma2": -x / c,
     }
 
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from io import BytesIO, StringIO
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from polhode.common.errors import BadInput
 from polhode.common.text_tables import printable
-
-if TYPE_CHECKING:
-    from polhode.figures.canvas.curve_sampling import Samples
 
 COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
 MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
@@ -50,6 +48,15 @@ def panels(plt: Any, axes: Any, rows: int, columns: int = 1, **how: Any) -> tupl
         expected = f"{rows * columns} matplotlib axes, one for each panel"
         raise BadInput("plot", "axes", f"{len(given)} things", expected)
     return given[0].figure, given.reshape(rows, columns)
+
+
+def legend_of(figure: Any, axes: Any) -> Any:
+    """Makes a legend: beside the panels of a figure of our own, within axes that were given."""
+    if axes is None:
+        return partial(figure.legend, loc="outside right upper")
+    import numpy as np
+
+    return np.ravel(np.asarray(axes, dtype=object))[0].legend
 
 
 def as_svg(figure: Any, title: str | None = None) -> str:
@@ -99,7 +106,7 @@ def remark(axes: Any, text: str) -> None:
 SUFFIXES = (".svg", ".png", ".pdf")
 
 
-def drawn(draw: Callable[[Any, Any], Any], what: Samples, suffix: str, title: str) -> bytes:
+def drawn(draw: Callable[[Any, Any], Any], what: object, suffix: str, title: str) -> bytes:
     """The bytes of a printed figure: ``draw(pyplot, what)`` makes it; it depends on nothing else.
 
     ``suffix``: one of SUFFIXES.

@@ -12,7 +12,7 @@ from polhode.numbers.conversion import exactly
 
 def as_read(subject: Subject, readings: Sequence[Reading]) -> Subject:
     """A subject whose parts are read so, as far as readings can be applied."""
-    for part, _, _, _, change in readings:
+    for part, _, _, _, change, _ in readings:
         if change is None:
             continue
         if part == "attitude" and subject.attitude is not None:
@@ -23,8 +23,7 @@ def as_read(subject: Subject, readings: Sequence[Reading]) -> Subject:
             for row in states:
                 row[place] = change.row(row[place])
             subject = replace(subject, states=states)
-    late = {one.change.late for one in readings if one.change is not None} - {0}
-    if len(late) == 1:
-        step = late.pop() * (subject.times[1] - subject.times[0])
-        subject = replace(subject, times=tuple(t - step for t in subject.times))
+    moved = next((one.times for one in readings if one.times is not None), None)
+    if moved is not None:
+        subject = replace(subject, times=tuple(moved.of(t) for t in subject.times))
     return replace(subject, readings=(*subject.readings, *readings))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
+from polhode.common.result import Result
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from polhode.enclosures.result import Enclosure
 
 
-class Certified:
+class Certified(Result):
     """The reference of any scene: balls that contain the exact motion, and their midpoints.
 
     ``progress``, ``forecast``: told of each proof as by :func:`polhode.certify`; ``max_seconds``: a

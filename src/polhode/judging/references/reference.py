@@ -15,6 +15,7 @@ from typing import TypeAlias, TypeVar
 from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
+from polhode.common.result import Result
 from polhode.equations.hodographs import Hodographs, hodographs
 from polhode.judging.correct_digits import errors, rate_scale
 from polhode.judging.references.certified import Certified
@@ -39,7 +40,7 @@ T = TypeVar("T")
 Ask: TypeAlias = Callable[[Sequence[Fraction], int], Sequence[T]]
 
 
-class Reference:
+class Reference(Result):
     """The closed form of a scene.
 
     ``kind``: which closed form; ``regime``: the kind of motion; answers in the scene's body axes.

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
+from polhode.common.result import Result
 from polhode.judging.correct_digits import worst_digits
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exact_number
@@ -17,7 +18,7 @@ from polhode.scenes.classification import kind_of_body
 from polhode.scenes.scene import Scene
 
 
-class TwoPrecisions:
+class TwoPrecisions(Result):
     """A reference made by integrating twice, at different precision, where a scene asks for it.
 
     It shares the integrator and the equations with the runs that it judges: evidence against

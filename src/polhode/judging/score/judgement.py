@@ -9,8 +9,8 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from polhode.common.cached_property import cached_property
-from polhode.common.presentation import Slot
 from polhode.common.progress import Progress
+from polhode.common.result import Result
 from polhode.common.text_tables import few
 from polhode.common.value_semantics import ByValue
 from polhode.equations.integrals import Drift
@@ -20,7 +20,6 @@ from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.departure import Departure, departure
 from polhode.judging.diagnosis.error_budget import LAST, between, chance, is_lost, is_thin, limit
 from polhode.judging.diagnosis.omega_only import OmegaAlone, omega_alone
-from polhode.judging.presentation import JudgementPresentation
 from polhode.judging.references.reference import by_sign
 from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest
 from polhode.judging.score.report_text import SHOWN, table, together
@@ -48,11 +47,8 @@ class _Worst(NamedTuple):
     row: int
 
 
-_PRESENTATION: Slot[JudgementPresentation[Judgement]] = Slot("judgements")
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class Judgement(ByValue):
+class Judgement(Result, ByValue):
     """Correct digits of a run or a table at each of its times, and what limits them.
 
     ``subject``: what was judged.  ``reference``: what against.  ``known``: kappa at the scene's
@@ -433,12 +429,11 @@ class Judgement(ByValue):
         time = brief(self.times[self._lowest])
         return f"{worst}; of the state {min(self.digits):.2f} at t = {time}, {limited}"
 
-    def _repr_html_(self) -> str:
-        return _PRESENTATION.get().html(self)
-
     def __repr__(self) -> str:
         try:
             told = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
+            told += f", limited by {self.limit}" if self.limit else ""
+            told += f", read as {self.reading}" if self.reading else ""
         except ValueError:
             told = "nothing was judged"
         return f"<Judgement of {self.subject.name} against {self.reference.kind}: {told}>"

@@ -20,14 +20,13 @@ from polhode.judging.references.derived import column_of
 from polhode.judging.references.reference import Reference, Remembered, rows
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest, part_digits
-from polhode.judging.score.vectorized_score import ManyRows, digits, many_rows
+from polhode.judging.score.vectorized_score import SPARE_DIGITS, ManyRows, digits, many_rows
 from polhode.judging.tables.candidate import Subject
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.rows import Given
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import COLUMNS, STATE
 
-SPARE_DIGITS = 6  # of the reference beyond what can be told
 _FIRST_ROWS, _MORE = 32, 16  # of rows asked for piece by piece: the first piece, and its growth
 FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
 

@@ -23,6 +23,7 @@ from polhode.common.text_tables import few
 from polhode.equations.column import column
 from polhode.judging._dense_reference.columns import Columns, in_panels
 from polhode.judging._dense_reference.parallel_evaluation import Ask
+from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, rows
 from polhode.judging.score.part_digits import TURNING
 from polhode.judging.tables.candidate import Subject
@@ -39,6 +40,7 @@ from polhode.scenes.vocabulary import COLUMNS
 FEWEST = 100  # rows: fewer are judged one by one in no time
 MOST_DIGITS = 20.0  # that can be told in pairs
 _SPARE = 3  # digits of the reference beyond those that can be told
+SPARE_DIGITS = 6  # and where it is asked row by row, or proves them
 _CHECKED = 7  # rows at which the pairs are held against the closed form
 
 
@@ -70,7 +72,11 @@ def many_rows(
 ) -> ManyRows | None:
     """A subject held against a reference; None where pairs cannot judge it."""
     count = len(subject.times)
-    if not isinstance(reference, Reference) or count < FEWEST or subject.held > MOST_DIGITS:
+    if count < FEWEST or subject.held > MOST_DIGITS:
+        return None
+    if isinstance(reference, Certified):
+        return _against_balls(subject, reference)
+    if not isinstance(reference, Reference):
         return None
     try:
         found = _columns(subject, reference, workers, tell)
@@ -85,13 +91,9 @@ def many_rows(
         return None
     states, quaternion, told = ([_spread(x, count) for x in part or ()] for part in found[:3])
     with np.errstate(all="ignore"):
-        scale = _scale(states, reference)
+        scale = _scale(states, reference.scene)
         scales = [scale if i < 3 else 1.0 for i in range(len(states))]
-        halves = {
-            name: _errors(own[half], states[half], scales[half])
-            for name, half in (("omega", slice(0, 3)), ("gamma", slice(3, 6)))
-            if own[half]
-        }
+        halves = _halves(own, states, scale)
         errors = np.maximum.reduce([*halves.values()]) if own else np.zeros(count)
         sides = [
             _errors(rotated, [y * side for y in quaternion], [1.0] * 4)
@@ -125,6 +127,30 @@ def many_rows(
                 return None
     untold = [k for k in found.untold if not all(np.isnan(angular[i].hi[k]) for i in (0, 2))]
     return ManyRows(errors, halves, attitude, angle_errors, turned, derived, tuple(untold))
+
+
+def _against_balls(subject: Subject, reference: Certified) -> ManyRows | None:
+    """A subject of states alone, held against the midpoints of proven balls."""
+    if not subject.columns or any(subject.part(word) is not None for word in COLUMNS):
+        return None
+    proven = reference.enclosure(subject.times, math.ceil(subject.held) + SPARE_DIGITS)
+    try:
+        own, true = subject.pairs, [of_fractions(x) for x in zip(*proven.centres, strict=True)]
+    except OverflowError:  # numbers beyond doubles
+        return None
+    with np.errstate(all="ignore"):
+        halves = _halves(own, true, _scale(true, reference.scene))
+    errors = np.maximum.reduce([*halves.values()])
+    return ManyRows(errors, halves, None, None, None, {})
+
+
+def _halves(own: Sequence[Pairs], true: Sequence[Pairs], scale: float) -> dict[str, Doubles]:
+    """The errors of omega, scaled, and of gamma."""
+    return {
+        name: _errors(own[half], true[half], [by] * len(own[half]))
+        for name, half, by in (("omega", slice(0, 3), scale), ("gamma", slice(3, 6), 1.0))
+        if own[half]
+    }
 
 
 def _near(angles: Sequence[Pairs], true: Sequence[Pairs]) -> list[Pairs]:
@@ -208,12 +234,12 @@ def _spread(x: Scalar, count: int) -> Pairs:
     return Pairs(*(np.broadcast_to(part, count) for part in (one.hi, one.lo)))
 
 
-def _scale(states: Sequence[Pairs], reference: Reference) -> float:
+def _scale(states: Sequence[Pairs], scene: Scene) -> float:
     """What errors of w are relative to, see :func:`polhode.judging.correct_digits.rate_scale`."""
     largest = float(np.sqrt(sum(x.hi**2 for x in states[:3])).max())
     if largest > 0:
         return largest
-    fallback = reference.scene.pendulum_rate_squared
+    fallback = scene.pendulum_rate_squared
     return to_double(exact.sqrt(fallback)) if sign(fallback) else 1.0
 
 

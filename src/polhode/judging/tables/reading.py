@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
@@ -12,26 +13,49 @@ from polhode.numbers.conversion import exactly
 #: Digits: below the first a part is wrong as it stands, the second is what a reading must add.
 WRONG, GAIN = 3.0, 3.0
 
+_ROOT_PLACES = 10**1100  # of the square root of two, as of a degree
+
 
 class Change(NamedTuple):
     """What makes a part's numbers those of the scene's convention, exactly.
 
-    Column k becomes ``signs[k]`` times column ``order[k]``, in radians where these are
-    ``degrees``; ``late``: by so many times the first step between times the rows' times are moved.
+    Column k becomes ``signs[k]`` times column ``order[k]``, in radians where its unit has so many
+    ``degrees``; a quaternion is then multiplied by ``space`` from the left and by ``body`` from the
+    right, both brought to length 1.
     """
 
     order: tuple[int, ...] = ()
     signs: tuple[int, ...] = ()
-    degrees: bool = False
-    late: int = 0
+    degrees: int = 0
+    space: tuple[int, ...] = (1, 0, 0, 0)
+    body: tuple[int, ...] = (1, 0, 0, 0)
 
     def row(self, row: Sequence[object]) -> list[Fraction | None]:
         """A row's cells changed; empty ones stay so."""
         if not self.order:
             return [None if x is None else exactly(x) for x in row]
         cells = [None if (x := row[k]) is None else exactly(x) for k in self.order]
-        turned = (None if x is None else s * x for s, x in zip(self.signs, cells, strict=True))
-        return [radians(x) if x and self.degrees else x for x in turned]
+        turned = [None if x is None else s * x for s, x in zip(self.signs, cells, strict=True)]
+        held = [x for x in turned if x is not None]
+        if {self.space, self.body} != {(1, 0, 0, 0)}:
+            if len(held) < len(turned):
+                return [None] * len(turned)
+            product = _product(_product(self.space, held), self.body)
+            by = 1 / (_length(self.space) * _length(self.body))
+            return [by * x for x in product]
+        return [radians(x * self.degrees) if x and self.degrees else x for x in turned]
+
+
+class TimeChange(NamedTuple):
+    """What makes a table's times those at which its rows hold: ``sign * unit * t - shift``."""
+
+    sign: int = 1
+    unit: Fraction = Fraction(1)
+    shift: Fraction = Fraction(0)
+
+    def of(self, t: Fraction) -> Fraction:
+        """A time changed."""
+        return self.sign * self.unit * t - self.shift
 
 
 class Reading(NamedTuple):
@@ -42,9 +66,31 @@ class Reading(NamedTuple):
     convention: str
     digits: float
     change: Change | None = None  # None where it is told, and not applied
+    times: TimeChange | None = None
 
     def __str__(self) -> str:
         return (
             f"{self.part} as it stands {self.as_it_stands:.2f} digits; read as {self.convention}: "
             f"{self.digits:.1f} digits"
         )
+
+
+def _product(a: Sequence[Fraction | int], b: Sequence[Fraction | int]) -> list[Fraction]:
+    """The product of quaternions, scalar first."""
+    p, q, r, s = map(Fraction, a)
+    t, u, v, w = map(Fraction, b)
+    return [
+        p * t - q * u - r * v - s * w,
+        p * u + q * t + r * w - s * v,
+        p * v - q * w + r * t + s * u,
+        p * w + q * v - r * u + s * t,
+    ]
+
+
+def _length(q: Sequence[int]) -> Fraction:
+    """The length of a quaternion of small whole numbers, to far more digits than are printed."""
+    square = sum(x * x for x in q)
+    root = math.isqrt(square)
+    if root * root == square:
+        return Fraction(root)
+    return Fraction(math.isqrt(square * _ROOT_PLACES**2), _ROOT_PLACES)

@@ -22,7 +22,14 @@ from polhode.numbers.scalars import AnyNumber, Real, Scalar, numbers_given
 from polhode.refined.attitude import Attitude, Following
 from polhode.refined.errors import CannotRefine, Stalled
 from polhode.refined.events import Search
-from polhode.refined.refinement import MOST_DIGITS, Accuracy, Motion, accuracy, refine
+from polhode.refined.refinement import (
+    MOST_DIGITS,
+    STEPS_AN_INTERVAL,
+    Accuracy,
+    Motion,
+    accuracy,
+    refine,
+)
 from polhode.runs.methods.dense_output import Dense
 from polhode.runs.problem.options import USUAL, Options
 from polhode.runs.problem.problem import Problem
@@ -124,6 +131,7 @@ class RefinedMotion:
             scene,
             times,
             accuracy(wanted),
+            _OTHER_INTERVALS if self.options.other else STEPS_AN_INTERVAL,
             progress=progress,
             max_steps=self.options.max_steps,
             search=search,

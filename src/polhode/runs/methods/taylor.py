@@ -274,7 +274,9 @@ class TaylorMotion:
         self._refuse_what_never_moves()
         found, outcome = leading.chunk([moment], 10**6)
         self.steps += leading.steps
-        if self._watch is None and outcome.done:
+        if self._watch is not None:
+            self._watch.settle()  # before the next integrator, which has other variables
+        elif outcome.done:
             leading.release()
         if self._stopped:
             return whole, moment

@@ -23,7 +23,8 @@ class Options(NamedTuple):
 
     ``tolerance``: of a step, the type's eps where it is None.  ``inputs``: the narrower type that
     start and coefficients are rounded to first.  ``digits``: those wanted, where the method can
-    see to it by itself.
+    see to it by itself.  ``other``: for a run that another one is compared with: what a method
+    chooses by itself, it chooses otherwise.
     """
 
     method: str = "auto"
@@ -32,6 +33,7 @@ class Options(NamedTuple):
     tolerance: Fraction | None = None
     inputs: NumberType | None = None
     digits: int | None = None
+    other: bool = False
 
 
 USUAL = Options()
@@ -41,12 +43,12 @@ def checked_options(
     scene: Scene, number: NumberType, given: Options, tol: AnyNumber | None
 ) -> Options:
     """Options as a user gives them, and the tolerance, checked; raises BadInput."""
-    method, most, project, _, inputs, digits = given
+    method, most, project, _, inputs, digits, other = given
     check_method(scene, method)
     if most is not None:
         most = steps(scene.name, most)
     project, tolerance = corrections(scene, project), rounded_tolerance(scene, number, tol)
-    return Options(method, most, project, tolerance, inputs, digits)
+    return Options(method, most, project, tolerance, inputs, digits, other)
 
 
 def check_method(scene: Scene, method: str) -> None:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from polhode.common.cached_property import cached_property
-from polhode.common.errors import BadInput
 from polhode.common.recent import Recent
 from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form, equations
@@ -18,7 +17,7 @@ from polhode.equations.system import System, system
 from polhode.numbers.conversion import number_value, to_extended
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Extendeds, Row, Rows
+from polhode.numbers.rows import Extendeds, Row, Rows, flat
 from polhode.numbers.scalars import EXACT
 from polhode.runs.problem.options import rounded_times
 from polhode.scenes.output_times import OutputTimes
@@ -189,6 +188,11 @@ class Prepared:
     @cached_property
     def first(self) -> Rows:
         """The start as the one row of a run; not to be written to."""
+        if self.number.flat and not self.blueprint.cyclic:
+            from polhode.taylor.backend.heyoka_numbers import OutOfRange
+
+            with suppress(OutOfRange):  # whoever integrates says so
+                return flat(self.blueprint.state)[None]
         return self.rows([[number_value(x, self.number) for x in self.system.start]])
 
     def rows(self, rows: Sequence[Row]) -> Rows:
@@ -210,7 +214,6 @@ class Schedule:
     inside: Times
 
 
-_WIDEST = 1000  # of the binary exponent of a run's unit of time, which doubles are to hold
 _kept: Recent[Problem] = Recent(16)
 _rules: Recent[Rules] = Recent(1)
 
@@ -223,15 +226,11 @@ def problem(
 ) -> Problem:
     """The problem of such runs, shared by scenes that differ in their times alone.
 
-    Not by those that go the other way in time: events count what crosses on the way.  Raises
-    BadInput for a motion whose pace no double tells.
+    Not by those that go the other way in time: events count what crosses on the way.
     """
     key = (number, tolerance, inputs, sign(scene.end) >= 0)
 
     def made() -> Problem:
-        if abs(scene.time_unit) > _WIDEST:
-            pace = f"about 10**{-scene.time_unit * math.log10(2):.0f} per unit of time"
-            raise BadInput(scene.name, "rate", pace, "one between 1e-300 and 1e300: other units")
         return Problem(scene.apart(), number, tolerance, inputs)
 
     return _kept.get(scene.identity, key, made)

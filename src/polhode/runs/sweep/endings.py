@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.motion.outcomes import OUTCOMES, Outcome
 
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 
-class Ended(ByValue):
+class Ended(Result, ByValue):
     """Members of a sweep, each of which ended in some way.
 
     ``endings``: how, indices into :data:`polhode.motion.outcomes.OUTCOMES`.

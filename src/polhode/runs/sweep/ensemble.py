@@ -8,14 +8,12 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from polhode.common.cached_property import cached_property
-from polhode.common.presentation import Slot
 from polhode.equations.column import derived_stack, of_state_alone
 from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.numbers.decimals import shown
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Rows, Stack
 from polhode.numbers.scalars import Real
-from polhode.runs.presentation import EnsemblePresentation
 from polhode.runs.sweep.endings import Ended
 from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
 from polhode.runs.trajectory import Trajectory
@@ -26,10 +24,6 @@ from polhode.scenes.sweep_scenes import Members
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
-    import pandas as pd
-    import xarray as xr
-
-_PRESENTATION: Slot[EnsemblePresentation[Ensemble]] = Slot("ensembles")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -99,23 +93,12 @@ class Ensemble(Ended):
             errors=self._errors(index),
         )
 
-    def _repr_html_(self) -> str:
-        return _PRESENTATION.get().html(self)
-
     @property
     def t(self) -> npt.NDArray[np.float64]:
         """The times as doubles, the nearest ones."""
         import numpy as np
 
         return np.array([float(t) for t in self.times])
-
-    def to_xarray(self) -> xr.Dataset:
-        """An xarray Dataset along member and t (extra ``polhode[frames]``)."""
-        return _PRESENTATION.get().to_xarray(self)
-
-    def to_pandas(self) -> pd.DataFrame:
-        """A pandas DataFrame: a row a member and time (extra ``polhode[frames]``)."""
-        return _PRESENTATION.get().to_pandas(self)
 
     def _errors(self, index: int) -> tuple[float | None, ...] | None:
         return self.told.get(index % len(self))

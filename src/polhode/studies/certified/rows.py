@@ -19,6 +19,7 @@ from polhode.judging.adaptive_precision import integrate
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
+from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -95,11 +96,16 @@ def rows(
     }
 
 
-def contained_in(scene: Scene, digits: int = CONTAINED_DIGITS) -> dict[str, Any]:
-    """A closed form against its enclosure: |closed form - midpoint| over the radius, the worst."""
+def contained_times(scene: Scene) -> list[Exact]:
+    """Three times, the last at most so many steps away."""
     away = precision_choice.steps(fixed_point_problem.motion(scene), scene.end)
     last = scene.end * min(Fraction(1), Fraction(CONTAINED_STEPS) / Fraction(math.ceil(away) + 1))
-    times = [last * Fraction(k, 3) for k in (1, 2, 3)]
+    return [last * Fraction(k, 3) for k in (1, 2, 3)]
+
+
+def contained_in(scene: Scene, digits: int = CONTAINED_DIGITS) -> dict[str, Any]:
+    """A closed form against its enclosure: |closed form - midpoint| over the radius, the worst."""
+    times = contained_times(scene)
     found = certify(scene, times, digits=digits)
     exact = reference_of(scene)
     true = exact.at(times, 2 * digits + 20)
@@ -111,7 +117,7 @@ def contained_in(scene: Scene, digits: int = CONTAINED_DIGITS) -> dict[str, Any]
     return {
         "case": scene.name,
         "reference": exact.kind,
-        "end": float(f"{float(last):.4g}"),
+        "end": float(f"{float(times[-1]):.4g}"),
         "ratio": float(f"{max(ratios):.2g}"),
         "inside": max(ratios) <= 1.0,
         "digits": round(found.proven, 2),

@@ -1,34 +1,30 @@
-"""Figures of the study speed: error against seconds, and seconds over run length."""
+"""Figures of the study speed: error against seconds, and other programs' time over polhode's."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import statistics
+from collections.abc import Sequence
 from typing import Any
 
 from polhode.figures.canvas.canvas import as_svg, pyplot
 from polhode.figures.canvas.direct_labels import GRID, GUIDE, LOOKS, WIDTH, End, label_ends
 from polhode.studies.speed.contenders import TYPES_SHOWN
+from polhode.studies.speed.page.contest import SHOWN_OUTPUTS, Told
+from polhode.studies.speed.programs import OURS
 
 PROJECTED, PLAIN = "polhode double projected", "polhode double"
-SHOWN_OUTPUTS, SHOWN_DIGITS = 11, 9.0  # of the figure over run length
-#: Drawn beside polhode: one of each that differ by their right-hand side's language alone.
-_DRAWN = (
-    *("heyoka alone", "CyRK DOP853", "CyRK VERN8", "CyRK LSODA", "diffrax Dopri8"),
-    *("numbalsoda dop853", "numbalsoda lsoda", "SciPy DOP853, Python", "SciPy LSODA, Python"),
-    *("splitting 4", "splitting 8", "splitting 8 compensated", "mpmath odefun"),
-)
 
 
-def svgs(found: Mapping[str, Any]) -> dict[str, str]:
+def svgs(found: Told) -> dict[str, str]:
     """The study's figures by name, from its JSON object."""
-    drawn = {"speed": work_precision(found["motions"])}
-    if any(len(_names(cell)) > 2 for cell in found.get("cells", ())):
+    drawn = {"speed": work_precision(found["motions"])} if found["motions"] else {}
+    if found["cells"]:
         drawn["lengths"] = lengths(found["cells"])
     return drawn
 
 
-def work_precision(motions: Sequence[Mapping[str, Any]]) -> str:
-    """Error against seconds, a panel a motion, and polhode's wider types on one of them."""
+def work_precision(motions: Sequence[Told]) -> str:
+    """Error against seconds, a panel a motion, and the wider types on one of them."""
     plt = pyplot()
     rows = len(motions) + 1
     size = (WIDTH, 2.5 * rows)
@@ -43,63 +39,72 @@ def work_precision(motions: Sequence[Mapping[str, Any]]) -> str:
     return as_svg(figure)
 
 
-def lengths(cells: Sequence[Mapping[str, Any]]) -> str:
-    """Seconds to nine digits over the length of a run: median, and a bar over the starts."""
+def lengths(cells: Sequence[Told]) -> str:
+    """The time of each program over polhode's over the length of a run, a panel a level."""
     plt = pyplot()
-    kinds = list(dict.fromkeys(cell["kind"] for cell in cells))
-    size = (WIDTH, 2.3 * len(kinds))
-    figure, axes = plt.subplots(len(kinds), 1, figsize=size, sharex=True, squeeze=False)
+    levels = [level["digits"] for level in cells[0]["levels"]]
+    size = (WIDTH, 3.0 * len(levels))
+    figure, axes = plt.subplots(len(levels), 1, figsize=size, sharex=True, squeeze=False)
     figure.subplots_adjust(left=0.17, right=0.66, top=1 - 0.3 / size[1], bottom=0.5 / size[1])
-    for ax, kind in zip(axes[:, 0], kinds, strict=True):
-        here = [c for c in cells if c["kind"] == kind and c["outputs"] == SHOWN_OUTPUTS]
-        _over_length(ax, sorted(here, key=lambda cell: cell["end"]))
-        ax.set_title(kind, fontsize=9)
+    for ax, digits in zip(axes[:, 0], levels, strict=True):
+        _over_length(ax, cells, digits)
+        ax.set_title(f"to {digits:g} digits", fontsize=9)
     axes[-1, 0].set_xlabel("t at the end", fontsize=9)
-    axes[len(kinds) // 2, 0].set_ylabel(f"seconds to {SHOWN_DIGITS:g} digits", fontsize=9)
+    axes[len(levels) // 2, 0].set_ylabel("time over a polhode propagator's", fontsize=9)
     return as_svg(figure)
 
 
-def _over_length(ax: Any, cells: Sequence[Mapping[str, Any]]) -> None:
+def _over_length(ax: Any, cells: Sequence[Told], digits: float) -> None:
     ends = []
     _scales(ax)
-    for name in dict.fromkeys(name for cell in cells for name in _names(cell)):
-        rows = [(cell["end"], *seconds) for cell in cells if (seconds := _seconds(cell, name))]
-        if not rows:
+    ax.axhline(1.0, color=GUIDE, lw=1.0)
+    names = [program["program"] for program in cells[0]["levels"][0]["programs"]]
+    for name in dict.fromkeys(names):
+        marks = [
+            (end, statistics.median(ratios))
+            for end in sorted({cell["end"] for cell in cells})
+            if (ratios := _ratios(cells, end, digits, name))
+        ]
+        if not marks:
             continue
-        t, middle, least, most = zip(*rows, strict=True)
+        t, middle = zip(*marks, strict=True)
         look = LOOKS[name]
         ax.plot(t, middle, look.line, marker=look.mark, color=look.colour, lw=look.width, ms=4)
-        ax.vlines(t, least, most, color=look.colour, lw=2.5, alpha=0.35)
         ends.append(End(t[-1], middle[-1], name, look.colour))
     label_ends(ax, ends)
 
 
-def _names(cell: Mapping[str, Any]) -> list[str]:
-    return [method["method"] for method in cell["levels"][0]["methods"]]
-
-
-def _seconds(cell: Mapping[str, Any], name: str) -> Sequence[float] | None:
-    """Median, least and most at the level shown; None where not every start reaches it."""
-    (level,) = (level for level in cell["levels"] if level["digits"] == SHOWN_DIGITS)
-    for method in level["methods"]:
-        if method["method"] == name and method["reached"] == cell["starts"]:
-            found: Sequence[float] | None = method["seconds"]
+def _ratios(cells: Sequence[Told], end: int, digits: float, name: str) -> list[float]:
+    """A program's ratios over the kinds: with the outputs shown, with two where it has no other."""
+    for outputs in (SHOWN_OUTPUTS, 2):
+        found = [
+            program["ratio"][0]
+            for cell in cells
+            if (cell["end"], cell["outputs"]) == (end, outputs)
+            for level in cell["levels"]
+            if level["digits"] == digits
+            for program in level["programs"]
+            if program["program"] == name != OURS and program["ratio"] is not None
+        ]
+        if found:
             return found
-    return None
+    return []
 
 
-def _panel(ax: Any, motion: Mapping[str, Any]) -> None:
-    """The double methods on one motion; polhode's curve is the one that is compared."""
+def _panel(ax: Any, motion: Told) -> None:
+    """Doubles as they come, projected at eps, and extended, on one motion."""
     methods = {method["method"]: method for method in motion["methods"]}
     curves = {"polhode": _composite(methods)}
-    curves |= {name: methods[name]["points"] for name in _DRAWN if name in methods}
+    for name in ("polhode extended", "polhode extended projected"):
+        if name in methods:
+            curves[name] = methods[name]["points"]
     _draw(ax, curves, f"{motion['motion']}, t = {motion['end']}")
-    floor = motion.get("verdict", {}).get("to_digits")
+    floor = motion.get("floor")
     if floor is not None:
         ax.axhline(10.0**-floor, color=GUIDE, lw=0.8, ls=(0, (1, 2)))
 
 
-def _composite(methods: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def _composite(methods: Told) -> list[Told]:
     """polhode's double curve as it comes: projected at its tightest tolerance and only there."""
     plain = methods.get(PLAIN, {"points": []})["points"]
     projected = methods.get(PROJECTED, {"points": []})["points"]
@@ -109,7 +114,7 @@ def _composite(methods: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return [*(p for p in plain if p["tol"] > eps), *(p for p in projected if p["tol"] <= eps)]
 
 
-def _types(ax: Any, motion: Mapping[str, Any]) -> None:
+def _types(ax: Any, motion: Told) -> None:
     """polhode in all number types on one motion."""
     curves = {
         method["method"]: method["points"]
@@ -119,7 +124,7 @@ def _types(ax: Any, motion: Mapping[str, Any]) -> None:
     _draw(ax, curves, f"{motion['motion']}, t = {motion['end']}, polhode in wider types")
 
 
-def _draw(ax: Any, curves: Mapping[str, Any], title: str) -> None:
+def _draw(ax: Any, curves: Told, title: str) -> None:
     """Curves with their names; the axes end where the data end."""
     ends = []
     for name, points in curves.items():

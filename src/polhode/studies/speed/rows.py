@@ -1,4 +1,4 @@
-"""Study ``speed``: work against precision, polhode beside heyoka alone and other programs."""
+"""Study ``speed``: seconds against digits, in every number type and beside other programs."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from polhode.common.errors import BadInput
 from polhode.common.progress import Message
 from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.correct_digits import digits_of, errors, rate_scale
@@ -17,99 +18,121 @@ from polhode.numbers.number_types import DOUBLE, bits_for, named
 from polhode.scenes.scene import Scene
 from polhode.studies.peer_processes import Curve, Method, Task, run_all
 from polhode.studies.row_filter import Only
-from polhode.studies.speed import benchmark_grid
+from polhode.studies.speed import cells, first_result
 from polhode.studies.speed.contenders import (
-    ENGINE,
     MOTIONS,
-    PLAIN,
-    PROJECTED,
     QUICK_MOTIONS,
     SpeedMotion,
     methods,
-    reported,
     scene_of,
 )
+from polhode.studies.speed.programs import ENGINE, OURS, PROGRAMS, RUN, Program, left_out, missing
 from polhode.studies.speed.published_benchmarks import READ
 from polhode.studies.speed.refined import contests
-from polhode.studies.speed.work_precision import Against, WorkPoint, against, wall
+from polhode.studies.speed.work_precision import wall
 
 NAME = "speed"
 QUESTION = (
-    "How many correct digits does a second buy: polhode in each number type, with and without "
-    "projection, beside heyoka written by hand and beside other programs?"
+    "What does a correct digit cost: the first result in a new process, a new start of a prepared "
+    "body, a long run, beside other programs called at their best; and how does the cost grow with "
+    "the digits in polhode's number types?"
 )
 SPARE_DIGITS = 6
-LOOSEST = 6.0  # digits from which curves are compared
 REPEATS, PATIENCE = 3, 0.1  # timed runs a tolerance and round; longer runs are made once
+QUICK_PROGRAMS = (OURS, RUN, ENGINE)  # what needs no compiler
 
 
 def rows(
-    quick: bool = False, tick: Message | None = None, only: Only | None = None
+    quick: bool = False,
+    tick: Message | None = None,
+    only: Only | None = None,
+    without: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """The study's results as a JSON object; seconds vary from run to run, digits do not."""
-    wanted = only or Only()
-    asked = {}
-    for motion in (m for m in MOTIONS if not quick or m.name in QUICK_MOTIONS):
-        here = [m for m in methods(motion, quick) if wanted or reported(motion, m)]
-        labels = motion.name, motion.case, "every motion"
-        chosen = [m for m in here if wanted(*labels, m.name)]
-        if chosen:  # polhode in double always, to compare with
-            asked[motion] = [m for m in here if m in chosen or m.name in (PLAIN, PROJECTED)]
-    motions = [*asked]
-    scenes = {motion: scene_of(motion) for motion in motions}
-    timing = (2 if quick else REPEATS, PATIENCE)
-    tasks = [
-        Task(method, scenes[motion], 1, *timing) for motion in motions for method in asked[motion]
-    ]
-    asked_cells = benchmark_grid.wanted_cells(quick, wanted)
+    """The study's results as a JSON object; seconds vary from run to run, digits do not.
+
+    ``without``: packages or programs that are not run.  Raises BadInput where another cannot be
+    imported: a table of those that happen to be there is no comparison.
+    """
+    wanted, said = only or Only(), _named(tick)
+    asked_cells = cells.wanted_cells(quick, wanted)
+    asked = _asked_motions(quick, wanted)
+    first = not wanted or wanted("first result")
+    programs = taking_part(quick, without) if asked_cells or first else []
     with tempfile.TemporaryDirectory() as cache:
-        curves = run_all(
-            [*tasks, *benchmark_grid.tasks(asked_cells, quick)], Path(cache), _named(tick)
-        )
-    over = benchmark_grid.rows(asked_cells, curves[len(tasks) :], quick, _named(tick))
+        starting = [*first_result.rows(programs, quick, said)] if first else []
+        held = cells.rows(asked_cells, [p for p in programs if p.last], Path(cache), quick, said)
+        scenes = {motion: scene_of(motion) for motion in asked}
+        timing = (2 if quick else REPEATS, PATIENCE)
+        tasks = [Task(m, scenes[motion], 1, *timing) for motion in asked for m in asked[motion]]
+        curves = run_all(tasks, Path(cache), said)
     found = []
-    for motion in motions:
-        if tick is not None:
-            tick(f"{NAME}: reference of the {motion.name}")
+    for motion in asked:
+        if said is not None:
+            said(f"reference of the {motion.name}")
         mine, curves = curves[: len(asked[motion])], curves[len(asked[motion]) :]
-        judged = dict(zip(asked[motion], mine, strict=True))
-        found.append(motion_row(motion, scenes[motion], judged))
+        found.append(
+            motion_row(motion, scenes[motion], dict(zip(asked[motion], mine, strict=True)))
+        )
     return {
         "study": NAME,
         "question": QUESTION,
         "quick": quick,
-        "target": target(found),
         "once_above": PATIENCE,
+        "programs": [program.name for program in programs],
+        "without": [*without],
+        "first": starting,
+        "cells": held,
         "motions": found,
-        "cells": over,
-        "refined": contests(quick, _named(tick), wanted),
+        "refined": contests(quick, said, wanted),
         "elsewhere": [] if wanted else [row._asdict() for row in READ],
     }
 
 
-def target(motions: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Whether polhode's double curve is ahead of every peer on the regular motions.
+def versions() -> dict[str, str]:
+    """Of the programs that are there."""
+    from importlib.metadata import PackageNotFoundError, version
 
-    None where no peer ran.  ``behind``: where it is not, at what factor of the peer's seconds, from
-    which digits.
-    """
-    regular = [
-        m for m in motions if m["kind"] == "regular" and "verdict" in m and m["verdict"]["peers"]
+    found = {}
+    for name in sorted({need for program in PROGRAMS for need in program.needs}):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def taking_part(quick: bool, without: Sequence[str]) -> list[Program]:
+    """Those that take part; raises BadInput for one that is not there, or not known."""
+    known = {word.lower() for p in PROGRAMS for word in (p.name, *p.needs)}
+    for word in without:
+        if word.lower() not in known:
+            packages = sorted({need for p in PROGRAMS for need in p.needs})
+            raise BadInput("study", "--without", word, f"one of {', '.join(packages)}")
+    chosen = [
+        program
+        for program in PROGRAMS
+        if not left_out(program, without) and (not quick or program.name in QUICK_PROGRAMS)
     ]
-    return {
-        "ahead": all(m["verdict"]["ahead_of_all"] for m in regular) if regular else None,
-        "reaches_floor": all(m["verdict"]["reaches_floor"] for m in regular) if regular else None,
-        "behind": [
-            {"motion": m["motion"], **row}
-            for m in regular
-            for row in m["verdict"]["peers"]
-            if not row["ahead"]
-        ],
-    }
+    absent = missing(chosen)
+    if absent:
+        package = next(iter(absent))
+        told = f"installed (pip install 'polhode[peers]'), or left out: --without {package}"
+        raise BadInput("study", "speed", package, told)
+    return chosen
+
+
+def _asked_motions(quick: bool, wanted: Only) -> dict[SpeedMotion, list[Method]]:
+    found = {}
+    for motion in (m for m in MOTIONS if not quick or m.name in QUICK_MOTIONS):
+        labels = motion.name, motion.case, "every motion"
+        chosen = [m for m in methods(motion, quick) if wanted(*labels, m.name)]
+        if chosen:
+            found[motion] = chosen
+    return found
 
 
 def motion_row(motion: SpeedMotion, scene: Scene, curves: Mapping[Method, Curve]) -> dict[str, Any]:
-    """What all methods gave on one motion, judged, and the verdicts."""
+    """What all number types gave on one motion, judged."""
     most = max(named(method.number).most_digits for method in curves)
     wanted = math.ceil(most) + SPARE_DIGITS
     reference = reference_of(scene).at(scene.times, wanted)
@@ -131,86 +154,9 @@ def motion_row(motion: SpeedMotion, scene: Scene, curves: Mapping[Method, Curve]
     }
     kappa, bound = _limits(scene)
     if kappa is not None and bound is not None:
-        floor = bound - math.log10(3)
         found |= {"kappa": float(f"{kappa:.2e}"), "digits_bound": round(bound, 2)}
-        if any(method.name == PLAIN for method in curves):
-            found["verdict"] = verdict(found["methods"], floor)
+        found["floor"] = round(bound - math.log10(3), 2)
     return found
-
-
-def verdict(found: Sequence[Mapping[str, Any]], floor: float) -> dict[str, Any]:
-    """polhode's double curve as it comes against each peer's from 1e-6 down to ``floor`` digits.
-
-    heyoka is our engine: against it, the overhead at equal tolerance and what projection gains.
-    """
-    marks = {method["method"]: _marks(method["points"]) for method in found}
-    ours = as_it_comes(found)
-    peers = [m for m in found if m["number"] == "double" and _is_peer(m["method"])]
-    compared = {
-        m["method"]: against(ours, marks[m["method"]], LOOSEST, floor)
-        for m in peers
-        if marks[m["method"]]
-    }
-    reach = max((mark.digits for mark in ours), default=0.0)
-    return {
-        "from_digits": LOOSEST,
-        "to_digits": round(floor, 2),
-        "reach": round(reach, 2),
-        "reaches_floor": reach >= floor,
-        "ahead_of_all": all(x.ahead for x in compared.values()),
-        "peers": [_against_row(name, x) for name, x in compared.items()],
-        "engine": _engine(found, marks),
-    }
-
-
-def as_it_comes(found: Sequence[Mapping[str, Any]]) -> list[WorkPoint]:
-    """polhode's double curve without any switch: projected at the tolerance eps and only there."""
-    eps = float(DOUBLE.eps)
-    points = {m["method"]: m["points"] for m in found}
-    loose = [p for p in points[PLAIN] if p["tol"] > eps or PROJECTED not in points]
-    return _marks([*loose, *(p for p in points.get(PROJECTED, ()) if p["tol"] <= eps)])
-
-
-def _engine(
-    found: Sequence[Mapping[str, Any]], marks: Mapping[str, Sequence[WorkPoint]]
-) -> dict[str, Any]:
-    """Seconds over heyoka's at equal tolerance, and digits gained over heyoka's best."""
-    by_tol = {
-        m["method"]: {p["tol"]: p["seconds_min"] for p in m["points"] if "digits" in p}
-        for m in found
-    }
-    steps = {m["method"]: {p["tol"]: p.get("steps") for p in m["points"]} for m in found}
-    row: dict[str, Any] = {}
-    best = max((mark.digits for mark in marks.get(ENGINE, ())), default=None)
-    for name in (PLAIN, PROJECTED):
-        shared = by_tol.get(name, {}).keys() & by_tol.get(ENGINE, {}).keys()
-        if not shared or best is None:
-            continue
-        ratios = {tol: by_tol[name][tol] / by_tol[ENGINE][tol] for tol in shared}
-        row[name] = {
-            "overhead_least": round(min(ratios.values()), 3),
-            "overhead_most": round(max(ratios.values()), 3),
-            "overhead_tightest": round(ratios[min(shared)], 3),
-            "steps_tightest": _ratio(*(steps[x][min(shared)] for x in (name, ENGINE))),
-            "seconds_more": _short(min(by_tol[name][t] - by_tol[ENGINE][t] for t in shared)),
-            "digits_gained": round(max(mark.digits for mark in marks[name]) - best, 2),
-        }
-    return row
-
-
-def _ratio(a: int | None, b: int | None) -> float | None:
-    return round(a / b, 3) if a and b else None
-
-
-def _against_row(name: str, found: Against) -> dict[str, Any]:
-    return {
-        "method": name,
-        "ahead": found.ahead,
-        "least_factor": None if found.factor is None else float(f"{found.factor:.3g}"),
-        "at_digits": None if found.at is None else round(found.at, 2),
-        "reach": round(found.reach, 2),
-        "short": round(found.short, 2),
-    }
 
 
 def _method_row(method: Method, curve: Curve, digits: Mapping[float, float]) -> dict[str, Any]:
@@ -255,14 +201,6 @@ def _limits(scene: Scene) -> tuple[float | None, float | None]:
     found = conditioning(scene)
     bounds = [x for x in found.digits_bound(DOUBLE) if x is not None]
     return found.kappa[-1], min(bounds, default=None)
-
-
-def _marks(points: Sequence[Mapping[str, Any]]) -> list[WorkPoint]:
-    return [WorkPoint(p["digits"], p["seconds_min"]) for p in points if "digits" in p]
-
-
-def _is_peer(name: str) -> bool:
-    return not name.startswith("polhode") and name != ENGINE
 
 
 def _short(x: float | None) -> float | None:

@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 FLAT = 0.5  # digits within which a curve has flattened, and plateaus are the same
 FALL = 10.0  # how much the tolerance fell over a plateau, at least
-STEP = 0.25  # digits between the levels at which curves are compared
 
 
 class WorkPoint(NamedTuple):
@@ -20,25 +19,6 @@ class WorkPoint(NamedTuple):
 
     digits: float
     seconds: float
-
-
-class Against(NamedTuple):
-    """A curve against another between two levels of digits.
-
-    ``factor``: the least ratio of the other's seconds to ours over the levels that both reach, and
-    ``at`` the level of it; None where there is none.  ``reach``: the most digits of the other,
-    ``short``: the digits up to the upper level that it reaches and ours does not.
-    """
-
-    factor: float | None
-    at: float | None
-    reach: float
-    short: float
-
-    @property
-    def ahead(self) -> bool:
-        """Whether ours is left of and below the other throughout."""
-        return self.short <= 0 and (self.factor is None or self.factor > 1)
 
 
 def frontier(marks: Iterable[WorkPoint]) -> list[WorkPoint]:
@@ -64,22 +44,6 @@ def seconds_at(marks: Sequence[WorkPoint], digits: float) -> float | None:
     low, high = line[k - 1], line[k]
     part = (digits - low.digits) / (high.digits - low.digits)
     return math.exp((1 - part) * math.log(low.seconds) + part * math.log(high.seconds))
-
-
-def against(
-    ours: Sequence[WorkPoint], other: Sequence[WorkPoint], low: float, high: float
-) -> Against:
-    """Our curve against another's from ``low`` to ``high`` digits."""
-    reach = max((mark.digits for mark in other), default=0.0)
-    mine = max((mark.digits for mark in ours), default=0.0)
-    top = min(high, reach)
-    ratios = []
-    for level in _levels(low, min(top, mine)):
-        theirs, own = seconds_at(other, level), seconds_at(ours, level)
-        if theirs is not None and own is not None:
-            ratios.append((theirs / own, level))
-    factor, at = min(ratios, default=(None, None))
-    return Against(factor, at, reach, max(0.0, top - max(mine, low)))
 
 
 def wall(curves: Iterable[tuple[str, Sequence[tuple[float, float]]]]) -> float | None:
@@ -108,9 +72,3 @@ def _plateau(points: Sequence[tuple[float, float]]) -> float | None:
     last_tol, last = falling[-1]
     flat = [tol for tol, digits in falling if digits > last - FLAT]
     return last if max(flat) >= FALL * last_tol else None
-
-
-def _levels(low: float, high: float) -> list[float]:
-    if high < low:
-        return []
-    return [*(low + STEP * k for k in range(int((high - low) / STEP) + 1)), high]

@@ -62,14 +62,11 @@ def scalar(x: Number, number: NumberType) -> HeyokaNumber:
 def scalars(values: Sequence[Number], number: NumberType) -> list[HeyokaNumber]:
     """The numbers of heyoka's type nearest to each; raises OutOfRange."""
     if number.name == "double":
-        try:
-            found = [
-                x.numerator / x.denominator if isinstance(x, Fraction) else 0.0 for x in values
-            ]
-        except OverflowError:
-            found = [0.0]
-        if all(abs(x) >= _SMALLEST_DOUBLE for x in found):  # else a zero, or out of range
-            return found
+        found = [to_double(x) for x in values]
+        for k, value in enumerate(found):
+            if not _SMALLEST_DOUBLE <= abs(value) < math.inf:  # 0, or out of range
+                found[k] = scalar(values[k], number)
+        return found
     return [scalar(x, number) for x in values]
 
 

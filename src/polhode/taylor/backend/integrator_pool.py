@@ -40,14 +40,10 @@ class Pool:
 
     def take(self, kind: Kind[C], key: Hashable) -> C | None:
         """One that integrates this, from now on the caller's; None where there is none."""
-        with self._lock.held():
-            of_kind = self._kept.get(kind)
-            if of_kind is None or key not in of_kind:
-                return None
-            found = of_kind[key].pop()
-            if not of_kind[key]:
-                del of_kind[key]
-            return cast(C, found)
+        try:  # no lock: no two threads are given the same
+            return cast(C, self._kept[kind][key].pop())
+        except (KeyError, IndexError):
+            return None
 
     def taken_or_built(self, kind: Kind[C], key: Hashable, build: Callable[[], C]) -> C:
         """The same, built where there is none.
@@ -68,10 +64,10 @@ class Pool:
             of_kind = self._kept.setdefault(kind, OrderedDict())
             of_kind.setdefault(key, []).append(integrator)
             of_kind.move_to_end(key)
-            while sum(map(len, of_kind.values())) > kind.most:
-                first = next(iter(of_kind))
-                of_kind[first].pop()
-                if not of_kind[first]:
+            while max(len(of_kind), sum(map(len, of_kind.values()))) > kind.most:
+                idle = of_kind[first := next(iter(of_kind))]
+                del idle[:1]  # nothing, where another thread has just taken it
+                if not idle:
                     del of_kind[first]
 
 

@@ -7,9 +7,11 @@ import heyoka as hy
 from polhode.motion.outcomes import Outcome
 from polhode.taylor.backend.types import HeyokaOutcome
 
+TIME_LIMIT = hy.taylor_outcome.time_limit  # of a call that came to its end
+
 _WORDS = {
     int(hy.taylor_outcome.err_nf_state): Outcome.NON_FINITE,
-    int(hy.taylor_outcome.time_limit): Outcome.REACHED_END,
+    int(TIME_LIMIT): Outcome.REACHED_END,
     int(
         hy.taylor_outcome.cb_stop
     ): Outcome.STOPPED_AT_EVENT,  # callbacks are asked for nothing else

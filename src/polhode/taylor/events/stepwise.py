@@ -105,10 +105,10 @@ class Watch:
         )
         self.raw: list[list[_Raw]] = [[] for _ in scene.events]
         self.seen: list[list[Met]] = [[] for _ in scene.events]
+        self.settled: list[list[Mark]] = [[] for _ in scene.events]  # met by an earlier integrator
         self.known: list[list[Zeros]] = [
             [] for _ in scene.events
         ]  # plain crossings found otherwise
-        self.settled: list[list[Mark]] = [[] for _ in scene.events]  # of earlier integrators
         # Of the integrator attached last: itself, the exact time from which its own counts, and
         # what it hands to callbacks, with its dense output, a view of its memory.
         self.stepping: HeyokaIntegrator = None
@@ -152,8 +152,6 @@ class Watch:
 
     def sit_down(self, desk: Desk) -> None:
         """Take over the desk of the integrator that a run goes on with."""
-        if desk is not self.desk:
-            self._settle()
         self.desk, desk.watch = desk, self
         ends = any(event.stop for event in self.scene.events)
         self.later = [self.number.flat and not (ends or timed) for timed in desk.with_time]
@@ -247,13 +245,13 @@ class Watch:
     def found(self) -> tuple[EventTimes, ...]:
         """The events in scene axes and units, in order of integration; ends the watch's work."""
         read, unit = Readout(self.scene, self.number), Fraction(2) ** self.scene.time_unit
-        answers = []
+        width, answers = len(read.form.variables), []
         for k, event in enumerate(self.scene.events):
             before = self.start[k] if self.forward else -self.start[k]
             zeros = after_start(self._zeros(k), before, self.number)
             found = zeros[1]
-            marked = self.raw[k] or self.settled[k] or self.stop is not None
-            plain = None if marked else in_order(zeros, before)
+            noted = self.raw[k] or self.settled[k] or self.stop is not None
+            plain = None if noted else in_order(zeros, before)
             if plain is not None:
                 slopes, met, complete = found.slopes, found.rows, True
                 if event.direction != "any":
@@ -263,17 +261,26 @@ class Watch:
                 rows: Given = met
                 grazing = (False,) * len(slopes)
             else:
-                marks = [*self.settled[k], *map(self._exact, self.raw[k])]
-                marks += self._marks(k, zeros)
+                marks = [*map(self._exact, self.raw[k]), *self.settled[k], *self._marks(k, zeros)]
                 marks, complete = sorted_out(marks, before, self.stop, self.number, ZERO)
                 marks = [m for m in marks if event.counts(m.slope)]
                 times = tuple(self.number.rounded(m.time) * unit for m in marks)
-                # the first variables are those of the form in every integrator of a run
-                variables = len(read.form.variables)
-                rows = [heyoka_numbers.numbers(m.row[:variables], self.number) for m in marks]
+                # cut: where a run begins with a bridge, that integrates other variables beside
+                rows = [heyoka_numbers.numbers(m.row[:width], self.number) for m in marks]
                 grazing = tuple(m.slope == 0 for m in marks)
             answers.append(EventTimes(event.name, times, read.states(rows), grazing, complete))
         return tuple(answers)
+
+    def settle(self) -> None:
+        """Polish what was met so far, while the integrator that met it is there."""
+        for k, met in enumerate(self.seen):
+            self.settled[k] += self._marks(k, self._zeros(k))
+            met.clear()
+
+    def _marks(self, k: int, zeros: Zeros) -> list[Mark]:
+        """What was met of an event with its exact times: plain crossings and others."""
+        plain = zeros[1].plain
+        return plain_marks(those(zeros, plain)) + self._one_by_one(k, those(zeros, ~plain))
 
     def _exact_times(self, times: Flat) -> tuple[Fraction, ...]:
         return tuple(exact_times(times, self.scene.time_unit, self.number))
@@ -291,18 +298,6 @@ class Watch:
         """A mark with its exact time."""
         width = ZERO if raw.slope else self._exactly(raw.width)
         return Mark(self._time(raw), raw.row, raw.slope, width)
-
-    def _settle(self) -> None:
-        """Polish what one integrator noted before another, of other variables, goes on."""
-        for k, seen in enumerate(self.seen):
-            if seen:
-                self.settled[k] += self._marks(k, self._zeros(k))
-                seen.clear()
-
-    def _marks(self, k: int, zeros: Zeros) -> list[Mark]:
-        """Zeros of an event as marks."""
-        plain = zeros[1].plain
-        return plain_marks(those(zeros, plain)) + self._one_by_one(k, those(zeros, ~plain))
 
     def _one_by_one(self, k: int, zeros: Zeros) -> list[Mark]:
         """Places that are no plain crossings, each looked at along a step from there."""

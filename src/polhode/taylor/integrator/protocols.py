@@ -159,6 +159,9 @@ class Watcher(Protocol):
     def marks(self) -> Found:
         """What was found so far, to be given to ``take_back``."""
 
+    def settle(self) -> None:
+        """Be done with what was found so far: another integrator goes on, in other variables."""
+
     def take_back(self, found: Found) -> None:
         """Forget what was found since."""
 

@@ -28,6 +28,7 @@ import numpy as np
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.system import system
 from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 from polhode.taylor.corrections.integral_projection import kept_at_zero
@@ -42,6 +43,7 @@ STRIDE = 8.0  # of the scene's own unit of time between two looks where the moti
 MOST_LOOKS, LONGEST = 64, 256.0  # otherwise: about so many looks, none so far from the last
 LED_FROM = 10.0  # log10 of G up to which a motion in double is the scene's to six digits
 TRUSTED = 14.0  # log10 of G beyond which a motion in double says nothing of the scene's
+_LATEST = 2.0**900  # of the scene's own unit of time; whatever a law says of later times
 _EXPONENTIAL = 6.0  # ln of G in the second half of the time: no power of time grows so much
 _DIRECTION = (0.6, -0.5, 0.4, 0.3, 0.2, -0.3)  # along no axis
 
@@ -49,22 +51,28 @@ _DIRECTION = (0.6, -0.5, 0.4, 0.3, 0.2, -0.3)  # along no axis
 class Growth(NamedTuple):
     """Decimal digits lost, at moments from 0 on; between two of them log10 is linear in time.
 
-    ``times``: scene's units, |t| increasing.  ``lost``: see the module; at least 0.  ``followed``:
-    the last time to which the tangent was followed; later values continue its law.  ``steps``:
-    Taylor steps in double to the end, about.
+    ``times``: in the scene's own unit 2**unit, |t| increasing.  ``lost``: see the module; at least
+    0.  ``followed``: the last time to which the tangent was followed; later values continue its
+    law.  ``steps``: Taylor steps in double to the end, about.
     """
 
     times: tuple[float, ...]
     lost: tuple[float, ...]
     followed: float
     steps: int
+    unit: int
 
-    def at(self, t: float) -> float:
+    def at(self, t: Exact) -> float:
         """The digits lost at a time."""
-        return float(np.interp(abs(t), np.abs(self.times), self.lost))
+        here = to_double(abs(t) / Fraction(2) ** self.unit)
+        return float(np.interp(here, np.abs(self.times), self.lost))
 
     def reaches(self, lost: float) -> float | None:
         """The first time at which so many digits are lost; None where they never are."""
+        found = self._reaches(lost)
+        return None if found is None else to_double(Fraction(found) * Fraction(2) ** self.unit)
+
+    def _reaches(self, lost: float) -> float | None:
         before, height = 0.0, 0.0
         for t, here in zip(self.times, self.lost, strict=True):
             if here >= lost:
@@ -92,11 +100,11 @@ def growth(
     everywhere with inf, the tangent may be that of a neighbour's motion.  ``every``: the steps
     between two projections of an integrable top onto all its integrals, 0 without.
     """
-    unit = 2.0**scene.time_unit
     end = to_double(scene.end / Fraction(2) ** scene.time_unit)
+    end = max(-_LATEST, min(_LATEST, end))
     principal = scene.form == "principal"
     if end == 0 or (principal and at_rest(scene).state):  # nothing is rounded on the way
-        return Growth((0.0,), (0.0,), end * unit, 0)
+        return Growth((0.0,), (0.0,), end, 0, scene.time_unit)
     plain = system(replace(scene, form="principal"), ())
     start = six(plain.start)
     tangent = np.array(_DIRECTION)
@@ -124,7 +132,7 @@ def growth(
         elif passed > trusted * math.log(10):
             break
     flow.release()
-    return _continued(looks, _grown(looks, scene), end, unit, every)
+    return _continued(looks, _grown(looks, scene), end, scene.time_unit, every)
 
 
 class _Look(NamedTuple):
@@ -153,9 +161,7 @@ def _grown(looks: list[_Look], scene: Scene) -> list[float]:
     return found
 
 
-def _continued(
-    looks: list[_Look], grown: list[float], end: float, unit: float, every: int
-) -> Growth:
+def _continued(looks: list[_Look], grown: list[float], end: float, unit: int, every: int) -> Growth:
     """Growth from what was seen, its law continued to the end."""
     times, last = [look.time for look in looks], looks[-1].time
     added = [0.5 * math.log(max(1, look.steps)) for look in looks]  # ln of sqrt(n)
@@ -173,7 +179,7 @@ def _continued(
             added.append(added[len(looks) - 1] + 0.5 * math.log(ratio))
     lost = [_lost(g, n, every) / math.log(10) for g, n in zip(whole, added, strict=True)]
     steps = math.ceil(looks[-1].steps * abs(end / last)) if last else looks[-1].steps
-    return Growth(tuple(t * unit for t in times), tuple(lost), last * unit, steps)
+    return Growth(tuple(times), tuple(lost), last, steps, unit)
 
 
 def _lost(grown: float, root: float, every: int) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from polhode.closed_forms._winding.counted_turns import Counted
 from polhode.closed_forms._winding.euler_angles import Attitude
@@ -25,6 +25,7 @@ from polhode.closed_forms.kovalevskaya.attitude.attitude_panels import (
     KovalevskayaAttitude,
     MovingState,
 )
+from polhode.closed_forms.kovalevskaya.attitude.axis_turns import AxisTurns
 from polhode.closed_forms.kovalevskaya.attitude.cayley_klein import CayleyKlein, cayley_klein
 from polhode.closed_forms.kovalevskaya.attitude.degenerate_attitude import (
     AveragedAttitude,
@@ -46,6 +47,8 @@ from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.scalars import Scalar
 
+_FEW = 200  # radians up to which turns about another axis are sooner counted
+_ALIKE = 1e-3  # radians: neighbours on the same side of all poles turn alike
 _MOST_MORE = 2_000  # bits that the set-up of an attitude may lose
 
 
@@ -67,7 +70,7 @@ class Attitudes:
         self._known: dict[int, Attitude] = {}
         self._formulas: dict[int, CayleyKlein] = {}
         self._neighbours: dict[tuple[int, int, int], AveragedAttitude] = {}
-        self._counts: dict[tuple[Any, Any], Counted] = {}
+        self._counts: dict[tuple[Scalar, Scalar], Counted] = {}
 
     def at(self, bits: int) -> Attitude:
         """The attitude of answers of ``bits`` bits."""
@@ -132,6 +135,9 @@ class Attitudes:
             speed=self._rate(bits),
             third=self._axes.third,
             coarse=lambda: self._formula(TRACKING),
+            axis_turns=lambda made, used, begin: AxisTurns(
+                self._start, made, self._turn(used), used, begin
+            ),
         )
 
     def _formula(self, bits: int) -> CayleyKlein:
@@ -150,7 +156,7 @@ class Attitudes:
     def _degenerate(self, bits: int) -> DegenerateAttitude:
         """A motion on a degenerate curve."""
         return DegenerateAttitude(
-            formula=self._averaged,
+            formula=self.neighbours,
             turns=partial(self._turns, bits),
             bits=bits,
             start=self._first(bits),
@@ -159,7 +165,7 @@ class Attitudes:
             speed=self._rate(bits),
         )
 
-    def _averaged(self, t: Scalar, bits: int) -> AveragedAttitude:
+    def neighbours(self, t: Scalar, bits: int) -> AveragedAttitude:
         """The neighbours' Cayley-Klein parameters, as near as the time asks for."""
         solution, used, _, _ = self._answers.resolved((exactly(t),), bits)
         assert isinstance(solution, Averaged)
@@ -176,20 +182,41 @@ class Attitudes:
             self._neighbours[key] = _certified(make, bits)
         return self._neighbours[key]
 
-    def _turns(self, bits: int, t: Any) -> tuple[Any, Any]:
+    def _turns(self, bits: int, t: Scalar) -> tuple[Scalar, Scalar]:
         """The growth of both arguments from 0 to t.
 
         A neighbour is nearer than 2^-(bits/4) all the way: it turns as the motion does, unless that
         passes poles.  There two neighbours pass on either side (:func:`regimes.side`), at all poles
         of one kind on the same one: half turns are counted upwards, so the larger growth is meant.
         """
-        if self._axes.third:
+        if not self._axes.third and abs(t) * self._rate(bits) > _FEW:
             with contextlib.suppress(ArithmeticError):
-                xi, eta = self._neighbours_turns(self._averaged(t, bits), bits, t)
+                return self.about_axis(self.neighbours(t, bits), t)
+        elif self._axes.third:
+            with contextlib.suppress(ArithmeticError):
+                xi, eta = self._neighbours_turns(self.neighbours(t, bits), bits, t)
                 return (eta, xi) if self._axes.third > 0 else (xi, eta)
-        return self._tallied(t)
+        return self.tallied(t)
 
-    def _neighbours_turns(self, made: AveragedAttitude, bits: int, t: Any) -> tuple[Any, Any]:
+    def about_axis(self, made: AveragedAttitude, t: Scalar) -> tuple[Scalar, Scalar]:
+        """The growth about another axis; ArithmeticError where neighbours differ.
+
+        They do where the motion passes the vertical itself: one on either side.
+        """
+        with mpmath.workprec(made.bits):
+            time = mpmath.ldexp(t, self._start.exponent)
+            turn = self._turn(made.bits)
+            grown = []
+            for start, formula in zip(made.motions.starts[:2], made.formulas, strict=False):
+                found = AxisTurns(start, formula, turn, made.bits, mpf(0))
+                grown.append(found.growth(time))
+            if any(abs(x - y) > _ALIKE for x, y in zip(*grown, strict=True)):
+                raise ArithmeticError("neighbours turn otherwise")
+            return grown[0]
+
+    def _neighbours_turns(
+        self, made: AveragedAttitude, bits: int, t: Scalar
+    ) -> tuple[Scalar, Scalar]:
         """The growth of arg xi and arg eta; ArithmeticError where neighbours do not tell it."""
         both = range(1)
         if regimes.passes_poles(self._start):
@@ -208,18 +235,18 @@ class Attitudes:
             xi, eta = (max(row) for row in zip(*grown, strict=True))
         return xi, eta
 
-    def _tallied(self, t: Any) -> tuple[Any, Any]:
+    def tallied(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The same, counted along the motion."""
         side, far = mpmath.sign(t), mpmath.ldexp(1, int(mpmath.mag(t)))
         if (side, far) not in self._counts:
             with mpmath.workprec(TRACKING):
-                made = self._averaged(side * far, TRACKING)
+                made = self.neighbours(side * far, TRACKING)
                 along = partial(self._along, made)
                 self._counts[side, far] = Counted(along, self._rate(TRACKING), BEND)
         with mpmath.workprec(TRACKING):
             return self._counts[side, far].arguments(t)
 
-    def _along(self, made: AveragedAttitude, t: Any) -> Quaternion:
+    def _along(self, made: AveragedAttitude, t: Scalar) -> Quaternion:
         """The attitude at a time not beyond that of the constants."""
         if not t:
             return self._first(TRACKING)

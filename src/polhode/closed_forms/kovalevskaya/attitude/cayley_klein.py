@@ -8,8 +8,9 @@ X = x^2 - (G1 + iG2),
 
 and along the second flow, u1: (i/2) conj(x) X eta and (i/2) x conj(X) xi.  Both are e^{c t} times a
 quotient of combinations of Theta_a(z) = th[a,0](z | 2 tau) (Kowalevski 1889 said that the cosines
-are rational in theta(u + v)/theta(u) e^{linear}).  The formulas were found numerically and are not
-proved: every answer carries its certificate, and the panels of
+are rational in theta(u + v)/theta(u) e^{linear}).  That they have this form is proved in
+the guide (``polhode guide kovalevskaya-attitude``), the constants are checked: every answer carries
+its certificate, and the panels of
 :mod:`polhode.closed_forms.kovalevskaya.attitude.attitude_panels` remain as a check.
 """
 

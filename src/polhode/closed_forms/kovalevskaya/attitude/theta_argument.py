@@ -19,13 +19,12 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import flint
 import numpy as np
 import numpy.typing as npt
 
-from polhode.closed_forms.kovalevskaya.theta.balls import ball, middle, more_bits
+from polhode.closed_forms.kovalevskaya.theta.balls import Ball, ball, middle, more_bits
 from polhode.closed_forms.kovalevskaya.theta.riemann_periods import Pair, SymmetricMatrix
 from polhode.closed_forms.kovalevskaya.theta.riemann_theta import whole_parts
 from polhode.common.cached_property import cached_property
@@ -101,7 +100,7 @@ class ThetaSum:
         return self.window(mpmath.prec * math.log(2) + 10)
 
     @cached_property
-    def gaussian(self) -> dict[tuple[int, int], Any]:
+    def gaussian(self) -> dict[tuple[int, int], Ball]:
         """Those N with exp(pi i N.tau N/2), as balls of FLINT."""
         t11, t12, t22 = (ball(mpc(t / 2)) for t in self.tau)
         with more_bits():
@@ -110,7 +109,7 @@ class ThetaSum:
                 for n1, n2 in self.fine.T.tolist()
             }
 
-    def table(self, odd1: int, odd2: int) -> Any:
+    def table(self, odd1: int, odd2: int) -> Ball:
         """Their products with the coefficients of N - k, k modulo 2 as given: a row an N1."""
         if (odd1, odd2) not in self.tables:
             last1, last2 = self.last
@@ -124,7 +123,7 @@ class ThetaSum:
         return self.tables[odd1, odd2]
 
     @cached_property
-    def tables(self) -> dict[tuple[int, int], Any]:
+    def tables(self) -> dict[tuple[int, int], Ball]:
         """Those of :meth:`table` that were asked for."""
         return {}
 
@@ -224,7 +223,7 @@ class Line:
         d1, d2 = (complex(z) for z in self._way)
         return terms, 1j * np.pi * (n1 * d1 + n2 * d2)
 
-    def _refined(self, c: Any, half: Any) -> Iterator[Piece]:
+    def _refined(self, c: Scalar, half: Scalar) -> Iterator[Piece]:
         """The same at the precision in force."""
         pending = [(c, half)]
         d1, d2 = self._way
@@ -304,7 +303,7 @@ class Line:
         return sizes
 
 
-def _powers(z: Scalar, last: int) -> list[Any]:
+def _powers(z: Scalar, last: int) -> list[Ball]:
     """e^(pi i n z) for -last <= n <= last."""
     x = ball(mpc(z)).exp_pi_i()
     over = 1 / x

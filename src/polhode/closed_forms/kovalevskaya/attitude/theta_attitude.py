@@ -13,12 +13,14 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from polhode.closed_forms._winding.counted_turns import Counted
+from polhode.closed_forms._winding.winding_number import fine_parameters
 from polhode.closed_forms.functions.jacobi import SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion, conjugate, product
 from polhode.closed_forms.kovalevskaya.attitude.attitude_panels import (
     BEND,
     KovalevskayaAttitude,
 )
+from polhode.closed_forms.kovalevskaya.attitude.axis_turns import AxisTurns
 from polhode.closed_forms.kovalevskaya.attitude.cayley_klein import CayleyKlein, quaternion
 from polhode.closed_forms.kovalevskaya.attitude.theta_turns import TorusTurns
 from polhode.common.cached_property import cached_property
@@ -26,6 +28,7 @@ from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 from polhode.numbers.scalars import Scalar
 
 _TRIALS = 6
+_AXIS_TRIALS = 3
 _MORE = 64  # bits more at each trial
 _SLACK = 24  # bits that an answer may miss its certificate by
 TRACKING = 128  # bits of a way along which turns are counted
@@ -51,7 +54,9 @@ class ThetaAttitude:
     speed: Scalar  # a bound of |w|
     third: int  # 1, -1: the scene's third axis is the top's, or its reverse; 0: neither
     coarse: Callable[[], CayleyKlein]  # at TRACKING bits, to count with
+    axis_turns: Callable[[CayleyKlein, int, Scalar], AxisTurns]
     _tori: dict[int, TorusTurns] = field(default_factory=dict)
+    axis_tori: dict[tuple[int, Scalar], AxisTurns] = field(default_factory=dict)
 
     def at(self, t: Scalar, fn: SeriesFunctions) -> Quaternion:
         """The attitude at t, continuous in t; ArithmeticError where it has no certificate."""
@@ -70,14 +75,30 @@ class ThetaAttitude:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
         if not t:
             return mpf(0), mpf(0)
+        time = mpmath.ldexp(t, self.exponent)
         if not self.third:
-            return self._counted(t)
+            return self.about_axis(time) or self.counted(t)
         for trial in range(_TRIALS):
             with contextlib.suppress(ArithmeticError):
-                xi, eta = self._torus(trial).growth(mpmath.ldexp(t, self.exponent))
+                xi, eta = self._torus(trial).growth(time)
                 # eta has the turns of al, xi those of bt; the other way round for the reversed axis
                 return (eta, xi) if self.third > 0 else (xi, eta)
-        return self._counted(t)
+        return self.counted(t)
+
+    def about_axis(self, t: Scalar) -> tuple[Scalar, Scalar] | None:
+        """The growth about the scene's own third axis; None where it is to be counted."""
+        begin = mpf(0)
+        if not all(fine_parameters(self.start)):  # a pole is left with the arguments' limits
+            begin = mpmath.sign(t) * mpmath.ldexp(1, -self.bits // 4) / self.speed
+            begin = mpmath.ldexp(begin, self.exponent)
+        for trial in range(_AXIS_TRIALS):
+            if (trial, begin) not in self.axis_tori:
+                more = trial * _MORE
+                made = self.axis_turns(self.formula(more), self.bits + more, begin)
+                self.axis_tori[trial, begin] = made
+            with contextlib.suppress(ArithmeticError):
+                return self.axis_tori[trial, begin].growth(t)
+        return None
 
     def _torus(self, trial: int) -> TorusTurns:
         if trial not in self._tori:
@@ -85,7 +106,7 @@ class ThetaAttitude:
             self._tori[trial] = TorusTurns(self.formula(trial * _MORE), bits)
         return self._tori[trial]
 
-    def _counted(self, t: Scalar) -> tuple[Scalar, Scalar]:
+    def counted(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The growth counted along the motion, about the scene's own third axis."""
         with mpmath.workprec(TRACKING):
             return self._pieces.arguments(t)

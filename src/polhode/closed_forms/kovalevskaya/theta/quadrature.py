@@ -20,15 +20,14 @@ import cmath
 import functools
 import math
 from collections.abc import Iterable
-from typing import Any
 
 import flint
 
-from polhode.closed_forms.kovalevskaya.theta.balls import SPARE, ball, more_bits
+from polhode.closed_forms.kovalevskaya.theta.balls import SPARE, Ball, ball, more_bits
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.scalars import Scalar
 
-Nodes = tuple[tuple[Any, Any, Any], ...]
+Nodes = tuple[tuple[Ball, Ball, Ball], ...]
 
 _EXTRA = 12  # bits that the rules are made for beyond the precision in force
 MOST_NODES = 60_000
@@ -136,7 +135,7 @@ def _double_exponential(ladder: int, y1: float, y2: float, prec: int) -> Nodes:
         tiny = ball(mpmath.ldexp(1, -prec))
     with mpmath.workprec(prec), more_bits():
         growth, ends = h.exp(), ((-flint.arb(y1)).exp() / 2, (-flint.arb(y2)).exp() / 2)
-        found: list[tuple[Any, Any, Any]] = []
+        found: list[tuple[Ball, Ball, Ball]] = []
         for sense in (1, -1):
             count = 0
             if sense < 0:

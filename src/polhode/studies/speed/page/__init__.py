@@ -6,55 +6,55 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
-from polhode.studies.speed.page import caveats, lengths, verdicts
+from polhode.studies.speed.page import contest
 
-TITLE = "Speed: work against precision"
+TITLE = "Speed: what a correct digit costs"
 
 
 def blocks(found: dict[str, Any]) -> Iterator[Block]:
     """The study's page from its JSON object."""
-    yield Text(
-        "Error is the larger of the error of w over the largest |w| and the error of gamma, worst "
-        "of eleven output times, against the exact scene: rounding the inputs is part of it. Every "
-        "method runs in a process of its own on the same inputs and output times, twice round: "
-        "first with empty caches of compiled code, then with those the first round left. Seconds "
-        "are the least of all timed runs after one that warms up; a run of more than "
-        f"{found.get('once_above', 0.25):g} seconds is made once. Import "
-        "and compilation stand in columns of their own; for polhode compilation is the making of "
-        "its integrator, which later runs of the same equations take up again; the second and "
-        "later bodies of a process may find code that an earlier one left."
-        f"{_left_out(found['motions'])}"
-    )
-    yield Text("Left of and below is better. The dotted line is three times kappa·eps of a double.")
-    yield Text(finding(found))
-    yield Figure("speed", _shown(found["motions"]))
-    yield from caveats.blocks(found)
-    yield from lengths.blocks(found.get("cells", ()))
-    yield from verdicts.blocks(found)
+    if found["cells"] or found["first"]:
+        yield Text(finding(found))
+        yield Text("The rules of the comparison: `polhode guide fair-speed`.")
+        yield from contest.blocks(found)
+    if found["motions"]:
+        yield Heading("polhode's number types")
+        yield Text(
+            "Error is the larger of the error of w over the largest |w| and the error of gamma, "
+            "worst of eleven output times, against the exact scene: rounding the inputs is part of "
+            "it. Seconds are the least of all timed runs of one start after one that warms up; a "
+            f"run of more than {found['once_above']:g} seconds is made once. Making the integrator "
+            "is not among them. Left of and below is better. The dotted line is three times "
+            "kappa·eps of a double."
+        )
+        yield Figure("speed", "Error against seconds of polhode in its number types")
+        yield _best(found["motions"])
+        yield from _absent(found["motions"])
     yield from _refined(found.get("refined", []))
-    yield from _start_up(found["motions"])
-    for motion in found["motions"]:
-        yield Heading(f"{motion['motion']} to t = {motion['end']}")
-        yield Text(_limits(motion))
-        yield _points(motion)
-    yield from _absent(found["motions"])
     yield from _elsewhere(found.get("elsewhere", ()))
 
 
-def _left_out(motions: Sequence[dict[str, Any]]) -> str:
-    """Which methods ran on some of the long motions alone: they take seconds."""
-    long = [m for m in motions if m["kind"] == "regular"]
-    ran: dict[str, list[str]] = {}
-    for motion in long:
+def finding(found: dict[str, Any]) -> str:
+    """The study in a few sentences."""
+    return contest.finding(found)
+
+
+def _best(motions: Sequence[dict[str, Any]]) -> PageTable:
+    """Each number type at its tightest tolerance on each motion."""
+    rows = []
+    for motion in motions:
         for method in motion["methods"]:
-            ran.setdefault(method["method"], []).append(motion["motion"])
-    some: dict[tuple[str, ...], list[str]] = {}
-    for name, on in ran.items():
-        if len(on) < len(long):
-            some.setdefault(tuple(on), []).append(name)
-    told = (f"{', '.join(names)} ran on {' and '.join(on)} alone" for on, names in some.items())
-    text = "; ".join(told)
-    return f" To t = {long[0]['end']} {text}: they take seconds." if text else ""
+            points = [p for p in method["points"] if "digits" in p]
+            if points:
+                last = min(points, key=lambda p: p["tol"])
+                cells = f"{last['digits']:.1f}", _seconds(last.get("seconds_min"))
+                label = f"{motion['motion']}, t = {motion['end']}"
+                rows.append(
+                    (motion["motion"], method["method"], label, f"{last['tol']:.1e}", *cells)
+                )
+    header = ("motion", "method", "to", "tol", "digits", "least s")
+    again = "polhode study speed --only '{0}' --only '{1}'"
+    return PageTable(header, tuple(rows), "lllrrr", again)
 
 
 def _elsewhere(rows: Sequence[dict[str, str]]) -> Iterator[Block]:
@@ -72,29 +72,6 @@ def _elsewhere(rows: Sequence[dict[str, str]]) -> Iterator[Block]:
     header = ("program", "written in", "problem", "figure (read)", "read where")
     table = tuple(tuple(row[name] for name in columns) for row in rows)
     yield PageTable(header, table, "lllll")
-
-
-def _shown(motions: list[dict[str, Any]]) -> str:
-    """What the figure shows, and what it cannot."""
-    told = f"Error against seconds on every motion. {caveats.CYRK_DRAWN}"
-    left_out = [f"{status}: {', '.join(names)}" for status, names in _by_status(motions).items()]
-    return f"{told}. Not drawn: {'; '.join(left_out)}" if left_out else told
-
-
-def _by_status(motions: list[dict[str, Any]]) -> dict[str, list[str]]:
-    """The methods that are missing, failed or stale somewhere."""
-    found: dict[str, list[str]] = {}
-    for motion in motions:
-        for method in motion["methods"]:
-            names = found.setdefault(method["status"], [])
-            if method["method"] not in names:
-                names.append(method["method"])
-    return {status: names for status, names in found.items() if status != "ok"}
-
-
-def finding(found: dict[str, Any]) -> str:
-    """The study in a few sentences: what stands."""
-    return f"{lengths.stands(found.get('cells', ()))} {caveats.SHORT}"
 
 
 def _refined(rows: list[dict[str, Any]]) -> Iterator[Block]:
@@ -136,72 +113,6 @@ def _refined(rows: list[dict[str, Any]]) -> Iterator[Block]:
         "lrrrrrrrrr",
         "polhode study speed --only 'refined: {0} t={1}'",
     )
-
-
-def _start_up(motions: list[dict[str, Any]]) -> Iterator[Block]:
-    """Import and compilation, of the first motion that a method ran."""
-    first: dict[str, tuple[str, dict[str, Any]]] = {}
-    for motion in motions:
-        for method in motion["methods"]:
-            first.setdefault(method["method"], (motion["motion"], method))
-    yield Heading("Import and compilation")
-    yield Text("Seconds, for the first motion that a method is given.")
-    yield PageTable(
-        ("method", "motion", "import", "cold compile", "cached compile", "version"),
-        tuple(
-            (
-                name,
-                motion,
-                _seconds(m["import"]),
-                _seconds(m["compile_cold"]),
-                _seconds(m["compile_cached"]),
-                m["version"] or m["status"],
-            )
-            for name, (motion, m) in first.items()
-        ),
-        "llrrrl",
-        "polhode study speed --only '{0}' --only '{1}'",
-    )
-
-
-def _limits(motion: dict[str, Any]) -> str:
-    told = [f"Case `{motion['case']}`, {motion['kind']}."]
-    if "kappa" in motion:
-        told.append(
-            f"kappa = {motion['kappa']:.1e}; its bound leaves a double "
-            f"{motion['digits_bound']:.1f} digits."
-        )
-    if motion["wall"] is None:
-        told.append("No wall: the curves do not flatten together.")
-    else:
-        told.append(
-            f"Wall: the curves flatten at {motion['wall']:.1f} digits in more than one number "
-            "type; the reference is to blame."
-        )
-    return " ".join(told)
-
-
-def _points(motion: dict[str, Any]) -> PageTable:
-    rows = []
-    for method in motion["methods"]:
-        if not method["points"]:
-            rows.append((method["method"], "–", method["status"], "–", "–", "–", "–", "–"))
-        for p in method["points"]:
-            rows.append(
-                (
-                    method["method"],
-                    f"{p['tol']:.1e}",
-                    f"{p['digits']:.1f}" if "digits" in p else p.get("status", "–"),
-                    _seconds(p.get("seconds_min")),
-                    _seconds(p.get("seconds_median")),
-                    _seconds(p.get("cpu")),
-                    str(p.get("runs", "–")),
-                    "–" if p.get("steps") is None else str(p["steps"]),
-                )
-            )
-    header = ("method", "tol", "digits", "least s", "median s", "cpu s", "runs", "steps")
-    again = f"polhode study speed --only '{motion['motion']}' --only '{{0}}'"
-    return PageTable(header, tuple(rows), "lrrrrrrr", again)
 
 
 def _absent(motions: list[dict[str, Any]]) -> Iterator[Block]:

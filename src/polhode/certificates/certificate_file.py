@@ -1,0 +1,46 @@
+"""Certificates are checked by their own checker before they are written."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeAlias
+
+from polhode.certificates import verify
+from polhode.common.errors import BadInput
+from polhode.common.files import write_whole
+from polhode.common.progress import Progress
+from polhode.numbers.flint_context import ctx
+
+#: JSON's objects.
+Made: TypeAlias = dict[str, object]
+
+_MORE, _TRIES = 16, 5  # bits, where those given are too few
+
+
+def checked(
+    name: str, made: Callable[[int, int], Made], bits: int, progress: Progress | None = None
+) -> Made:
+    """The first of several tries that its checker proves, each with more bits; raises BadInput.
+
+    ``name``: of the scene; ``made``: a certificate with so many bits, and the number of the try.
+    """
+    fault = ""
+    for n in range(_TRIES):
+        found = made(bits + n * _MORE, n)
+        try:
+            with ctx.workprec(verify.COARSE):  # which the checker changes as it likes
+                verify.KINDS[str(found["kind"])](found, progress)
+        except (verify.NotProved, verify.Damaged) as refused:
+            fault = str(refused)
+            if isinstance(refused, verify.Damaged):
+                break
+            continue
+        return found
+    raise BadInput(name, "certificate", fault, "a statement that its own checker proves")
+
+
+def write(path: str | Path, found: Made) -> None:
+    """The file, whole or not at all; raises BadInput."""
+    write_whole({Path(path): json.dumps(found) + "\n"})

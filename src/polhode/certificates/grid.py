@@ -1,0 +1,99 @@
+"""What a certificate needs besides its statement: a body's exact numbers, and a grid of steps.
+
+The grid uses the checker's own polynomials.  Nothing of it is believed, but the numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+
+from flint import arb
+
+from polhode.certificates import verify
+from polhode.common.progress import Progress
+from polhode.numbers import exact
+from polhode.numbers.exact import Exact, Irrational
+from polhode.scenes.body import Body
+
+_STEP = 0.3  # of the radius of convergence, if nothing else is asked
+_ORDER = 24  # of the polynomials that tell it
+_LONGEST = 1.0  # step, in the unit of time that the body suggests
+_FINE = 12  # bits of a step, in that unit
+
+
+def body_numbers(body: Body, bits: int) -> dict[str, object]:
+    """A body's exact numbers as texts, irrational ones as balls."""
+    rows = [[number(x, bits) for x in row] for row in body.inertia]
+    turned = any(body.inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j)
+    return {
+        **({"inertia": rows} if turned else {"moments": [rows[i][i] for i in range(3)]}),
+        "centre": [number(x, bits) for x in body.centre],
+        "weight": number(body.weight, bits),
+    }
+
+
+def number(x: Exact, bits: int) -> str | list[str]:
+    """A number as the checker reads it: a text, or middle and radius."""
+    if not isinstance(x, Irrational):
+        return str(x)
+    mantissa, exponent = exact.rounded(x, bits)
+    unit = Fraction(2) ** exponent  # more than the rounding
+    return [str(mantissa * unit), str(unit)]
+
+
+def steps(
+    numbers: dict[str, object],
+    start: Sequence[arb],
+    end: Fraction,
+    bits: int,
+    time_bits: int | None = None,
+    part: float = _STEP,
+    progress: Progress | None = None,
+) -> dict[str, object]:
+    """A grid of steps beyond ``end``, and numbers near the motion at its times.
+
+    ``time_bits``: the last time is ``end`` rounded to so many bits.  ``part``: of the radius of
+    convergence that a step is.
+    """
+    rows, (centre, (weight,)), _ = verify.read_body(numbers, ())
+    inertia = [[verify.ball(x) for x in row] for row in rows]
+    torque = [verify.ball(weight) * verify.ball(x) for x in centre]
+    shift = verify.scaling(inertia, torque, start)
+    body = verify.Body(inertia, [x * arb(2) ** (-2 * shift) for x in torque])
+    sense = 1 if end > 0 else -1
+    last = math.ceil(abs(end) * Fraction(2) ** (_FINE + shift))
+    state_bits = bits // 2 + 30
+    powers = [state_bits + shift] * 3 + [state_bits] * 3
+    x = [(x * arb(2) ** (-shift if k < 3 else 0)).mid() for k, x in enumerate(start)]
+    grid, centres = [0], list[list[int]]()
+    while abs(grid[-1]) < last:
+        if progress is not None:
+            progress(abs(grid[-1]) / last, len(centres))
+        centres.append([_nearest(y * arb(2) ** e) for y, e in zip(x, powers, strict=True)])
+        ticks = max(1, min(int(_length(body, x, part) * 2**_FINE), last - abs(grid[-1])))
+        h = arb(sense * ticks) * arb(2) ** -_FINE
+        x = [verify.summed(row).mid() for row in verify.taylor(body, x, h, bits)]
+        grid.append(grid[-1] + sense * ticks)
+        if len(grid) > verify.MOST_STEPS:
+            break  # which the checker refuses
+    fine = _FINE + shift
+    if time_bits is not None:
+        times = [x << (time_bits - fine) for x in grid[:-1]]
+        grid, fine = [*times, round(end * Fraction(2) ** time_bits)], time_bits
+    return {"time_bits": fine, "grid": grid, "state_bits": state_bits, "centres": centres}
+
+
+def _nearest(x: arb) -> int:
+    found = (x.mid() + arb("0.5")).floor().mid().unique_fmpz()
+    assert found is not None
+    return int(found)
+
+
+def _length(body: verify.Body, centre: Sequence[arb], part: float) -> float:
+    """A step that is a part of the radius of convergence."""
+    rows = verify.taylor(body, centre, arb(1), _ORDER)
+    sizes = [max(float(abs(row[k])) for row in rows) for k in range(len(rows[0]))]
+    rates = [x ** (1 / k) for k, x in enumerate(sizes) if 3 * k > _ORDER and x > 0]
+    return min(part / max(rates, default=part), _LONGEST)

@@ -1,0 +1,98 @@
+"""What every result does: it saves itself, draws itself, and becomes a table of other packages."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from polhode.common.presentation import Slot
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+
+class ResultPresentation(Protocol):
+    """What higher rooms do for any result."""
+
+    def html(self, found: Result, /) -> str:
+        """What a notebook shows of it."""
+        ...
+
+    def save(self, found: Result, path: str | Path, /) -> None:
+        """Write it to a file that loads again."""
+        ...
+
+    def plot(self, found: Result, axes: object, /) -> Axes | npt.NDArray[np.object_]:
+        """Draw its figure: the axes drawn into."""
+        ...
+
+    def to_pandas(self, found: Result, /) -> pd.DataFrame:
+        """Its table."""
+        ...
+
+    def to_xarray(self, found: Result, /) -> xr.Dataset:
+        """Its table along its index."""
+        ...
+
+
+_PRESENTATION: Slot[ResultPresentation] = Slot("results")
+
+
+class Result:
+    """Something that polhode found; all results are saved, drawn and tabulated in the same way.
+
+    >>> import os, tempfile, polhode
+    >>> found = polhode.frequencies("lagrange/nutation", of=["gamma3"], end=200)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     found.save(os.path.join(folder, "lines.csv"))
+    ...     again = polhode.load_result(os.path.join(folder, "lines.csv"))
+    >>> again == found
+    True
+    """
+
+    def save(self, path: str | Path) -> None:
+        """Write the result to a file, which :func:`polhode.load_result` reads again.
+
+        Parameters
+        ----------
+        path : str or Path
+            Its ending says how: ``.csv``, with a JSON file beside it, ``.json``, ``.npz`` or
+            ``.parquet`` (needs pandas and pyarrow).  Written whole or not at all.
+
+        Raises
+        ------
+        BadInput
+            Another ending, a place that cannot be written to, or a file there that is no result of
+            this kind: it is not overwritten.
+        """
+        _PRESENTATION.get().save(self, path)
+
+    def plot(self, ax: object = None) -> Axes | npt.NDArray[np.object_]:
+        """Draw the result with matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib axes, optional
+            To draw into, as many as the figure has panels; new ones unless given.
+
+        Returns
+        -------
+        Axes or ndarray of Axes
+            The axes drawn into, an array of them where there are several.
+        """
+        return _PRESENTATION.get().plot(self, ax)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Give the table that a CSV file has as a pandas DataFrame (extra ``polhode[frames]``)."""
+        return _PRESENTATION.get().to_pandas(self)
+
+    def to_xarray(self) -> xr.Dataset:
+        """Give that table as an xarray Dataset along its index (extra ``polhode[frames]``)."""
+        return _PRESENTATION.get().to_xarray(self)
+
+    def _repr_html_(self) -> str:
+        return _PRESENTATION.get().html(self)

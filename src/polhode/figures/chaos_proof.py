@@ -1,0 +1,100 @@
+"""Figure of a proof of chaos: manifolds on a section, and the first sets with their image."""
+
+from __future__ import annotations
+
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from polhode.dynamics.sections import coordinates as geometry
+from polhode.numbers.rows import Doubles
+from polhode.proofs.chaos import homoclinic
+from polhode.proofs.chaos.h_set import HSet
+from polhode.proofs.chaos.lanes import backward
+from polhode.proofs.chaos.proved_chaos import ProvedChaos
+from polhode.proofs.chaos.transit import Image
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+OUT, INTO, SETS = "#d55e00", "#0072b2", "#222222"
+
+
+def draw(plt: ModuleType, found: ProvedChaos) -> Figure:
+    """Left the maxima of the height of the centre of mass; right N0's plane, in sizes of N0."""
+    figure: Figure
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9.2, 4.2), layout="constrained")
+    _manifolds(left, found)
+    _sets(right, found)
+    return figure
+
+
+def _manifolds(axes: Axes, found: ProvedChaos) -> None:
+    lanes, saddle, _ = found.guess
+    out, into, _ = homoclinic.manifolds(lanes, saddle)
+    on = geometry.ground(found.scene, found.h, found.f)
+    pairs = (("unstable", OUT, out.state), ("stable", INTO, backward(into.state)))
+    for name, colour, states in pairs:
+        angle, cosine = geometry.height_coordinates(on, states.T)
+        axes.plot(
+            angle,
+            cosine,
+            ".",
+            ms=1.4,
+            mew=0,
+            color=colour,
+            label=f"{name} manifold",
+            rasterized=True,
+            gid=f"{name} manifold",
+        )
+    centres = np.array([_centre(x) for x in (found.proof.chain.home, *found.proof.chain.sets)])
+    angle, cosine = geometry.height_coordinates(on, centres)
+    axes.plot(angle, cosine, "+", ms=5, color=SETS, label="sets, each in its own plane", gid="sets")
+    axes.set(xlabel="azimuth of γ about r₀", ylabel="γ·r₀/|r₀|")
+    axes.legend(fontsize=7, markerscale=1.5, loc="best")
+    axes.set_title("maxima of the height of the centre of mass", size=9)
+
+
+def _sets(axes: Axes, found: ProvedChaos) -> None:
+    chain = found.proof.chain
+    home = chain.home
+    for name, what in (("N0", home), ("M1", chain.sets[0])):
+        low, high = what.middle - what.width, what.middle + what.width
+        x = np.array([low, high, high, low, low]) / home.width
+        y = np.array([-1, -1, 1, 1, -1]) * what.height / home.height
+        axes.plot(x, y, color=SETS, lw=1.2, gid=name)
+        axes.text(what.middle / home.width, 1.06 * y.max(), name, ha="center", size=9)
+    x, y = _outline(chain.images[0])
+    axes.fill(x / home.width, y / home.height, color=OUT, alpha=0.35, lw=0, label="image of N0")
+    x, y = _outline(chain.images[-1])
+    axes.fill(
+        x / home.width,
+        y / home.height,
+        color=INTO,
+        alpha=0.6,
+        lw=1.0,
+        label=f"image of M{len(chain.sets)}",
+    )
+    axes.set(xlabel="along the unstable direction", ylabel="along the stable direction")
+    axes.set(ylim=(-1.4, 1.4))
+    axes.legend(fontsize=7, loc="lower right")
+    axes.set_title(f"N0's plane, unit {home.width:.2g}", size=9)
+
+
+def _outline(image: Image) -> tuple[Doubles, Doubles]:
+    """The affine part of an image."""
+    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=float)
+    rows = [
+        float(image.shift[i, 0].mid())
+        + corners @ [float(image.turn[i, 0].mid()), float(image.turn[i, 1].mid())]
+        for i in range(2)
+    ]
+    return np.asarray(rows[0]), np.asarray(rows[1])
+
+
+def _centre(what: HSet) -> Doubles:
+    chart = what.chart
+    c = np.ldexp(np.array([float(x) for x in chart.centre]), -chart.fine)
+    return np.asarray(c + chart.wide[:, 0] * what.middle)

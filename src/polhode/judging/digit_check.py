@@ -1,0 +1,119 @@
+"""How many digits of a run are right: by the closed form, by a proof, or by a second run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import NamedTuple
+
+from polhode.common.errors import BadInput
+from polhode.common.progress import Progress
+from polhode.common.text_tables import few
+from polhode.judging.correct_digits import worst_digits
+from polhode.judging.references.reference import reference, rows
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.number_types import wider
+from polhode.numbers.rows import Given
+from polhode.runs.problem.options import Options
+from polhode.runs.solve import solve
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes.scene import Scene
+from polhode.taylor.backend import defaults
+
+MOST_SECONDS = 600.0  # that a proof may take, about, where one is asked for
+_UNASKED_SECONDS = 10.0  # and where none is
+MOST_CHECKED = 20  # output times at which a run is checked
+CLOSED_FORM, PROOF, SECOND_RUN = "closed form", "proof", "second run"
+_SPARE = 2  # digits that are proven beyond those wanted
+
+
+class _Judge(NamedTuple):
+    """True states, by whom, and the digits to which they are known."""
+
+    states: Given
+    by: str
+    known: float = math.inf
+
+
+class _Dearer(Exception):
+    """The proof would cost more than it may."""
+
+
+def checked(
+    run: Trajectory, digits: int, proved: bool | None = None, progress: Progress | None = None
+) -> Trajectory:
+    """A run with ``correct_digits`` and ``checked_by``.
+
+    ``digits``: those wanted.  ``proved``: whether a motion without closed form is to be enclosed; a
+    second run tells the digits to which the two agree.
+    """
+    kept = few(len(run.times), MOST_CHECKED)
+    times, states = [run.times[k] for k in kept], [run.states[k] for k in kept]
+    scene = run.scene.at(tuple(times))
+    judge = _closed_form(run, scene, times)
+    if judge is None and proved is not False:
+        judge = _proof(run, scene, times, digits, proved is True, progress)
+        if judge is None and proved:
+            return replace(run, correct_digits=0.0, checked_by=f"{PROOF}, which cannot be had")
+    if judge is None:
+        found = _second(run, scene, progress)
+        if found.outcome is Outcome.INTERRUPTED:
+            return replace(run, outcome=Outcome.INTERRUPTED)
+        if not found.outcome.done:
+            return replace(run, correct_digits=0.0, checked_by=f"{SECOND_RUN}: {found.cause}")
+        judge = _Judge(found.states, SECOND_RUN)
+    right = worst_digits(states, judge.states, scene, cap=run.number.most_digits)
+    if judge.known < math.inf:  # the true state is anywhere in its ball
+        right = max(0.0, -math.log10(10.0**-right + 10.0**-judge.known))
+    return replace(run, correct_digits=right, checked_by=judge.by)
+
+
+def _closed_form(run: Trajectory, scene: Scene, times: Sequence[Fraction]) -> _Judge | None:
+    against = reference(scene)
+    if not against.is_closed_form:
+        return None
+    try:
+        return _Judge(rows(against.at, times, math.ceil(run.number.most_digits) + 6), CLOSED_FORM)
+    except BadInput:  # digits that this closed form does not have
+        return None
+
+
+def _proof(
+    run: Trajectory,
+    scene: Scene,
+    times: Sequence[Fraction],
+    digits: int,
+    wanted: bool,
+    progress: Progress | None,
+) -> _Judge | None:
+    """Midpoints of proven balls; None where there are none, or the second run costs less."""
+    from polhode.enclosures.certify import MOST_DIGITS, certify
+
+    if digits + _SPARE > MOST_DIGITS or not (wanted or run.number.bits > 64):
+        return None
+    limit = MOST_SECONDS
+    if not wanted:
+        limit = min(_UNASKED_SECONDS, defaults.seconds(wider(run.number), run.steps))
+
+    def forecast(seconds: float) -> None:
+        if seconds > limit:
+            raise _Dearer
+
+    plain = replace(scene, outputs=(), events=())
+    try:
+        found = certify(plain, times, digits=digits + _SPARE, progress=progress, forecast=forecast)
+    except (BadInput, _Dearer):
+        return None
+    if not found.outcome.done:
+        raise KeyboardInterrupt
+    return _Judge(found.midpoints, PROOF, found.proven)
+
+
+def _second(run: Trajectory, scene: Scene, progress: Progress | None) -> Trajectory:
+    """The same motion otherwise: refined over other intervals to more digits, or by other steps."""
+    plain = replace(scene, events=(), outputs=(), form="principal", reference="auto")
+    longer = max(10 * run.steps, 1000)
+    method = "auto" if run.method == "refined" else "taylor"
+    return solve(plain, wider(run.number), Options(method, longer, other=True), progress)

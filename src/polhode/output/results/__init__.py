@@ -1,0 +1,1 @@
+"""Results in files and tables: one way for all of them."""

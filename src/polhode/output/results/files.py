@@ -1,0 +1,201 @@
+"""Results in files, by the ending of the name; each loads again and is equal."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from polhode.common.errors import UNREADABLE, BadInput, nearest
+from polhode.common.files import check_writable, npz, read_npz, read_whole, write_whole
+from polhode.common.result import Result
+from polhode.output import archive, csv_tables, frames
+from polhode.output.json_object import JsonObject
+from polhode.output.json_results import as_json
+from polhode.output.results import document, summaries
+from polhode.output.results.tables import table
+from polhode.runs.sweep.ensemble import Ensemble
+from polhode.runs.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+SUFFIXES = (".csv", ".json", ".npz", ".parquet")
+KEY = "result"  # of the document, beside what the command prints
+_KIND_OF_SIDECAR = {"states": "Trajectory", "members": "Ensemble"}
+
+
+def save(found: Result, path: str | Path) -> None:
+    """Write a result; raises BadInput."""
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise BadInput(str(path), "file", None, f"a name that ends in {' or '.join(SUFFIXES)}")
+    check_writable(path, SUFFIXES)
+    files = _FORMATS[suffix](found, path)
+    for place in files:
+        _refuse_another(place, type(found).__name__)
+    write_whole(files)
+
+
+def load_result(path: str | Path) -> Result:
+    """Load what ``.save`` wrote: an equal result.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file that ``.save`` of any result wrote; of a CSV the JSON file beside it is read.
+
+    Returns
+    -------
+    Result
+        Equal to what was saved.
+
+    Raises
+    ------
+    BadInput
+        A file of another kind, or a damaged one.
+
+    Examples
+    --------
+    >>> import os, tempfile, polhode
+    >>> found = polhode.levels("general/asymmetric-chaotic")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     found.save(os.path.join(folder, "levels.npz"))
+    ...     again = polhode.load_result(os.path.join(folder, "levels.npz"))
+    >>> again == found
+    True
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise BadInput(
+            str(path), "file", None, f"a name that ends in {nearest(suffix, [*SUFFIXES])}"
+        )
+    told = _told(path)
+    if told is None:
+        raise BadInput(str(path), "file", None, "a result that polhode saved")
+    if isinstance(told, Trajectory):
+        return told
+    return document.result_of(told, str(path))
+
+
+def _csv(found: Result, path: Path) -> dict[Path, str | bytes]:
+    rows, beside = summaries.rows(found), summaries.summary(found, beside=True)
+    texts = "".join(",".join(row) + "\n" for row in rows)
+    return {path: texts, csv_tables.sidecar(path): _with_document(found, beside)}
+
+
+def _json(found: Result, path: Path) -> dict[Path, str | bytes]:
+    return {path: _with_document(found, summaries.summary(found))}
+
+
+def _npz(found: Result, path: Path) -> dict[Path, str | bytes]:
+    if isinstance(found, Trajectory):
+        return {path: npz(archive.arrays(found), packed=True)}
+    held = {**summaries.arrays(found), KEY: np.array(json.dumps(document.document(found)))}
+    return {path: npz(held, packed=True)}
+
+
+def _parquet(found: Result, path: Path) -> dict[Path, str | bytes]:
+    from io import BytesIO
+
+    frame = to_pandas(found).reset_index()
+    frame = frame.map(_parquet_cell)
+    frame.attrs = {KEY: json.dumps(document.document(found))}
+    out = BytesIO()
+    frames.needed("pyarrow")
+    frame.to_parquet(out, engine="pyarrow")
+    return {path: out.getvalue()}
+
+
+def _parquet_cell(x: Any) -> Any:
+    """A wider number than Parquet has as text."""
+    from polhode.output.results.texts import text_of
+
+    wide = hasattr(x, "_mpf_") or (isinstance(x, np.longdouble))
+    return text_of([x])[0] if wide else x
+
+
+_FORMATS = {".csv": _csv, ".json": _json, ".npz": _npz, ".parquet": _parquet}
+
+
+def _with_document(found: Result, summary: JsonObject) -> str:
+    return as_json(summary | {KEY: json.dumps(document.document(found))})
+
+
+def _told(path: Path) -> Any:
+    """The document in a file; a run of its archive; None where there is neither."""
+    suffix = path.suffix.lower()
+    place = csv_tables.sidecar(path) if suffix == ".csv" else path
+    data = read_whole(place, archive.MAX_BYTES, "a result that polhode saved")
+    try:
+        if suffix == ".npz":
+            held = read_npz(data)
+            if KEY not in held:
+                return archive.run_of(held)
+            return json.loads(str(held[KEY]))
+        if suffix == ".parquet":
+            return json.loads(_parquet_attrs(data)[KEY])
+        return json.loads(json.loads(data)[KEY])
+    except (KeyError, TypeError, AttributeError, *UNREADABLE):
+        return None
+
+
+def _parquet_attrs(data: bytes) -> dict[str, str]:
+    from io import BytesIO
+
+    frames.needed("pyarrow")
+    parquet = frames.needed("pyarrow.parquet")
+    found = parquet.read_schema(BytesIO(data)).metadata[b"PANDAS_ATTRS"]
+    told: dict[str, str] = json.loads(found)
+    return told
+
+
+def _refuse_another(place: Path, kind: str) -> None:
+    """Refuse to overwrite what is no result of this kind; an empty file is nothing."""
+    if not place.is_file() or not place.stat().st_size:
+        return
+    try:
+        there = _kind_there(place)
+    except BadInput:
+        there = ""
+    if there != kind:
+        what = f"a {there}" if there else "no result of polhode"
+        raise BadInput(str(place), "file", None, f"a new file, or a {kind}'s (there is {what})")
+
+
+def _kind_there(place: Path) -> str:
+    """What kind of result a file holds, empty where it holds none."""
+    told = _told(place)
+    if isinstance(told, Trajectory):
+        return "Trajectory"
+    if told is not None:
+        return str(told.get("kind", ""))
+    return ""
+
+
+def to_pandas(found: Result) -> pd.DataFrame:
+    """Its table as a DataFrame; times are doubles there."""
+    if isinstance(found, Trajectory):
+        return frames.of_run_pandas(found)
+    if isinstance(found, Ensemble):
+        return frames.of_ensemble_pandas(found)
+    made = table(found)
+    return frames.of_columns(made.columns, made.labels)
+
+
+def to_xarray(found: Result) -> xr.Dataset:
+    """Its table as a Dataset along its index."""
+    made: xr.Dataset
+    if isinstance(found, Trajectory):
+        made = frames.of_run_xarray(found)
+    elif isinstance(found, Ensemble):
+        made = frames.of_ensemble_xarray(found)
+    else:
+        frames.needed("xarray")
+        made = to_pandas(found).to_xarray()
+    return made

@@ -1,0 +1,158 @@
+"""Many motions at once in double, by Taylor series: guesses for the search.
+
+Not trusted.  States are (6, n); where a motion is wanted backward, w has its sign changed, which
+turns the time round.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from polhode.enclosures.fixed_point_problem import CYCLE, Motion
+from polhode.numbers.conversion import to_double
+from polhode.numbers.rows import Doubles
+
+Whole = npt.NDArray[np.intp]
+
+_DEGREE = 20
+_SHORTER = 0.15  # of the radius of convergence that the last coefficients tell
+_LONGEST = 1.0
+_BACK = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0])[:, None]
+_NEXT, _AFTER = [a for a, _ in CYCLE], [b for _, b in CYCLE]
+_LEFT = [*_NEXT, *(3 + a for a in _NEXT), *(3 + b for b in _AFTER)]
+_RIGHT = [*_AFTER, *_AFTER, *_NEXT]
+
+
+class Crossings(NamedTuple):
+    """Where lanes met the section: lane, count on it, time, state (6, m)."""
+
+    lane: Whole
+    number: Whole
+    time: Doubles
+    state: Doubles
+
+
+@dataclass(frozen=True)
+class Lanes:
+    """A body's motions in the proof's unit of time."""
+
+    constants: tuple[float, ...]
+    torque: Doubles
+
+    @classmethod
+    def of(cls, what: Motion) -> Lanes:
+        """Those of an exact motion's body."""
+        constants = tuple(to_double(x) for x in what.constants)
+        return cls(constants, np.array([to_double(x) for x in what.torque]))
+
+    def series(self, states: Doubles, degree: int = _DEGREE) -> Doubles:
+        """Taylor coefficients by the time, (degree + 1, 6, n)."""
+        bend, pull, push = (np.array(self.constants[k : k + 3])[:, None] for k in (0, 3, 6))
+        found = np.zeros((degree + 1, *states.shape))
+        left = np.zeros((degree + 1, 9, states.shape[1]))
+        right = np.zeros_like(left)
+        found[0] = states
+        for k in range(degree):
+            left[k], right[k] = found[k][_LEFT], found[k][_RIGHT]
+            products = np.einsum("kin,kin->in", left[: k + 1], right[k::-1])
+            g = found[k, 3:]
+            found[k + 1, :3] = bend * products[:3] + pull * g[_NEXT] + push * g[_AFTER]
+            found[k + 1, 3:] = products[3:6] - products[6:]
+            found[k + 1] /= k + 1
+        return found
+
+    def field(self, states: Doubles) -> Doubles:
+        """The right-hand sides, (6, n)."""
+        return np.asarray(self.series(states, 1)[1])
+
+    def after(self, states: Doubles, times: Doubles) -> Doubles:
+        """The states after times of their own, of any sign."""
+        signs = np.where(times < 0.0, -1.0, 1.0)
+        turn = np.where(signs < 0.0, _BACK, 1.0)
+        now, left = states * turn, np.abs(times)
+        while np.any(left > 0.0):
+            found = self.series(now)
+            step = np.minimum(left, _step(found))
+            now = _value(found, step)
+            left = left - step
+        return np.asarray(now * turn)
+
+    def crossings(self, states: Doubles, span: float) -> Crossings:
+        """Maxima of the height of the centre of mass within a time."""
+        lanes = np.arange(states.shape[1])
+        now, time = states.copy(), np.zeros(states.shape[1])
+        counts = np.zeros(states.shape[1], dtype=np.intp)
+        found: list[tuple[Whole, Whole, Doubles, Doubles]] = []
+        while np.any(time < span):
+            series = self.series(now)
+            step = np.minimum(span - time, _step(series))
+            begin = self._rise(now)
+            for part in (0.5, 1.0):
+                end = self._rise(_value(series, part * step))
+                met = np.nonzero((begin > 0.0) & (end <= 0.0))[0]
+                begin = end
+                if not met.size:
+                    continue
+                low, high = (part - 0.5) * step[met], part * step[met]
+                some = series[:, :, met]
+                for _ in range(45):
+                    middle = (low + high) / 2
+                    up = self._rise(_value(some, middle)) > 0.0
+                    low, high = np.where(up, middle, low), np.where(up, high, middle)
+                found.append((lanes[met], counts[met], time[met] + low, _value(some, low)))
+                counts[met] += 1
+            now, time = _value(series, step), time + step
+        if not found:
+            empty = np.zeros(0, dtype=np.intp)
+            return Crossings(empty, empty, np.zeros(0), np.zeros((6, 0)))
+        return Crossings(
+            np.concatenate([row[0] for row in found]),
+            np.concatenate([row[1] for row in found]),
+            np.concatenate([row[2] for row in found]),
+            np.concatenate([row[3] for row in found], axis=1),
+        )
+
+    def derivative(self, states: Doubles, times: Doubles) -> Doubles:
+        """The derivatives of the flow, (n, 6, 6), by central differences."""
+        count, off = states.shape[1], 1e-6
+        steps = off * np.hstack([np.eye(6), -np.eye(6)])
+        many = (states[:, :, None] + steps[:, None, :]).reshape(6, -1)
+        ends = self.after(many, np.repeat(times, 12)).reshape(6, count, 12)
+        return np.asarray((ends[..., :6] - ends[..., 6:]).transpose(1, 0, 2) / (2 * off))
+
+    def _rise(self, states: Doubles) -> Doubles:
+        """The rate of the height."""
+        k, w, g = self.torque, states[:3], states[3:]
+        rates = [g[a] * w[b] - g[b] * w[a] for a, b in CYCLE]
+        return np.asarray(sum(k[i] * rates[i] for i in range(3)))
+
+
+def backward(states: Doubles) -> Doubles:
+    """The states whose motions are these run backward."""
+    return np.asarray(states * _BACK)
+
+
+def _step(series: Doubles) -> Doubles:
+    """Lengths of steps whose error is that of doubles."""
+    last = np.maximum(np.max(np.abs(series[-1]), axis=0), 1e-300)
+    before = np.maximum(np.max(np.abs(series[-2]), axis=0), 1e-300)
+    degree = series.shape[0] - 1
+    radius = np.minimum(last ** (-1.0 / degree), before ** (-1.0 / (degree - 1)))
+    return np.asarray(np.minimum(_LONGEST, _SHORTER * radius))
+
+
+def _value(series: Doubles, step: Doubles) -> Doubles:
+    found = series[-1]
+    for row in series[-2::-1]:
+        found = found * step + row
+    return np.asarray(found)
+
+
+def periods_of(multiplier: float, size: float) -> float:
+    """In how many periods a deviation grows to 1."""
+    return math.log(1.0 / size) / math.log(abs(multiplier))

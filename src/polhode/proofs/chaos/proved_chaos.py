@@ -1,0 +1,85 @@
+"""Proved chaos: the theorem in words and in the scene's units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from polhode.common.value_semantics import ByValue
+from polhode.numbers.exact import Exact
+from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
+from polhode.proofs.chaos.lanes import Lanes
+from polhode.proofs.chaos.theorem import Horseshoe
+from polhode.proofs.proved_orbit import ProvedOrbit, down
+from polhode.scenes.scene import Scene
+
+
+class Guess(NamedTuple):
+    """What the proof began with, in the proof's unit: for figures."""
+
+    lanes: Lanes
+    saddle: Saddle
+    homoclinic: Homoclinic
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ProvedChaos(ByValue):
+    """A level on which the motion is chaotic: a theorem.
+
+    ``orbit``: the proved unstable periodic orbit whose manifolds meet.  ``sets``, ``coverings``:
+    of the proof.  ``entropy``: a lower bound of the flow's topological entropy on the level, per
+    unit of the scene's time.  ``short``, ``long``: upper bounds of the times of the two loops.
+    ``stretch``, ``height``, ``cone``: the least, largest and least margin; the conditions are
+    stretch > 1, height < 1, cone > 0.  ``size``: of the sets, in the proof's scale.  ``tries``: of
+    homoclinic orbits and sizes; ``seconds``: CPU.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> found = polhode.prove_chaos("general/asymmetric-chaotic")
+    >>> found
+    <ProvedChaos of general/asymmetric-chaotic: 20 coverings, entropy at least 2.7e-02>
+    """
+
+    scene: Scene
+    h: Exact
+    f: Exact
+    orbit: ProvedOrbit
+    sets: int
+    coverings: int
+    entropy: float
+    short: float
+    long: float
+    stretch: float
+    height: float
+    cone: float
+    size: float
+    tries: int
+    seconds: float = field(compare=False)
+    proof: Horseshoe = field(compare=False)
+    guess: Guess = field(compare=False)
+    provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
+
+    def __repr__(self) -> str:
+        return (
+            f"<ProvedChaos of {self.scene.name}: {self.coverings} coverings, entropy at least "
+            f"{down(self.entropy)}>"
+        )
+
+    def __str__(self) -> str:
+        """The theorem in words."""
+        period, radius = self.orbit.period.decimals
+        return (
+            f"proved: on the level {self.orbit.level} the {self.orbit.kind} periodic orbit of "
+            f"least period {period} +- {radius} has a transversal homoclinic orbit; to every "
+            f"sequence of two loops, shorter than {up(self.short)} and {up(self.long)}, there is "
+            f"exactly one motion beside them, to every periodic sequence a periodic one; the "
+            f"topological entropy of the motion on the level is at least {down(self.entropy)}"
+        )
+
+
+def up(value: float) -> str:
+    """A bound as a short decimal that is not below it."""
+    text = f"{value:.6g}"
+    return text if float(text) >= value else f"{value * (1 + 2e-6):.6g}"

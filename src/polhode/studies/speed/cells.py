@@ -1,0 +1,246 @@
+"""The contest's cells: who reaches how many digits, in what time, and how it compares with polhode.
+
+Each kind of motion is held in several processes, so that everything compiled is made as often, and
+the fastest of all counts, for all alike; but what in the first process takes more than ten times as
+long as the fastest, at every level, is not held again: equal builds differ by less than two.  At
+each level the seconds of each draw are read between its two tolerances next to it; a program
+reaches a level where at least seven of eight draws do.  Ratios are medians over the draws that both
+reach, with a bootstrap interval: a tie holds 1.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+import statistics
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+from polhode.common.executors import cores, in_order
+from polhode.common.progress import Message
+from polhode.studies.peer_processes import ask
+from polhode.studies.row_filter import Only
+from polhode.studies.speed import draws
+from polhode.studies.speed.contest import LEVELS
+from polhode.studies.speed.draws import DRAWS, Cell, Truth
+from polhode.studies.speed.programs import ENGINE, OURS, RUN, Program
+from polhode.studies.speed.work_precision import WorkPoint, seconds_at
+
+PROCESSES = 3
+NEARLY_ALL = 7  # of the draws
+PATIENCE, QUICK_PATIENCE = 0.5, 0.05
+QUICK_CELLS = ((10, 2), (10, 101))
+QUICK_KINDS = ("kovalevskaya", "asymmetric")
+_FAR = 10.0  # times the fastest: no other build makes that up
+_LIMIT = 900.0  # seconds of a process
+_RESAMPLED, _SURE = 2000, 0.95
+_MODULE = "polhode.studies.speed.contest"
+
+#: Of a cell and program: (draw, tolerance) -> digits and the least seconds of all processes.
+Points = dict[tuple[int, float], tuple[float, float]]
+
+
+def wanted_cells(quick: bool, wanted: Only) -> dict[str, list[Cell]]:
+    """The cells to hold, by kind."""
+    found: dict[str, list[Cell]] = {}
+    for kind in QUICK_KINDS if quick else draws.KINDS:
+        here = [
+            cell
+            for cell in draws.cells(kind)
+            if (not quick or cell[1:] in QUICK_CELLS) and wanted(cell.label)
+        ]
+        if here:
+            found[kind] = here
+    return found
+
+
+def rows(
+    asked: Mapping[str, Sequence[Cell]],
+    programs: Sequence[Program],
+    cache: Path,
+    quick: bool,
+    tick: Message | None = None,
+) -> list[dict[str, Any]]:
+    """A row a cell, in the order asked."""
+    truths = _truths(asked, tick)
+    with ThreadPoolExecutor(1 if quick else cores()) as pool:
+        held = {  # the kind that takes longest, of fast spins, begins first
+            kind: pool.submit(_kind, kind, asked[kind], programs, truths, cache, quick, tick)
+            for kind in reversed([*asked])
+        }
+        return [row for kind in asked for row in held[kind].result()]
+
+
+def _kind(
+    kind: str,
+    cells: Sequence[Cell],
+    programs: Sequence[Program],
+    truths: Mapping[tuple[str, int, int], Truth],
+    cache: Path,
+    quick: bool,
+    tick: Message | None,
+) -> list[dict[str, Any]]:
+    """The rows of one kind, from as many processes as are made."""
+    points: dict[str, dict[str, Points]] = {cell.label: {} for cell in cells}
+    faults: dict[str, dict[str, str]] = {cell.label: {} for cell in cells}
+    job: dict[str, Any] = {
+        "kind": kind,
+        "cells": [
+            {
+                **{"end": cell.end, "outputs": cell.outputs},
+                "truths": [_plain(truths[kind, cell.end, k]) for k in range(DRAWS)],
+            }
+            for cell in cells
+        ],
+        "programs": [program.name for program in programs],
+        "tolerances": None,
+        "patience": QUICK_PATIENCE if quick else PATIENCE,
+    }
+    for turn in range(1 if quick else PROCESSES):
+        if tick is not None:
+            tick(f"contest: {kind}, process {turn + 1}")
+        answers, fault = ask(_MODULE, job, _LIMIT, cache)
+        for answer in answers:
+            if "cell" in answer:
+                _enter(points[answer["cell"]], answer["points"])
+                faults[answer["cell"]] |= answer["faults"]
+        if fault:
+            for cell in cells:
+                faults[cell.label][f"process {turn + 1}"] = fault
+        job["tolerances"] = {label: held_again(found) for label, found in points.items()}
+    return [row(cell, points[cell.label], faults[cell.label]) for cell in cells]
+
+
+def row(cell: Cell, points: Mapping[str, Points], faults: Mapping[str, str]) -> dict[str, Any]:
+    """A cell's seconds at each level, and their ratios to polhode's."""
+    levels = []
+    for level in LEVELS:
+        seconds = {name: seconds_of(found, level) for name, found in points.items()}
+        own = seconds.get(OURS, {})
+        there = [
+            {
+                "program": name,
+                "reached": len(found),
+                "seconds": _short(statistics.median(found.values())) if found else None,
+                "ratio": None
+                if name == OURS
+                else ratio(found, own, f"{cell.label} {level} {name}"),
+            }
+            for name, found in seconds.items()
+        ]
+        levels.append({"digits": level, "programs": there, "verdict": verdict(there)})
+    return {**cell._asdict(), "draws": DRAWS, "levels": levels, "faults": dict(faults)}
+
+
+def seconds_of(points: Points, level: float) -> dict[int, float]:
+    """Seconds to a level, by draw, of those that reach it."""
+    found = {}
+    for k in range(DRAWS):
+        marks = [WorkPoint(*point) for (draw, _), point in points.items() if draw == k]
+        seconds = seconds_at(marks, level)
+        if seconds is not None:
+            found[k] = seconds
+    return found
+
+
+def ratio(theirs: Mapping[int, float], own: Mapping[int, float], seed: str) -> list[float] | None:
+    """The median of their seconds over ours, and its bootstrap interval.
+
+    None where fewer than nearly all draws reach the level with both.
+    """
+    both = [theirs[k] / own[k] for k in sorted(theirs.keys() & own.keys())]
+    if len(both) < NEARLY_ALL:
+        return None
+    dice = random.Random(seed)
+    medians = sorted(statistics.median(dice.choices(both, k=len(both))) for _ in range(_RESAMPLED))
+    least = medians[math.floor((1 - _SURE) / 2 * _RESAMPLED)]
+    most = medians[math.ceil((1 + _SURE) / 2 * _RESAMPLED) - 1]
+    return [_short(x) for x in (statistics.median(both), least, most)]
+
+
+def verdict(programs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """How polhode stands among the others, heyoka by hand and its own trajectories apart.
+
+    "ahead", "behind" or "even" with the best of the others; "alone" where none of them reaches the
+    level from nearly all draws; "not reached" where polhode does not.
+    """
+    by_name = {told["program"]: told for told in programs}
+    ours = by_name.get(OURS)
+    if ours is None or ours["reached"] < NEARLY_ALL:
+        return {"stands": "not reached"}
+    met = [
+        (*told["ratio"], name)
+        for name, told in by_name.items()
+        if name not in (OURS, RUN, ENGINE) and told["ratio"] is not None
+    ]
+    if not met:
+        return {"stands": "alone"}
+    middle, least, most, name = min(met)
+    stands = "ahead" if least > 1 else "behind" if most < 1 else "even"
+    return {"stands": stands, "best": name, "ratio": [middle, least, most]}
+
+
+def _truths(
+    asked: Mapping[str, Sequence[Cell]], tick: Message | None
+) -> dict[tuple[str, int, int], Truth]:
+    """The references by kind, end and draw, the longest first: no clock runs beside them."""
+    ends = sorted({(cell.kind, cell.end) for cells in asked.values() for cell in cells})
+    jobs = [(*x, k) for x in sorted(ends, key=lambda x: -x[1]) for k in range(DRAWS)]
+
+    def begun(job: tuple[str, int, int]) -> None:
+        if tick is not None and job[2] == 0:
+            tick(f"references of {job[0]} to t = {job[1]}")
+
+    return dict(zip(jobs, in_order(_truth, jobs, cores(), begun), strict=True))
+
+
+def _truth(job: tuple[str, int, int]) -> Truth:
+    kind, end, k = job
+    return draws.truth(kind, k, end)
+
+
+def _plain(true: Truth) -> list[Any]:
+    return [true.high.tolist(), true.low.tolist(), true.scale]
+
+
+def _enter(points: dict[str, Points], told: Mapping[str, Sequence[Sequence[float]]]) -> None:
+    for name, found in told.items():
+        here = points.setdefault(name, {})
+        for draw, tol, digits, seconds in found:
+            key = int(draw), tol
+            known = here.get(key, (digits, math.inf))
+            here[key] = known[0], min(known[1], seconds)
+
+
+def _next_to_levels(points: Points) -> list[float]:
+    """The tolerances that decide about a level of some draw: the last below it, the first above."""
+    chosen: set[float] = set()
+    for k in range(DRAWS):
+        line = sorted((found[0], tol) for (draw, tol), found in points.items() if draw == k)
+        for level in LEVELS:
+            chosen.update(tol for _, tol in [x for x in line if x[0] < level][-1:])
+            chosen.update(tol for _, tol in [x for x in line if x[0] >= level][:1])
+    return sorted(chosen, reverse=True)
+
+
+def held_again(points: Mapping[str, Points]) -> dict[str, list[float]]:
+    """The tolerances of each program that are timed once more: none of one that is far behind."""
+    found = {}
+    middles = [
+        {
+            n: statistics.median(t.values())
+            for n, there in points.items()
+            if (t := seconds_of(there, x))
+        }
+        for x in LEVELS
+    ]
+    for name, there in points.items():
+        met = [times[name] <= _FAR * min(times.values()) for times in middles if name in times]
+        found[name] = _next_to_levels(there) if any(met) or not met else []
+    return found
+
+
+def _short(x: float) -> float:
+    return float(f"{x:.3g}")

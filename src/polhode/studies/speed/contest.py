@@ -1,0 +1,146 @@
+"""All programs on one kind of motion, side by side in one process: ``python -m … < job``.
+
+A job: {"kind", "cells": [{"end", "outputs", "truths": [[high, low, scale] a draw]}], "programs":
+names, "tolerances": {cell's label: {program: [tolerances]}} or null, "patience": seconds}.  Without
+tolerances each program is run once at all of its own, judged, and only those next to a level are
+timed further.  Each call has another start than the one before: the draw's, its first component
+off by some units in the last place.
+
+The answer is lines of JSON, flushed as they are made: {"ready": program, "seconds"}, {"missing"},
+and for each cell {"cell", "points": {program: [[draw, tol, digits, seconds]]}, "faults"}.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from polhode.peers.prepared import Run
+from polhode.peers.protocol import end_with_parent, write
+from polhode.studies.speed.draws import DRAWS, Cell, Draw, Truth, digits, draw, judged, present
+from polhode.studies.speed.programs import BY_NAME
+
+LEVELS = (6.0, 9.0, 12.0)
+ROUNDS = 5  # of timed calls, fewer where they take longer than the job's patience
+_NUDGE = 2.0**-50
+
+#: Of one program in a cell: (draw, tolerance) -> correct digits and the least seconds.
+Points = dict[tuple[int, float], tuple[float, float]]
+
+
+def main() -> None:
+    """Answer the job on stdin."""
+    end_with_parent()
+    job = json.load(sys.stdin)
+    ready: dict[str, Run] = {}
+    for name in job["programs"]:
+        began = time.process_time()
+        ready[name] = BY_NAME[name].prepared(present(job["kind"]))
+        write({"ready": name, "seconds": time.process_time() - began})
+    for asked in job["cells"]:
+        cell = Cell(job["kind"], asked["end"], asked["outputs"])
+        began = time.process_time()
+        contest = _Contest(cell, [Truth(*_arrays(x)) for x in asked["truths"]], ready)
+        contest.hold((job["tolerances"] or {}).get(cell.label), job["patience"])
+        write(
+            {
+                "cell": cell.label,
+                "points": contest.told(),
+                "faults": contest.faults,
+                "seconds": time.process_time() - began,
+            }
+        )
+
+
+class _Contest:
+    """One cell: its draws, and what each program has given on them so far."""
+
+    def __init__(self, cell: Cell, truths: Sequence[Truth], ready: Mapping[str, Run]) -> None:
+        import numpy as np
+
+        self.cell, self.truths = cell, truths
+        self.ready = {n: r for n, r in ready.items() if BY_NAME[n].runs(cell.end, cell.outputs)}
+        self.draws: list[Draw] = [draw(cell.kind, k, cell.end, cell.outputs) for k in range(DRAWS)]
+        self.times = np.array([float(t) for t in self.draws[0].scene.times])
+        self.points: dict[str, Points] = defaultdict(dict)
+        self.faults: dict[str, str] = {}
+        self._calls = 0
+
+    def hold(self, tolerances: Mapping[str, Sequence[float]] | None, patience: float) -> None:
+        """Judge every program, then time all of them in turns until the patience is at its end."""
+        for name in self.ready:
+            for tol in BY_NAME[name].tolerances if tolerances is None else tolerances.get(name, ()):
+                for k in range(DRAWS):
+                    self._once(name, k, tol)
+        near = {name: [*_next_to_levels(self.points[name])] for name in self.ready}
+        began = time.perf_counter()
+        for _ in range(ROUNDS):
+            for k in range(DRAWS):
+                for name, asked in near.items():
+                    for draw_asked, tol in asked:
+                        if draw_asked == k:
+                            self._once(name, k, tol)
+            if time.perf_counter() - began > patience:
+                return
+
+    def _once(self, name: str, k: int, tol: float) -> None:
+        """One timed call, judged where it is the first of its kind."""
+        known = self.points[name].get((k, tol))
+        start = self.draws[k].start.copy()
+        self._calls += 1
+        start[0] += self._calls % 16 * _NUDGE
+        run, top = self.ready[name], self.draws[k].top
+        try:
+            if known is None:
+                # what is made on the first call, a short one, is not timed
+                run(top, start, self.times / self.cell.end, tol)
+            began = time.process_time()
+            states = run(top, start, self.times, tol)
+            seconds = time.process_time() - began
+        except Exception as fault:  # whatever a program raises is a result
+            self.faults[f"{name} at {tol:.1g}"] = f"{type(fault).__name__}: {fault}"
+            return
+        if known is not None:
+            self.points[name][k, tol] = known[0], min(known[1], seconds)
+            return
+        if len(states) not in (1, len(self.times)):
+            self.faults[f"{name} at {tol:.1g}"] = f"{len(states)} of {len(self.times)} states"
+            return
+        found = digits(judged(states, self.cell.outputs), self.truths[k])
+        self.points[name][k, tol] = found, seconds
+
+    def told(self) -> dict[str, list[list[float]]]:
+        """The points as plain lists."""
+        return {
+            name: [
+                [k, tol, round(found, 3), seconds] for (k, tol), (found, seconds) in rows.items()
+            ]
+            for name, rows in self.points.items()
+        }
+
+
+def _next_to_levels(points: Points) -> Iterator[tuple[int, float]]:
+    """The tolerances of each draw whose digits lie next to a level, on either side."""
+    for k in {k for k, _ in points}:
+        line = sorted((found, tol) for (draw_of, tol), (found, _) in points.items() if draw_of == k)
+        chosen = set()
+        for level in LEVELS:
+            below = [tol for found, tol in line if found < level][-1:]
+            above = [tol for found, tol in line if found >= level][:2]
+            chosen |= {*below, *above}
+        yield from ((k, tol) for tol in sorted(chosen))
+
+
+def _arrays(given: Sequence[Any]) -> tuple[Any, Any, float]:
+    import numpy as np
+
+    high, low, scale = given
+    return np.array(high), np.array(low), float(scale)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,73 @@
+"""polhode prepared as the other programs are: a propagator, or runs of a scene made anew each time.
+
+``integrate``: a scene with another start is made for each call, and run: what a loop over starts
+in Python pays for trajectories.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+from polhode.judging.adaptive_precision import integrate
+from polhode.peers.prepared import Run, Top
+from polhode.runs.propagator import Propagator, propagator
+from polhode.scenes.from_numbers import top as scene_of
+from polhode.scenes.scene import Scene
+from polhode.studies.speed.programs import EPS, PROJECTED
+
+_LARGEST = 1000  # denominator of a draw's gamma
+
+
+def prepared(present: Sequence[bool], method: str) -> Run:
+    """A propagator of each body and tolerance; or a scene of each body at the times asked for.
+
+    ``present``: unused, polhode finds out itself what vanishes.  What is made of a body is kept
+    with it: a loop over starts has it at hand.
+    """
+    made: dict[tuple[int, float], tuple[Top, Propagator]] = {}
+    scenes: dict[tuple[int, int, float], tuple[Top, Scene]] = {}
+
+    def propagated(top: Top, start: Any, at: Any, tol: float) -> Any:
+        known, go = made.get((id(top), tol), (None, None))
+        if go is None or known is not top:
+            scene = _scene(top, 2, 1.0, start[3:])
+            go = propagator(scene, tol=_told(tol), project=tol == PROJECTED)
+            made[id(top), tol] = top, go
+        if len(at) == 2:
+            return go(start, t=float(at[1]))[None]
+        return go(start, t=at)
+
+    def integrated(top: Top, start: Any, at: Any, tol: float) -> Any:
+        end = float(at[-1])
+        known, scene = scenes.get((id(top), len(at), end), (None, None))
+        if scene is None or known is not top:
+            scene = _scene(top, len(at), end, start[3:])
+            scenes[id(top), len(at), end] = top, scene
+        p, q, r = map(Fraction, start[:3].tolist())
+        run = integrate(replace(scene, omega=(p, q, r)), tol=_told(tol))
+        return run.states if len(at) > 2 else run.states[-1:]
+
+    return propagated if method == "propagator" else integrated
+
+
+def _told(tol: float) -> float | None:
+    """A tolerance as it is asked for: none at all for eps."""
+    return None if tol <= EPS else tol
+
+
+def _scene(top: Top, count: int, end: float, gamma: Any) -> Scene:
+    """A scene of the body at even times; gamma of length 1 exactly, as every draw's is."""
+    pull = top.torque.tolist()
+    heavy = any(pull)
+    return scene_of(
+        moments=top.moments.tolist(),
+        centre=pull if heavy else None,
+        weight=1 if heavy else 0,
+        omega=[1, 0, 0],
+        gamma=[Fraction(x).limit_denominator(_LARGEST) for x in gamma.tolist()],
+        end=end,
+        samples=count,
+    )

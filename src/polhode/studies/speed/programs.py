@@ -1,0 +1,94 @@
+"""The programs of the contest, each as its own documentation would have it called from Python."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any, NamedTuple
+
+from polhode.peers.prepared import Run
+
+OURS, ENGINE, RUN = "polhode propagator", "heyoka by hand", "polhode integrate"
+
+EPS = 2.0**-52
+PROJECTED = 0.0  # the tolerance eps, the state put back on its integrals
+_LADDER = tuple(10.0**-k for k in (3, 5, 7, 9, 11, 13))
+_TAYLOR = (*_LADDER, EPS)
+_FIXED = (1.0, 1e-2, 1e-4, 1e-6, 1e-8)  # tol^(1/8) is the step of the splittings
+
+
+class Program(NamedTuple):
+    """A name, the module that prepares it, the module's word for the method, its tolerances.
+
+    ``turns``: how far it is run, in cells of how many outputs at most: slow programs take minutes
+    for what others do in milliseconds.  ``needs``: the packages it is made of.
+    """
+
+    name: str
+    module: str
+    method: str
+    tolerances: tuple[float, ...] = _LADDER
+    last: int = 10_000
+    outputs: int = 10_001
+    needs: tuple[str, ...] = ()
+
+    def runs(self, end: int, outputs: int) -> bool:
+        """Whether it is run in cells of this length and number of outputs."""
+        return end <= self.last and outputs <= self.outputs
+
+    def prepared(self, present: Sequence[bool]) -> Run:
+        """Its prepared form for a pattern of the equations."""
+        made: Run = import_module(self.module).prepared(present, self.method)
+        return made
+
+
+def _peer(name: str, module: str, method: str, needs: Sequence[str], **limits: Any) -> Program:
+    return Program(name, f"polhode.peers.{module}", method, needs=tuple(needs), **limits)
+
+
+_NUMBA = ("numba",)
+PROGRAMS = (
+    Program(OURS, "polhode.studies.speed.own", "propagator", (*_TAYLOR, PROJECTED)),
+    Program(RUN, "polhode.studies.speed.own", "integrate", _TAYLOR),
+    _peer(ENGINE, "bare_heyoka", "", ("heyoka",), tolerances=_TAYLOR),
+    _peer("CyRK DOP853", "cyrk", "DOP853", (*_NUMBA, "CyRK")),
+    _peer("CyRK VERN8", "cyrk", "VERN8", (*_NUMBA, "CyRK")),
+    _peer("numbalsoda dop853", "numbalsoda_cfunc", "dop853", (*_NUMBA, "numbalsoda")),
+    _peer("numbalsoda lsoda", "numbalsoda_cfunc", "lsoda", (*_NUMBA, "numbalsoda"), last=1000),
+    _peer("SciPy DOP853", "scipy_numba", "DOP853", ("scipy", *_NUMBA), last=10, outputs=101),
+    _peer("SciPy LSODA", "scipy_numba", "LSODA", ("scipy", *_NUMBA), last=10, outputs=101),
+    _peer("diffrax Dopri8", "diffrax_dopri8", "Dopri8", ("diffrax",), last=100, outputs=101),
+    _peer("splitting 8", "splitting", "8", _NUMBA, tolerances=_FIXED, last=1000, outputs=101),
+    _peer(
+        "splitting 8 compensated",
+        "splitting",
+        "8 compensated",
+        _NUMBA,
+        tolerances=_FIXED,
+        last=1000,
+        outputs=101,
+    ),
+    #: Of the table of first results alone: nothing to compile, and slow ever after.
+    _peer("SciPy DOP853, Python", "scipy_python", "DOP853", ("scipy",), last=0),
+    _peer("CyRK DOP853, Python", "cyrk", "DOP853, Python", ("CyRK",), last=0),
+)
+BY_NAME: Mapping[str, Program] = {program.name: program for program in PROGRAMS}
+
+
+def left_out(program: Program, without: Sequence[str]) -> bool:
+    """Whether a program is of a package that is asked to be left out."""
+    words = {word.lower() for word in without}
+    return bool(words & {program.name.lower(), *(need.lower() for need in program.needs)})
+
+
+def missing(programs: Sequence[Program]) -> dict[str, str]:
+    """The packages that cannot be imported, each with the programs that need it."""
+    found: dict[str, str] = {}
+    for program in programs:
+        for need in program.needs:
+            if find_spec(need) is None:
+                found[need] = ", ".join([*found.get(need, "").split(", "), program.name]).strip(
+                    ", "
+                )
+    return found

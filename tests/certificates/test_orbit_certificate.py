@@ -1,0 +1,368 @@
+"""Certificates of periodic orbits: what is proved stays so, and nothing false is."""
+
+from __future__ import annotations
+
+import copy
+import json
+import random
+from fractions import Fraction
+
+import pytest
+from flint import arb, ctx
+
+import polhode
+from polhode.certificates import certificate_file, grid, verify
+from polhode.certificates.orbit_certificate import Stated, certificate
+from polhode.cli import main
+from polhode.common.errors import BadInput
+
+BODY = {"moments": [2, "3/2", 1], "centre": ["3/10", "1/5", "1/2"], "weight": 1}
+LEVEL = {"h": "261/200", "f": "31/25"}
+#: Kind, start and period of two orbits.
+NEAR = {
+    "elliptic": (
+        ("0.2423055612849722303831", "0.3563752075017098665096", "-1.8791559868173497180600"),
+        ("-0.4302941631948678707850", "-0.2924035707680363253103", "-0.8540181994094331880120"),
+        "3.2219020629608878130775",
+    ),
+    "hyperbolic": (
+        ("0.3965920027735171249331", "-1.4905376324772086137746", "-0.3905428868891368530209"),
+        ("-0.3494497491654679203554", "-0.5455185431367340974584", "-0.7617705638196889084586"),
+        "4.2657510228461506277893",
+    ),
+}
+
+
+def guess(kind, body=BODY, turned=None):
+    """A scene that ends after about one period of an orbit."""
+    omega, gamma, period = NEAR[kind]
+    if turned is not None:
+        omega, gamma = ([str(x) for x in turned(map(Fraction, v))] for v in (omega, gamma))
+    return polhode.top(**body, omega=omega, gamma=gamma, normalise=True, end=period)
+
+
+def of(found):
+    """The certificate of a proved orbit."""
+    return certificate(found.scene.name, found.scene.body, stated(found))
+
+
+def stated(found):
+    return Stated(
+        found.h,
+        found.f,
+        found.kind,
+        [x.decimals for x in (*found.omega, *found.gamma)],
+        found.period.decimals,
+        found.residue.decimals,
+        [f"{0.9 * x:.3e}" for x in found.unique_within],
+    )
+
+
+def proved(kind, body=BODY, turned=None, digits=30):
+    near = guess(kind, body, turned)
+    return polhode.prove_orbit(near, near, digits=digits, **LEVEL)
+
+
+@pytest.fixture(scope="module")
+def orbits():
+    return {kind: proved(kind) for kind in NEAR}
+
+
+@pytest.fixture(scope="module")
+def few():
+    """An orbit with few digits."""
+    return proved("hyperbolic", digits=12)
+
+
+@pytest.fixture(scope="module")
+def small(few):
+    return of(few)
+
+
+def told(given):
+    """What is proved, or why nothing is."""
+    before = ctx.prec
+    try:
+        return "\n".join(verify.orbit(given))
+    except (verify.NotProved, verify.Damaged) as fault:
+        return f"refused: {fault}"
+    finally:
+        ctx.prec = before
+
+
+@pytest.mark.parametrize("kind", NEAR)
+def test_what_is_proved_is_proved_by_the_file_alone(kind, orbits, tmp_path):
+    path = tmp_path / "orbit.json"
+    orbits[kind].save(path)
+    found = polhode.verify(path)
+    assert found.proved
+    assert f"it is {kind} on its level" in found.text
+    assert "least period lies within" in found.text
+    assert NEAR[kind][2][:20] in found.text
+
+
+def test_axes_that_are_not_principal_ones(tmp_path):
+    def turned(v):
+        x, y, z = v
+        return [(3 * x - 4 * y) / 5, (4 * x + 3 * y) / 5, z]
+
+    c, s = Fraction(3, 5), Fraction(4, 5)
+    a, b = Fraction(2), Fraction(3, 2)
+    off = str((a - b) * c * s)
+    inertia = [
+        [str(a * c * c + b * s * s), off, 0],
+        [off, str(a * s * s + b * c * c), 0],
+        [0, 0, 1],
+    ]
+    centre = [str(x) for x in turned(map(Fraction, BODY["centre"]))]
+    path = tmp_path / "orbit.json"
+    proved("elliptic", {"inertia": inertia, "centre": centre, "weight": 1}, turned).save(path)
+    assert '"inertia"' in path.read_text()
+    assert polhode.verify(path)
+
+
+def test_an_irrational_level(tmp_path):
+    near = guess("elliptic")
+    found = polhode.prove_orbit(near, near, h="261/200 + sqrt(2)/10**6", f="31/25")
+    found.save(tmp_path / "orbit.json")
+    assert polhode.verify(tmp_path / "orbit.json")
+
+
+@pytest.mark.parametrize("name", ["start", "period", "residue"])
+def test_a_ball_that_is_moved_off_is_not_proved(name, small):
+    for k in (0, 4) if name == "start" else (0,):
+        given = copy.deepcopy(small)
+        ball = given["statement"][name][k] if name == "start" else given["statement"][name]
+        ball[0] = str(Fraction(ball[0]) + 2 * Fraction(ball[1]))
+        assert "is not shown to lie in its ball" in told(given)
+
+
+@pytest.mark.parametrize("key", ["moments", "centre", "weight", "level"])
+def test_another_body_or_level_is_not_proved(key, small):
+    """By one part in 10^8, of balls of 10^-12."""
+    for k in (0,) if key == "weight" else (1,):
+        given = copy.deepcopy(small)
+        scene, more = given["scene"], Fraction(10**8 + 1, 10**8)
+        if key == "weight":
+            scene[key] = str(Fraction(scene[key]) * more)
+        else:
+            scene[key][k] = str(Fraction(scene[key][k]) * more)
+        assert told(given).startswith("refused")
+
+
+@pytest.mark.parametrize(
+    ("what", "said"),
+    [
+        ({"kind": "elliptic"}, "that the orbit is elliptic"),
+        ({"kind": "inverse hyperbolic"}, "that the orbit is inverse hyperbolic"),
+        ({"alone": ["1e-4", "0", "0"]}, "no other orbit is so near"),
+        ({"alone": ["0", "1e-4", "0"]}, "no other orbit is so near"),
+        ({"alone": ["0", "0", "1e-4"]}, "no other orbit is so near"),
+        ({"alone": ["0", "0", "-1e-40"]}, "no negative"),
+        ({"least": 1}, "true or false"),
+        ({"kind": "stable"}, "expected the kind"),
+        ({"start": []}, "a list of 6"),
+    ],
+)
+def test_a_statement_that_says_more_is_refused(what, said, small):
+    given = copy.deepcopy(small)
+    given["statement"] |= what
+    assert said in told(given)
+
+
+@pytest.mark.slow
+def test_guesses_prove_nothing_false(small):
+    """The same true statement, or nothing; and never a false one."""
+    chance = random.Random(7)
+    count = 0
+    for key in ("radius_bits", "divided_to", "bits", "centres", "grid"):
+        given = copy.deepcopy(small)
+        if key == "centres":
+            row = chance.choice(given["centres"])
+            row[chance.randrange(6)] += chance.choice([1, 2**30, -(2 ** given["state_bits"])])
+        elif key == "grid":
+            k = chance.randrange(1, len(given["grid"]))
+            given["grid"][k] += chance.choice([1, -(2**20)])
+        else:
+            given[key] += chance.choice([-30, 20])
+        count += told(given).startswith("proved")
+        ball = given["statement"]["start"][chance.randrange(6)]
+        ball[0] = str(Fraction(ball[0]) - 3 * Fraction(ball[1]))
+        assert told(given).startswith("refused")
+    assert count > 1
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("radius_bits", 5, "the condition of the step"),
+        ("radius_bits", 160, "Krawczyk's test"),
+        ("radius_bits", 10**9, "radius_bits"),
+        ("divided_to", 2, "was not looked at"),
+        ("divided_to", 10**9, "divided_to"),
+        ("statement", [], "expected the keys"),
+        ("scene", {}, "expected the keys"),
+    ],
+)
+def test_what_is_wrong_is_told(key, value, said, small):
+    assert said in told(small | {key: value})
+
+
+def test_half_a_period_is_refused(small):
+    given = copy.deepcopy(small)
+    half = len(given["grid"]) // 2
+    given["grid"], given["centres"] = given["grid"][: half + 1], given["centres"][:half]
+    assert "Krawczyk's test" in told(given)
+
+
+def test_two_periods_are_not_the_least_one(orbits, monkeypatch):
+    monkeypatch.setattr(certificate_file, "_TRIES", 1)
+    found = orbits["hyperbolic"]
+    middle, _ = found.period.decimals
+    residue = Fraction(found.residue.decimals[0])
+    twice = stated(found)._replace(
+        start=[(x, "1e-30") for x, _ in stated(found).start],
+        period=(str(2 * Fraction(middle)), "1e-30"),
+        residue=(str(4 * residue * (1 - residue)), "1e-2"),
+        alone=["1e-30", "1e-30", "1e-30"],
+    )
+    with pytest.raises(BadInput, match="the period may be 2 times the least one"):
+        certificate("twice", found.scene.body, twice)
+
+
+SHIFT = 1  # the checker's unit of time is 2^-SHIFT
+
+
+def made_of(small, bits, monkeypatch, corner=None, later=0, point=False):
+    """DF(Y) for a box of radius 2^-bits; of a start at a corner of it, and a later end.
+
+    ``point``: one start, though the end is not known but for 4 2^-bits.
+    """
+    given = copy.deepcopy(small) | {"radius_bits": bits if corner is None else 100, "bits": 200}
+    if corner is not None:
+        body = {key: x for key, x in given["scene"].items() if key != "level"}
+        sizes = [2.0 ** (SHIFT - bits)] * 3 + [2.0**-bits] * 3
+        power = Fraction(2) ** -given["state_bits"]
+        start = zip(given["centres"][0], corner, map(Fraction, sizes), strict=True)
+        period, fine = given["grid"][-1] * Fraction(2) ** -given["time_bits"], given["time_bits"]
+        ctx.prec = 200
+        at = [verify.ball((x * power + sign * size, Fraction(0))) for x, sign, size in start]
+        given |= grid.steps(body, at, period, 200, fine, 0.15)
+        ctx.prec = 53
+    given["grid"][-1] += later * (1 << (given["time_bits"] + 2 - bits - SHIFT))
+    held = []
+    found = verify.derivative_of_f
+
+    def kept(run, *arguments):
+        assert run.shift == SHIFT
+        df, reached = found(run, *arguments)
+        held.append(df)
+        return df, reached
+
+    begin, first = verify.Set.__init__, [point]
+
+    def started(self, m, box, states):
+        small = [[arb(0)] * 8] * 6 if first.pop() else box
+        first.append(False)
+        begin(self, m, small, states)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(verify, "derivative_of_f", kept)
+        patch.setattr(verify.Set, "__init__", started)
+        told(given)
+    return held[0]
+
+
+def at_one_time(patch):
+    patch.setattr(verify, "drift", lambda *arguments: arb(0))
+
+
+def without_nu(patch):
+    at_one_time(patch)
+    patch.setattr(verify.Step, "noise_of_derivative", lambda self, r: self.rho)
+
+
+GRADIENTS = verify.gradients
+
+
+def at_the_centre(patch):
+    patch.setattr(verify, "gradients", lambda run, x: GRADIENTS(run, [y.mid() for y in x]))
+
+
+#: What is left out, whether the start is a point, how much later the ends are, whether it tells.
+DROPPED = {
+    "nothing": (lambda patch: None, False, 1, False),
+    "nothing of a point": (lambda patch: None, True, 1, False),
+    "the time": (at_one_time, True, 1, True),
+    "nothing at one time": (at_one_time, False, 0, False),
+    "nu": (without_nu, False, 0, True),
+    "the box of H": (at_the_centre, False, 0, True),
+}
+
+
+FAST = ("nu", "the time")
+
+
+@pytest.mark.parametrize(
+    "term", [x if x in FAST else pytest.param(x, marks=pytest.mark.slow) for x in DROPPED]
+)
+def test_the_derivative_holds_those_of_the_corners(term, small, monkeypatch):
+    """DF(Y) of a fat box beside DF at its corners; a term that is dropped is noticed."""
+    drop, point, later, tells = DROPPED[term]
+    corner = (0,) * 6 if point else (1, -1, 1, 1, -1, 1)
+    truth = made_of(small, 20, monkeypatch, corner, later)
+    drop(monkeypatch)
+    claimed = made_of(small, 20, monkeypatch, point=point)
+    outside = [
+        (i, j)
+        for i in range(10)
+        for j in range(7)  # the guesses W and a differ
+        if i != 6 and not claimed[i, j].overlaps(truth[i, j])
+    ]
+    assert bool(outside) == tells, outside
+
+
+def test_a_transition_that_is_bent_is_contained(small, monkeypatch):
+    """D by another V: the same but for a wider ball; without rho another."""
+    exact = made_of(small, 100, monkeypatch)
+    transition = verify.transition
+
+    def bent(a, fine):
+        v = transition(a, fine)
+        v[1] = (v[1] * arb("1.0001")).mid()
+        return v
+
+    monkeypatch.setattr(verify, "transition", bent)
+    wider = made_of(small, 100, monkeypatch)
+    assert all(wider[i, j].overlaps(exact[i, j]) for i in range(6) for j in range(6))
+    monkeypatch.setattr(verify.Step, "noise_of_derivative", lambda self, r: arb(0))
+    false = made_of(small, 100, monkeypatch)
+    assert not all(false[i, j].overlaps(exact[i, j]) for i in range(6) for j in range(6))
+
+
+def test_dependent_gradients_are_refused(small, monkeypatch):
+    """Where W no longer tells the integrals apart, a zero of F need not be periodic."""
+    closed = verify.gradients
+
+    def dependent(run, x):
+        rows = closed(run, x)
+        wide = max(float(y.rad()) for y in x) > 0
+        return [rows[0], rows[0], rows[2]] if wide and float(x[0].rad()) > small_r else rows
+
+    small_r = 2.0 ** -small["radius_bits"] * 4
+    monkeypatch.setattr(verify, "gradients", dependent)
+    assert "may be dependent" in told(small)
+
+
+def test_the_command_line(tmp_path, capsys):
+    path = tmp_path / "orbit.json"
+    assert main(["prove", "orbit", "grioli/precession", "-o", str(path)]) == 0
+    assert "certificate in" in capsys.readouterr().err
+    assert main(["verify", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["proved"] is True
+    command = ["prove", "orbit", "grioli/precession", "--search", "4x4", "-o", str(path)]
+    assert main(command) == 2
+    assert "--pick" in capsys.readouterr().err
+    assert main(["prove", "orbit", "grioli/precession", "-o", "-"]) == 0
+    out = capsys.readouterr().out
+    assert json.loads(out)["kind"] == "orbit"

@@ -1,0 +1,79 @@
+"""The certificates that ship, and those of what the reports call certified, are proved."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+import polhode
+from polhode.certificates import grid, verify
+from polhode.closed_forms.families import closed_form
+from polhode.common.errors import BadInput
+from polhode.scenes import library
+from polhode.studies.certified import rows
+
+SHIPPED = sorted((library.folder() / "certificates").glob("*.json"))
+#: The scene of each.
+SCENES = {
+    "asymmetric-30-digits": "general/asymmetric-regular",
+    "chaotic": "general/asymmetric-chaotic",
+    "dzhanibekov": "euler/dzhanibekov",
+    "elliptic": "general/asymmetric-chaotic",
+    "grioli": "grioli/precession",
+    "grioli-turned-axes": "grioli/turned-axes",
+    "hyperbolic": "general/asymmetric-chaotic",
+    "irrational": "euler/irrational",
+    "kovalevskaya-backward": "kovalevskaya/generic",
+    "turned-axes": "lagrange/turned-axes",
+}
+
+
+def test_ten_ship():
+    assert {path.stem for path in SHIPPED} == {*SCENES}
+
+
+@pytest.mark.sample(3)
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_what_ships_is_proved_and_of_the_scene_that_ships(path):
+    alone = subprocess.run(
+        [sys.executable, "-I", verify.__file__, str(path)], capture_output=True, text=True
+    )
+    assert alone.returncode == 0, alone.stdout + alone.stderr
+    held = json.loads(path.read_text())
+    body = library.load(SCENES[path.stem]).body
+    for key, value in grid.body_numbers(body, held["bits"] + verify.COARSE).items():
+        if isinstance(value, str) or not any(isinstance(x, list) for x in value):
+            assert held["scene"][key] == value
+
+
+ROWS = [name for name in library.names() if closed_form(library.load(name)) is not None]
+
+
+@pytest.mark.slow
+@pytest.mark.sample(4, rest="campaign")
+@pytest.mark.parametrize("name", ROWS)
+def test_every_closed_form_that_is_certified_has_a_certificate(name, tmp_path):
+    scene = replace(library.load(name), outputs=())
+    if not scene.times:
+        pytest.skip("no times")
+    found = polhode.certify(scene, rows.contained_times(scene), digits=rows.CONTAINED_DIGITS)
+    path = tmp_path / "row.json"
+    if scene.gamma is None or not all(isinstance(t, Fraction) for t in found.times):
+        with pytest.raises(BadInput, match="for a certificate"):  # the only ones that have none
+            found.save(path)
+        return
+    found.save(path)
+    assert polhode.verify(path)
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("name", rows.MOTIONS)
+def test_every_motion_that_is_certified_far_has_a_certificate(name, tmp_path):
+    path = tmp_path / "row.json"
+    polhode.certify(name, rows.TIMES, digits=rows.CONTAINED_DIGITS).save(path)
+    assert polhode.verify(path)

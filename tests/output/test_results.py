@@ -1,0 +1,149 @@
+"""Every kind of result saves itself, loads again, draws itself and becomes a table."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from matplotlib import pyplot as plt
+
+import polhode
+from polhode.common.result import Result
+from polhode.output.results import document
+
+
+def _events_scene():
+    from dataclasses import replace
+
+    event = polhode.Event("nutation")
+    return replace(polhode.load("lagrange/nutation"), events=(event,))
+
+
+MAKERS = {
+    "Trajectory": lambda: polhode.integrate("lagrange/nutation", at=[1, 2]),
+    "Trajectory in quad": lambda: polhode.integrate("lagrange/nutation", at=[1], number="quad"),
+    "Reference": lambda: polhode.reference(polhode.load("euler/largest-axis").at((1, 2))),
+    "Certified": lambda: polhode.reference(polhode.load("general/asymmetric-regular").at((1,))),
+    "Enclosure": lambda: polhode.certify("euler/largest-axis", at=[1, 2], digits=20),
+    "CertifiedEvents": lambda: polhode.certify_events(_events_scene(), end=2)[0],
+    "EventTimes": lambda: polhode.integrate(_events_scene(), at=[10], number="extended").events[0],
+    "Judgement": lambda: polhode.compare(polhode.integrate("euler/separatrix", at=[1, 20])),
+    "Ensemble": lambda: polhode.integrate_many(
+        "lagrange/nutation", {"start.omega[3]": "2:4:3"}, at=[0, 1]
+    ),
+    "Reductions": lambda: polhode.reduce_many(
+        "lagrange/nutation", {"start.omega[3]": "2:4:3"}, keep=["final"], number="extended"
+    ),
+    "Section": lambda: polhode.section("lagrange/nutation", starts=[[1, 0.2]], crossings=6),
+    "ChaosMap": lambda: polhode.chaos_map("lagrange/nutation", grid=(3, 3), end=20),
+    "Levels": lambda: polhode.levels("general/asymmetric-chaotic"),
+    "Frequencies": lambda: polhode.frequencies("lagrange/nutation", of=["gamma3"], end=100),
+    "Orbit": lambda: polhode.orbit("grioli/precession", digits=20),
+    "OrbitFamily": lambda: polhode.orbit_family("grioli/precession", "h", "0.752"),
+}
+_MADE: dict[str, Result] = {}
+
+
+def made(name: str) -> Result:
+    if name not in _MADE:
+        _MADE[name] = MAKERS[name]()
+    return _MADE[name]
+
+
+@pytest.mark.sample(9)
+@pytest.mark.parametrize("suffix", [".csv", ".json", ".npz"])
+@pytest.mark.parametrize("name", MAKERS)
+def test_what_is_saved_loads_again_and_is_equal(name, suffix, tmp_path):
+    if (name, suffix) == ("Enclosure", ".json"):
+        pytest.skip("that is its certificate")
+    path = tmp_path / f"x{suffix}"
+    found = made(name)
+    found.save(path)
+    again = polhode.load_result(path)
+    assert type(again) is type(found)
+    assert again == found
+    found.save(path)  # its own kind is replaced
+    beside = [".json"] if suffix == ".csv" else []
+    assert sorted(place.suffix for place in tmp_path.iterdir()) == [suffix, *beside]
+
+
+@pytest.mark.sample(4)
+@pytest.mark.parametrize("name", MAKERS)
+def test_results_draw_themselves_and_into_axes_of_ones_own(name):
+    found = made(name)
+    panels = np.ravel(np.asarray(found.plot(), dtype=object))
+    if name.startswith("Trajectory"):
+        _, mine = plt.subplots()
+        assert found.plot(ax=mine) is mine
+        assert mine.lines
+    else:
+        _, mine = plt.subplots(len(panels), squeeze=False)
+        drawn = found.plot(ax=mine if len(panels) > 1 else mine[0, 0])
+        assert list(np.ravel(np.asarray(drawn, dtype=object))) == list(mine[:, 0])
+        assert all(a.lines or a.collections for a in mine[:, 0])
+        again = np.ravel(np.asarray(polhode.plot(found), dtype=object))
+        assert len(again) == len(panels)
+    plt.close("all")
+
+
+@pytest.mark.sample(4)
+@pytest.mark.parametrize("name", MAKERS)
+def test_results_become_tables(name):
+    found = made(name)
+    frame = found.to_pandas()
+    assert len(frame)
+    assert len(found.to_xarray().variables) >= len(frame.columns)
+    html = found._repr_html_()
+    assert html.startswith(("<table", "<p", "<pre"))
+    assert repr(found).startswith(f"<{type(found).__name__}")
+
+
+def test_what_is_there_is_replaced_by_its_own_kind_alone(tmp_path):
+    for suffix in (".csv", ".json", ".npz"):
+        path = tmp_path / f"x{suffix}"
+        path.write_text("mine\n")
+        with pytest.raises(polhode.BadInput, match=r"no result of polhode"):
+            made("Levels").save(path)
+        assert path.read_text() == "mine\n"
+        path.unlink()
+    made("Levels").save(tmp_path / "x.npz")
+    with pytest.raises(polhode.BadInput, match="there is a Levels"):
+        made("Orbit").save(tmp_path / "x.npz")
+    (tmp_path / "y.json").write_text('{"mine": 1}')
+    with pytest.raises(polhode.BadInput, match=r"y\.json"):
+        made("Orbit").save(tmp_path / "y.csv")
+    assert not (tmp_path / "y.csv").exists()
+    with pytest.raises(polhode.BadInput, match=r"\.csv or \.json or \.npz or \.parquet"):
+        made("Orbit").save(tmp_path / "x.txt")
+
+
+def test_a_changed_document_is_refused():
+    told = document.document(made("Orbit"))
+    assert document.result_of(told, "x") == made("Orbit")
+    text = json.dumps(told)
+    for wrong in (
+        text.replace('"residue_error"', '"residue_errors"'),
+        text.replace(document.FORMAT, "polhode result 2"),
+        "[]",
+        "{}",
+    ):
+        with pytest.raises(polhode.BadInput):
+            document.result_of(json.loads(wrong), "x")
+
+
+def test_a_document_names_no_code_but_values():
+    for name in ("os:system", "polhode.common.files:write_whole", "polhode.scenes.library:load"):
+        value = {"o": [name, "x"]}
+        told = {"format": document.FORMAT, "kind": "Orbit", "value": value}
+        told["sum"] = document.checksum("Orbit", value)
+        with pytest.raises(polhode.BadInput, match="no part of a result"):
+            document.result_of(told, "x")
+
+
+def test_parquet_loads_again(tmp_path):
+    pytest.importorskip("pyarrow")
+    for name in ("Levels", "Trajectory in quad", "Enclosure", "Judgement"):
+        path = tmp_path / f"{name}.parquet"
+        made(name).save(path)
+        assert polhode.load_result(path) == made(name)

@@ -1,0 +1,426 @@
+"""Proved chaos: what is claimed holds, what is false is refused, each condition is needed."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from flint import arb, arb_mat
+
+import polhode
+from polhode.cli import main
+from polhode.enclosures.fixed_point_problem import Refused
+from polhode.enclosures.proof_loop import HONEST
+from polhode.numbers.flint_context import ctx
+from polhode.proofs.chaos import chain_candidate, covering, h_set, theorem, transit
+from polhode.proofs.chaos.h_set import HSet
+from polhode.proofs.chaos.theorem import Chain
+from polhode.proofs.chaos.transit import Image
+from polhode.proofs.level import largest
+from shared import chaos_chains as chains
+from shared import orbit_proofs as proofs
+
+BITS = chains.NOISE + 128
+CORNERS = [(a, b) for a in (-1.0, 0.3, 1.0) for b in (-1.0, -0.4, 1.0)]
+
+
+def point_of(what, xi, eta):
+    """A point of a set in double, the four equations solved by Newton's method."""
+    chart = what.chart
+    c = np.ldexp(np.array([float(x) for x in chart.centre]), -chart.fine)
+    y = np.array([what.middle + xi * what.width, eta * what.height])
+    x = c + chart.wide @ y
+    n = np.zeros(4)
+    known = proofs.level().balls(200)
+    with ctx.workprec(200):
+        exact = [arb(v) for v in (chart.wide @ y).tolist()]
+        base = [p + d for p, d in zip(chart.point, exact, strict=True)]
+        for _ in range(4):
+            deep = h_set.matrix(chart.deep) * h_set.column([arb(v) for v in n.tolist()])
+            at = h_set.shifted(base, deep)
+            miss = [float(a - b) for a, b in zip(known.integrals(at), known.values, strict=True)]
+            off = h_set.column([p - q for p, q in zip(at, chart.point, strict=True)])
+            miss.append(float((chart.row * off)[0, 0]))
+            left = h_set.equations(known, chart, at) * h_set.matrix(chart.deep)
+            slope = np.array([float(v) for v in left.entries()]).reshape(4, 4)
+            n = n - np.linalg.solve(slope, miss)
+        x = np.array([float(v) for v in at])
+    return x, n
+
+
+def crossed(chart, x, ticks):
+    """Where a motion meets the plane of a chart, in its coordinates, in double."""
+    lanes = chains.example().lanes
+    c = np.ldexp(np.array([float(v) for v in chart.centre]), -chart.fine)
+    time = math.ldexp(ticks, -14)
+    for _ in range(5):
+        end = lanes.after(x[:, None], np.array([time]))
+        rate = chart.plane @ lanes.field(end)[:, 0]
+        time -= float(chart.plane @ (end[:, 0] - c) / rate)
+    frame = np.hstack([chart.wide, chart.deep])
+    return np.linalg.solve(frame, end[:, 0] - c), time
+
+
+def test_the_example_is_proved_with_the_entropy_of_its_times():
+    found = chains.example().proof
+    assert len(found.margins) == 19
+    assert min(x.stretch for x in found.margins) > 1.4
+    assert max(x.height for x in found.margins) < 0.8
+    assert min(x.cone for x in found.margins) > 0.4
+    short, long = (float(x) for x in (found.short, found.long))
+    assert 4.26575 < short < 4.26577
+    assert 77.69 < long < 77.71
+    total = math.exp(-found.entropy * short) + math.exp(-found.entropy * long)
+    assert total + 1e-12 >= 1.0
+    assert total < 1.0 + 1e-6
+    assert abs(found.entropy - 0.028076) < 1e-5
+
+
+@pytest.mark.parametrize("k", [0, 1, 9, 17])
+def test_points_of_a_set_are_where_its_image_says(k):
+    what = chains.example()
+    chain = what.chain
+    source = (chain.home, *chain.sets)[k]
+    image = chain.images[k]
+    known = proofs.level().balls(BITS)
+    with ctx.workprec(BITS):
+        disk = h_set.disk(known, source)
+    nearest = math.inf
+    for xi, eta in CORNERS:
+        x, n = point_of(source, xi, eta)
+        assert all(
+            abs(a - float(b.mid())) <= 1.001 * float(b.rad()) + 1e-17
+            for a, b in zip(n, disk.depth, strict=True)
+        )
+        where, time = crossed(image.chart, x, what.ticks[k])
+        assert float(image.least) < time < float(image.most)
+        for i in range(6):
+            rest = sum(float(v.abs_upper()) for v in image.turn.tolist()[i][2:])
+            middle = image.shift[i, 0] + image.turn[i, 0] * xi + image.turn[i, 1] * eta
+            off = abs(where[i] - float(middle.mid()))
+            room = rest + float(middle.rad())
+            assert off <= room + 2e-14  # the doubles' own error
+            nearest = min(nearest, room)
+    assert nearest < 1e-8  # and the image is sharp
+
+
+def test_the_slope_holds_the_differences_of_the_section_map():
+    what = chains.example()
+    image, source = what.chain.images[9], what.chain.sets[8]
+    begin = crossed(image.chart, point_of(source, -1.0, -1.0)[0], what.ticks[9])[0]
+    for j, (corner, size) in enumerate([((1.0, -1.0), source.width), ((-1.0, 1.0), source.height)]):
+        end = crossed(image.chart, point_of(source, *corner)[0], what.ticks[9])[0]
+        for i in range(2):
+            found = (end[i] - begin[i]) / (2 * size)
+            assert abs(found - float(image.slope[i, j].mid())) <= (
+                float(image.slope[i, j].rad()) + 1e-12 / size
+            )
+
+
+@pytest.fixture(scope="module", params=[0, 32])
+def tilted(request):
+    """A set whose directions leave the level, and its image, in time or 2e-3 after it."""
+    what = chains.example()
+    chart = what.charts[0]
+    chart = replace(chart, wide=chart.wide + 0.1 * chart.deep[:, :2])
+    source = HSet(chart, 0.0, 1e-6, 1e-6)
+    ticks = what.ticks[0] + request.param
+    found = transit.transit(
+        proofs.level(), source, what.charts[0], ticks, chains.NOISE, chain_candidate.follow
+    )
+    return source, ticks, found
+
+
+def test_the_derivative_holds_at_every_time_of_the_crossing(monkeypatch):
+    what, kept = chains.example(), []
+    honest = transit.derivative
+
+    def seen(known, watch, reached, span):
+        kept.append((span, honest(known, watch, reached, span)))
+        return kept[-1][1]
+
+    monkeypatch.setattr(transit, "derivative", seen)
+    ticks, home = what.ticks[0] + 32, what.chain.home
+    transit.transit(
+        proofs.level(), home, what.charts[0], ticks, chains.NOISE, chain_candidate.follow
+    )
+    ((span, balls),) = kept
+    point = what.saddle.point[:, None]
+    for sign in (-1, 0, 1):
+        time = np.array([math.ldexp(ticks, -14) + sign * float(span)])
+        truth = what.lanes.derivative(point, time)[0]
+        for i in range(6):
+            for j in range(6):
+                off = abs(truth[i, j] - float(balls[i, j].mid()))
+                assert off <= float(balls[i, j].rad()) + 1e-7
+
+
+def test_a_tilted_set_is_where_its_image_says(tilted):
+    source, ticks, found = tilted
+    corners = {}
+    for xi, eta in CORNERS:
+        where, _ = crossed(found.chart, point_of(source, xi, eta)[0], ticks)
+        corners[xi, eta] = where
+        for i in range(2):
+            terms = found.turn.tolist()[i]
+            middle = found.shift[i, 0] + terms[0] * xi + terms[1] * eta
+            room = sum(float(v.abs_upper()) for v in terms[2:]) + float(middle.rad())
+            assert abs(where[i] - float(middle.mid())) <= room + 2e-14
+    for j, other in enumerate([(1.0, -1.0), (-1.0, 1.0)]):
+        for i in range(2):
+            slope = (corners[other][i] - corners[-1.0, -1.0][i]) / 2e-6
+            off = abs(slope - float(found.slope[i, j].mid()))
+            assert off <= float(found.slope[i, j].rad()) + 1e-7
+
+
+def test_a_plane_that_may_be_missed_or_was_met_at_the_start_is_refused(monkeypatch):
+    what = chains.example()
+    with pytest.raises(Refused, match="positive"):
+        transit.transit(
+            proofs.level(), what.chain.home, what.charts[0], 1, 80, chain_candidate.follow
+        )
+    monkeypatch.setattr(transit, "_SPARE", 0.5)
+    with pytest.raises(Refused, match="miss"):
+        transit.transit(
+            proofs.level(),
+            what.chain.home,
+            what.charts[0],
+            what.ticks[0],
+            80,
+            chain_candidate.follow,
+        )
+
+
+def moved(charts, k, by):
+    """The charts with one centre moved along its first direction."""
+    off = [round(x * 2 ** charts[k].fine) for x in (charts[k].wide[:, 0] * by).tolist()]
+    centre = tuple(a + b for a, b in zip(charts[k].centre, off, strict=True))
+    return [replace(c, centre=centre) if i == k else c for i, c in enumerate(charts)]
+
+
+def attempt(charts=None, ticks=None, first=None):
+    what = chains.example()
+    chain = chains.made(
+        charts or what.charts, ticks or what.ticks, what.size, first or what.found.unstable
+    )
+    return theorem.horseshoe(chain)
+
+
+@pytest.mark.parametrize("k", [0, 1])
+def test_a_centre_moved_by_three_sizes_is_refused(k):
+    what = chains.example()
+    with pytest.raises(Refused):
+        attempt(moved(what.charts, k, 3 * what.size))
+
+
+def test_a_time_that_is_off_is_refused():
+    ticks = list(chains.example().ticks)
+    ticks[0] += 1638
+    with pytest.raises(Refused):
+        attempt(ticks=ticks)
+    with pytest.raises(Refused, match="not positive"):
+        attempt(ticks=[0, *ticks[1:]])
+    with pytest.raises(Refused, match="not positive"):
+        attempt(ticks=[-ticks[0], *ticks[1:]])
+
+
+@pytest.mark.parametrize("eta", [1e-12, 0.3])
+def test_a_depth_that_is_too_small_or_too_large_is_refused(eta):
+    with pytest.raises(Refused):
+        attempt([replace(c, eta=eta) for c in chains.example().charts])
+
+
+def test_exchanged_directions_are_refused():
+    charts = [replace(c, wide=c.wide[:, ::-1].copy()) for c in chains.example().charts]
+    with pytest.raises(Refused):
+        attempt(charts)
+
+
+def test_first_sets_that_meet_are_refused():
+    chain = chains.example().chain
+    near = replace(chain.sets[0], middle=0.5 * chain.home.width)
+    images = (chain.images[0], replace(chain.images[1], source=near), *chain.images[2:])
+    with pytest.raises(Refused, match="may meet"):
+        theorem.horseshoe(Chain(chain.home, (near, *chain.sets[1:]), images))
+    with pytest.raises(Refused):
+        attempt(first=0.5 * chains.example().size)
+
+
+def test_long_steps_are_refused(monkeypatch):
+    monkeypatch.setattr(chain_candidate, "SHORTER_STEPS", HONEST)
+    with pytest.raises(Refused):
+        attempt()
+
+
+def test_an_orbit_of_another_level_is_refused():
+    chain = chains.example().chain
+    orbit = chains.example().orbit
+    theorem.holds(proofs.level(), chain, orbit.start, orbit.period, BITS)
+    other = proofs.proved(proofs.ELLIPTIC).theorem
+    with pytest.raises(Refused):
+        theorem.holds(proofs.level(), chain, other.start, orbit.period, BITS)
+    with pytest.raises(Refused, match="period"):
+        theorem.holds(proofs.level(), chain, orbit.start, orbit.period + arb("0.001"), BITS)
+    beside = [x + (arb("1e-4") if i == 0 else 0) for i, x in enumerate(orbit.start)]
+    with pytest.raises(Refused):
+        theorem.holds(proofs.level(), chain, beside, orbit.period, BITS)
+
+
+def test_a_set_off_the_level_is_refused():
+    home = chains.example().chain.home
+    level = proofs.level(h=proofs.H + Fraction(1, 1000))
+    with ctx.workprec(BITS), pytest.raises(Refused, match="no graph"):
+        h_set.disk(level.balls(BITS), home)
+
+
+def test_a_plane_along_the_motion_is_refused():
+    home = chains.example().chain.home
+    chart, rates = home.chart, home.chart.deep[:, 3]
+    plane = chart.wide[:, 0] - rates * (chart.wide[:, 0] @ rates) / (rates @ rates)
+    turned = replace(
+        chart,
+        wide=np.column_stack([rates, chart.wide[:, 1]]),
+        deep=np.column_stack([chart.deep[:, :3], plane]),
+        plane=plane,
+    )
+    known = proofs.level().balls(BITS)
+    with ctx.workprec(BITS), pytest.raises(Refused, match="touch the motion"):
+        h_set.disk(known, replace(home, chart=turned))
+
+
+def test_both_coverings_out_of_the_first_set_are_of_one_section_map():
+    # with two maps the theorem is false: a free body's steady rotation and half a turn of it
+    chain = chains.example().chain
+    first = chain.sets[0]
+    twin = replace(first, chart=replace(first.chart))
+    for changed in (
+        Chain(chain.home, (twin, *chain.sets[1:]), chain.images),
+        Chain(replace(chain.home, chart=replace(first.chart)), chain.sets, chain.images),
+        Chain(chain.home, chain.sets, (chain.images[1], *chain.images[1:])),
+    ):
+        with pytest.raises(Refused, match=r"section map|not that of its set"):
+            theorem.horseshoe(changed)
+    with pytest.raises(Refused, match="not that of its set"):
+        theorem.horseshoe(
+            Chain(chain.home, chain.sets, (chain.images[0], *reversed(chain.images[1:])))
+        )
+    with pytest.raises(Refused, match="no loop"):
+        theorem.horseshoe(Chain(chain.home, (), chain.images[:1]))
+
+
+CHART = h_set.Chart(92, (0,) * 6, np.zeros((6, 2)), np.zeros((6, 4)), np.zeros(6), 0.25)
+SOURCE, TARGET = HSet(CHART, 0.0, 1.0, 1.0), HSet(CHART, 0.0, 1.0, 1.0)
+
+
+def image(stretch=2.0, squeeze=0.5, shift=(0.0, 0.0), depth=0.0, across=0.0, slope=None):
+    """An image that is made up: y' = (stretch xi_1 + across xi_2, squeeze xi_2) + shift."""
+    turn = [[stretch, across], [0.0, squeeze], [depth, 0.0], *[[0.0, 0.0]] * 3]
+    off = [*shift, 0.0, 0.0, 0.0, 0.0]
+    slope = slope or [[stretch, across], [0.0, squeeze]]
+    return Image(
+        SOURCE,
+        CHART,
+        arb_mat([[arb(x)] for x in off]),
+        arb_mat([[arb(x) for x in row] for row in turn]),
+        arb_mat([[arb(x) for x in row] for row in slope]),
+        arb(1),
+        arb(2),
+    )
+
+
+@pytest.mark.parametrize("stretch", [2.0, -2.0])
+def test_a_covering_may_exchange_the_edges(stretch):
+    found = covering.covers(image(stretch), TARGET)
+    assert (found.stretch, found.height, found.depth) == (2.0, 0.5, 0.0)
+    assert found.cone == (4.0 - 1.0) * (1.0 - 0.25)
+
+
+@pytest.mark.parametrize(
+    ("changes", "cause"),
+    [
+        ({"stretch": 1.0}, "does not reach"),
+        ({"stretch": math.nan}, "does not reach"),
+        ({"shift": (1.5, 0.0)}, "does not reach"),
+        ({"shift": (4.0, 0.0)}, "does not reach"),
+        ({"across": 1.0}, "does not reach"),
+        ({"squeeze": 1.0}, "higher"),
+        ({"squeeze": math.nan}, "higher"),
+        ({"shift": (0.0, 0.5)}, "higher"),
+        ({"depth": 0.25}, "another sheet"),
+        ({"depth": math.nan}, "another sheet"),
+        ({"slope": [[1.0, 0.0], [0.0, 0.5]]}, "cone"),
+        ({"slope": [[2.0, 0.0], [0.0, 1.0]]}, "cone"),
+        ({"slope": [[2.0, 0.0], [2.0, 0.5]]}, "cone"),
+        ({"slope": [[0.5, 2.0], [0.0, 0.5]]}, "cone"),
+        ({"slope": [[2.0, 0.5], [0.0, 0.9]]}, None),
+        ({"slope": [[2.0, 0.0], [1.2, 0.9]]}, "cone"),
+        ({"slope": [[0.5, 0.0], [0.0, 2.0]]}, "cone"),
+        ({"slope": [[math.nan, 0.0], [0.0, 0.5]]}, "cone"),
+    ],
+)
+def test_each_condition_of_a_covering_is_needed(changes, cause):
+    if cause is None:
+        assert covering.covers(image(**changes), TARGET).cone > 0
+        return
+    with pytest.raises(Refused, match=cause):
+        covering.covers(image(**changes), TARGET)
+
+
+def test_a_covering_counts_the_sizes_and_the_middle_of_its_target():
+    assert covering.covers(image(), HSet(CHART, 0.5, 1.4, 0.6)).stretch == pytest.approx(1.5 / 1.4)
+    with pytest.raises(Refused, match="does not reach"):
+        covering.covers(image(), HSet(CHART, 0.5, 1.6, 0.6))
+    with pytest.raises(Refused, match="charts"):
+        covering.covers(image(), HSet(replace(CHART), 0.0, 1.0, 1.0))
+
+
+@pytest.mark.parametrize("values", [["nan", 1], [1, "nan"], [1, "nan", 2], [0, "inf", 1]])
+def test_what_is_no_number_is_the_largest(values):
+    assert not largest([arb(x) for x in values]) < arb(10) ** 100
+
+
+def test_an_entropy_needs_times():
+    assert theorem.least_entropy(arb(1), arb(1)) == pytest.approx(math.log(2), rel=1e-9)
+    assert theorem.least_entropy(arb(1), arb(1)) <= math.log(2)
+    for short in (arb(0), arb(-1), arb(0, 1)):
+        with pytest.raises(Refused):
+            theorem.least_entropy(short, arb(1))
+
+
+def test_a_transit_must_take_time():
+    what = chains.example()
+    with pytest.raises(Refused, match="not positive"):
+        transit.transit(
+            proofs.level(), what.chain.home, what.charts[0], 0, 80, chain_candidate.follow
+        )
+
+
+def test_an_elliptic_orbit_and_integrable_tops_are_refused(capsys):
+    orbit = polhode.orbit("general/asymmetric-regular")
+    with pytest.raises(polhode.NotProved, match="elliptic"):
+        polhode.prove_chaos("general/asymmetric-regular", orbit)
+    assert main(["prove", "chaos", "lagrange/backward"]) == 3
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert "not proved: lagrange/backward" in told.err
+
+
+def test_what_does_not_belong_together_is_refused(capsys):
+    assert main(["prove", "orbit", "grioli/precession", "--tries", "3"]) == 2
+    assert main(["prove", "chaos", "grioli/precession", "--search"]) == 2
+    assert "with orbit only" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_scene_leads_to_a_theorem(capsys):
+    assert main(["prove", "chaos", "general/section", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["proved"]
+    assert found["coverings"] == found["sets"] + 1
+    assert 0.03 < float(found["entropy_at_least"]) < 0.05
+    assert found["orbit"]["kind"] == "hyperbolic"
+    assert "transversal homoclinic orbit" in found["theorem"]

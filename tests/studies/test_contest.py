@@ -1,0 +1,241 @@
+"""The contest of the study speed: who reaches what, ratios, and what is claimed of them.
+
+No test depends on how long anything takes.
+"""
+
+from __future__ import annotations
+
+import json
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.judging.conditioning.lyapunov import lyapunov
+from polhode.studies import report
+from polhode.studies.page.blocks import markdown
+from polhode.studies.row_filter import Only
+from polhode.studies.speed import cells, draws, figure, page, programs
+from polhode.studies.speed import rows as speed
+from polhode.studies.speed.draws import DRAWS, Cell
+from polhode.studies.speed.page import contest
+from polhode.studies.speed.programs import ENGINE, OURS, RUN
+
+PEER = "CyRK VERN8"
+
+
+# the motions
+
+
+def test_every_kind_has_as_many_bodies_as_draws_and_patterns_hold_them_all():
+    for kind in draws.KINDS:
+        found = [draws.draw(kind, k, 1, 2) for k in range(DRAWS)]
+        assert len({one.top.coefficients.tobytes() for one in found}) == DRAWS
+        present = np.array(draws.present(kind))
+        assert all(np.all(present | (one.top.coefficients == 0)) for one in found)
+    assert draws.present("euler") == (True, False, False) * 3
+    assert all(draws.present("chaotic"))
+
+
+@pytest.mark.slow
+def test_the_chaotic_draws_are_chaotic():
+    for k in range(DRAWS):
+        assert lyapunov(draws.scene_of("chaotic", k, 100, 2), 3000).verdict == "chaotic"
+
+
+def test_the_digits_of_a_run_are_those_of_its_worst_judged_time():
+    true = draws.truth("lagrange", 0, 10)
+    rows = true.high.copy()
+    assert draws.digits(rows, true) > 15.5
+    rows[3, 5] += 1e-7
+    assert abs(draws.digits(rows, true) - 7) < 0.01
+    assert draws.digits(rows[-1:], true) > 15.5  # the end alone
+    rows[7, 0] = np.nan
+    assert draws.digits(rows, true) == 0
+    assert len(draws.judged(np.zeros((101, 6)), 101)) == draws.JUDGED
+    assert len(draws.judged(np.zeros((2, 6)), 2)) == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("program", programs.PROGRAMS, ids=lambda p: p.name.replace(" ", "-"))
+@pytest.mark.parametrize("kind", ["euler", "kovalevskaya"])
+def test_every_program_that_is_here_finds_the_motion(program, kind):
+    if any(find_spec(need) is None for need in program.needs):
+        pytest.skip(f"without {program.needs}")
+    run, true = program.prepared(draws.present(kind)), draws.truth(kind, 3, 10)
+    for outputs in (2, 101):
+        one = draws.draw(kind, 3, 10, outputs)
+        times = np.array([float(t) for t in one.scene.times])
+        for tol in program.tolerances[-2:]:
+            found = run(one.top, one.start, times, tol)
+            assert len(found) in ((1, 2) if outputs == 2 else (101,))
+            assert 8 < draws.digits(draws.judged(found, outputs), true) <= 15.96
+
+
+@pytest.mark.parametrize("name", [OURS, RUN, ENGINE])
+def test_those_that_need_no_compiler_find_the_motion(name):
+    program, kind = programs.BY_NAME[name], "lagrange"
+    run, true = program.prepared(draws.present(kind)), draws.truth(kind, 1, 10)
+    one = draws.draw(kind, 1, 10, 11)
+    times = np.array([float(t) for t in one.scene.times])
+    for tol in (1e-9, 2.0**-52):
+        found = draws.digits(run(one.top, one.start, times, tol), true)
+        assert (8 if tol > 1e-10 else 14) < found <= 15.96
+    with pytest.raises(polhode.BadInput):
+        programs.BY_NAME[OURS].prepared(())(one.top, one.start * 2, times, 1e-9)
+
+
+# rows
+
+
+def points(digits: dict[float, float], seconds: dict[float, float], draws_of=range(DRAWS)):
+    return {
+        (k, tol): (digits[tol], seconds[tol] * (1 + k / 100)) for k in draws_of for tol in digits
+    }
+
+
+REACH = {1e-5: 5.0, 1e-8: 8.0, 1e-11: 11.0, 1e-14: 14.0}
+
+
+def test_a_level_is_reached_between_its_tolerances_by_nearly_all_draws_or_not_at_all():
+    ours = points(REACH, {1e-5: 1.0, 1e-8: 2.0, 1e-11: 3.0, 1e-14: 4.0})
+    few = points(REACH, dict.fromkeys(REACH, 0.1), range(6))
+    slow = points(REACH, dict.fromkeys(REACH, 8.0))
+    assert cells.seconds_of(ours, 8.0)[0] == pytest.approx(2)
+    row = cells.row(Cell("euler", 10, 2), {OURS: ours, "few": few, PEER: slow}, {})
+    for level in row["levels"]:
+        told = {one["program"]: one for one in level["programs"]}
+        assert told["few"]["reached"] == 6
+        assert told["few"]["ratio"] is None  # six draws decide nothing
+        assert level["verdict"]["stands"] == "ahead"
+        assert level["verdict"]["best"] == PEER
+        assert level["verdict"]["ratio"][1] > 1
+    short = points({1e-5: 5.0, 1e-8: 8.0}, {1e-5: 0.1, 1e-8: 0.2})
+    row = cells.row(Cell("euler", 10, 2), {OURS: short, PEER: slow}, {})
+    assert [x["verdict"]["stands"] for x in row["levels"]] == [
+        "ahead",
+        "not reached",
+        "not reached",
+    ]
+    row = cells.row(Cell("euler", 10, 2), {OURS: ours, PEER: short, ENGINE: few, RUN: slow}, {})
+    assert [x["verdict"]["stands"] for x in row["levels"]] == ["behind", "alone", "alone"]
+
+
+def test_what_is_far_behind_at_every_level_is_not_held_again():
+    ours = points(REACH, dict.fromkeys(REACH, 1.0))
+    far = points(REACH, dict.fromkeys(REACH, 10.2))
+    close = points(REACH, dict.fromkeys(REACH, 30.0) | {1e-5: 9.8, 1e-8: 9.8})  # at 6 digits
+    lost = points({1e-5: 2.0}, {1e-5: 50.0})  # reaches no level: nothing is known of it
+    again = cells.held_again({OURS: ours, "far": far, PEER: close, "lost": lost})
+    assert again["far"] == []
+    assert again["lost"] == [1e-5]
+    assert again[OURS] == again[PEER] == [1e-5, 1e-8, 1e-11, 1e-14]
+
+
+def test_a_tie_is_no_win():
+    """The interval of the median holds 1 where draws disagree."""
+    own = dict.fromkeys(range(DRAWS), 1.0)
+    apart = {k: 0.5 if k % 2 else 2.0 for k in range(DRAWS)}
+    middle, least, most = cells.ratio(apart, own, "seed")
+    assert least < 1 < most
+    told = [
+        {"program": OURS, "reached": 8, "ratio": None},
+        {"program": PEER, "reached": 8, "ratio": [middle, least, most]},
+    ]
+    assert cells.verdict(told)["stands"] == "even"
+    assert cells.ratio(dict.fromkeys(range(6), 2.0), own, "seed") is None
+    assert cells.ratio(own, own, "seed") == [1, 1, 1]
+    assert cells.ratio(apart, own, "seed") == cells.ratio(apart, own, "seed")
+
+
+# claims
+
+
+def synthetic(factor: float) -> dict:
+    """Rows as the study gives them, the peer's times being ours times a factor."""
+    ours = points(REACH, dict.fromkeys(REACH, 1e-3))
+    theirs = points(REACH, dict.fromkeys(REACH, 1e-3 * factor))
+    found = [
+        cells.row(cell, {OURS: ours, RUN: theirs, ENGINE: ours, PEER: theirs}, {"x": "failed so"})
+        for kind in ("euler", "chaotic")
+        for cell in draws.cells(kind)
+    ]
+    clock = {"wall": 0.5, "processor": 0.4}
+    first = [{"program": OURS, "cold": clock, "warm": clock, "fault": ""}]
+    missing = [{"program": PEER, "fault": "no such package"}]
+    return json.loads(
+        json.dumps(
+            {
+                "study": "speed",
+                "question": speed.QUESTION,
+                "quick": False,
+                "once_above": 0.1,
+                "programs": [OURS, RUN, ENGINE, PEER],
+                "without": ["numbalsoda"],
+                "first": first + missing,
+                "cells": found,
+                "motions": [],
+                "refined": [],
+            }
+        )
+    )
+
+
+@pytest.mark.parametrize("factor", [2.0, 0.5, 1.0])
+def test_sentences_follow_from_the_rows(factor):
+    found = synthetic(factor)
+    for text in (contest.finding(found), contest.short(found)):
+        won = sum(
+            level["verdict"]["stands"] == "ahead"
+            for cell in found["cells"]
+            for level in cell["levels"]
+        )
+        assert (won > 0) == (factor > 1)
+        assert ("Where it is behind" in text) == (factor < 1)
+        assert "ahead of every other program in 0 of" in text or factor > 1
+        assert "Not run: numbalsoda." in text
+    assert f"{PEER} 0.50" in contest.finding(found) or factor != 0.5
+
+
+def test_page_and_figures_are_made_from_the_json_alone():
+    found = synthetic(2.0)
+    text = markdown(page.TITLE, page.blocks(found))
+    assert "2 ahead" in text
+    assert "no such package" in text
+    assert "x: failed so" in text
+    assert figure.svgs(found)["lengths"].startswith("<?xml")
+    found["cells"] = found["first"] = []
+    assert contest.finding(found) == speed.QUESTION
+
+
+# the study
+
+
+def test_a_program_that_is_not_there_ends_the_study_unless_it_is_left_out(monkeypatch):
+    monkeypatch.setattr(programs, "find_spec", lambda need: None if need == "CyRK" else True)
+    with pytest.raises(polhode.BadInput, match=r"CyRK.*--without CyRK"):
+        speed.taking_part(False, ())
+    chosen = speed.taking_part(False, ("cyrk",))
+    assert OURS in {program.name for program in chosen}
+    assert not [program for program in chosen if program.name.startswith("CyRK")]
+    with pytest.raises(polhode.BadInput, match="one of CyRK"):
+        speed.taking_part(False, ("nothing",))
+    with pytest.raises(polhode.BadInput, match="runs polhode alone"):
+        report.part("accuracy", ["euler"], without=["CyRK"])
+
+
+def test_a_small_contest_from_end_to_end():
+    """Two cells in processes of their own, without compilers; the page is of the rows."""
+    found = speed.rows(quick=True, only=Only(("kovalevskaya t=10",)))
+    assert [cell["outputs"] for cell in found["cells"]] == [2, 101]
+    for cell in found["cells"]:
+        assert cell["faults"] == {}
+        for level in cell["levels"]:
+            assert {one["program"]: one["reached"] for one in level["programs"]} == {
+                OURS: 8,
+                RUN: 8,
+                ENGINE: 8,
+            }
+            assert level["verdict"]["stands"] == "alone"
+    assert "t=10 outputs=101" in markdown(page.TITLE, page.blocks(found))
