@@ -157,7 +157,7 @@ PRIVATE = {
     "verbs": (1, "argparse has no public list of a parser's options"),
 }
 _PUBLIC = re.compile(r"_(asdict|replace|fields|make|exit|mp[fci]_|repr_html_)$")
-_ROOMS = re.compile(r"_(engine|winding|observers|dense_reference|zeros)$")
+_ROOMS = re.compile(r"_(engine|winding|one_orbit|observers|dense_reference|zeros)$")
 
 
 def test_tests_reach_inside_where_a_reason_is_given():

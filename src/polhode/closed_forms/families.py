@@ -24,12 +24,12 @@ from polhode.closed_forms._one_orbit import (
     staude,
     steklov,
 )
-from polhode.closed_forms.euler import conditions as euler
-from polhode.closed_forms.goryachev_chaplygin import conditions as goryachev_chaplygin
-from polhode.closed_forms.hess import conditions as hess
-from polhode.closed_forms.kovalevskaya import conditions as kovalevskaya
-from polhode.closed_forms.lagrange import conditions as lagrange
-from polhode.closed_forms.pendulum import conditions as pendulum
+from polhode.closed_forms.euler import family as euler
+from polhode.closed_forms.goryachev_chaplygin import family as goryachev_chaplygin
+from polhode.closed_forms.hess import family as hess
+from polhode.closed_forms.kovalevskaya import family as kovalevskaya
+from polhode.closed_forms.lagrange import family as lagrange
+from polhode.closed_forms.pendulum import family as pendulum
 from polhode.scenes.scene import Scene
 
 __all__ = ["FAMILIES", "ClosedForm", "Family", "closed_form", "closed_forms", "misfit", "near"]

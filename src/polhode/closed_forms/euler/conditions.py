@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms._engine.family import Family, Maker, Special
 from polhode.closed_forms._engine.misfit import Misfit
 from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.numbers.exact import sqrt
@@ -20,18 +19,3 @@ def misfit(scene: PrincipalScene) -> Misfit | None:
         return None
     pull = sqrt(dot(scene.torque, scene.torque))
     return Misfit("Mg r0 = 0", pull / (pull + max(scene.moments) * dot(scene.omega, scene.omega)))
-
-
-def _maker() -> Maker:
-    from polhode.closed_forms.euler.top import EulerTop
-
-    return EulerTop
-
-
-def _special(scene: PrincipalScene) -> Special:
-    from polhode.closed_forms.euler.special import special
-
-    return special(scene)
-
-
-FAMILY = Family("euler", fits, misfit, _maker, _special)

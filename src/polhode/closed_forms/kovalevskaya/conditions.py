@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from polhode.closed_forms._engine.family import Family, Maker, Special
 from polhode.closed_forms._engine.misfit import Misfit
 from polhode.closed_forms._engine.normal_form import Condition, Placed, equal, shortfall
 from polhode.closed_forms._engine.principal_scene import PrincipalScene
@@ -24,18 +23,3 @@ def conditions(scene: Placed) -> Iterator[Condition]:
 def misfit(scene: PrincipalScene) -> Misfit | None:
     """The condition that fails; None where the body is a Kovalevskaya top."""
     return None if fits(scene) else shortfall(conditions, scene)
-
-
-def _maker() -> Maker:
-    from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
-
-    return KovalevskayaTop
-
-
-def _special(scene: PrincipalScene) -> Special:
-    from polhode.closed_forms.kovalevskaya.special import special
-
-    return special(scene)
-
-
-FAMILY = Family("kovalevskaya", fits, misfit, _maker, _special)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from polhode.closed_forms._engine.family import Family, Maker, Special
 from polhode.closed_forms._engine.misfit import Misfit
 from polhode.closed_forms._engine.normal_form import Condition, Placed, equal, shortfall
 from polhode.closed_forms._engine.principal_scene import PrincipalScene
@@ -59,18 +58,3 @@ def momentum(moments: Vector, omega: Vector) -> Vector:
     """I w in principal axes."""
     a, b, c = (moment * x for moment, x in zip(moments, omega, strict=True))
     return a, b, c
-
-
-def _maker() -> Maker:
-    from polhode.closed_forms.pendulum.top import Pendulum
-
-    return Pendulum
-
-
-def _special(scene: PrincipalScene) -> Special:
-    from polhode.closed_forms.pendulum.special import special
-
-    return special(scene)
-
-
-FAMILY = Family("pendulum", fits, misfit, _maker, _special)

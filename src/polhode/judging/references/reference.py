@@ -118,7 +118,9 @@ class Reference(Result):
         those with 15 more digits.
         """
         times = list(times)
-        own = self._asked(lambda found, wanted: self._motion.error(wanted, found), times, digits)
+        own: Real | None = self._asked(
+            lambda found, wanted: self._motion.error(wanted, found), times, digits
+        )
         if own is not None:
             return own
         times = _times(self.scene, times)

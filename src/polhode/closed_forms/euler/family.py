@@ -1,0 +1,22 @@
+"""The family of euler, which imports its formulas when one is made."""
+
+from __future__ import annotations
+
+from polhode.closed_forms._engine.family import Family, Maker, Special
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
+from polhode.closed_forms.euler.conditions import fits, misfit
+
+
+def _maker() -> Maker:
+    from polhode.closed_forms.euler.top import EulerTop
+
+    return EulerTop
+
+
+def _special(scene: PrincipalScene) -> Special:
+    from polhode.closed_forms.euler.special import special
+
+    return special(scene)
+
+
+FAMILY = Family("euler", fits, misfit, _maker, _special)

@@ -1,0 +1,23 @@
+"""The family of goryachev_chaplygin, which imports its formulas when one is made."""
+
+from __future__ import annotations
+
+from polhode.closed_forms._engine.family import Family, Maker, Special
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
+from polhode.closed_forms.goryachev_chaplygin.axes import failure
+from polhode.closed_forms.goryachev_chaplygin.conditions import fits
+
+
+def _maker() -> Maker:
+    from polhode.closed_forms.goryachev_chaplygin.top import GoryachevChaplyginTop
+
+    return GoryachevChaplyginTop
+
+
+def _special(scene: PrincipalScene) -> Special:
+    from polhode.closed_forms.goryachev_chaplygin.special import special
+
+    return special(scene)
+
+
+FAMILY = Family("goryachev-chaplygin", fits, failure, _maker, _special)
