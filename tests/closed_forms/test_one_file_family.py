@@ -17,18 +17,20 @@ TIMES = [Fraction(0), Fraction(1, 3), Fraction(-7), Fraction(1000)]
 TOP = """schema = 1
 [body]
 moments = [1, 1, 2]
-centre = [0, 0, 1]
+centre = [0, 0, {up}]
 weight = 4
 [start]
-omega = ["6/5", 0, {spin}]
-gamma = ["3/5", 0, "4/5"]
+omega = ["{along}", 0, "{spin}"]
+gamma = ["3/5", 0, "{height}"]
 [run]
 end = 1
 [reference]
 kind = "{kind}"
 """
 # n = 2: n (s + r) = T with r = 8/5 + s gives s = 1/5 and r = 9/5
-STEADY = '"9/5"'
+STEADY = {"up": 1, "along": "6/5", "spin": "9/5", "height": "4/5"}
+# the centre below: its normal axes are a reflection of these
+MIRRORED = {"up": -1, "along": "-6/5", "spin": "9/5", "height": "-4/5"}
 
 
 @pytest.fixture
@@ -38,16 +40,17 @@ def given(monkeypatch):
     monkeypatch.setattr(scene_file, "REFERENCES", (*scene_file.REFERENCES, KIND))
 
 
-def scene(path, kind, spin=STEADY):
-    (file := path / "steady.toml").write_text(TOP.format(kind=kind, spin=spin))
+def scene(path, kind, **start):
+    (file := path / "steady.toml").write_text(TOP.format(kind=kind, **(STEADY | start)))
     return polhode.load(str(file))
 
 
-def test_it_answers_every_question_as_the_family_that_knows_the_motion_too(given, tmp_path):
-    mine = polhode.reference(scene(tmp_path, KIND))
-    known = polhode.reference(scene(tmp_path, "lagrange"))
+@pytest.mark.parametrize("start", [STEADY, MIRRORED], ids=["own axes", "a reflection"])
+def test_it_answers_as_the_family_that_knows_the_motion_too(given, tmp_path, start):
+    mine = polhode.reference(scene(tmp_path, KIND, **start))
+    known = polhode.reference(scene(tmp_path, "lagrange", **start))
     assert (mine.kind, mine.regime) == (KIND, steady_precession.REGIME)
-    assert len(mine.conditions) == 7
+    assert len(mine.conditions) == 8
     for question in ("at", "attitude", "angles"):
         rows, others = (getattr(x, question)(TIMES, 40) for x in (mine, known))
         with mpmath.workdps(50):
@@ -60,7 +63,7 @@ def test_it_answers_every_question_as_the_family_that_knows_the_motion_too(given
 
 def test_a_start_that_misses_is_refused_with_the_condition_and_by_how_much(given, tmp_path):
     with pytest.raises(polhode.BadInput, match=r"A n s \+ \(C - A\) n r = T, off by 0\.0\d+"):
-        polhode.reference(scene(tmp_path, KIND, '"19/10"'))
+        polhode.reference(scene(tmp_path, KIND, spin="19/10"))
 
 
 def test_without_its_word_a_scene_cannot_ask_for_it(tmp_path):

@@ -1,6 +1,6 @@
 """Steady precession as a family with one orbit: a synthetic one, in one file as the real ones.
 
-A = B, Mg r0 = (0, 0, T), w = n gamma + s e3 with s != 0:  gamma' = s gamma x e3, and the equations
+A = B, Mg r0 = (0, 0, T), T > 0, w = n gamma + s e3 with s != 0:  gamma' = s gamma x e3, and the equations
 of motion leave A n s + (C - A) n r = T.
 """
 
@@ -34,6 +34,7 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     yield equal("A = B", A, B)
     yield equal("x0 = 0", T1, 0, abs(T1) + abs(T))
     yield equal("y0 = 0", T2, 0, abs(T2) + abs(T))
+    yield positive("z0 > 0", T)
     yield positive("axis 3 not vertical", x * x + y * y)
     yield equal("p gamma2 = q gamma1", p * y, q * x, scene.speed)
     n, s = rates(scene)
