@@ -1,7 +1,7 @@
 """Steady precession as a family with one orbit: a synthetic one, in one file as the real ones.
 
-A = B, Mg r0 = (0, 0, T), T > 0, w = n gamma + s e3 with s != 0:  gamma' = s gamma x e3, and the equations
-of motion leave A n s + (C - A) n r = T.
+A = B, Mg r0 = (0, 0, T), T > 0, w = n gamma + s e3 with s != 0:  gamma' = s gamma x e3, and the
+equations of motion leave A n s + (C - A) n r = T.
 """
 
 from __future__ import annotations
