@@ -228,7 +228,7 @@ def test_an_attitude_that_a_closed_form_does_not_answer_is_enclosed(monkeypatch)
 
 
 def test_a_long_proof_is_foretold_with_the_unit_that_t_seems_to_have(tmp_path, capsys):
-    """t = 20 000 are twenty seconds, and would take minutes to prove; 200 000 are refused at once."""
+    """t = 20 000 are twenty seconds, and would take minutes to prove; 200 000 are refused."""
     name = "general/asymmetric-regular"
     for end, told in ((20, ""), (200, "; t looks like milliseconds\n")):
         run = polhode.integrate(name, at=[Fraction(k, 100) for k in range(1, 20)] + [end])
@@ -245,7 +245,9 @@ def test_a_long_proof_is_foretold_with_the_unit_that_t_seems_to_have(tmp_path, c
     told, ended = err.splitlines()
     assert "the proof that judges will take about " in told
     assert told.endswith("its t looks like milliseconds")
-    assert "max_seconds = 0.2: expected seconds in which the motion is proven to t = 20000," in ended
+    assert (
+        "max_seconds = 0.2: expected seconds in which the motion is proven to t = 20000," in ended
+    )
 
 
 def test_a_limit_that_is_not_reached_changes_nothing(tmp_path, capsys):

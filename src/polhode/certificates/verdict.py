@@ -48,8 +48,8 @@ def verify(path: str | Path, progress: Progress | None = None) -> Verdict:
     Parameters
     ----------
     path : str or Path
-        A file that ``save`` of an enclosure or a proved orbit wrote, or ``-o`` of ``polhode
-        reference --certified`` or ``polhode prove orbit``; ``-`` is the standard input.
+        A file that ``save`` of an enclosure, a proved orbit or proved chaos wrote, or ``-o`` of
+        ``polhode reference --certified`` or ``polhode prove``; ``-`` is the standard input.
     progress : callable, optional
         Told the part of the steps that is done, and how many.
 

@@ -3,9 +3,9 @@
     python verify.py CERT.json
 
 A certificate states balls that hold the state of a heavy rigid body at certain times, or that it
-has a periodic orbit (that theorem stands before its part).  This file imports nothing of the
-program that wrote it, and believes nothing of it but the body and the statement: the grid, the
-centres and the numbers of bits are guesses that may be anything.
+has a periodic orbit, or that its motion is chaotic (these theorems stand before their parts).  This
+file imports nothing of the program that wrote it, and believes nothing of it but the body and the
+statement: grids, centres, charts, sets and numbers of bits are guesses that may be anything.
 
 The equations, in body axes, O fixed, omega = w, upward vertical gamma, k = weight * centre:
 
@@ -1004,8 +1004,355 @@ def about(interval: Interval) -> str:
     return str(x)
 
 
+# -- a claim: chaos -----------------------------------------------------------------------------
+#
+# A chart is a point c, matrices E (6 x 2) and K (6 x 4), a covector a and eta > 0, all exact.  Of a
+# rectangle R of y, |y_1 - middle| <= width, |y_2| <= height, the set is
+#
+#     N = {c + E y + K n(y): y in R},   n(y) the only |n| <= eta with H(x) = level, a(x - c) = 0,
+#
+# which exists by Krawczyk's test for all y at once; n' = -(G_n)^-1 G_y, G those four equations.
+# The motions of N are carried on to a time t as m + sum_k T_k xi_k, |xi_k| <= 1, xi_1 and xi_2
+# being the coordinates of R over its sizes.  Let S hold all that they reach within +- d of t.
+# Where a' f keeps its sign on S, |a' f| >= low there and |a'(x - c')| <= low d at t, each motion
+# meets the plane of the next chart exactly once within +- d, in
+#
+#     (y', n') = [E' | K']^-1 (1 - f a' / (a' f)) (x - c'),   f a mean of f over S,
+#
+# and dy'/dy is that matrix, f in S, times D (E + K n'), D the derivative of the flow.  N covers N'
+# if |y'_2| < height' on N, |n'| < eta' on N, and y'_1 of the edges xi_1 = +-1 lies beyond the edges
+# of N' on opposite sides (P. Zgliczynski and M. Gidea, J. Differential Equations 202 (2004)).  The
+# cone condition: L^T Q L - Q is positive definite, L = dy'/dy in units of the sizes, Q = (1, -1)
+# (H. Kokubu, D. Wilczak and P. Zgliczynski, Nonlinearity 20 (2007)).
+#
+# Theorem.  N0 and M1 are disjoint sets of one chart, N0 covers both by one section map, and
+# M1, ..., Mk, N0 cover each the next, all with cones.  Then every path of that graph is followed by
+# a motion, a periodic path by a periodic one, a path without ends by exactly one; N0 N0 ... M1 ...
+# Mk N0 N0 ... by a transversal homoclinic one.  The point in N0 tells which set comes next, so the
+# entropy of the flow on the level is at least the x > 0 with exp(-x t_0) + exp(-x t_1) = 1, t_0 an
+# upper bound of the time from N0 to N0, t_1 of that along the loop.
+
+MOST_SETS = 500
+MOST_SCALE = 2000  # bits of a chart's numbers
+
+
+class Chart(NamedTuple):
+    """A chart in the units of a run."""
+
+    centre: list[arb]
+    wide: arb_mat
+    deep: arb_mat
+    plane: list[arb]
+    eta: arb
+
+
+class Rectangle(NamedTuple):
+    """A set: the number of its chart, and its sizes."""
+
+    chart: int
+    middle: arb
+    width: arb
+    height: arb
+
+
+class Image(NamedTuple):
+    """(y', n') of a set, shift + sum of columns; dy'/dy; the longest time, in the scene's unit."""
+
+    shift: list[arb]
+    columns: Table
+    slope: arb_mat
+    time: arb
+
+
+def chaos(certificate: object, tell: Tell | None = None) -> list[str]:
+    """What a certificate of chaos proves; raises NotProved, Damaged."""
+    names = ("format", "kind", "scene", "bits", "scale", "charts", "sets", "transits", "statement")
+    held = dict(zip(names, _keys(certificate, names, "the certificate"), strict=True))
+    bits = _whole(held["bits"], COARSE, MOST_BITS, "bits")
+    scale = _whole(held["scale"], 1, MOST_SCALE, "scale")
+    entropy, short, long = (
+        _rational(x, name)
+        for x, name in zip(
+            _keys(held["statement"], ("entropy", "short", "long"), "statement"),
+            ("entropy", "short", "long"),
+            strict=True,
+        )
+    )
+    if not (entropy > 0 and short > 0 and long > 0):
+        raise Damaged("statement: expected numbers above 0")
+    ctx.prec = bits + 2 * COARSE
+    charts = [_chart_numbers(x) for x in _list(held["charts"], None, "charts")]
+    sets = [_rectangle(x, scale, len(charts)) for x in _list(held["sets"], None, "sets")]
+    transits = [
+        _keys(x, GUESSES[:-1], "transits") for x in _list(held["transits"], len(sets), "transits")
+    ]
+    steps = sum(len(_list(grid, None, "grid")) for _, grid, *_ in transits)
+    if steps * (bits + EACH) ** 2 * (1 + bits / HARD) > MOST_WORK:
+        raise Damaged(f"{steps} steps at {bits} bits are too many")
+    if not 2 <= len(sets) <= MOST_SETS:
+        raise Damaged(f"sets: expected 2 to {MOST_SETS}")
+    home, first = sets[:2]
+    certainly(home.chart == first.chart, "the first two sets are not of one section map")
+    gap = abs(home.middle - first.middle) - home.width - first.width
+    certainly(gap > 0, "the first two sets may meet")
+    rows, (centre, (weight,)), level = read_body(held["scene"], ("level",))
+    inertia, torque = [[ball(x) for x in row] for row in rows], ball(weight)
+    images = []
+    for n, (source, transit) in enumerate(zip(sets, transits, strict=True)):
+        told = None if tell is None else _part(tell, n, len(sets))
+        guesses = dict(zip(GUESSES, [*transit, bits], strict=True))
+        ctx.prec = bits + 2 * COARSE
+        run = Run(guesses, inertia, [torque * ball(x) for x in centre])
+        here, there = (
+            _chart(charts[k], scale, run) for k in (source.chart, sets[(n + 1) % len(sets)].chart)
+        )
+        try:
+            images.append(_image(run, level, source, here, there, told))
+        except NotProved as fault:
+            raise NotProved(f"set {n}: {fault}") from None
+        for k in {(n + 1) % len(sets), n if n == 0 else (n + 1) % len(sets)}:
+            covers(images[-1], source, sets[k], there.eta, f"set {n} over set {k}")
+    loop = summed(image.time for image in images)
+    times = (images[0].time, short, "the short loop"), (loop, long, "the long loop")
+    for found, most, name in times:
+        certainly(found <= ball((most, Fraction(0))), f"{name} may take longer")
+    x = ball((entropy, Fraction(0)))
+    sum_of_both = (-x * images[0].time).exp() + (-x * loop).exp()
+    certainly(sum_of_both > 1, "the entropy is not shown to be as large")
+    h, f, square = (str(y) if not r else f"{y} +- {r}" for y, r in level)
+    return [
+        f"proved: on the level h = {h}, f = {f}, |gamma|^2 = {square} of this body an unstable "
+        "periodic orbit has a transversal homoclinic orbit; to every sequence of two loops, "
+        f"shorter than {about((short, short))} and {about((long, long))}, there is exactly one "
+        "motion beside them, to every periodic sequence a periodic one; the topological entropy of "
+        f"the motion on the level is at least {decimal(entropy, up=False, minus=False)}",
+        f"by {len(sets) + 1} covering relations with cone conditions between {len(sets)} sets",
+    ]
+
+
+def _part(tell: Tell, n: int, count: int) -> Tell:
+    return lambda part, steps: tell((n + part) / count, steps)
+
+
+def _chart_numbers(value: object) -> list[list[list[int]]]:
+    """The integers of a chart; raises Damaged."""
+    shapes = {"centre": (6, 1), "wide": (6, 2), "deep": (6, 4), "plane": (6, 1), "eta": (1, 1)}
+    found = []
+    for part, (name, (rows, columns)) in zip(
+        _keys(value, tuple(shapes), "charts"), shapes.items(), strict=True
+    ):
+        found.append(
+            [
+                [_whole(x, -(2**FARTHEST), 2**FARTHEST, name) for x in _list(row, columns, name)]
+                for row in _list(part, rows, name)
+            ]
+        )
+    return found
+
+
+def _chart(numbers: list[list[list[int]]], scale: int, run: Run) -> Chart:
+    """A chart in the units of a run; exact, for these differ by a power of 2."""
+    centre, wide, deep, plane, eta = (
+        [[dyadic(x, -scale) for x in row] for row in part] for part in numbers
+    )
+    certainly(eta[0][0] > 0, "a chart has no depth")
+
+    def scaled(rows: Table) -> Table:
+        return [[x * rate for x in row] for row, rate in zip(rows, run.rates, strict=True)]
+
+    return Chart(
+        [x for (x,) in scaled(centre)],
+        arb_mat(scaled(wide)),
+        arb_mat(scaled(deep)),
+        [x / rate for (x,), rate in zip(plane, run.rates, strict=True)],
+        eta[0][0],
+    )
+
+
+def _rectangle(value: object, scale: int, charts: int) -> Rectangle:
+    names = ("chart", "middle", "width", "height")
+    chart, *sizes = _keys(value, names, "sets")
+    middle, width, height = (
+        dyadic(_whole(x, -(2**FARTHEST), 2**FARTHEST, name), -scale)
+        for x, name in zip(sizes, names[1:], strict=True)
+    )
+    if not (width > 0 and height > 0):
+        raise Damaged("sets: expected sizes above 0")
+    return Rectangle(_whole(chart, 0, charts - 1, "chart"), middle, width, height)
+
+
+def _product(row: Sequence[arb], column: Sequence[arb]) -> arb:
+    return summed(x * y for x, y in zip(row, column, strict=True))
+
+
+def _disk(
+    run: Run, level: Sequence[Interval], what: Rectangle, chart: Chart
+) -> tuple[list[arb], arb_mat]:
+    """All n(y) of a set as balls, and n'; raises NotProved where the set is no disk."""
+    c, e, k = chart.centre, chart.wide, chart.deep
+    values = [2 * ball(level[0]) * run.rates[0] ** 2, ball(level[1]) * run.rates[0], ball(level[2])]
+    y = arb_mat([[what.middle + arb(0, upper(what.width))], [arb(0, upper(what.height))]])
+    from_0 = arb(0, upper(what.middle) + upper(what.width))
+    flat = _moved(c, e * arb_mat([[from_0], [y[1, 0]]]))
+    along = e * y
+    # H at E y is that at c and a mean of DH E, which is small, times y
+    rise = (arb_mat([*gradients(run, flat), chart.plane]) * e * y).entries()
+    value = [h - v for h, v in zip(integrals(run, c), values, strict=True)]
+    value = [x + z for x, z in zip([*value, arb(0)], rise, strict=True)]
+    radii = [upper(chart.eta)] * 4
+    passed, inverse = False, None
+    for _ in range(4):
+        points = _moved(_moved(c, along), k * arb_mat([[arb(0, r)] for r in radii]))
+        left = arb_mat([*gradients(run, points), chart.plane])
+        by_n = left * k
+        try:
+            inverse = by_n.mid().inv().mid() if inverse is None else inverse
+        except ZeroDivisionError:
+            raise NotProved("a plane may touch the level") from None
+        rest, newton = inverse * by_n, (inverse * arb_mat([[x] for x in value])).entries()
+        found = []
+        for i in range(4):
+            size = summed(upper(rest[i, j] - int(i == j)) * radii[j] for j in range(4))
+            found.append(arb(0, upper(size)) - newton[i])
+        if not passed:
+            for x, r in zip(found, radii, strict=True):
+                certainly(upper(x) < r, "a set is no graph over its rectangle")
+            passed = True
+        radii = [upper(x) + arb(2) ** -900 for x in found]
+    try:
+        slope_of_n = -(by_n.inv() * left * e)
+    except ZeroDivisionError:
+        raise NotProved("a set's slope has no bound") from None
+    speed = _product(chart.plane, rates(run.body, points))
+    certainly(abs(speed) > 0, "a set's plane may touch the motion")
+    return found, slope_of_n
+
+
+def _moved(point: Sequence[arb], by: arb_mat) -> list[arb]:
+    return [x + by[i, 0] for i, x in enumerate(point)]
+
+
+def _starts(run: Run, what: Rectangle, chart: Chart, depth: Sequence[arb]) -> Set:
+    """The set's starts about the run's first centre, and D."""
+    ctx.prec = run.bits
+    sizes = [what.width, what.height, *(upper(x - x.mid()) for x in depth)]
+    begin = _moved(chart.centre, chart.wide * arb_mat([[what.middle], [arb(0)]]))
+    begin = _moved(begin, chart.deep * arb_mat([[x.mid()] for x in depth]))
+    off = [x - y for x, y in zip(begin, run.centres[0], strict=True)]
+    frame = [
+        [*one, *other] for one, other in zip(chart.wide.table(), chart.deep.table(), strict=True)
+    ]
+    turned = [[x * size for x, size in zip(row, sizes, strict=True)] for row in frame]
+    ctx.prec = COARSE
+    lost = [
+        upper(summed([x.rad(), *(y.rad() for y in row)]))
+        for x, row in zip(off, turned, strict=True)
+    ]
+    zero = [arb(0)] * 6
+    found = Set([[x.mid(), *row] for x, row in zip(off, _unit(), strict=True)], [], 1)
+    found.s = [[*(y.mid() for y in row), *one] for row, one in zip(turned, _unit(), strict=True)]
+    found.w = [[arb(1), *zero]] * 6 + [[x, *zero] for x in lost]
+    found.old = 12
+    return found
+
+
+def _image(
+    run: Run,
+    level: Sequence[Interval],
+    what: Rectangle,
+    chart: Chart,
+    target: Chart,
+    tell: Tell | None,
+) -> Image:
+    """The image of a set in the plane of a chart; raises NotProved."""
+    if run.grid[-1] < 0:
+        raise Damaged("grid: expected a time that is positive")
+    ctx.prec = run.bits
+    depth, slope_of_n = _disk(run, level, what, chart)
+    for stage in run.stages(_starts(run, what, chart, depth), tell):
+        last = stage
+    end = last.at(Fraction(last.last))
+    middle, v = last.step.at(arb(1))
+    moved, rows, left = last.before.carried(v, last.noise)
+    ctx.prec = run.bits
+    off = [x + row[0] - c for x, row, c in zip(middle, moved, target.centre, strict=True)]
+    columns = [
+        [row[k] * weight[0] for row in rows] for k, weight in enumerate(last.before.w)
+    ]  # T_k
+    columns += [[left[i][0] if i == j else arb(0) for j in range(6)] for i in range(6)]
+    a, body = target.plane, run.body
+    far = upper(_product(a, off)) + summed(upper(_product(a, x)) for x in columns)
+    box = [row[0] for row in end]
+    rate = abs(_product(a, rates(body, box)))
+    certainly(rate > 0, "a plane may touch the motion")
+    span = upper(arb(3) / 2 * upper(far) / rate.lower()) + arb(2) ** -100
+    reached = around(body, box, span)
+    f = rates(body, reached)
+    across = _product(a, f)
+    certainly(abs(across) > 0, "a plane may touch the motion")
+    certainly(upper(far) <= abs(across).lower() * span, "a set may miss the next plane")
+    time = dyadic(run.grid[-1], run.shift - run.time_bits)
+    certainly(time > span, "a transit may take no time")
+    try:
+        frame = arb_mat(
+            [[*x, *y] for x, y in zip(target.wide.table(), target.deep.table(), strict=True)]
+        ).inv()
+    except ZeroDivisionError:
+        raise NotProved("a chart is singular") from None
+    shadow = arb_mat([[x * y / across for y in a] for x in f])
+    into = frame - frame * shadow
+    later = drift(body, reached, span)
+    most = [largest(column) for column in zip(*(row[1:] for row in end), strict=True)]
+    d = arb_mat(
+        [
+            [y + arb(0, upper(later * size)) for y, size in zip(row[1:], most, strict=True)]
+            for row in end
+        ]
+    )
+    slope_of_y = into * d * (chart.wide + chart.deep * slope_of_n)
+    return Image(
+        (into * arb_mat([[x] for x in off])).entries(),
+        [(into * arb_mat([[x] for x in column])).entries() for column in columns],
+        slope_of_y,
+        upper(time + span) * run.rates[0],
+    )
+
+
+def covers(image: Image, source: Rectangle, target: Rectangle, eta: arb, where: str) -> None:
+    """A covering relation with cones; raises NotProved."""
+
+    def size(row: int, first: int = 0) -> arb:
+        return upper(summed(upper(column[row]) for column in image.columns[first:]))
+
+    high = upper(image.shift[1]) + size(1)
+    certainly(high < target.height, f"{where}: the image is too high")
+    for row in range(2, 6):
+        deep = upper(image.shift[row]) + size(row)
+        certainly(deep < eta, f"{where}: the image may lie on another sheet of the level")
+    rest = arb(0, size(0, 1))
+    left, right = (image.shift[0] + side * image.columns[0][0] + rest for side in (-1, 1))
+    if left > right:
+        left, right = right, left
+    certainly(left < target.middle - target.width, f"{where}: the image ends in the set")
+    certainly(right > target.middle + target.width, f"{where}: the image ends in the set")
+    (a, b), (c, d) = (
+        [
+            image.slope[i, j] * by / (target.width, target.height)[i]
+            for j, by in enumerate((source.width, source.height))
+        ]
+        for i in range(2)
+    )
+    one, mixed, other = a * a - c * c - 1, a * b - c * d, b * b - d * d + 1
+    certainly(one > 0, f"{where}: the cone condition")
+    certainly(one * other - mixed * mixed > 0, f"{where}: the cone condition")
+
+
 #: What a certificate may claim, and who checks it.
-KINDS: dict[str, Callable[[object, Tell | None], list[str]]] = {"state": state, "orbit": orbit}
+KINDS: dict[str, Callable[[object, Tell | None], list[str]]] = {
+    "state": state,
+    "orbit": orbit,
+    "chaos": chaos,
+}
 
 
 def verify(data: bytes, tell: Tell | None = None) -> list[str]:

@@ -251,7 +251,7 @@ def around(known: Bounds, n: int, tau: Any, radii: Sequence[float]) -> list[Any]
         return _widened(known, _approximation(known, n), tau, radii)
 
 
-def _approximation(known: Bounds, n: int) -> list[Any]:
+def _approximation(known: Bounds, n: int) -> list[arb_poly]:
     """The polynomials of step n, corrections added to them."""
     pieces = known.pieces
     unit, level = arb((1, -known.problem.noise)), arb((1, -pieces.level))
@@ -261,6 +261,8 @@ def _approximation(known: Bounds, n: int) -> list[Any]:
     ]
 
 
-def _widened(known: Bounds, centre: Sequence[Any], tau: Any, radii: Sequence[float]) -> list[Any]:
+def _widened(
+    known: Bounds, centre: Sequence[arb_poly], tau: arb, radii: Sequence[float]
+) -> list[arb]:
     unit = arb((1, -known.problem.noise))
     return [p(tau) + arb(0, float(r)) * unit for p, r in zip(centre, radii, strict=True)]

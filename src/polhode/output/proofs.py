@@ -96,8 +96,7 @@ def lines(found: ProvedOrbit) -> list[str]:
 
 def of_chaos(found: ProvedChaos) -> dict[str, object]:
     """The object that ``prove chaos --json`` prints; bounds are decimals on the safe side."""
-    from polhode.proofs.chaos.proved_chaos import up
-    from polhode.proofs.proved_orbit import down
+    from polhode.proofs.proved_orbit import down, up
 
     return {
         "scene": found.scene.name,
@@ -124,8 +123,7 @@ def of_chaos(found: ProvedChaos) -> dict[str, object]:
 
 def chaos_lines(found: ProvedChaos) -> list[str]:
     """The numbers for people, a line each."""
-    from polhode.proofs.chaos.proved_chaos import up
-    from polhode.proofs.proved_orbit import down
+    from polhode.proofs.proved_orbit import down, up
 
     orbit = found.orbit
     return [

@@ -165,3 +165,9 @@ def down(value: float) -> str:
     """A positive bound as a short decimal that is not above it."""
     text = f"{value:.1e}"
     return text if Fraction(text) <= Fraction(value) else f"{value * 0.97:.1e}"
+
+
+def up(value: float) -> str:
+    """A bound as a short decimal that is not below it."""
+    text = f"{value:.6g}"
+    return text if float(text) >= value else f"{value * (1 + 2e-6):.6g}"

@@ -31,8 +31,8 @@ from polhode.studies.row_filter import Only
 
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
 STUDIES = (
-    *("needs", "accuracy", "certified", "speed", "stability", "long-run", "forms", "events"),
-    *("dynamics", "published", "gallery"),
+    *("needs", "accuracy", "certified", "proofs", "speed", "stability", "long-run", "forms"),
+    *("events", "dynamics", "published", "gallery"),
 )
 PAGE = "report.html"
 #: The study that the page of all begins with.

@@ -70,14 +70,19 @@ def main(options: Namespace) -> int:
         raise BadInput(scene.name, "--returns", options.returns, "not with --orbit")
     if options.pick is not None and options.search is None:
         raise BadInput(scene.name, "--pick", options.pick, "--search, whose orbits it counts")
-    if options.file is not None:
-        if options.search is not None and options.pick is None:
-            raise BadInput(scene.name, "-o", options.file, "--pick, which tells the one orbit")
-        check_writable(Path(options.file), [".json"], [library.path_of(options.scene)])
-        refuse_two_on_stdout(Path(options.file), options.json)
+    if options.file is not None and options.search is not None and options.pick is None:
+        raise BadInput(scene.name, "-o", options.file, "--pick, which tells the one orbit")
+    _check_place(options)
     if options.search is not None:
         return _search(options, scene)
     return _orbit(options, scene)
+
+
+def _check_place(options: Namespace) -> None:
+    """Whether a certificate can be written, before anything is proved; raises BadInput."""
+    if options.file is not None:
+        check_writable(Path(options.file), [".json"], [library.path_of(options.scene)])
+        refuse_two_on_stdout(Path(options.file), options.json)
 
 
 def _orbit(options: Namespace, scene: Scene) -> int:
@@ -103,7 +108,7 @@ def _orbit(options: Namespace, scene: Scene) -> int:
     return _one(options, found)
 
 
-def _save(options: Namespace, found: ProvedOrbit, progress: ProgressLine) -> None:
+def _save(options: Namespace, found: ProvedOrbit | ProvedChaos, progress: ProgressLine) -> None:
     if options.file is not None:
         found.save(options.file, progress.show)
 
@@ -112,10 +117,10 @@ def _chaos(options: Namespace, scene: Scene) -> int:
     from polhode.proofs.chaos.prove_chaos import TRIES, prove_chaos
     from polhode.proofs.refusals import NotProved
 
-    for key in ("digits", "period", "returns", "search", "pick", "file"):
+    for key in ("digits", "period", "returns", "search", "pick"):
         if getattr(options, key) is not None:
-            name = "-o" if key == "file" else f"--{key}"
-            raise BadInput(scene.name, name, getattr(options, key), "with orbit only")
+            raise BadInput(scene.name, f"--{key}", getattr(options, key), "with orbit only")
+    _check_place(options)
     with ProgressLine("prove") as progress:
         try:
             found = prove_chaos(
@@ -129,18 +134,23 @@ def _chaos(options: Namespace, scene: Scene) -> int:
         except NotProved as why:
             progress.clear()
             return _refused(why)
+        _save(options, found, progress)
     return _told(options, found)
 
 
 def _told(options: Namespace, found: ProvedChaos) -> int:
     from polhode.output import proofs as output
 
+    alone = options.file is not None and is_stdout(Path(options.file))
+    tell = note if alone else say  # a certificate on stdout stands there alone
     if options.json:
         print_json(output.of_chaos(found))
         return DONE
     for line in output.chaos_lines(found):
-        say(line)
-    say(str(found))
+        tell(line)
+    tell(str(found))
+    if options.file is not None:
+        tell_certificate(found.scene.name, options.file)
     note(f"{found.scene.name}: proved at try {found.tries}, {found.seconds:.2f} s")
     return DONE
 

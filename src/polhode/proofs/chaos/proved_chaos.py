@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import NamedTuple
 
+from polhode.common.progress import Progress
 from polhode.common.value_semantics import ByValue
 from polhode.numbers.exact import Exact
 from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
 from polhode.proofs.chaos.lanes import Lanes
 from polhode.proofs.chaos.theorem import Horseshoe
-from polhode.proofs.proved_orbit import ProvedOrbit, down
+from polhode.proofs.level import Level
+from polhode.proofs.proved_orbit import ProvedOrbit, down, up
 from polhode.scenes.scene import Scene
 
 
@@ -61,6 +64,29 @@ class ProvedChaos(ByValue):
     guess: Guess = field(compare=False)
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
 
+    def save(self, path: str | Path, progress: Progress | None = None) -> None:
+        """Write the certificate of the theorem, which ``polhode verify`` checks.
+
+        Parameters
+        ----------
+        path : str or Path
+            Ends in ``.json``.  The certificate is checked before it is written.
+        progress : callable, optional
+            Told the part of the certificate's check that is done, and how many steps.
+
+        Raises
+        ------
+        BadInput
+            Where the checker does not prove it, or the file cannot be written.
+        """
+        from polhode.certificates import chaos_certificate
+        from polhode.enclosures.fixed_point_problem import motion
+        from polhode.proofs.chaos.statement import stated
+
+        level = Level(motion(self.scene), self.h, self.f)
+        what = stated(level, self.proof)
+        chaos_certificate.save(self.scene.name, self.scene.body, what, path, progress)
+
     def __repr__(self) -> str:
         return (
             f"<ProvedChaos of {self.scene.name}: {self.coverings} coverings, entropy at least "
@@ -77,9 +103,3 @@ class ProvedChaos(ByValue):
             f"exactly one motion beside them, to every periodic sequence a periodic one; the "
             f"topological entropy of the motion on the level is at least {down(self.entropy)}"
         )
-
-
-def up(value: float) -> str:
-    """A bound as a short decimal that is not below it."""
-    text = f"{value:.6g}"
-    return text if float(text) >= value else f"{value * (1 + 2e-6):.6g}"

@@ -1,0 +1,145 @@
+"""Page of the study of proofs."""
+
+from __future__ import annotations
+
+import statistics
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text
+
+TITLE = "Proofs: periodic orbits and chaos that exist"
+
+
+def blocks(found: dict[str, Any]) -> Iterator[Block]:
+    """The study's page from its JSON object."""
+    n, m = found["grid"]
+    yield Text(
+        "A proof is a theorem about the exact numbers of a scene on its own exact level of energy "
+        "and vertical momentum: `polhode guide theorems` says what it claims and what it does not. "
+        "Each is written as a certificate, and proved again from that by a file that imports "
+        "nothing of polhode (`polhode guide proofs`); *checked* counts those. Seconds are of one "
+        "processor, the second column those of that check."
+    )
+    if found["orbits"]:
+        yield Heading("Periodic orbits")
+        yield Text(
+            f"All orbits that a search from {n} x {m} cells of the level's section finds, with at "
+            f"most {found['crossings']} crossings a period, each to {found['digits']} digits. The "
+            "period is proved to be the least one. An orbit of a resonant torus is no isolated "
+            "one, and none is proved."
+        )
+        yield Figure(
+            "proofs",
+            "Every orbit found, its residue over its period: hyperbolic ones below 0, elliptic "
+            "ones between 0 and 1, inverse hyperbolic ones above; crosses are those not proved.",
+        )
+        yield _orbits(found["orbits"])
+        causes = [
+            (one["what"], row)
+            for one in found["orbits"]
+            for row in one["orbits"]
+            if not row["proved"]
+        ]
+        if causes:
+            yield Text("What was not proved, and why:")
+            yield _refused(causes)
+    if found["chaos"]:
+        yield Heading("Chaos")
+        yield Text(
+            "A transversal homoclinic orbit of an unstable periodic orbit, by covering relations "
+            "with cone conditions; the entropy is a lower bound of the flow's topological entropy "
+            "on the level, per unit of time. Margins: the least stretch must be above 1, the "
+            "largest height below 1."
+        )
+        yield _chaos(found["chaos"])
+
+
+def finding(found: dict[str, Any]) -> str:
+    """The study in a few sentences."""
+    orbits = [row for one in found["orbits"] for row in one["orbits"]]
+    told = []
+    if orbits:
+        proved = [row for row in orbits if row["proved"]]
+        kinds = Counter(row["kind"] for row in proved)
+        named = ", ".join(f"{kinds[kind]} {kind}" for kind in sorted(kinds))
+        told.append(
+            f"{len(proved)} of {len(orbits)} periodic orbits of {len(found['orbits'])} tops are "
+            f"proved ({named})"
+        )
+        if proved:
+            told[-1] += (
+                f", in {statistics.median(row['seconds'] for row in proved):.2g} s of processor "
+                f"time each (median), {sum(row['verified'] for row in proved)} of them proved "
+                "again by the checker that shares no code"
+            )
+        told[-1] += "."
+    if found["chaos"]:
+        proved = [row for row in found["chaos"] if row["proved"]]
+        text = f"Chaos is proved of {len(proved)} of {len(found['chaos'])} tops"
+        if proved:
+            seconds = [row["seconds"] for row in proved]
+            text += f", in {min(seconds):.2g} to {max(seconds):.2g} s"
+            text += f", {sum(row['verified'] for row in proved)} checked so"
+        told.append(f"{text}.")
+    return " ".join(told) or str(found["question"])
+
+
+def _orbits(tops: list[dict[str, Any]]) -> PageTable:
+    rows = []
+    for one in tops:
+        proved = [row for row in one["orbits"] if row["proved"]]
+        kinds = Counter(row["kind"] for row in proved)
+        periods = [row["period"] for row in proved]
+        rows.append(
+            (
+                f"orbits: {one['what']}",
+                f"h = {one['h']}, f = {one['f']}",
+                f"{len(proved)} of {len(one['orbits'])}",
+                ", ".join(f"{n} {kind}" for kind, n in sorted(kinds.items())) or "–",
+                f"{min(periods):.3g}–{max(periods):.3g}" if periods else "–",
+                f"{min(row['digits'] for row in proved):.1f}" if proved else "–",
+                f"{statistics.median(row['seconds'] for row in proved):.2f}" if proved else "–",
+                f"{sum(row['verified'] for row in proved)}",
+                _middle([row["verify_seconds"] for row in proved if row["verified"]]),
+            )
+        )
+    header = ("top", "level", "proved", "kinds", "periods", "fewest digits", "s", "checked", "s")
+    return PageTable(header, tuple(rows), "lllllrrrr", "polhode study proofs --only '{0}'")
+
+
+def _refused(causes: list[tuple[str, dict[str, Any]]]) -> PageTable:
+    rows = [
+        (f"orbits: {what}", f"{row['period']:.6g}", f"{row['residue']:.3g}", row["cause"])
+        for what, row in causes
+    ]
+    header = ("top", "period", "residue", "cause")
+    return PageTable(header, tuple(rows), "lrrl", "polhode study proofs --only '{0}'")
+
+
+def _chaos(found: list[dict[str, Any]]) -> PageTable:
+    rows = []
+    for row in found:
+        if not row["proved"]:
+            rows.append((f"chaos: {row['what']}", "–", row["cause"], *["–"] * 6))
+            continue
+        rows.append(
+            (
+                f"chaos: {row['what']}",
+                f"h = {row['h']}, f = {row['f']}",
+                f"{row['kind']}, period {float(row['period']):.6g}",
+                f"{row['coverings']}",
+                f"{row['stretch']:.2f}, {row['height']:.2f}",
+                f"{row['entropy']:.2g}",
+                f"{row['seconds']:.1f}",
+                "yes" if row["verified"] else "no",
+                f"{row['verify_seconds']:.1f}" if row["verified"] else "–",
+            )
+        )
+    header = ("top", "level", "orbit", "coverings", "stretch, height", "entropy", "s", "checked")
+    return PageTable((*header, "s"), tuple(rows), "lllrrrrlr", "polhode study proofs --only '{0}'")
+
+
+def _middle(seconds: list[float]) -> str:
+    return f"{statistics.median(seconds):.2f}" if seconds else "–"

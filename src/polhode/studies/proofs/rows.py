@@ -1,0 +1,173 @@
+"""Study ``proofs``: periodic orbits of seven tops and chaos of four, proved or refused with cause.
+
+Each proof is written as a certificate, and proved again from that by the checker that shares no
+code with it.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from polhode.certificates.verdict import verify
+from polhode.common.errors import BadInput
+from polhode.common.executors import cores, in_order
+from polhode.dynamics.periodic_orbits.search import orbit_search
+from polhode.numbers.decimals import brief
+from polhode.proofs.chaos.prove_chaos import prove_chaos
+from polhode.proofs.chaos.proved_chaos import ProvedChaos
+from polhode.proofs.prove_orbit import prove_all
+from polhode.proofs.proved_orbit import ProvedOrbit
+from polhode.proofs.refusals import NotProved
+from polhode.scenes import library
+from polhode.scenes.from_numbers import top
+from polhode.scenes.scene import Scene
+from polhode.studies.row_filter import Only
+
+NAME = "proofs"
+QUESTION = (
+    "Which periodic orbits of a level can be proved to exist, of which tops is chaos proved, at "
+    "what cost, and does a checker that shares no code agree?"
+)
+ORBITS = {
+    "asymmetric, chaotic": "general/asymmetric-chaotic",
+    "asymmetric, regular": "general/asymmetric-regular",
+    "asymmetric, of a section": "general/section",
+    "Hairer and Vilmart's body": "published/hairer-vilmart",
+    "Kovalevskaya's top": "kovalevskaya/generic",
+    "Goryachev and Chaplygin's top": "goryachev-chaplygin/two-frequencies",
+    "next to Lagrange's top": None,
+}
+CHAOS = {
+    "asymmetric, chaotic": "general/asymmetric-chaotic",
+    "asymmetric, of a section": "general/section",
+    "asymmetric, near upright": "general/near-upright",
+    "Hairer and Vilmart's body": "published/hairer-vilmart",
+}
+GRID, CROSSINGS, DIGITS = (16, 16), 3, 20
+_QUICK_GRID = (6, 6)
+_QUICK = ("asymmetric, regular",)
+
+Row: TypeAlias = dict[str, Any]
+#: What is proved, of which top, and the cells of a search.
+Job: TypeAlias = tuple[str, str, tuple[int, int]]
+
+
+def rows(
+    quick: bool = False,
+    tick: Callable[[str], None] | None = None,
+    only: Only | None = None,
+) -> dict[str, Any]:
+    """The study's results as a JSON object."""
+    wanted = only or Only()
+    grid = _QUICK_GRID if quick else GRID
+    jobs = [("chaos", what, grid) for what in ([] if quick else CHAOS) if wanted(f"chaos: {what}")]
+    jobs += [
+        ("orbits", what, grid)
+        for what in (_QUICK if quick else ORBITS)
+        if wanted(f"orbits: {what}")
+    ]
+
+    def begun(job: Job) -> None:
+        if tick is not None:
+            tick(f"{NAME}: {job[0]} of {job[1]}")
+
+    workers = 1 if quick or len(jobs) < 2 else cores()
+    found = [*in_order(_answer, jobs, workers, begun)]
+    return {
+        "study": NAME,
+        "question": QUESTION,
+        "quick": quick,
+        "grid": list(grid),
+        "crossings": CROSSINGS,
+        "digits": DIGITS,
+        "orbits": [one for (kind, *_), one in zip(jobs, found, strict=True) if kind == "orbits"],
+        "chaos": [one for (kind, *_), one in zip(jobs, found, strict=True) if kind == "chaos"],
+    }
+
+
+def scene_of(what: str) -> Scene:
+    """The scene of a top."""
+    name = ORBITS.get(what, CHAOS.get(what))
+    if name is not None:
+        return library.load(name)
+    # Lagrange's top but for a moment that is a fiftieth larger
+    return top(
+        moments=[2, Fraction(51, 25), 1],
+        centre=[0, 0, 1],
+        weight=1,
+        omega=[Fraction(1, 2), Fraction(1, 4), 2],
+        gamma=[Fraction(3, 5), 0, Fraction(4, 5)],
+        end=1,
+        name="next to Lagrange's top",
+    )
+
+
+def _answer(job: Job) -> Row:
+    kind, what, grid = job
+    return _orbits(what, grid) if kind == "orbits" else _chaos(what)
+
+
+def _orbits(what: str, grid: tuple[int, int]) -> Row:
+    """All orbits of a search on the scene's own level."""
+    scene = scene_of(what)
+    began = time.process_time()
+    search = orbit_search(scene, grid, CROSSINGS)
+    searched = time.process_time() - began
+    found = []
+    for orbit, proof in zip(search.orbits, prove_all(search, DIGITS), strict=True):
+        row: Row = {"period": float(orbit.period), "residue": float(orbit.residue)}
+        if isinstance(proof, NotProved):
+            found.append(row | {"proved": False, "cause": str(proof).partition(": ")[2]})
+            continue
+        period, radius = proof.period.decimals
+        row |= {"proved": True, "kind": proof.kind, "least_period": period, "within": radius}
+        row |= {"digits": round(proof.digits, 1), "seconds": round(proof.seconds, 3)}
+        found.append(row | _checked(proof))
+    return {
+        "what": what,
+        "scene": None if ORBITS[what] is None else scene.name,
+        "h": brief(search.surface.h),
+        "f": brief(search.surface.f),
+        "search_seconds": round(searched, 2),
+        "orbits": sorted(found, key=lambda row: row["period"]),
+    }
+
+
+def _chaos(what: str) -> Row:
+    """A proof of chaos on the scene's own level."""
+    scene = scene_of(what)
+    began = time.process_time()
+    try:
+        found = prove_chaos(scene)
+    except NotProved as why:
+        seconds = round(time.process_time() - began, 1)
+        cause = str(why).partition(": ")[2]
+        return {"what": what, "scene": scene.name, "proved": False, "cause": cause} | {
+            "seconds": seconds
+        }
+    period, _ = found.orbit.period.decimals
+    row: Row = {"what": what, "scene": scene.name, "proved": True, "period": period}
+    row |= {"kind": found.orbit.kind, "coverings": found.coverings, "tries": found.tries}
+    row |= {"entropy": found.entropy, "short": found.short, "long": found.long}
+    row |= {"stretch": found.stretch, "height": found.height, "cone": found.cone}
+    row |= {"h": brief(found.h), "f": brief(found.f)}
+    return row | {"seconds": round(time.process_time() - began, 1)} | _checked(found)
+
+
+def _checked(proof: ProvedOrbit | ProvedChaos) -> Row:
+    """Whether the checker proves the proof's certificate, and how long that takes."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "proof.json"
+        try:
+            proof.save(path)
+        except BadInput as why:
+            return {"verified": False, "why": why.expected}
+        began = time.process_time()
+        verdict = verify(path)
+    seconds = round(time.process_time() - began, 2)
+    return {"verified": verdict.proved, "verify_seconds": seconds}
