@@ -2,8 +2,7 @@
 
 A closed form shares no code with the integrator: it reads the exact scene and nothing else.
 FAMILIES lists all that there are.  A new family is a file or a folder beside this file that has a
-``FAMILY``, its place in FAMILIES, and one word in :data:`polhode.scenes.vocabulary.REFERENCES`; a
-family from outside is registered.
+``FAMILY``, its place in FAMILIES, and one word in :data:`polhode.scenes.vocabulary.REFERENCES`.
 """
 
 from __future__ import annotations
