@@ -215,19 +215,25 @@ def test_half_a_period_is_refused(small):
     assert "Krawczyk's test" in told(given)
 
 
-def test_two_periods_are_not_the_least_one(orbits, monkeypatch):
+@pytest.mark.parametrize(
+    ("kind", "times"),
+    [("hyperbolic", 2), ("elliptic", 3), pytest.param("elliptic", 5, marks=pytest.mark.slow)],
+)
+def test_several_periods_are_not_the_least_one(orbits, monkeypatch, kind, times):
     monkeypatch.setattr(certificate_file, "_TRIES", 1)
-    found = orbits["hyperbolic"]
+    found = orbits[kind]
     middle, _ = found.period.decimals
-    residue = Fraction(found.residue.decimals[0])
-    twice = stated(found)._replace(
+    trace = [Fraction(2), 2 - 4 * Fraction(found.residue.decimals[0])]  # of powers
+    for _ in range(times - 1):
+        trace.append(trace[1] * trace[-1] - trace[-2])
+    several = stated(found)._replace(
         start=[(x, "1e-30") for x, _ in stated(found).start],
-        period=(str(2 * Fraction(middle)), "1e-30"),
-        residue=(str(4 * residue * (1 - residue)), "1e-2"),
+        period=(str(times * Fraction(middle)), "1e-30"),
+        residue=(str((2 - trace[-1]) / 4), "1e-2"),
         alone=["1e-30", "1e-30", "1e-30"],
     )
-    with pytest.raises(BadInput, match="the period may be 2 times the least one"):
-        certificate("twice", found.scene.body, twice)
+    with pytest.raises(BadInput, match=f"the period may be {times} times the least one"):
+        certificate("several", found.scene.body, several)
 
 
 SHIFT = 1  # the checker's unit of time is 2^-SHIFT

@@ -15,6 +15,7 @@ from typing import Any
 from polhode.studies import report
 from polhode.studies.long_run.page import far_table
 from polhode.studies.page.blocks import PageTable, markdown
+from polhode.studies.proofs import page as proofs_page
 from polhode.studies.speed import page
 from polhode.studies.speed.page import contest
 
@@ -25,16 +26,20 @@ PLACES = {
     "ahead": ROOT / "README.md",
     "speed": ROOT / "src/polhode/guide/measured.md",
     "far": ROOT / "src/polhode/guide/measured.md",
+    "proofs": ROOT / "src/polhode/guide/measured.md",
 }
 
 
 def parts() -> dict[str, str]:
     """The texts by their names."""
-    found = {name: report.results(ROOT / "reports", name) for name in ("speed", "long-run")}
+    found = {
+        name: report.results(ROOT / "reports", name) for name in ("speed", "long-run", "proofs")
+    }
     return {
         "ahead": _ahead(found["speed"]),
         "speed": _speed(found["speed"]),
         "far": _far(found["long-run"]),
+        "proofs": _filled(proofs_page.finding(found["proofs"])),
     }
 
 

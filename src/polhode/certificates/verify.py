@@ -575,6 +575,8 @@ class Stage(NamedTuple):
     def at(self, time: Fraction) -> Table:
         """The columns at a time of the step, in the grid's unit."""
         tau = (time - self.first) / (self.last - self.first)
+        if not 0 <= tau <= 1:
+            raise NotProved("a time is not in the step that is to tell of it")
         return self.before.within(self.step, self.noise, tau)
 
 
@@ -791,7 +793,7 @@ def orbit(certificate: object, tell: Tell | None = None) -> list[str]:
         [[arb(0), arb(0), *row] for row in _unit()], [[arb(0), r, *[arb(0)] * 6]] * 6, 2
     )  # x* alone, the box around it, D
     back: dict[int, list[arb]] = {}
-    steep, waiting = arb(0), list(parts)
+    steep, waiting = arb(0), sorted(parts)  # the largest, whose part of the period is over first
     for stage in run.stages(begin, tell):
         steep = steep.max(stage.step.steepness(run.body, stage.reach))
         while waiting and Fraction(run.grid[-1], waiting[-1]) <= stage.last:

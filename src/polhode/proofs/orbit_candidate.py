@@ -88,7 +88,8 @@ def corrected(
         more = {*theorem.open} - {*parts}
         parts = (*parts, *more)
         had = digits_of(theorem)
-        if had >= digits and not more:
+        # a box about a centre that is off by its own size tells of no neighbourhood
+        if had >= digits and not more and theorem.near > 0:
             return Found(theorem, made, runs)
         if had < digits:
             if noise == goal and not wide:

@@ -195,6 +195,7 @@ class _Search:
             self.tried,
             time.process_time() - self.began,
             proof,
+            level,
             begun,
             provenance(scene.text),
         )

@@ -61,6 +61,7 @@ class ProvedChaos(ByValue):
     tries: int
     seconds: float = field(compare=False)
     proof: Horseshoe = field(compare=False)
+    level: Level = field(compare=False)
     guess: Guess = field(compare=False)
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
 
@@ -80,11 +81,9 @@ class ProvedChaos(ByValue):
             Where the checker does not prove it, or the file cannot be written.
         """
         from polhode.certificates import chaos_certificate
-        from polhode.enclosures.fixed_point_problem import motion
         from polhode.proofs.chaos.statement import stated
 
-        level = Level(motion(self.scene), self.h, self.f)
-        what = stated(level, self.proof)
+        what = stated(self.level, self.proof)
         chaos_certificate.save(self.scene.name, self.scene.body, what, path, progress)
 
     def __repr__(self) -> str:

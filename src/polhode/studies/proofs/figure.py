@@ -43,5 +43,5 @@ def svg(found: dict[str, Any]) -> str:
     for axes in panels[-1]:
         axes.set_xlabel("period", size=8.5)
     labels = panels[0, 0].get_legend_handles_labels()
-    figure.legend(*labels, loc="outside upper center", ncols=4, frameon=False, fontsize=8)
+    figure.legend(*labels, loc="outside upper center", ncols=2, frameon=False, fontsize=8)
     return as_svg(figure)

@@ -110,12 +110,22 @@ def _orbits(tops: list[dict[str, Any]]) -> PageTable:
 
 
 def _refused(causes: list[tuple[str, dict[str, Any]]]) -> PageTable:
+    """A row for all orbits of a top that have about one period and the same cause."""
+    found: dict[tuple[str, str, str], list[dict[str, Any]]] = {}
+    for what, row in causes:
+        cause = row["cause"].partition(":")[0]
+        found.setdefault((what, f"{row['period']:.5g}", cause), []).append(row)
     rows = [
-        (f"orbits: {what}", f"{row['period']:.6g}", f"{row['residue']:.3g}", row["cause"])
-        for what, row in causes
+        (f"orbits: {what}", period, f"{len(same)}", _between(same), cause)
+        for (what, period, cause), same in found.items()
     ]
-    header = ("top", "period", "residue", "cause")
-    return PageTable(header, tuple(rows), "lrrl", "polhode study proofs --only '{0}'")
+    header = ("top", "period", "orbits", "residue", "cause")
+    return PageTable(header, tuple(rows), "lrrrl", "polhode study proofs --only '{0}'")
+
+
+def _between(rows: list[dict[str, Any]]) -> str:
+    found = sorted(row["residue"] for row in rows)
+    return f"{found[0]:.1e}" if len(found) == 1 else f"{found[0]:.1e} to {found[-1]:.1e}"
 
 
 def _chaos(found: list[dict[str, Any]]) -> PageTable:

@@ -39,7 +39,7 @@ ORBITS = {
     "asymmetric, of a section": "general/section",
     "Hairer and Vilmart's body": "published/hairer-vilmart",
     "Kovalevskaya's top": "kovalevskaya/generic",
-    "Goryachev and Chaplygin's top": "goryachev-chaplygin/two-frequencies",
+    "Goryachev–Chaplygin top": "goryachev-chaplygin/two-frequencies",
     "next to Lagrange's top": None,
 }
 CHAOS = {

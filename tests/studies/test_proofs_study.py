@@ -1,0 +1,69 @@
+"""The study of proofs: its rows, and page and figure that are made of them alone."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+
+import pytest
+
+from polhode.studies import report
+from polhode.studies.page.blocks import PageTable, markdown
+from polhode.studies.proofs import figure, page, rows
+
+COMMITTED = Path(__file__).parents[2] / "reports"
+
+
+@pytest.fixture
+def found():
+    made = report.results(COMMITTED, "proofs")
+    assert made is not None
+    return copy.deepcopy(made)
+
+
+def test_what_is_committed_is_what_was_asked(found):
+    assert [one["what"] for one in found["orbits"]] == [*rows.ORBITS]
+    assert [one["what"] for one in found["chaos"]] == [*rows.CHAOS]
+    orbits = [row for one in found["orbits"] for row in one["orbits"]]
+    proved = [row for row in orbits if row["proved"]]
+    assert len(proved) >= 60
+    assert {row["kind"] for row in proved} == {"elliptic", "hyperbolic", "inverse hyperbolic"}
+    for row in orbits:
+        if not row["proved"]:
+            assert len(row["cause"]) > 10
+            continue
+        assert row["digits"] >= rows.DIGITS
+        assert float(row["least_period"]) == pytest.approx(row["period"], rel=1e-6)
+        inside = {"elliptic": 0 < row["residue"] < 1, "hyperbolic": row["residue"] < 0}
+        assert inside.get(row["kind"], row["residue"] > 1)
+
+
+def test_the_sentence_counts_the_rows(found):
+    orbits = [row for one in found["orbits"] for row in one["orbits"]]
+    told = page.finding(found)
+    assert f"{sum(row['proved'] for row in orbits)} of {len(orbits)} periodic orbits" in told
+    orbits[0]["proved"] = False
+    orbits[0]["cause"] = "a reason"
+    assert page.finding(found) != told
+    assert page.finding({**found, "orbits": [], "chaos": []}) == rows.QUESTION
+
+
+def test_page_and_figure_are_made_of_the_rows_alone(found):
+    blocks = [*page.blocks(found)]
+    assert sum(isinstance(block, PageTable) for block in blocks) >= 2
+    text = markdown(page.TITLE, blocks)
+    for what in (*rows.ORBITS, *rows.CHAOS):
+        assert what in text
+    assert figure.svg(found).startswith("<?xml")
+
+
+@pytest.mark.slow
+def test_a_small_study_from_end_to_end():
+    found = rows.rows(quick=True)
+    (one,) = found["orbits"]
+    assert one["orbits"]
+    for row in one["orbits"]:
+        assert row["proved"] == (row["cause"] == "" if "cause" in row else True)
+        if row["proved"]:
+            assert row["verified"]
+            assert row["seconds"] < 60
