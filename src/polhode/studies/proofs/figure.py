@@ -35,12 +35,13 @@ def svg(found: dict[str, Any]) -> str:
         at = [row["period"] for row in rest], [row["residue"] for row in rest]
         axes.plot(*at, "x", color="#555555", ms=5, label="not proved")
         axes.set_yscale("symlog", linthresh=1)
+        axes.yaxis.set_major_formatter("{x:g}")
         axes.set_title(one["what"], size=9, loc="left")
         axes.grid(lw=0.3, color=GRID)
         axes.tick_params(labelsize=7.5)
     for axes in panels[:, 0]:
         axes.set_ylabel("residue", size=8.5)
-    for axes in panels[-1]:
+    for axes in panels.flat[:len(tops)][-_COLUMNS:]:
         axes.set_xlabel("period", size=8.5)
     labels = panels[0, 0].get_legend_handles_labels()
     figure.legend(*labels, loc="outside upper center", ncols=2, frameon=False, fontsize=8)

@@ -1,4 +1,4 @@
-"""Study ``proofs``: periodic orbits of seven tops and chaos of four, proved or refused with cause.
+"""Study ``proofs``: periodic orbits of seven tops and chaos of five, proved or refused with cause.
 
 Each proof is written as a certificate, and proved again from that by the checker that shares no
 code with it.
@@ -44,6 +44,7 @@ ORBITS = {
 }
 CHAOS = {
     "asymmetric, chaotic": "general/asymmetric-chaotic",
+    "asymmetric, regular": "general/asymmetric-regular",
     "asymmetric, of a section": "general/section",
     "asymmetric, near upright": "general/near-upright",
     "Hairer and Vilmart's body": "published/hairer-vilmart",
