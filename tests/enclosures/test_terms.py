@@ -46,12 +46,12 @@ DROPPED: list[tuple[str, Callable[[], list[float]], tuple[Any, str, str, str]]] 
         terms.matrix_start,
         (step_bound, "bounds", "growth * (miss +", "growth * (0.0 +"),
     ),
-    ("s at an output", terms.quadratic, (zonotope, "_ball", "radii + step.s", "radii")),
+    ("s at an output", terms.quadratic, (zonotope, "_balls", "radii + step.s", "radii")),
     ("s in the chain", terms.residual, (zonotope, "_Carried.step", "UP * (s +", "UP * (0.0 +")),
     (
         "columns born at an output",
         terms.residual,
-        (zonotope, "_ball", "carried.born[:, : carried.count]", "carried.born[:, :0]"),
+        (zonotope, "_balls", "carried.born[:, : carried.count]", "carried.born[:, :0]"),
     ),
     (
         "columns born when settled",
@@ -61,7 +61,7 @@ DROPPED: list[tuple[str, Callable[[], list[float]], tuple[Any, str, str, str]]] 
     (
         "jump at an output",
         terms.jumps,
-        (zonotope, "_ball", "(jump + gamma(16) * hull)", "(gamma(16) * hull)"),
+        (zonotope, "_balls", "(jump + gamma(16) * hull)", "(gamma(16) * hull)"),
     ),
     (
         "end of a window",

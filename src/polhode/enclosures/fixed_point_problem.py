@@ -11,6 +11,10 @@ The nine constants are kept where they are fractions of a small denominator, and
 2**-Q, the start to 2**-S, each with a proven radius (zero for numbers that are exact there).  Every
 small quantity of the proof is a double in units of 2**-P, P the noise level.  A run to negative
 times is one of the start -w, since t -> -t, w -> -w leaves the equations as they are.
+
+With a tolerance the constants' radii hold those of every body whose three moments and three k_i
+differ by at most that part of themselves; a proof is then one for each of these bodies, since A,
+B and d of ``step_bound`` are those of the body, and their radii are all that is used of them.
 """
 
 from __future__ import annotations
@@ -90,6 +94,7 @@ class Motion:
 
     ``constants``: the nine, exact; ``start``: the six, exact, gamma zero where there is none.
     ``unit``: time is measured in 2**unit of the scene's; ``backward``: t and w changed sign.
+    ``tolerance``: relative, of each of the moments and of the torque's components.
     """
 
     scene: Scene
@@ -99,6 +104,25 @@ class Motion:
     start: tuple[Exact, ...]
     moments: tuple[Exact, ...]
     torque: tuple[Exact, ...]
+    tolerance: Fraction = Fraction(0)
+
+    def spread(self, known: arb) -> arb:
+        """All numbers that a moment, or a component of the torque, may be, from its ball."""
+        return known * (1 + arb(0, 1) * ball(self.tolerance, 64)) if self.tolerance else known
+
+    def balls(self, bits: int) -> list[arb]:
+        """The nine constants, each of radius below 2**-bits without a tolerance; else Refused."""
+        found = [_sharp(x, bits) for x in self.constants]
+        if not self.tolerance:
+            return found
+        with ctx.workprec(bits + 64):
+            m = [self.spread(ball(x, bits + 64)) for x in self.moments]
+            k = [self.spread(ball(x, bits + 64)) for x in self.torque]
+            wide = [(m[a] - m[b]) / m[i] for i, (a, b) in enumerate(CYCLE)]
+            wide += [k[b] / m[i] for i, (a, b) in enumerate(CYCLE)]
+            wide += [-k[a] / m[i] for i, (a, b) in enumerate(CYCLE)]
+            # the middle stays that of the scene's own body
+            return [x + arb(0, 1) * (y - x) for x, y in zip(found, wide, strict=True)]
 
     @property
     def field(self) -> list[Polynomial]:
@@ -166,7 +190,7 @@ def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Probl
     if not LEAST_NOISE <= noise <= MOST_NOISE:
         raise Refused(f"a noise level of 2**-{noise} is outside {LEAST_NOISE} to {MOST_NOISE}")
     fine = max(noise + 12, LEAST_FINE)
-    balls = [_sharp(x, fine + _SHARPER) for x in what.constants]
+    balls = what.balls(fine + _SHARPER)
     with ctx.workprec(4 * fine + 200):
         constants, denominators, slack = _whole(what, balls, noise, constant_bits)
         factors, factor_slack = [], []
@@ -215,6 +239,8 @@ def _whole(
             below.append(least)
             for k, x in zip(range(i, 9, 3), exactly, strict=True):
                 found[k] = int(x * least)
+                if what.tolerance:
+                    slack[k] = upper(abs(balls[k] - ball(x, 4 * noise + 64)) * arb((1, noise)))
             continue
         coarse = noise + _FINER if bits is None else bits
         below.append(1 << coarse)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from polhode.numbers.decimals import shown
+from polhode.numbers.decimals import brief, shown
 
 if TYPE_CHECKING:
     from polhode.proofs.chaos.proved_chaos import ProvedChaos
@@ -28,6 +28,7 @@ def of_proof(found: ProvedOrbit) -> dict[str, object]:
         "theorem": str(found),
         "h": shown(found.h),
         "f": shown(found.f),
+        "tolerance": brief(found.tolerance),
         "period": str(found.period),
         **{name: [str(x) for x in balls] for name, balls in vectors.items()},
         "residue": str(found.residue),
@@ -87,6 +88,7 @@ def lines(found: ProvedOrbit) -> list[str]:
         f"omega       {', '.join(map(str, found.omega))}",
         f"gamma       {', '.join(map(str, found.gamma))}",
         f"level       {found.level}",
+        *([f"bodies      {found.bodies.rstrip(', ')}"] if found.tolerance else []),
         f"residue     {found.residue}, {found.kind}",
         *(f"multiplier  {text}" for text in multipliers),
         f"alone       within {down(near.omega)} of omega and {down(near.gamma)} of gamma, "

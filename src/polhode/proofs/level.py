@@ -4,7 +4,8 @@ Trusted.  In principal axes, moments m_i and k = Mg r0 over the largest moment, 
 
     H = (sum m_i w_i**2 + 2 sum k_i gamma_i, sum m_i w_i gamma_i, sum gamma_i**2)
 
-is conserved for any state, of the level or not.  Balls in, balls out, at the precision that holds.
+is conserved for any state, of the level or not; with a tolerance (``fixed_point_problem``) of every
+body, over the largest moment of the scene's own.  Balls in, balls out, at the precision that holds.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from polhode.enclosures.fixed_point_problem import CYCLE, Motion, sharp
 from polhode.enclosures.polynomial import ball
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact
+from polhode.numbers.flint_context import ctx
 
 Balls = Sequence[arb]
 
@@ -40,9 +42,10 @@ class Level:
         values += [exact.divide(exact.multiply(by, self.f), largest), exact.ONE]
         moments = [exact.divide(m, largest) for m in what.moments]
         torque = [exact.divide(k, largest) for k in what.torque]
-        numbers = [*values, *moments, *torque, *what.constants]
-        known = [sharp(partial(ball, x), bits) for x in numbers]
-        return LevelBalls(known[:3], known[3:6], known[6:9], known[9:])
+        known = [sharp(partial(ball, x), bits) for x in (*values, *moments, *torque)]
+        with ctx.workprec(bits + 64):
+            body = [what.spread(x) for x in known[3:]]
+        return LevelBalls(known[:3], body[:3], body[3:], what.balls(bits))
 
 
 @dataclass(frozen=True)

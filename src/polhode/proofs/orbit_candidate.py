@@ -98,9 +98,13 @@ def corrected(
                 goal += math.ceil(BITS_A_DIGIT * (digits - had)) + 3
             goal = min(MOST_NOISE, goal)
             noise = min(goal, max(noise, BOX - 2 + math.floor(BITS_A_DIGIT * had)))
-        point = [_fraction(x.mid()) for x in (*theorem.start, theorem.period)]
-        wide = 0
+        point, wide = centre(theorem), 0
     raise Unproved(f"{digits} digits could not be proven in {runs} runs")
+
+
+def centre(found: Theorem) -> list[Fraction]:
+    """The middle of what is proved."""
+    return [_fraction(x.mid()) for x in (*found.start, found.period)]
 
 
 def follower(untrusted: Untrusted) -> Follow:
@@ -119,6 +123,13 @@ def candidate(
     level: Level, point: Point, noise: int, parts: tuple[int, ...] = (), wide: int = 0
 ) -> Candidate:
     """The one at a point; its box is 2**wide times as large as the noise level asks."""
+    return candidate_of_bits(level, point, noise, noise - BOX - wide, parts)
+
+
+def candidate_of_bits(
+    level: Level, point: Point, noise: int, bits: int, parts: tuple[int, ...] = ()
+) -> Candidate:
+    """The one at a point with a box of radius 2**-bits."""
     fine = max(noise + 12, LEAST_FINE)
     *start, period = (round(x * (1 << fine)) for x in point)
     state = [arb((x, -fine)) for x in start]
@@ -127,9 +138,7 @@ def candidate(
         gradients = [[float(x.mid()) for x in row] for row in known.gradients(state)]
         rates = [float(x.mid()) for x in known.field(state)]
     w = np.array(gradients).T
-    return Candidate(
-        noise, tuple(start), period, noise - BOX - wide, w, np.array(rates), parts=parts
-    )
+    return Candidate(noise, tuple(start), period, bits, w, np.array(rates), parts=parts)
 
 
 def multiple_of(level: Level, found: Found, follow: Follow) -> tuple[int, Theorem] | None:
@@ -137,8 +146,8 @@ def multiple_of(level: Level, found: Found, follow: Follow) -> tuple[int, Theore
     times, theorem = 1, found.theorem
     while theorem.open:
         times *= theorem.open[0]
-        point = [_fraction(x.mid()) for x in found.theorem.start]
-        point.append(_fraction(found.theorem.period.mid()) / times)
+        *start, period = centre(found.theorem)
+        point = [*start, period / times]
         made = candidate(level, point, found.candidate.noise, found.candidate.parts)
         try:
             theorem = prove(level, made, follow)

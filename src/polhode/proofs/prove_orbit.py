@@ -22,11 +22,12 @@ from polhode.enclosures.fixed_point_problem import Refused, in_scene_axes, motio
 from polhode.enclosures.proof_loop import SHORT_STEPS, Untrusted
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers import exact
-from polhode.numbers.conversion import to_double
+from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber
 from polhode.proofs import orbit_candidate
+from polhode.proofs.body_tolerance import of_bodies
 from polhode.proofs.least_period import primes
 from polhode.proofs.level import Level
 from polhode.proofs.orbit_candidate import Found, follower
@@ -37,6 +38,7 @@ from polhode.scenes.scene import Scene
 
 DIGITS = 30
 MOST_DIGITS = 200
+_NONE = Fraction(0)  # the scene's body alone
 _SPARE = 1.3  # the proof's own bound of the steepness is less sharp than that of the level
 
 #: A state in principal axes and a period, in the scene's units.
@@ -52,6 +54,7 @@ def prove_orbit(
     period: AnyNumber | None = None,
     returns: int | None = None,
     progress: Message | None = None,
+    tolerance: AnyNumber | None = None,
 ) -> ProvedOrbit:
     """Prove that a periodic orbit exists, and where: start, period, residue, multipliers, kind.
 
@@ -71,6 +74,10 @@ def prove_orbit(
         For the search, as in :func:`polhode.orbit`.
     progress : callable, optional
         Called with a line of text now and then.
+    tolerance : number, optional
+        Prove it of every body whose moments and components of Mg r0, in principal axes, differ from
+        the scene's by at most this part of themselves, on the one level; above 0, below 1.  The
+        balls then hold the orbits of all of them, and are as wide as that makes them.
 
     Returns
     -------
@@ -99,6 +106,7 @@ def prove_orbit(
     """
     scene = library.load(scene)
     wanted = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
+    bodies = tolerance_of(scene.name, tolerance)
     if orbit is None:
         orbit = approximate(scene, h=h, f=f, period=period, returns=returns, progress=progress)
     elif period is not None or returns is not None:
@@ -106,14 +114,32 @@ def prove_orbit(
     asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
     on = Surface(scene, asked.h, asked.f)
     near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit)
-    return proved(on, guess_of(on, near), wanted, progress)
+    return proved(on, guess_of(on, near), wanted, progress, tolerance=bodies)
+
+
+def tolerance_of(name: str, given: AnyNumber | None) -> Fraction:
+    """A relative tolerance, exact; 0 where there is none; raises BadInput."""
+    if given is None:
+        return Fraction(0)
+    expected = "a fraction above 0 and below 1"
+    try:
+        found = exact_number(given)
+    except (TypeError, ValueError) as fault:
+        raise BadInput(name, "tolerance", given, f"{expected} ({fault})") from None
+    if not (isinstance(found, Fraction) and 0 < found < 1):
+        raise BadInput(name, "tolerance", given, expected)
+    return found
 
 
 def prove_found(
-    found: OrbitSearch, k: int, digits: int = DIGITS, progress: Message | None = None
+    found: OrbitSearch,
+    k: int,
+    digits: int = DIGITS,
+    progress: Message | None = None,
+    tolerance: Fraction = _NONE,
 ) -> ProvedOrbit:
     """The k-th orbit of a search, proved as by :func:`prove_orbit`."""
-    return proved(found.surface, guess_in(found, k), digits, progress)
+    return proved(found.surface, guess_in(found, k), digits, progress, tolerance=tolerance)
 
 
 def guess_in(found: OrbitSearch, k: int) -> Guess:
@@ -123,12 +149,14 @@ def guess_in(found: OrbitSearch, k: int) -> Guess:
     return (*(w / on.unit for w in state[:3]), *state[3:]), Fraction(float(known.period)) * on.unit
 
 
-def prove_all(found: OrbitSearch, digits: int = DIGITS) -> list[ProvedOrbit | NotProved]:
+def prove_all(
+    found: OrbitSearch, digits: int = DIGITS, tolerance: Fraction = _NONE
+) -> list[ProvedOrbit | NotProved]:
     """The proof of each orbit of a search, or why there is none."""
     proofs: list[ProvedOrbit | NotProved] = []
     for k in range(len(found.orbits)):
         try:
-            proofs.append(prove_found(found, k, digits))
+            proofs.append(prove_found(found, k, digits, tolerance=tolerance))
         except NotProved as why:
             proofs.append(why)
     return proofs
@@ -153,9 +181,10 @@ def proved(
     digits: int,
     progress: Message | None = None,
     untrusted: Untrusted = SHORT_STEPS,
+    tolerance: Fraction = _NONE,
 ) -> ProvedOrbit:
     """The theorem near a guess in the scene's units; raises NotProved."""
-    return of_guess(on, guess, digits, progress, untrusted)[2]
+    return of_guess(on, guess, digits, progress, untrusted, tolerance)[2]
 
 
 def of_guess(
@@ -164,6 +193,7 @@ def of_guess(
     digits: int,
     progress: Message | None = None,
     untrusted: Untrusted = SHORT_STEPS,
+    tolerance: Fraction = _NONE,
 ) -> tuple[Level, Found, ProvedOrbit]:
     """The same, with the level and the theorem in the proof's unit; raises NotProved."""
     began = time.process_time()
@@ -178,6 +208,8 @@ def of_guess(
         found = orbit_candidate.corrected(level, point, digits, (*parts,), untrusted, progress)
         if found.theorem.open:
             raise NotProved(f"{scene.name}: {_shorter(level, found, untrusted)}")
+        if tolerance:
+            level, found = of_bodies(level, found, tolerance, follower(untrusted))
         return level, found, _result(level, found, time.process_time() - began)
     except Refused as why:
         raise NotProved(f"{scene.name}: {why}") from None
@@ -222,6 +254,7 @@ def _result(level: Level, found: Found, seconds: float) -> ProvedOrbit:
             found.runs,
             seconds,
             provenance(what.scene.text),
+            what.tolerance,
         )
 
 

@@ -10,13 +10,14 @@ from typing import NamedTuple
 
 from flint import arb
 
+from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.value_semantics import ByValue
 from polhode.enclosures.fixed_point_problem import upper
 from polhode.enclosures.result import decimal_ball, guaranteed
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
-from polhode.numbers.decimals import shown
+from polhode.numbers.decimals import brief, shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.proofs.periodic_orbit import ELLIPTIC, HYPERBOLIC
@@ -59,7 +60,8 @@ class ProvedOrbit(ByValue):
     ``unique_within``: a motion of the level that passes so near to the point, in the Euclidean
     norms of omega and gamma, and has a period so near to this one, is this orbit.  ``noise``: the
     proof's noise level is 2**-noise; ``runs``: of the enclosure, with those that corrected the
-    guess; ``seconds``: CPU.
+    guess; ``seconds``: CPU.  ``tolerance``: relative, of every moment and every component of Mg r0
+    in principal axes; the theorem is then one for each body within it, the balls are for all.
 
     >>> import polhode
     >>> found = polhode.prove_orbit("grioli/precession")
@@ -83,6 +85,7 @@ class ProvedOrbit(ByValue):
     runs: int
     seconds: float = field(compare=False)
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
+    tolerance: Fraction = Fraction(0)
 
     @property
     def multipliers(self) -> tuple[tuple[Ball, Ball], tuple[Ball, Ball]]:
@@ -106,6 +109,9 @@ class ProvedOrbit(ByValue):
         ``unique_within`` where the checker does not prove it all.  Raises BadInput where that does
         not prove the rest, or the file cannot be written.
         """
+        if self.tolerance:
+            expected = "no tolerance: a certificate tells of one body"
+            raise BadInput(self.scene.name, "tolerance", brief(self.tolerance), expected)
         from polhode.certificates import orbit_certificate
 
         stated = orbit_certificate.Stated(
@@ -133,10 +139,20 @@ class ProvedOrbit(ByValue):
         mu = self.multipliers[0]
         side = f" + {mu[1]} i" if self.kind == ELLIPTIC else ""
         return (
-            f"proved: on the level {self.level} exactly one periodic orbit with a period within "
-            f"{down(near.period)} of {self.period} passes within {down(near.omega)} and "
-            f"{down(near.gamma)} of {point}; its least period is {middle} +- {radius}; "
-            f"{self.kind}, multiplier {mu[0]}{side}"
+            f"proved: {self.bodies}on the level {self.level} exactly one periodic orbit with a "
+            f"period within {down(near.period)} of {self.period} passes within "
+            f"{down(near.omega)} and {down(near.gamma)} of {point}; its least period is {middle} "
+            f"+- {radius}; {self.kind}, multiplier {mu[0]}{side}"
+        )
+
+    @property
+    def bodies(self) -> str:
+        """Of which bodies, in words; empty for the scene's alone."""
+        if not self.tolerance:
+            return ""
+        return (
+            "for every body whose moments and components of Mg r0, in principal axes, are within "
+            f"{brief(self.tolerance)} (relative) of the scene's, "
         )
 
     @property

@@ -50,6 +50,8 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("-o", type=word, dest="file", metavar="CERT.json", help=out)
     tries = "of chaos: homoclinic orbits and sizes of sets that are tried (12)"
     parser.add_argument("--tries", type=positive, metavar="N", help=tries)
+    bodies = "of an orbit: proved of every body within X, relative, of each moment and of Mg r0"
+    parser.add_argument("--tolerance", metavar="X", help=bodies)
     for key in ("h", "f"):
         parser.add_argument(f"--{key}", metavar="X", help=f"{key} of the level, if not the scene's")
 
@@ -72,6 +74,9 @@ def main(options: Namespace) -> int:
         raise BadInput(scene.name, "--pick", options.pick, "--search, whose orbits it counts")
     if options.file is not None and options.search is not None and options.pick is None:
         raise BadInput(scene.name, "-o", options.file, "--pick, which tells the one orbit")
+    if options.file is not None and options.tolerance is not None:
+        expected = "not with --tolerance: a certificate tells of one body"
+        raise BadInput(scene.name, "-o", options.file, expected)
     _check_place(options)
     if options.search is not None:
         return _search(options, scene)
@@ -100,6 +105,7 @@ def _orbit(options: Namespace, scene: Scene) -> int:
                 options.period,
                 options.returns,
                 progress.say,
+                options.tolerance,
             )
         except NotProved as why:
             progress.clear()
@@ -117,7 +123,7 @@ def _chaos(options: Namespace, scene: Scene) -> int:
     from polhode.proofs.chaos.prove_chaos import TRIES, prove_chaos
     from polhode.proofs.refusals import NotProved
 
-    for key in ("digits", "period", "returns", "search", "pick"):
+    for key in ("digits", "period", "returns", "search", "pick", "tolerance"):
         if getattr(options, key) is not None:
             raise BadInput(scene.name, f"--{key}", getattr(options, key), "with orbit only")
     _check_place(options)
@@ -184,11 +190,11 @@ def _search(options: Namespace, scene: Scene) -> int:
     from polhode.dynamics.periodic_orbits.search import orbit_search
     from polhode.output import orbits
     from polhode.output import proofs as output
-    from polhode.proofs.prove_orbit import DIGITS, prove_all, prove_found
+    from polhode.proofs.prove_orbit import DIGITS, prove_all, prove_found, tolerance_of
     from polhode.proofs.refusals import NotProved
 
     grid = read_grid(scene.name, options.search)
-    digits = options.digits or DIGITS
+    digits, bodies = options.digits or DIGITS, tolerance_of(scene.name, options.tolerance)
     with ProgressLine("prove") as progress:
         found = orbit_search(scene, grid, options.returns, options.h, options.f, progress.say)
         if options.pick is not None:
@@ -196,14 +202,14 @@ def _search(options: Namespace, scene: Scene) -> int:
                 expected = f"a number to {len(found.orbits)}: so many orbits were found"
                 raise BadInput(scene.name, "--pick", options.pick, expected)
             try:
-                one = prove_found(found, options.pick - 1, digits, progress.say)
+                one = prove_found(found, options.pick - 1, digits, progress.say, bodies)
                 _save(options, one, progress)
             except NotProved as why:
                 progress.clear()
                 return _refused(why)
     if options.pick is not None:
         return _one(options, one)
-    proofs = prove_all(found, digits)
+    proofs = prove_all(found, digits, bodies)
     if options.json:
         print_json(orbits.of_search(found) | {"proofs": [output.of_result(one) for one in proofs]})
     else:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from polhode.figures.canvas.canvas import BODY, REST, SPACE, as_svg, pyplot
 from polhode.figures.canvas.direct_labels import GRID, WIDTH
+from polhode.output.json_object import JsonObject
 
 _COLOURS = {"elliptic": BODY, "hyperbolic": SPACE, "inverse hyperbolic": REST}
 _COLUMNS = 2
 
 
-def svg(found: dict[str, Any]) -> str:
+def svg(found: JsonObject) -> str:
     """A panel a top, from the study's JSON object."""
     plt = pyplot()
     tops = found["orbits"]
@@ -41,7 +40,7 @@ def svg(found: dict[str, Any]) -> str:
         axes.tick_params(labelsize=7.5)
     for axes in panels[:, 0]:
         axes.set_ylabel("residue", size=8.5)
-    for axes in panels.flat[:len(tops)][-_COLUMNS:]:
+    for axes in panels.flat[: len(tops)][-_COLUMNS:]:
         axes.set_xlabel("period", size=8.5)
     labels = panels[0, 0].get_legend_handles_labels()
     figure.legend(*labels, loc="outside upper center", ncols=2, frameon=False, fontsize=8)

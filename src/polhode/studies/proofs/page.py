@@ -5,14 +5,14 @@ from __future__ import annotations
 import statistics
 from collections import Counter
 from collections.abc import Iterator
-from typing import Any
 
+from polhode.output.json_object import JsonObject
 from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text
 
 TITLE = "Proofs: periodic orbits and chaos that exist"
 
 
-def blocks(found: dict[str, Any]) -> Iterator[Block]:
+def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     n, m = found["grid"]
     yield Text(
@@ -56,7 +56,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         yield _chaos(found["chaos"])
 
 
-def finding(found: dict[str, Any]) -> str:
+def finding(found: JsonObject) -> str:
     """The study in a few sentences."""
     orbits = [row for one in found["orbits"] for row in one["orbits"]]
     told = []
@@ -86,7 +86,7 @@ def finding(found: dict[str, Any]) -> str:
     return " ".join(told) or str(found["question"])
 
 
-def _orbits(tops: list[dict[str, Any]]) -> PageTable:
+def _orbits(tops: list[JsonObject]) -> PageTable:
     rows = []
     for one in tops:
         proved = [row for row in one["orbits"] if row["proved"]]
@@ -109,9 +109,9 @@ def _orbits(tops: list[dict[str, Any]]) -> PageTable:
     return PageTable(header, tuple(rows), "lllllrrrr", "polhode study proofs --only '{0}'")
 
 
-def _refused(causes: list[tuple[str, dict[str, Any]]]) -> PageTable:
+def _refused(causes: list[tuple[str, JsonObject]]) -> PageTable:
     """A row for all orbits of a top that have about one period and the same cause."""
-    found: dict[tuple[str, str, str], list[dict[str, Any]]] = {}
+    found: dict[tuple[str, str, str], list[JsonObject]] = {}
     for what, row in causes:
         cause = row["cause"].partition(":")[0]
         found.setdefault((what, f"{row['period']:.5g}", cause), []).append(row)
@@ -123,12 +123,12 @@ def _refused(causes: list[tuple[str, dict[str, Any]]]) -> PageTable:
     return PageTable(header, tuple(rows), "lrrrl", "polhode study proofs --only '{0}'")
 
 
-def _between(rows: list[dict[str, Any]]) -> str:
+def _between(rows: list[JsonObject]) -> str:
     found = sorted(row["residue"] for row in rows)
     return f"{found[0]:.1e}" if len(found) == 1 else f"{found[0]:.1e} to {found[-1]:.1e}"
 
 
-def _chaos(found: list[dict[str, Any]]) -> PageTable:
+def _chaos(found: list[JsonObject]) -> PageTable:
     rows = []
     for row in found:
         if not row["proved"]:

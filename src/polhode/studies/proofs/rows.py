@@ -11,13 +11,14 @@ import time
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from polhode.certificates.verdict import verify
 from polhode.common.errors import BadInput
 from polhode.common.executors import cores, in_order
 from polhode.dynamics.periodic_orbits.search import orbit_search
 from polhode.numbers.decimals import brief
+from polhode.output.json_object import JsonObject
 from polhode.proofs.chaos.prove_chaos import prove_chaos
 from polhode.proofs.chaos.proved_chaos import ProvedChaos
 from polhode.proofs.prove_orbit import prove_all
@@ -53,7 +54,7 @@ GRID, CROSSINGS, DIGITS = (16, 16), 3, 20
 _QUICK_GRID = (6, 6)
 _QUICK = ("asymmetric, regular",)
 
-Row: TypeAlias = dict[str, Any]
+Row: TypeAlias = JsonObject
 #: What is proved, of which top, and the cells of a search.
 Job: TypeAlias = tuple[str, str, tuple[int, int]]
 
@@ -62,7 +63,7 @@ def rows(
     quick: bool = False,
     tick: Callable[[str], None] | None = None,
     only: Only | None = None,
-) -> dict[str, Any]:
+) -> JsonObject:
     """The study's results as a JSON object."""
     wanted = only or Only()
     grid = _QUICK_GRID if quick else GRID
