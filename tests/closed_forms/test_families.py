@@ -30,22 +30,42 @@ def scene(moments="[2, 2, 1]", centre="[0, 0, 1]", omega="[1, 0, 3]", kind="auto
     )
 
 
+CLOSED_FORMS = TOP / "src/polhode/closed_forms"
+#: The folder, or the file, of each family.
+HOMES = {
+    *("euler", "lagrange", "kovalevskaya", "pendulum", "goryachev_chaplygin", "hess"),
+    *(
+        f"_one_orbit.{name}"
+        for name in (
+            *("staude", "bobylev_steklov", "grioli", "steklov"),
+            *("goryachev", "n_kowalewski", "chaplygin"),
+        )
+    ),
+}
+
+
 def test_table_words_and_contract_name_the_same_families():
     families = (family.name for family in FAMILIES)
     assert ("auto", *families, "certified", "two-precisions") == REFERENCES
     with (TOP / "pyproject.toml").open("rb") as file:
         contracts = tomllib.load(file)["tool"]["importlinter"]["contracts"]
     (independent,) = (c["modules"] for c in contracts if c["type"] == "independence")
-    folders = {family.closed_form.split(".")[0] for family in FAMILIES}
-    assert {name.removeprefix("polhode.closed_forms.") for name in independent} == folders
-    here = {p.name for p in (TOP / "src/polhode/closed_forms").iterdir() if (p / "top.py").exists()}
-    assert here == folders
+    homes = {f"polhode.closed_forms.{home}" for home in HOMES}
+    assert {*independent} == homes
+    files = [*CLOSED_FORMS.glob("*/family.py"), *(CLOSED_FORMS / "_one_orbit").glob("*.py")]
+    files = [p for p in files if "\nFAMILY = " in p.read_text(encoding="utf-8")]
+    here = {p.parent if p.name == "family.py" else p.with_suffix("") for p in files}
+    found = {str(p.relative_to(CLOSED_FORMS)).replace("/", ".") for p in here}
+    assert found == HOMES
+    assert len(HOMES) == len(FAMILIES)
 
 
-def test_every_row_names_code_that_is_there():
+def test_every_family_has_the_maker_of_its_home():
     for family in FAMILIES:
-        for path in (family.fits, family.closed_form, family.misfit, family.special):
-            assert callable(families._code(path)) if path else family.special == path
+        name = family.name.replace("-", "_")
+        home = name if name in HOMES else f"_one_orbit.{name}"
+        made = family.closed_form()
+        assert made.__module__.startswith(f"polhode.closed_forms.{home}")
 
 
 def test_the_first_that_fits_is_the_reference_and_the_others_can_be_asked():
@@ -76,10 +96,7 @@ def needs_a_slow_spin(principal):
 
 def test_a_family_that_says_why_is_refused_with_the_condition_and_by_how_much(monkeypatch):
     """As a new family does: a row whose ``misfit`` names the condition that fails."""
-    code = {"slow:fits": lambda _: False, "slow:misfit": needs_a_slow_spin}
-    known = families._code
-    monkeypatch.setattr(families, "_code", lambda path: code.get(path) or known(path))
-    row = Family("slow", "slow:fits", "slow:Top", "slow:misfit")
+    row = Family("slow", lambda _: False, needs_a_slow_spin, lambda: pytest.fail("is not made"))
     monkeypatch.setattr(families, "FAMILIES", (*FAMILIES, row))
     monkeypatch.setattr(scene_file, "REFERENCES", (*REFERENCES, "slow"))
     with pytest.raises(BadInput) as refused:
