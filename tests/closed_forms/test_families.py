@@ -53,7 +53,7 @@ def test_table_words_and_contract_name_the_same_families():
     homes = {f"polhode.closed_forms.{home}" for home in HOMES}
     assert {*independent} == homes
     files = [*CLOSED_FORMS.glob("*/family.py"), *(CLOSED_FORMS / "_one_orbit").glob("*.py")]
-    files = [p for p in files if "\nFAMILY = " in p.read_text(encoding="utf-8")]
+    files = [p for p in files if "\nFAMILY" in p.read_text(encoding="utf-8")]
     here = {p.parent if p.name == "family.py" else p.with_suffix("") for p in files}
     found = {str(p.relative_to(CLOSED_FORMS)).replace("/", ".") for p in here}
     assert found == HOMES
