@@ -378,6 +378,7 @@ def test_a_refused_proof_leaves_nothing(tmp_path, capsys):
         (["--period", "6", "--search"], "--search"),
         (["--orbit", "nowhere.toml"], "nowhere.toml"),
         (["--period", "-1"], "period"),
+        (["--period", "1e400"], "period"),
         (["--h", "x"], "h"),
     ],
 )

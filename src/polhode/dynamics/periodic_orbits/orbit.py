@@ -208,6 +208,8 @@ def orbit(
         (given,) = each(scene.name, "period", (period,), exact_number, "a time")
         if sign(given) <= 0:
             raise BadInput(scene.name, "period", period, "a time above 0")
+        if not math.isfinite(to_double(given / on.unit)):
+            raise BadInput(scene.name, "period", period, "a time that double precision can hold")
         if to_double(given / on.unit) < on.shortest / FARTHER:
             least = on.shortest * to_double(on.unit)
             expected = f"one near {least:.3g} or longer: no motion on this level closes in less"
