@@ -21,6 +21,7 @@ if _TYPE_CHECKING:
     # `as`: mypy and pyright take these names, and no others, for exported
     from polhode.certificates.verdict import Verdict as Verdict
     from polhode.certificates.verdict import verify as verify
+    from polhode.closed_forms.families import register_family as register_family
     from polhode.common.errors import BadInput as BadInput
     from polhode.common.html_page import Page as Page
     from polhode.common.provenance import __version__ as __version__
@@ -148,6 +149,7 @@ _HOMES = {
     "propagator": "runs.propagator",
     "reduce_many": "dynamics.observables.reduce_many",
     "reference": "judging.references.reference",
+    "register_family": "closed_forms.families",
     "rolling": "judging.rolling_cones",
     "top": "scenes.from_numbers",
     "verify": "certificates.verdict",

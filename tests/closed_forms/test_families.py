@@ -10,13 +10,14 @@ from pathlib import Path
 
 import pytest
 
+import polhode
 from polhode.closed_forms import families
 from polhode.closed_forms._engine.misfit import Misfit
 from polhode.closed_forms._engine.principal_scene import in_principal_axes
 from polhode.closed_forms.families import FAMILIES, Family, closed_form, closed_forms
 from polhode.common.errors import BadInput
 from polhode.judging.references.reference import reference
-from polhode.scenes import scene_file
+from polhode.scenes import added_families, scene_file
 from polhode.scenes.vocabulary import REFERENCES
 
 TOP = Path(__file__).parents[2]
@@ -97,8 +98,8 @@ def needs_a_slow_spin(principal):
 def test_a_family_that_says_why_is_refused_with_the_condition_and_by_how_much(monkeypatch):
     """As a new family does: a row whose ``misfit`` names the condition that fails."""
     row = Family("slow", lambda _: False, needs_a_slow_spin, lambda: pytest.fail("is not made"))
-    monkeypatch.setattr(families, "FAMILIES", (*FAMILIES, row))
-    monkeypatch.setattr(scene_file, "REFERENCES", (*REFERENCES, "slow"))
+    monkeypatch.setattr(added_families, "_OF_PROCESS", {})
+    polhode.register_family(row)
     with pytest.raises(BadInput) as refused:
         reference(scene(omega="[1, 0, '1 + 1e-30']", kind="slow"))
     assert str(refused.value).endswith(

@@ -1,15 +1,20 @@
-"""A family with one orbit is one file, its place and its word: a synthetic one."""
+"""A family from outside is one file: registered by a process, or by a package's entry point."""
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
 import polhode
-from polhode.closed_forms import families
+from polhode.closed_forms.families import FAMILIES, orbit_family
+from polhode.judging._dense_reference import parallel_evaluation
 from polhode.numbers.mpmath_context import mpmath
-from polhode.scenes import scene_file
+from polhode.scenes import added_families
 from shared import steady_precession
 
 KIND = steady_precession.FAMILY.name
@@ -35,9 +40,10 @@ MIRRORED = {"up": -1, "along": "-6/5", "spin": "9/5", "height": "-4/5"}
 
 @pytest.fixture
 def given(monkeypatch):
-    """Its place among the families, and its word."""
-    monkeypatch.setattr(families, "FAMILIES", (*families.FAMILIES, steady_precession.FAMILY))
-    monkeypatch.setattr(scene_file, "REFERENCES", (*scene_file.REFERENCES, KIND))
+    """Registered until the test ends."""
+    monkeypatch.setattr(added_families, "_OF_PROCESS", {})
+    polhode.register_family(steady_precession.FAMILY)
+    polhode.register_family(steady_precession.FAMILY)  # the same again changes nothing
 
 
 def scene(path, kind, **start):
@@ -69,3 +75,48 @@ def test_a_start_that_misses_is_refused_with_the_condition_and_by_how_much(given
 def test_without_its_word_a_scene_cannot_ask_for_it(tmp_path):
     with pytest.raises(polhode.BadInput, match=r"reference\.kind"):
         scene(tmp_path, KIND)
+
+
+def test_names_that_are_taken_and_what_is_no_family_are_refused(given):
+    other = orbit_family(KIND, steady_precession.SteadyPrecession)
+    for family, word in ((FAMILIES[0], "euler"), (other, KIND), ("a word", "a Family")):
+        with pytest.raises(polhode.BadInput, match=word):
+            polhode.register_family(family)
+
+
+def test_many_rows_of_a_family_that_no_other_process_knows(given, tmp_path, monkeypatch):
+    """They are found here, however many there are: elsewhere another family would answer."""
+    monkeypatch.setattr(parallel_evaluation, "PAYS", 0.0)
+    monkeypatch.setattr(parallel_evaluation, "in_order", lambda *_: pytest.fail("elsewhere"))
+    known = polhode.reference(scene(tmp_path, KIND))
+    times = [Fraction(k, 8) for k in range(40)]
+    assert parallel_evaluation.asked_by(known, "at", 2)(times, 20) == known.at(times, 20)
+
+
+@pytest.mark.slow
+def test_a_package_gives_its_family_to_the_command_line(tmp_path):
+    shared = Path(steady_precession.__file__).read_text(encoding="utf-8")
+    (tmp_path / "my_tops.py").write_text(shared, encoding="utf-8")
+    (about := tmp_path / "my_tops-1.dist-info").mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: my-tops\nVersion: 1\n")
+    points = "[polhode.families]\n{} = {}\n"
+    (about / "entry_points.txt").write_text(points.format(KIND, "my_tops:FAMILY"))
+    (file := tmp_path / "steady.toml").write_text(TOP.format(kind=KIND, **STEADY))
+
+    def command(*words):
+        path = os.pathsep.join([str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])])
+        return subprocess.run(
+            [sys.executable, "-m", "polhode", *words],
+            capture_output=True,
+            text=True,
+            check=False,
+            env={**os.environ, "PYTHONPATH": path},
+        )
+
+    done = command("reference", str(file), "--at", "1", "--digits", "30")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "0.588039946704744978674517910048" in done.stdout
+    (about / "entry_points.txt").write_text(points.format(KIND, "my_tops:NOTHING"))
+    done = command("reference", str(file), "--at", "1", "--digits", "30")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "my_tops:NOTHING" in done.stderr

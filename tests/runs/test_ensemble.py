@@ -21,7 +21,8 @@ from polhode.common import memory
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import exactly
 from polhode.runs.sweep import plan as sweep_plan
-from polhode.scenes import scene_file, vary
+from polhode.scenes import scene_file
+from polhode.scenes.variation import vary
 from polhode.taylor.batches import batch_integrator
 from shared.examples import examples
 from shared.motions import heavy, heavy_file

@@ -12,7 +12,8 @@ from polhode.equations import integrals
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.runs.sweep import lanes, turned_columns
 from polhode.runs.sweep import plan as sweep_plan
-from polhode.scenes import scene_file, sweep_columns
+from polhode.scenes import scene_file
+from polhode.scenes.variation import sweep_columns
 from shared.motions import heavy, heavy_file
 
 

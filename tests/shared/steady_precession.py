@@ -1,4 +1,4 @@
-"""Steady precession as a family with one orbit: a synthetic one, in one file as the real ones.
+"""Steady precession as a family from outside, with one orbit: one file, as the real ones.
 
 A = B, Mg r0 = (0, 0, T), T > 0, w = n gamma + s e3 with s != 0:  gamma' = s gamma x e3, and the
 equations of motion leave A n s + (C - A) n r = T.
@@ -9,10 +9,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from polhode.closed_forms._engine.family import orbit_family
-from polhode.closed_forms._engine.normal_form import Condition, Placed, equal, positive
-from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
-from polhode.closed_forms.functions.rounding import number
+from polhode.closed_forms.families import (
+    Condition,
+    Orbit,
+    OrbitMotion,
+    Placed,
+    equal,
+    number,
+    orbit_family,
+    positive,
+)
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.scalars import Scalar

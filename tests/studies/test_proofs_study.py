@@ -54,7 +54,9 @@ def test_page_and_figure_are_made_of_the_rows_alone(found):
     text = markdown(page.TITLE, blocks)
     for what in (*rows.ORBITS, *rows.CHAOS):
         assert what in text
-    assert figure.svg(found).startswith("<?xml")
+    drawn = figure.svgs(found)
+    assert [*drawn] == ["proofs", "manifolds"]
+    assert all(text.startswith("<?xml") for text in drawn.values())
 
 
 @pytest.mark.slow

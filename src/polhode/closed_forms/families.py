@@ -1,8 +1,9 @@
 """The closed form that fits a scene, asked in the scene's own axes.
 
 A closed form shares no code with the integrator: it reads the exact scene and nothing else.
-FAMILIES lists all that there are.  A new family is a file or a folder beside this file that has a
-``FAMILY``, its place in FAMILIES, and one word in :data:`polhode.scenes.vocabulary.REFERENCES`.
+FAMILIES lists polhode's own; :func:`register_family` adds one from outside.  A new one of polhode's
+is a file or a folder beside this file that has a ``FAMILY``, its place in FAMILIES, and one word in
+:data:`polhode.scenes.vocabulary.REFERENCES`.
 """
 
 from __future__ import annotations
@@ -11,8 +12,10 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from polhode.closed_forms._engine.closed_form import ClosedForm
-from polhode.closed_forms._engine.family import Family
+from polhode.closed_forms._engine.family import Family, orbit_family
 from polhode.closed_forms._engine.misfit import Misfit
+from polhode.closed_forms._engine.normal_form import Condition, Placed, equal, positive
+from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms._engine.principal_scene import PrincipalScene, in_principal_axes
 from polhode.closed_forms._one_orbit import (
     bobylev_steklov,
@@ -24,14 +27,39 @@ from polhode.closed_forms._one_orbit import (
     steklov,
 )
 from polhode.closed_forms.euler import family as euler
+from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev_chaplygin import family as goryachev_chaplygin
 from polhode.closed_forms.hess import family as hess
 from polhode.closed_forms.kovalevskaya import family as kovalevskaya
 from polhode.closed_forms.lagrange import family as lagrange
 from polhode.closed_forms.pendulum import family as pendulum
+from polhode.common.arguments import of_kind
+from polhode.common.errors import BadInput
+from polhode.numbers.mpmath_context import mpmath
+from polhode.scenes import added_families
 from polhode.scenes.scene import Scene
 
-__all__ = ["FAMILIES", "ClosedForm", "Family", "closed_form", "closed_forms", "misfit", "near"]
+__all__ = [
+    "FAMILIES",
+    "ClosedForm",
+    "Condition",
+    "Family",
+    "Misfit",
+    "Orbit",
+    "OrbitMotion",
+    "Placed",
+    "PrincipalScene",
+    "closed_form",
+    "closed_forms",
+    "equal",
+    "misfit",
+    "mpmath",
+    "near",
+    "number",
+    "orbit_family",
+    "positive",
+    "register_family",
+]
 
 _NEAR = Fraction(1, 1000)
 
@@ -41,6 +69,51 @@ FAMILIES: tuple[Family, ...] = (
     *(bobylev_steklov.FAMILY, grioli.FAMILY, goryachev_chaplygin.FAMILY, hess.FAMILY),
     *(steklov.FAMILY, goryachev.FAMILY, n_kowalewski.FAMILY, chaplygin.FAMILY),
 )
+
+
+def register_family(family: Family) -> None:
+    """Add a family of one's own to this process.
+
+    It is tried after polhode's own, and may be asked for by its name in ``reference.kind``.  A
+    package whose entry points have it in the group ``polhode.families`` gives it to every process,
+    the command line's too.
+
+    Parameters
+    ----------
+    family : Family
+        Its name, what it asks of a scene, what makes the motion; :func:`orbit_family` makes one of
+        a class of motions that have a period.
+
+    Raises
+    ------
+    BadInput
+        What is no family, or a name that another family has.
+
+    Notes
+    -----
+    ``polhode guide closed-forms`` shows one.  A closed form is a reference: everything is judged by
+    it, and nothing judges it but its author's tests.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> from polhode.closed_forms.families import FAMILIES
+    >>> polhode.register_family(FAMILIES[0])
+    Traceback (most recent call last):
+    ...
+    polhode.common.errors.BadInput: register_family: name = euler: expected one that no family has
+    """
+    of_kind("register_family", "family", family, Family, "a Family")
+    added_families.add(family.name, family)
+
+
+def known_families() -> Iterator[Family]:
+    """polhode's own, then those from outside; raises BadInput for what is none."""
+    yield from FAMILIES
+    for family in added_families.added():
+        if not isinstance(family, Family):
+            raise BadInput(added_families.GROUP, "family", repr(family), "a Family")
+        yield family
 
 
 def closed_form(scene: Scene, kind: str = "auto") -> tuple[str, ClosedForm] | None:
@@ -54,14 +127,14 @@ def closed_form(scene: Scene, kind: str = "auto") -> tuple[str, ClosedForm] | No
 def closed_forms(scene: Scene, kind: str = "auto") -> Iterator[tuple[str, ClosedForm]]:
     """Name and closed form of every family that fits body and start, in their order."""
     principal = in_principal_axes(scene)
-    for family in FAMILIES:
+    for family in known_families():
         if kind in ("auto", family.name) and family.fits(principal):
             yield family.name, made(family, scene, principal)
 
 
 def misfit(scene: Scene, kind: str) -> Misfit | None:
     """Why a scene does not belong to the family of that name, where that family can say it."""
-    for family in FAMILIES:
+    for family in known_families():
         if family.name == kind:
             return family.misfit(in_principal_axes(scene))
     return None
@@ -75,7 +148,7 @@ def near(scene: Scene, within: Fraction = _NEAR) -> list[tuple[str, Misfit]]:
     """
     found, special = [], None
     principal = in_principal_axes(scene)
-    for family in FAMILIES:
+    for family in known_families():
         missed = family.misfit(principal)
         if missed is None and special is None:
             special = family

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+#: Two numbers of many points.
+Points: TypeAlias = tuple[Doubles, Doubles]
+
 OUT, INTO, SETS = "#d55e00", "#0072b2", "#222222"
 
 
@@ -26,21 +29,42 @@ def draw(plt: ModuleType, found: ProvedChaos) -> Figure:
     """Left the maxima of the height of the centre of mass; right N0's plane, in sizes of N0."""
     figure: Figure
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.2, 4.2), layout="constrained")
-    _manifolds(left, found)
+    draw_crossings(left, crossings(found))
+    left.legend(fontsize=7, markerscale=1.5, loc="best")
+    left.set_title("maxima of the height of the centre of mass", size=9)
     _sets(right, found)
     return figure
 
 
-def _manifolds(axes: Axes, found: ProvedChaos) -> None:
+class Crossings(NamedTuple):
+    """Azimuth and cosine of points on the section: of the manifolds, of the sets' centres."""
+
+    unstable: Points
+    stable: Points
+    sets: Points
+
+
+def crossings(found: ProvedChaos) -> Crossings:
+    """Where the proof's guess of both manifolds crosses the section, and the sets of the proof."""
     lanes, saddle, _ = found.guess
     out, into, _ = homoclinic.manifolds(lanes, saddle)
     on = geometry.ground(found.scene, found.h, found.f)
-    pairs = (("unstable", OUT, out.state), ("stable", INTO, backward(into.state)))
-    for name, colour, states in pairs:
-        angle, cosine = geometry.height_coordinates(on, states.T)
+    centres = np.array([_centre(x) for x in (found.proof.chain.home, *found.proof.chain.sets)])
+    return Crossings(
+        geometry.height_coordinates(on, out.state.T),
+        geometry.height_coordinates(on, backward(into.state).T),
+        geometry.height_coordinates(on, centres),
+    )
+
+
+def draw_crossings(axes: Axes, points: Crossings) -> None:
+    """The section with both manifolds and the sets."""
+    for name, colour, where in (
+        ("unstable", OUT, points.unstable),
+        ("stable", INTO, points.stable),
+    ):
         axes.plot(
-            angle,
-            cosine,
+            *where,
             ".",
             ms=1.4,
             mew=0,
@@ -49,12 +73,8 @@ def _manifolds(axes: Axes, found: ProvedChaos) -> None:
             rasterized=True,
             gid=f"{name} manifold",
         )
-    centres = np.array([_centre(x) for x in (found.proof.chain.home, *found.proof.chain.sets)])
-    angle, cosine = geometry.height_coordinates(on, centres)
-    axes.plot(angle, cosine, "+", ms=5, color=SETS, label="sets, each in its own plane", gid="sets")
+    axes.plot(*points.sets, "+", ms=5, color=SETS, label="sets, each in its own plane", gid="sets")
     axes.set(xlabel="azimuth of γ about r₀", ylabel="γ·r₀/|r₀|")
-    axes.legend(fontsize=7, markerscale=1.5, loc="best")
-    axes.set_title("maxima of the height of the centre of mass", size=9)
 
 
 def _sets(axes: Axes, found: ProvedChaos) -> None:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from polhode.runs.sweep.ensemble import Ensemble
-    from polhode.scenes.vary import Grid
+    from polhode.scenes.variation.vary import Grid
 
 
 def of_ensemble(found: Ensemble, states: bool = True) -> JsonObject:

@@ -13,6 +13,7 @@ from polhode.common.files import called, read_whole
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import ExpressionError
+from polhode.scenes import added_families
 from polhode.scenes.body import Body, Vector
 from polhode.scenes.body_and_start import body_of, start_of
 from polhode.scenes.event import Event
@@ -108,8 +109,8 @@ class _File(Reading):
         run = self.table("run", required=False)
         judged = self.table("reference", required=False)
         kind = self.word("reference.kind", self.given("reference", judged, "kind"))
-        if kind not in REFERENCES:
-            raise self.bad("reference.kind", kind, nearest(kind, list(REFERENCES)))
+        if kind not in REFERENCES and kind not in (more := added_families.names()):
+            raise self.bad("reference.kind", kind, nearest(kind, [*REFERENCES, *more]))
         times = self.times(run)
         published = tuple(self.published(i, p) for i, p in enumerate(self.tables("published")))
         units = self.word("units", self.given("", data, "units"))

@@ -16,8 +16,8 @@ from polhode.scenes import keys, scene_file
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Published, Scene
 from polhode.scenes.shapes import Part
-from polhode.scenes.sweep_scenes import tables_of
 from polhode.scenes.validation import Literal
+from polhode.scenes.variation.sweep_scenes import tables_of
 
 _TITLES = ("title", "tags", "cite", "units")
 _OF_TIMES = ("end", "samples", "at")

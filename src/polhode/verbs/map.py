@@ -44,7 +44,7 @@ def main(options: Namespace) -> int:
     from polhode.figures import map as figure
     from polhode.figures.canvas import canvas
     from polhode.output import maps as output
-    from polhode.scenes import vary
+    from polhode.scenes.variation import vary
     from polhode.verbs.answer_file import ARRAYS, answer_file
 
     scene = library.load(options.scene)

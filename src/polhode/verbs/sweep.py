@@ -75,7 +75,7 @@ def main(options: Namespace) -> int:
     """Integrate many variants of a scene."""
     from polhode.output import sweeps
     from polhode.runs.sweep.ensemble import Ensemble
-    from polhode.scenes import vary
+    from polhode.scenes.variation import vary
 
     scene = library.load(options.scene)
     if options.at is not None:

@@ -39,8 +39,9 @@ from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
 from polhode.numbers.scalars import AnyNumber
-from polhode.scenes import library, vary
+from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.variation import vary
 
 END = 1000  # units of the inner time
 TOLERANCE = 1e-8  # no verdict of 2000 was another at eps

@@ -13,9 +13,9 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
 from polhode.numbers.scalars import AnyNumber
-from polhode.scenes import vary
 from polhode.scenes.scene import Scene
-from polhode.scenes.sweep_scenes import Members
+from polhode.scenes.variation import vary
+from polhode.scenes.variation.sweep_scenes import Members
 
 GRID = 50, 50  # cells
 MOST_MOTIONS = 1_000_000

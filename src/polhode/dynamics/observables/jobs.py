@@ -22,7 +22,7 @@ from polhode.runs.sweep.plan import Plan
 from polhode.runs.sweep.results import Reader, reader
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
-from polhode.scenes.sweep_scenes import Members
+from polhode.scenes.variation.sweep_scenes import Members
 
 if TYPE_CHECKING:
     import numpy as np

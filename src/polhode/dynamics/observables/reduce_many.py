@@ -22,9 +22,10 @@ from polhode.numbers.rows import Stack
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.sweep.endings import Ended
 from polhode.runs.sweep.plan import planned
-from polhode.scenes import library, vary
+from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.scenes.sweep_scenes import Members
+from polhode.scenes.variation import vary
+from polhode.scenes.variation.sweep_scenes import Members
 
 if TYPE_CHECKING:
     import numpy as np

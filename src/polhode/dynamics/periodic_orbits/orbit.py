@@ -42,8 +42,8 @@ from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes import library, scene_file
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import written
-from polhode.scenes.sweep_scenes import tables_of
 from polhode.scenes.validation import Literal
+from polhode.scenes.variation.sweep_scenes import tables_of
 from polhode.taylor.variations.flow_map import NotFollowed
 
 DIGITS = 15

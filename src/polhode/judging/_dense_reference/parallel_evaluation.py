@@ -17,6 +17,7 @@ from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, reference
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.numbers.scalars import Scalar
+from polhode.scenes import added_families
 from polhode.scenes.scene import Scene
 
 PAYS = 4.0  # seconds of work from which on processes, which cost about one to start, are used
@@ -58,7 +59,8 @@ def asked_by(known: Reference, question: str, workers: int, tell: Progress | Non
         size = min(-(-len(times) // workers), max(_LEAST, int(_PIECE / cost)))
         parts = [times[k : k + size] for k in range(0, len(times), size)]
         answers: Iterable[list[list[Scalar]]] = (alone(part, digits) for part in parts)
-        if workers > 1 and reference(known.scene) == known:
+        elsewhere = not added_families.is_of_process(known.kind)
+        if workers > 1 and elsewhere and reference(known.scene) == known:
             jobs = [Job(known.scene, question, tuple(part), digits) for part in parts]
             answers = in_order(answer, jobs, workers)
         found: list[list[Scalar]] = []

@@ -34,8 +34,8 @@ from polhode.runs.sweep.lanes import blocks
 
 if TYPE_CHECKING:
     from polhode.numbers.rows import Stack
-    from polhode.scenes.sweep_columns import Block, Column, Vector
-    from polhode.scenes.sweep_scenes import Members
+    from polhode.scenes.variation.sweep_columns import Block, Column, Vector
+    from polhode.scenes.variation.sweep_scenes import Members
 
 
 def drifts(members: Members, states: Stack, one: Callable[[int], Drift]) -> Doubles:

@@ -17,9 +17,9 @@ from polhode.numbers.scalars import Real
 from polhode.runs.sweep.endings import Ended
 from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
 from polhode.runs.trajectory import Trajectory
-from polhode.scenes import vary
 from polhode.scenes.scene import Scene
-from polhode.scenes.sweep_scenes import Members
+from polhode.scenes.variation import vary
+from polhode.scenes.variation.sweep_scenes import Members
 
 if TYPE_CHECKING:
     import numpy as np

@@ -22,8 +22,9 @@ from polhode.runs.sweep.plan import Plan, planned
 from polhode.runs.sweep.refined_members import Job
 from polhode.runs.sweep.results import Results
 from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
-from polhode.scenes import library, vary
+from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.variation import vary
 from polhode.taylor.backend import defaults
 
 if TYPE_CHECKING:

@@ -1,6 +1,6 @@
 """The members of a sweep as the integrator takes them: starts, coefficients, units of time.
 
-In columns (:mod:`polhode.scenes.sweep_columns`) where they can be, else member by member.
+In columns (:mod:`polhode.scenes.variation.sweep_columns`) where they can be, else member by member.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from polhode.numbers.rows import Booleans, Doubles, Stack, kind_of
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.scenes.sweep_scenes import Members
+from polhode.scenes.variation.sweep_scenes import Members
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
     from polhode.runs.sweep.turned_columns import Turned
-    from polhode.scenes.sweep_columns import Block, Column, Vector
+    from polhode.scenes.variation.sweep_columns import Block, Column, Vector
     from polhode.taylor.batches.jobs import Lanes
 
 BLOCK = 1 << 16  # members that are read at once: a bound on what planning holds
@@ -37,7 +37,7 @@ _SMALLEST = 2.0**-1022
 
 def blocks(members: Members) -> Iterator[Block]:
     """The members in columns, some at a time; raises BadInput for one that cannot be."""
-    from polhode.scenes.sweep_columns import Columns
+    from polhode.scenes.variation.sweep_columns import Columns
 
     columns = Columns(members)
     for first in range(0, len(members), BLOCK):

@@ -14,9 +14,9 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import choose_number, rounded_times, rounded_tolerance
 from polhode.runs.sweep.lanes import Fastest, lanes_of
-from polhode.scenes import vary
 from polhode.scenes.scene import Scene
-from polhode.scenes.sweep_scenes import Members
+from polhode.scenes.variation import vary
+from polhode.scenes.variation.sweep_scenes import Members
 from polhode.taylor.backend import defaults
 
 if TYPE_CHECKING:

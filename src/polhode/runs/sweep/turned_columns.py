@@ -16,7 +16,7 @@ from polhode.numbers.double_double import Pairs, pairs
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Booleans, Doubles
 from polhode.scenes.body import PrincipalAxes
-from polhode.scenes.sweep_columns import Column
+from polhode.scenes.variation.sweep_columns import Column
 
 #: What a sum of three products of pairs is off by at most, as a part of the sum of their sizes.
 _ROUNDING = 2.0**-98

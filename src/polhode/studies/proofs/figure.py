@@ -1,19 +1,42 @@
-"""Figure of the study of proofs: the residue of every orbit over its period."""
+"""Figures of the study of proofs: residues over periods; manifolds that cross."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from polhode.figures.canvas.canvas import BODY, REST, SPACE, as_svg, pyplot
 from polhode.figures.canvas.direct_labels import GRID, WIDTH
+from polhode.figures.chaos_proof import Crossings, draw_crossings
 from polhode.output.json_object import JsonObject
 
 _COLOURS = {"elliptic": BODY, "hyperbolic": SPACE, "inverse hyperbolic": REST}
 _COLUMNS = 2
 
 
-def svg(found: JsonObject) -> str:
-    """A panel a top, from the study's JSON object."""
+def svgs(found: JsonObject) -> dict[str, str]:
+    """The study's figures by name, from its JSON object."""
+    drawn = {"proofs": residues(found["orbits"])} if found["orbits"] else {}
+    for row in found["chaos"]:
+        if "drawn" in row:
+            drawn["manifolds"] = manifolds(row["drawn"])
+    return drawn
+
+
+def manifolds(drawn: JsonObject) -> str:
+    """The manifolds of an unstable orbit on a section, and the sets of the proof."""
+    figure, axes = pyplot().subplots(figsize=(3.4, 3.4), layout="constrained")
+    draw_crossings(
+        axes,
+        Crossings(*((np.array(x), np.array(y)) for x, y in (drawn[k] for k in Crossings._fields))),
+    )
+    axes.tick_params(labelsize=7.5)
+    axes.set_title("stable, unstable manifold; sets (+)", size=8.5)
+    return as_svg(figure)
+
+
+def residues(tops: list[JsonObject]) -> str:
+    """A panel a top: the residue of every orbit over its period."""
     plt = pyplot()
-    tops = found["orbits"]
     count = -(-len(tops) // _COLUMNS)
     figure, panels = plt.subplots(
         count,

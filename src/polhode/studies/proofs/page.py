@@ -53,6 +53,15 @@ def blocks(found: JsonObject) -> Iterator[Block]:
             "on the level, per unit of time. Margins: the least stretch must be above 1, the "
             "largest height below 1."
         )
+        for row in found["chaos"]:
+            if "drawn" in row:
+                yield Figure(
+                    "manifolds",
+                    f"Chaos of the top *{row['what']}*: maxima of the height of its centre of mass "
+                    "on the stable (blue) and the unstable manifold (orange) of the proved orbit, "
+                    "as they were guessed in double, and the sets of the proof, which lie in "
+                    "planes of their own.",
+                )
         yield _chaos(found["chaos"])
 
 

@@ -17,6 +17,7 @@ from polhode.certificates.verdict import verify
 from polhode.common.errors import BadInput
 from polhode.common.executors import cores, in_order
 from polhode.dynamics.periodic_orbits.search import orbit_search
+from polhode.figures.chaos_proof import crossings
 from polhode.numbers.decimals import brief
 from polhode.output.json_object import JsonObject
 from polhode.proofs.chaos.prove_chaos import prove_chaos
@@ -50,6 +51,7 @@ CHAOS = {
     "asymmetric, near upright": "general/near-upright",
     "Hairer and Vilmart's body": "published/hairer-vilmart",
 }
+DRAWN = "asymmetric, chaotic"  # the proof of chaos that has a figure
 GRID, CROSSINGS, DIGITS = (16, 16), 3, 20
 _QUICK_GRID = (6, 6)
 _QUICK = ("asymmetric, regular",)
@@ -158,6 +160,11 @@ def _chaos(what: str) -> Row:
     row |= {"entropy": found.entropy, "short": found.short, "long": found.long}
     row |= {"stretch": found.stretch, "height": found.height, "cone": found.cone}
     row |= {"h": brief(found.h), "f": brief(found.f)}
+    if what == DRAWN:
+        row["drawn"] = {
+            name: [[round(float(x), 3) for x in axis] for axis in points]
+            for name, points in crossings(found)._asdict().items()
+        }
     return row | {"seconds": round(time.process_time() - began, 1)} | _checked(found)
 
 

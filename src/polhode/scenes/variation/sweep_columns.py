@@ -1,8 +1,8 @@
 """The members of a sweep as columns of exact numbers: many at once, and without an object each.
 
-Every member is checked as :class:`polhode.scenes.sweep_scenes.Members` checks it.  What these
-columns cannot tell (an irrational value, a start in angles, inertia that varies beside principal
-axes that are not the body's own) they leave to the member's scene, and the words of a fault too.
+Every member is checked as :class:`.sweep_scenes.Members` checks it.  What these columns cannot tell
+(an irrational value, a start in angles, inertia that varies beside principal axes that are not the
+body's own) they leave to the member's scene, and the words of a fault too.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.rationals import Rationals, of_fractions
 from polhode.scenes.body import OWN_AXES, PrincipalAxes
-from polhode.scenes.sweep_scenes import Members
-from polhode.scenes.vary import Spaced
+from polhode.scenes.variation.sweep_scenes import Members
+from polhode.scenes.variation.vary import Spaced
 
 #: A number that all members have in common, or one for each.
 Column = Exact | Rationals

@@ -16,7 +16,7 @@ from polhode.numbers.exact import Exact
 from polhode.scenes import keys, scene_file
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.scenes.vary import Grid
+from polhode.scenes.variation.vary import Grid
 from polhode.scenes.vocabulary import CENTRE
 
 _BODIES = 1024  # that are remembered

@@ -1,0 +1,1 @@
+"""Numbers of a scene varied: which, the scenes, and their numbers in columns."""
