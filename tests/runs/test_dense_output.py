@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
 from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes import scene_file
+from polhode.scenes.event import Event
 from shared.motions import heavy
 from shared.policies import change_policy
 
@@ -161,3 +164,29 @@ def test_a_trajectory_from_elsewhere_has_none():
     run = replace(polhode.integrate(heavy()), dense=None)
     with pytest.raises(ValueError, match="output times only"):
         run(1)
+
+
+#: Events that share terms with the equations; the second is so near zero that corrections wait.
+WATCHED = (
+    Event("turn", "gamma1*q - gamma2*p"),
+    Event("near", "gamma1**2 + gamma2**2 + gamma3**2 - 1 + 1e-16*(2 + p)"),
+)
+
+
+@pytest.mark.sample(2)
+@pytest.mark.parametrize("name", ["lagrange/nutation", "kovalevskaya/generic"])
+@pytest.mark.parametrize("events", [(), WATCHED], ids=["alone", "watched"])
+def test_a_chunk_taken_again_ends_where_the_next_one_began(name, events, monkeypatch):
+    """To the bit, in any order: with the watch, when corrections are due, what they rounded off."""
+    change_policy(monkeypatch, chunk=20)
+    run = polhode.integrate(replace(polhode.load(name), events=events), at=[120], project=3)
+    (leg,) = run.dense._legs
+    assert len(leg.marks) > 20
+    again = run.dense._again(leg)
+    for mark, following in reversed([*pairwise(leg.marks)]):
+        again.again(mark)
+        assert again.state.tolist() == [*following.state]
+        assert (again.steps, again._due) == (following.taken, following.due)
+        assert again.corrector.memory() == following.memory
+    if events and name.startswith("kov"):
+        assert any(mark.memory.waits for mark in leg.marks)

@@ -21,6 +21,7 @@ from polhode.common import memory
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import exactly
 from polhode.runs.sweep import plan as sweep_plan
+from polhode.runs.sweep import results
 from polhode.scenes import scene_file
 from polhode.scenes.variation import vary
 from polhode.taylor.batches import batch_integrator
@@ -447,3 +448,20 @@ def test_a_dask_cluster_gives_the_same_bits_though_a_worker_dies(tmp_path):
 def test_the_grid_s_option():
     assert vary.option("body.weight=1/3,sqrt(4)", "x") == ("body.weight", [Fraction(1, 3), 2])
     assert vary.option("a=1:2:1", "x")[1] == [1]
+
+
+def test_ctrl_c_while_a_finished_member_is_put_away(monkeypatch):
+    """It waits: nothing that is finished is lost, and the sweep is interrupted."""
+    reader, sent = results.reader, []
+
+    def interrupted(*asked):
+        if not sent:
+            sent.append(signal.raise_signal(signal.SIGINT))
+        return reader(*asked)
+
+    monkeypatch.setattr(results, "reader", interrupted)
+    many = polhode.integrate_many(heavy("200"), {"start.omega[3]": "0.5:9:400"}, workers=1)
+    assert many.interrupted
+    finished = [k for k, outcome in enumerate(many.outcomes) if outcome.done]
+    assert finished
+    assert np.isfinite(many.states[finished]).all()

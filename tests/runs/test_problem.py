@@ -12,7 +12,7 @@ from fractions import Fraction
 import polhode
 from polhode.common.recent import Recent
 from polhode.numbers.number_types import DOUBLE, EXTENDED
-from polhode.runs.problem.problem import problem
+from polhode.runs.problem.problem import Problem, problem
 from polhode.taylor.events.rules import Rules
 
 
@@ -118,3 +118,18 @@ def test_what_counts_as_a_zero_of_t_is_of_the_run_s_own_times(monkeypatch):
     polhode.integrate(asked)
     polhode.integrate(asked)  # the same times: not again
     assert made[4:] == [2]
+
+
+def test_equations_that_two_make_at_once_are_those_of_the_first(monkeypatch):
+    """Who makes them meets those that another thread has put there meanwhile."""
+    one = problem(scene(), DOUBLE)
+    made, first = Problem.system, []
+
+    def overtaken(self, variables=()):
+        monkeypatch.undo()
+        first.append(self.prepared(variables))
+        return made(self, variables)
+
+    monkeypatch.setattr(Problem, "system", overtaken)
+    assert one.prepared() is first[0]
+    assert one.prepared() is first[0]

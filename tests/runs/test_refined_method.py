@@ -20,6 +20,8 @@ from polhode.refined import self_test
 from polhode.refined.errors import Stalled
 from polhode.refined.refinement import refine
 from polhode.runs.methods import refined as refined_method
+from polhode.runs.methods.refined_motion import RefinedMotion
+from polhode.scenes.event import Event
 
 SCENE = "kovalevskaya/generic"
 
@@ -278,3 +280,19 @@ def test_members_that_cannot_be_refined_take_steps(monkeypatch):
         self_test.trusted_kernels.cache_clear()
     assert [failed[k].method for k in range(4)] == ["taylor"] * 4
     assert failed.done
+
+
+def test_a_second_try_with_more_digits_looks_for_events_anew(monkeypatch):
+    scene = replace(polhode.load("hard/dzhanibekov-1e-12"), events=(Event("q", "q"),))
+    tries, run = [], RefinedMotion._run
+    monkeypatch.setattr(
+        RefinedMotion,
+        "_run",
+        lambda self, *given: (tries.append(given[1]), run(self, *given))[1],
+    )
+    asked = {"digits": 31, "at": [70], "number": "quad"}
+    found = polhode.integrate(scene, **asked, method="refined").events[0]
+    assert len(tries) == 2
+    plain = polhode.integrate(scene, "quad", at=[70], method="taylor").events[0]
+    assert len(found.times) == len(plain.times) > 0
+    assert max(abs(s - t) for s, t in zip(found.times, plain.times, strict=True)) < 1e-18

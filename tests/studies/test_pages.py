@@ -85,6 +85,8 @@ def check(text: str) -> Page:
     for tag, _, value in page.references:
         if value.startswith("#"):
             assert value[1:] in page.ids, value
+        elif tag == "image":  # pixels that the figure carries itself
+            assert value.startswith("data:image/png;base64,")
         else:
             assert tag == "a", (tag, value)
             assert value.startswith(("https://", "http://"))

@@ -21,6 +21,8 @@ from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.runs._observers import events as event_observer
 from polhode.scenes import column_expressions, scene_file
 from polhode.scenes.event import Event
+from polhode.taylor.events import stepwise
+from polhode.taylor.integrator import stepping
 from shared.policies import change_policy
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
@@ -484,3 +486,25 @@ def test_no_contact_is_told_beyond_where_a_run_ended():
     assert 0.49 < run.reached < 0.5
     assert [len(event.times) for event in run.events] == [0, 0]
     assert [len(event.states) for event in run.events] == [0, 0]
+
+
+@pytest.mark.parametrize("stop", [False, True], ids=["noted", "met"])
+def test_an_advance_that_is_made_again_reports_its_events_once(stop, monkeypatch):
+    """An output time that was thought out of reach was passed: all of the advance is taken back."""
+    never = Event("never", "q - 100", stop=stop)  # one that may end a run polishes where it meets
+    scene = watched(EULER, Event("q", "q"), never)
+    at = [Fraction(k, 2) for k in range(1, 200)]
+    monkeypatch.setattr(event_observer, "fits", lambda *_: False)
+    usual = polhode.integrate(scene, at=at, project=9)
+    taken, take_back = [], stepwise.Watch.take_back
+    with monkeypatch.context() as patch:
+        patch.setattr(stepping, "_REACH", 1e-6)
+        patch.setattr(
+            stepwise.Watch, "take_back", lambda self, *a: (taken.append(1), take_back(self, *a))
+        )
+        again = polhode.integrate(scene, at=at, project=9)
+    assert len(taken) > 10
+    assert np.array_equal(again.states, usual.states)
+    assert again.events[0].times == usual.events[0].times
+    assert len(usual.events[0].times) >= 20
+    assert not any(usual.events[0].grazing)

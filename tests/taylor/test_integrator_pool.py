@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode.scenes.event import Event
 from polhode.taylor.backend.integrator_pool import Kind, Pool
 from polhode.taylor.corrections import integral_projection
 from polhode.taylor.integrator import compiled
@@ -71,9 +72,11 @@ def test_threads_never_share_an_integrator(built):
     assert all(np.array_equal(states, wanted) for states in found)
 
 
-def test_a_run_that_ended_badly_leaves_nothing(built):
-    polhode.integrate(NAME, max_steps=3)
-    polhode.integrate(NAME)
+@pytest.mark.parametrize("events", [(), (Event("side", "gamma2", stop=True),)])
+def test_a_run_that_ended_badly_leaves_nothing(built, events):
+    scene = replace(polhode.load(NAME), events=events)
+    polhode.integrate(scene, max_steps=1)
+    polhode.integrate(scene)
     assert len(built) == 2
 
 

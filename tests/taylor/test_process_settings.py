@@ -8,7 +8,7 @@ import pytest
 from threadpoolctl import threadpool_info
 
 import polhode
-from polhode.taylor.backend.process_settings import one_blas_thread
+from polhode.taylor.backend.process_settings import one_blas_thread, one_thread
 
 
 def threads():
@@ -67,3 +67,16 @@ def test_a_refinement_runs_on_one(before, monkeypatch):
     assert run.method == "refined"
     assert set(seen) == {1}
     assert threads() == before
+
+
+def test_heyoka_has_one_thread_inside_and_those_of_before_outside():
+    import heyoka
+
+    before = heyoka.get_nthreads()
+    heyoka.set_nthreads(3)
+    try:
+        with one_thread():
+            assert heyoka.get_nthreads() == 1
+        assert heyoka.get_nthreads() == 3
+    finally:
+        heyoka.set_nthreads(before)

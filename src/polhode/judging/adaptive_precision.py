@@ -11,7 +11,6 @@ from typing import Literal, NamedTuple, TypedDict, Unpack, overload
 from polhode.common.arguments import whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress, bar
-from polhode.judging.digit_check import checked
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
 from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NumberType, wider
@@ -185,6 +184,8 @@ def integrate(
         run = solve(scene, chosen, options, progress)
         if digits is None or not (run.outcome.done and run.times):
             return run
+        from polhode.judging.digit_check import checked  # and with it all closed forms
+
         hopeless = need.lost > need.most
         run = _as_expected(run) if hopeless else checked(run, digits, proved, progress)
         right = run.correct_digits or 0.0
