@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -26,6 +27,7 @@ from polhode.enclosures import (
 )
 from polhode.enclosures.derived import derived_balls
 from polhode.enclosures.fixed_point_problem import (
+    CLOCK,
     LEAST_NOISE,
     MOST_NOISE,
     Motion,
@@ -47,15 +49,18 @@ from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.scalars import AnyNumber
-from polhode.scenes import library
+from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.scenes import start_box
 from polhode.scenes.scene import Scene
+from polhode.scenes.start_box import StartBox
 from polhode.scenes.vocabulary import COLUMNS
 
 MOST_DIGITS = 250
 MAX_STEPS = 300_000
 _MOST_TRIES = 6
 _SPARE = 6
+_BEYOND_A_BOX = 8  # digits that the proof has more than the box
+_TENTHS = 12  # of a box that is too wide
 
 
 def certify(
@@ -69,13 +74,15 @@ def certify(
     max_seconds: float | None = None,
     forecast: Callable[[float], None] | None = None,
     derivatives: bool = False,
+    omega_radius: AnyNumber | AnyVector | None = None,
 ) -> Enclosure:
     """Enclose the exact motion of any body in proven balls.
 
     Parameters
     ----------
     scene : Scene, str or Path
-        A scene, a path, or the name of a case.
+        A scene, a path, or the name of a case.  In a file omega may have intervals, ``start.omega =
+        ["3/10 \u00b1 1e-9", 0, 1]``.
     at : iterable of numbers, optional
         Times of either sign in any order, taken exactly, in the scene's unit; the scene's own
         unless given.
@@ -97,6 +104,10 @@ def certify(
     derivatives : bool
         Whether the derivative of the states by the start is enclosed too, to as many digits as
         doubles leave; its steps are shorter.
+    omega_radius : number or three numbers, optional
+        The balls then hold every motion whose omega at the start is so near to the scene's, in body
+        axes.  What the box leaves is proven, ``digits`` at most; it is followed as far as it can
+        be, and the ``outcome`` says so.
 
     Returns
     -------
@@ -107,7 +118,7 @@ def certify(
     Raises
     ------
     BadInput
-        Where the digits cannot be had.
+        Where the digits cannot be had, and a box that is too wide to be followed at all.
 
     Notes
     -----
@@ -121,9 +132,12 @@ def certify(
     True
     >>> max(found.radii[0]) < 1e-29
     True
+    >>> found = polhode.certify("general/asymmetric-regular", at=[10], omega_radius="1e-9")
+    >>> 1e-9 < max(found.radii[0]) < 1e-7
+    True
     """
-    if not isinstance(scene, Scene):
-        scene = library.load(scene)
+    box = start_box.chosen(scene, omega_radius)
+    scene = box.scene
     times = scene.times
     if at is not None:
         times = each(scene.name, "at", at, exact_number, "a list of times")
@@ -133,7 +147,12 @@ def certify(
     max_steps = steps(scene.name, max_steps)
     deadline = time_limit(scene, max_seconds)
     began = time.process_time()
-    sides = [_Side(scene, times, backward) for backward in (False, True)]
+    if box.radii is not None:
+        if scene.starts_at_pole and "angles" in scene.modelled:
+            expected = "no angles: where the third axis leaves the vertical depends on omega"
+            raise BadInput(scene.name, "outputs", "angles", expected)
+        digits = min(digits, digits_of_box(box))
+    sides = [_Side(box, times, backward) for backward in (False, True)]
     sides = [side for side in sides if side.places]
     for side in sides:
         if (needed := precision_choice.steps(side.motion, side.last)) > max_steps:
@@ -154,7 +173,7 @@ def certify(
         started = time.process_time()
         try:
             found = _found(
-                scene, times, sides, digits, noise, integrals, progress, deadline, derivatives
+                box, times, sides, digits, noise, integrals, progress, deadline, derivatives
             )
         except Refused as why:
             refusal = str(why)
@@ -167,14 +186,47 @@ def certify(
         if not found.outcome.done and best is not None:  # fewer digits, but at every time
             return replace(best, outcome=found.outcome, tries=tries, seconds_in_all=in_all)
         best = replace(found, seconds=seconds, tries=tries, seconds_in_all=in_all)
-        if best.reached or not best.outcome.done:
-            return best
+        if best.reached or not best.outcome.done or box.radii is not None:
+            if best.times or best.outcome is not Outcome.TOO_WIDE:
+                return best
+            break
         if noise == MOST_NOISE:
             break
         noise += math.ceil(precision_choice.BITS_A_DIGIT * (digits - best.fewest)) + _SPARE
+    if box.radii is not None:
+        raise _too_wide(box, times, digits, deadline)
     had = f"{best.fewest:.1f} proven" if best else refusal
     expected = f"digits that can be proven to t = {_farthest(times)} ({had})"
     raise BadInput(scene.name, "digits", digits, expected)
+
+
+def digits_of_box(box: StartBox) -> int:
+    """Digits beyond those that a box leaves of the start."""
+    most = max(box.radii or (Fraction(0),))
+    if not most:
+        return MOST_DIGITS
+    mantissa, exponent = exact.rounded(most, 8)
+    left = -(exponent + mantissa.bit_length()) / precision_choice.BITS_A_DIGIT
+    return min(MOST_DIGITS, max(1, math.ceil(left)) + _BEYOND_A_BOX)
+
+
+def _too_wide(
+    box: StartBox, times: Sequence[Exact], digits: int, deadline: Deadline
+) -> BadInput:
+    """The complaint about a box that was followed to none of the times."""
+    radii, found = box.radii or (), None
+    at = [min(times, key=abs)]
+    for k in range(1, _TENTHS + 1):
+        narrower = tuple(r / 10**k for r in radii)
+        with suppress(BadInput):
+            found = certify(box.scene, at, digits=digits + k, omega_radius=narrower)
+        if deadline.passed or (found is not None and found.times):
+            break
+    told = ", ".join(shown(r) for r in radii)
+    expected = f"narrower intervals, to be followed to t = {shown(at[0])}"
+    if found is not None and found.times:
+        expected += f"; a part in {10**k} of these works"
+    return BadInput(box.scene.name, start_box.KEY, f"\u00b1 ({told})", expected)
 
 
 def time_limit(scene: Scene, seconds: float | None) -> Deadline:
@@ -189,10 +241,10 @@ def time_limit(scene: Scene, seconds: float | None) -> Deadline:
 class _Side:
     """The times of one sign, in order and once each, and where they stand among those asked."""
 
-    def __init__(self, scene: Scene, times: Sequence[Exact], backward: bool) -> None:
+    def __init__(self, box: StartBox, times: Sequence[Exact], backward: bool) -> None:
         chosen = [n for n, t in enumerate(times) if (sign(t) < 0) == backward]
         order = sorted(chosen, key=lambda n: abs(times[n]))  # exact, and so compared
-        self.motion: Motion = motion(scene, backward)
+        self.motion: Motion = motion(box.scene, backward, radii=box.radii)
         self.ordered: list[Exact] = []
         self.places: dict[int, int] = {}  # index among those asked -> index in ``ordered``
         for n in order:
@@ -207,7 +259,7 @@ class _Side:
 
 
 def _found(
-    scene: Scene,
+    box: StartBox,
     times: Sequence[Exact],
     sides: Sequence[_Side],
     digits: int,
@@ -218,10 +270,11 @@ def _found(
     derivatives: bool,
 ) -> Enclosure:
     """The enclosure at one noise level, as far as it came; raises Refused."""
+    scene = box.scene
     rows: dict[int, list[Any]] = {}
     poses: dict[int, attitude.Pose] = {}
     slopes: dict[int, BallMatrix] = {}
-    steps, outcome = 0, Outcome.REACHED_END
+    steps, outcome, ends = 0, Outcome.REACHED_END, []
     lost: list[float] = []
     for side in sides:
         if not outcome.done:
@@ -237,12 +290,14 @@ def _found(
             problem,
             asked,
             known,
-            untrusted=SHORT_STEPS if derivatives else HONEST,
+            untrusted=SHORT_STEPS if derivatives or box.radii is not None else HONEST,
             progress=progress,
             watchers=[*watch, *flow],
             deadline=deadline,
         )
         steps, outcome = steps + proof.steps, proof.outcome
+        way = -1.0 if side.motion.backward else 1.0
+        ends.append(way * math.ldexp(proof.end.time, side.motion.unit - CLOCK))
         turned = [in_scene_axes(side.motion, row, noise + 100) for row in proof.rows]
         followed = [len(one.poses) for one in watch] + [len(one.found) for one in flow]
         had = min([len(turned), *followed])
@@ -251,13 +306,12 @@ def _found(
         for one in watch:
             poses |= {n: one.poses[place] for n, place in reached.items()}
             if "angles" in scene.modelled and one.lost is not None:
-                way = -1.0 if side.motion.backward else 1.0
                 lost.append(way * math.ldexp(one.lost, side.motion.unit))
         for derived in flow:
             turn = partial(flow_derivative.matrix_in_scene_axes, side.motion, bits=noise + 100)
             slopes |= {n: turn(derived.found[place]) for n, place in reached.items()}
     order = sorted(rows)
-    centres, radii = _balls([rows[n] for n in order], noise + 100)
+    centres, radii = balls([rows[n] for n in order], noise + 100)
     given: dict[str, Sequence[Sequence[Any]]] = {"state": [rows[n] for n in order]}
     if "attitude" in scene.modelled:
         given["attitude"] = [poses[n].quaternion for n in order]
@@ -265,9 +319,9 @@ def _found(
         given["angles"] = [attitude.angles(poses[n], rows[n][3:], noise + 100) for n in order]
     for word in derived_words():
         if word in scene.outputs:
-            given[word] = derived_balls(word, scene, given, noise + 100)
+            given[word] = derivedballs(word, scene, given, noise + 100)
     parts = {
-        word: Part(*_balls(found, noise + 100)) for word, found in given.items() if word in COLUMNS
+        word: Part(*balls(found, noise + 100)) for word, found in given.items() if word in COLUMNS
     }
     return Enclosure(
         scene,
@@ -294,6 +348,8 @@ def _found(
         else None,
         assumed(scene, times),
         tuple(lost),
+        box.radii,
+        ends[-1],
     )
 
 
@@ -309,7 +365,7 @@ def _watch(
     return [attitude.Watch(side.motion, problem, times, approximate, angles, deadline)]
 
 
-def _balls(rows: Sequence[Sequence[Any]], bits: int) -> tuple[Any, Any]:
+def balls(rows: Sequence[Sequence[Any]], bits: int) -> tuple[Any, Any]:
     """Balls as midpoints and radii; what is None has the radius 0."""
     with ctx.workprec(bits):
         return (
@@ -339,7 +395,7 @@ def _digits(scene: Scene, sides: Sequence[_Side], centres: Any, radii: Any) -> t
 
 def _at_rest(what: Motion) -> bool:
     """Whether w is zero for ever, zero by the rule for *equal*."""
-    if any(sign(x) for x in what.start[:3]):
+    if what.radii or any(sign(x) for x in what.start[:3]):
         return False
     pull, push, gamma = what.constants[3:6], what.constants[6:], what.start[3:]
     torques = (

@@ -22,15 +22,22 @@ from polhode.enclosures import (
     precision_choice,
     proof_loop,
 )
-from polhode.enclosures._zeros.certified_zeros import Crossing, Search
+from polhode.enclosures._zeros.certified_zeros import Search
 from polhode.enclosures._zeros.zero_at_start import first_derivative, is_still
-from polhode.enclosures.certify import MAX_STEPS, MOST_DIGITS, time_limit
+from polhode.enclosures.certify import (
+    MAX_STEPS,
+    MOST_DIGITS,
+    balls,
+    digits_of_box,
+    time_limit,
+)
 from polhode.enclosures.fixed_point_problem import (
     LEAST_NOISE,
     MOST_NOISE,
     TIME_BITS,
     Motion,
     Refused,
+    in_scene_axes,
     motion,
     upper,
 )
@@ -41,8 +48,8 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.scalars import AnyNumber
-from polhode.scenes import library
+from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.scenes import start_box
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
@@ -52,11 +59,16 @@ _DEARER = 1.4  # with events than without
 
 
 class EventTime(NamedTuple):
-    """A proven event: its time is within ``radius`` of ``time``; slope 1 rising, -1 falling."""
+    """A proven event: its time is within ``radius`` of ``time``; slope 1 rising, -1 falling.
+
+    The state then is within ``radii`` of ``state``: p q r [gamma1 gamma2 gamma3] in body axes.
+    """
 
     time: Fraction
     radius: float
     slope: int
+    state: tuple[Fraction, ...]
+    radii: tuple[float, ...]
 
 
 @dataclass(frozen=True, repr=False)
@@ -98,6 +110,7 @@ def certify_events(
     max_steps: int = MAX_STEPS,
     max_seconds: float | None = None,
     forecast: Callable[[float], None] | None = None,
+    omega_radius: AnyNumber | AnyVector | None = None,
 ) -> tuple[CertifiedEvents, ...]:
     """Enclose a scene's events from 0 to a time, each proven to exist and to be the only one there.
 
@@ -105,7 +118,8 @@ def certify_events(
     ----------
     scene : Scene, str or Path
         A scene with events, a path, or the name of a case.  An event is a polynomial in p q r
-        gamma1 gamma2 gamma3 that is not 0 all along; its ``stop`` is not heeded.
+        gamma1 gamma2 gamma3 that is not 0 all along; its ``stop`` is not heeded.  In a file omega
+        may have intervals, as for :func:`certify`: each event then is one of every motion.
     end : number, optional
         In the scene's unit; the scene's own unless given.
     digits : int
@@ -119,6 +133,8 @@ def certify_events(
         A limit on the time by the clock; what comes after the time that was reached is undecided.
     forecast : callable, optional
         Called once, before the proof, with the seconds that it will take, roughly.
+    omega_radius : number or three numbers, optional
+        As for :func:`certify`: each event then is one of every motion from the box.
 
     Returns
     -------
@@ -139,9 +155,11 @@ def certify_events(
     >>> (found,) = polhode.certify_events(scene, end=2)
     >>> [round(float(t.time), 12) for t in found.times]  # pi/3
     [1.047197551197]
+    >>> [round(float(x), 12) for x in found.times[0].state]  # p q r gamma1 gamma2 gamma3
+    [1.0, 0.0, 0.0, 0.0, 0.866025403784, 0.5]
     """
-    if not isinstance(scene, Scene):
-        scene = library.load(scene)
+    box = start_box.chosen(scene, omega_radius)
+    scene = box.scene
     last = scene.end
     if end is not None:
         (last,) = each(scene.name, "end", (end,), exact_number, "a time")
@@ -149,7 +167,9 @@ def certify_events(
         raise BadInput(scene.name, "end", "0", "a time other than 0")
     digits = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
     max_steps = steps(scene.name, max_steps)
-    what = motion(scene, backward=sign(last) < 0)
+    what = motion(scene, backward=sign(last) < 0, radii=box.radii)
+    if box.radii is not None:
+        digits = min(digits, digits_of_box(box))
     if (needed := precision_choice.steps(what, last)) > max_steps:
         expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
         raise BadInput(scene.name, "end", shown(last), expected)
@@ -192,7 +212,13 @@ def _found(
         searches.append(Search(g.balls(bits), rate(g, field).balls(bits), at_start, deadline))
     known = integral_contraction.prepared(what, bits)
     proof = proof_loop.run(
-        problem, [end], known, progress=progress, watchers=searches, deadline=deadline
+        problem,
+        [end],
+        known,
+        untrusted=proof_loop.SHORT_STEPS if what.radii else proof_loop.HONEST,
+        progress=progress,
+        watchers=searches,
+        deadline=deadline,
     )
     done = proof.outcome.done
     until = end if done else arb((proof.end.time, -fixed_point_problem.CLOCK))
@@ -218,12 +244,14 @@ def _named(what: Motion, event: Event, search: Search, end: arb, noise: int) -> 
     with ctx.workprec(noise + 200):
         for crossing in search.crossings:
             slope = -crossing.slope if what.backward else crossing.slope
-            if not event.counts(slope) or crossing.time > end:
+            time, state = crossing.at
+            if not event.counts(slope) or time > end:
                 continue
-            if crossing.time < end and crossing.time > 0:
-                times.append(_time(crossing, by, slope))
+            if time < end and time > 0:
+                row = in_scene_axes(what, state, noise + 100)
+                times.append(_time(time, by, slope, row, noise + 100))
             else:
-                undecided.append(_interval(what, crossing.time, crossing.time, end))
+                undecided.append(_interval(what, time, time, end))
     for contact in search.contacts:
         if not contact.begin > end:
             undecided.append(_interval(what, contact.begin, contact.end, end))
@@ -250,10 +278,10 @@ def _fraction(x: arb) -> Fraction:
     return exact.binary(int(mantissa), int(exponent))
 
 
-def _time(crossing: Crossing, by: Fraction, slope: int) -> EventTime:
-    near = _fraction(crossing.time.mid())
-    radius = arb(crossing.time.rad())
-    return EventTime(near * by, upper(radius) * abs(float(by)), slope)
+def _time(time: arb, by: Fraction, slope: int, row: Sequence[arb], bits: int) -> EventTime:
+    radius = upper(arb(time.rad())) * abs(float(by))
+    (centres,), (radii,) = balls([row], bits)
+    return EventTime(_fraction(time.mid()) * by, radius, slope, centres, radii)
 
 
 def of_event(what: Motion, n: int, event: Event) -> Polynomial:

@@ -15,6 +15,8 @@ times is one of the start -w, since t -> -t, w -> -w leaves the equations as the
 With a tolerance the constants' radii hold those of every body whose three moments and three k_i
 differ by at most that part of themselves; a proof is then one for each of these bodies, since A,
 B and d of ``step_bound`` are those of the body, and their radii are all that is used of them.
+
+With radii of the start, the set at t = 0 holds every start of the box: a proof is one for each.
 """
 
 from __future__ import annotations
@@ -32,7 +34,7 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
-from polhode.scenes.body import Body, Vector, dot
+from polhode.scenes.body import Body, Matrix, Vector, dot
 from polhode.scenes.scene import Scene
 
 CLOCK = 14  # times of the grid are integers times 2**-CLOCK
@@ -67,7 +69,7 @@ class Problem:
     the three rows; ``slack``: their radii, in units of 2**-noise.  ``factors``: the same constants
     as doubles; ``factor_slack``: their radii, absolute.  ``start``: six integers times 2**-fine;
     ``spread``: their radii in units of 2**-noise.  ``weights``: positive, of a norm in which the
-    motion hardly stretches; any would do.
+    motion hardly stretches; any would do.  ``is_box``: whether the start is more than one point.
     """
 
     noise: int
@@ -80,6 +82,7 @@ class Problem:
     start: tuple[int, ...]
     spread: tuple[float, ...]
     weights: tuple[float, ...] = (1.0,) * 6
+    is_box: bool = False
 
     @property
     def beta(self) -> float:
@@ -94,7 +97,8 @@ class Motion:
 
     ``constants``: the nine, exact; ``start``: the six, exact, gamma zero where there is none.
     ``unit``: time is measured in 2**unit of the scene's; ``backward``: t and w changed sign.
-    ``tolerance``: relative, of each of the moments and of the torque's components.
+    ``tolerance``: relative, of each of the moments and of the torque's components.  ``radii``: of
+    the start, six numbers from 0 on, empty where it is one point.
     """
 
     scene: Scene
@@ -105,6 +109,15 @@ class Motion:
     moments: tuple[Exact, ...]
     torque: tuple[Exact, ...]
     tolerance: Fraction = Fraction(0)
+    radii: tuple[Exact, ...] = ()
+
+    def starts(self, bits: int) -> list[arb]:
+        """Balls that hold every start, their middles that of the scene."""
+        found = [ball(x, bits) for x in self.start]
+        if not self.radii:
+            return found
+        with ctx.workprec(bits):
+            return [x + arb(0, 1) * ball(r, bits) for x, r in zip(found, self.radii, strict=True)]
 
     def spread(self, known: arb) -> arb:
         """All numbers that a moment, or a component of the torque, may be, from its ball."""
@@ -142,10 +155,13 @@ class Motion:
 CYCLE = ((1, 2), (2, 0), (0, 1))
 
 
-def motion(scene: Scene, backward: bool = False, unit: int | None = None) -> Motion:
+def motion(
+    scene: Scene, backward: bool = False, unit: int | None = None, radii: Vector | None = None
+) -> Motion:
     """The exact motion of a scene, to positive or to negative times.
 
-    ``unit``: of time, the one of the module unless given.
+    ``unit``: of time, the one of the module unless given.  ``radii``: how far each component of
+    omega may be from the scene's, in its axes; a box in the principal axes then holds them all.
     """
     body, axes = scene.body, scene.body.axes
     moments, torque = body.moments, axes.components(body.torque)
@@ -166,7 +182,17 @@ def motion(scene: Scene, backward: bool = False, unit: int | None = None) -> Mot
         (*omega, *gamma),
         tuple(moments),
         tuple(k),
+        radii=() if radii is None else (*_principal(axes.rows, radii, by), *[exact.ZERO] * 3),
     )
+
+
+def _principal(rows: Matrix, radii: Vector, by: Fraction) -> list[Exact]:
+    """Radii along the principal axes of a box that holds that of the scene's axes."""
+    found: list[Exact] = []
+    for row in rows:
+        a, b, c = (by * r * abs(x) for x, r in zip(row, radii, strict=True))
+        found.append(a + b + c)
+    return found
 
 
 def unit_for(body: Body, omega: Vector) -> int:
@@ -199,8 +225,8 @@ def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Probl
             factors.append(factor)
             factor_slack.append(upper(known - arb(factor)))
         start, spread = [], []
-        for x in what.start:
-            near, radius = _nearest(ball(x, 2 * fine + 100), fine)
+        for known in what.starts(2 * fine + 100):
+            near, radius = _nearest(known, fine)
             start.append(near)
             spread.append(upper(radius * arb((1, noise))))
     return Problem(
@@ -214,6 +240,7 @@ def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Probl
         tuple(start),
         tuple(spread),
         _weights(what),
+        bool(what.radii),
     )
 
 

@@ -29,7 +29,6 @@ from polhode.enclosures.fixed_point_problem import UP, Motion, Problem, upper
 from polhode.enclosures.polynomial import (
     BallPolynomial,
     Polynomial,
-    ball,
     rate,
     total,
     variable,
@@ -96,7 +95,7 @@ def prepared(what: Motion, bits: int) -> list[Integral]:
     """The first integrals with balls for their coefficients and values, to so many bits."""
     found = []
     with ctx.workprec(bits):
-        start = [ball(x, bits) for x in what.start]
+        start = what.starts(bits)
         for name, h in first_integrals(what).items():
             gradient = [h.derivative(i) for i in range(6)]
             second = [row.derivative(i) for row in gradient for i in range(6)]

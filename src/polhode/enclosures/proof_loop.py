@@ -67,7 +67,8 @@ class Watcher(Protocol):
 class Proof:
     """Balls at the times asked for, in the principal axes and the proof's unit, and its cost.
 
-    ``outcome``: REACHED_END; TIME_LIMIT or INTERRUPTED where the rows are those up to ``end``.
+    ``outcome``: REACHED_END; TIME_LIMIT, INTERRUPTED or TOO_WIDE where the rows are those up to
+    ``end``.
     """
 
     rows: list[list[arb]]
@@ -89,6 +90,8 @@ def run(
 
     What is proven until the ``deadline``, or until Ctrl-C, is kept.  ``watchers``: what looks for
     zeros on the way, or follows the attitude; they may raise TooLong.
+
+    Where the start is a box, the proof ends where the set has grown too large, too.
     """
     step_bound.check_arithmetic()
     state = zonotope.beginning(problem)
@@ -107,7 +110,13 @@ def run(
                 continue
             asked = zonotope.inside(times[len(rows) :], tried.pieces.times[-1])
             before = state.time
-            state, found, taken = zonotope.advance(state, tried, asked, deadline)
+            try:
+                state, found, taken = zonotope.advance(state, tried, asked, deadline)
+            except Refused:
+                if problem.is_box and wide > _FEWEST:  # as far as a box can be followed
+                    wide = _FEWEST
+                    continue
+                raise
             rows += found
             for watcher in watchers:
                 watcher.window(tried, taken)
@@ -118,8 +127,11 @@ def run(
             if progress is not None:
                 progress(state.time / end, steps)
     except Refused as why:
-        grown = math.log2(max(1.0, float(np.max(whole.radii))))
-        raise Refused(str(why), whole.time / end, grown) from why
+        if problem.is_box and whole.time > 0:
+            outcome = Outcome.TOO_WIDE
+        else:
+            grown = math.log2(max(1.0, float(np.max(whole.radii))))
+            raise Refused(str(why), whole.time / end, grown) from why
     except TooLong:
         outcome = Outcome.TIME_LIMIT
     except KeyboardInterrupt:

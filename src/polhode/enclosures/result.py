@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from polhode.common.cached_property import cached_property
+from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
@@ -67,7 +68,9 @@ class Enclosure(Result, ByValue):
     CPU, those of all of them and of the pilot.  ``assumed``: what was decided by the rule for
     *equal* of :mod:`polhode.numbers.exact`, and is not proven; empty for rational data.  ``lost``:
     about the times, one a side, from which on psi and phi are None, the third axis being, or
-    passing, too near the vertical for their turns to be counted in double.
+    passing, too near the vertical for their turns to be counted in double.  ``omega_radius``: the
+    radii of the start's box, in body axes; None where the start is the scene's own.  ``until``: the
+    time to which the proof went, of the side that it ended on.
 
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
@@ -95,6 +98,8 @@ class Enclosure(Result, ByValue):
     derivatives: FlowDerivative | None = None
     assumed: tuple[str, ...] = ()
     lost: tuple[float, ...] = ()
+    omega_radius: tuple[Fraction, ...] | None = None
+    until: float = math.nan
 
     @cached_property
     def midpoints(self) -> list[list[Real]]:
@@ -104,8 +109,10 @@ class Enclosure(Result, ByValue):
 
     @property
     def reached(self) -> bool:
-        """Whether the digits asked for are proven at every time, of the angles and attitude too."""
-        return self.outcome.done and self.fewest >= self.asked
+        """Whether the digits asked for are proven at every time, of the angles and attitude too;
+        of a box, whether it was followed to the last time."""
+        whole = self.fewest >= self.asked or self.omega_radius is not None
+        return self.outcome.done and whole
 
     @property
     def proven(self) -> float:
@@ -122,7 +129,9 @@ class Enclosure(Result, ByValue):
     def statement(self) -> tuple[str, ...]:
         """What is proven, in words, with all that it rests on; see `polhode guide proofs`."""
         outputs = [word for word in ("angles", "attitude") if getattr(self, word) is not None]
-        return stated(self.scene, self.times, [*outputs, *self.derived], self.assumed)
+        return stated(
+            self.scene, self.times, [*outputs, *self.derived], self.assumed, self.omega_radius
+        )
 
     def strings(self) -> list[list[str]]:
         """The states as decimals of which every digit is proven; see :func:`guaranteed`."""
@@ -160,6 +169,8 @@ class Enclosure(Result, ByValue):
             return
         from polhode.certificates import state_certificate
 
+        if self.omega_radius is not None:
+            raise BadInput(self.scene.name, "start.omega", None, "numbers, for a certificate")
         state_certificate.save(self.scene, self.times, self.decimals(), path, progress)
 
     def __repr__(self) -> str:

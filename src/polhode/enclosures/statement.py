@@ -61,12 +61,24 @@ def trusted_lines() -> int:
 
 
 def stated(
-    scene: Scene, times: Sequence[Exact], outputs: Sequence[str], equal: Sequence[str]
+    scene: Scene,
+    times: Sequence[Exact],
+    outputs: Sequence[str],
+    equal: Sequence[str],
+    radii: Sequence[Fraction] | None = None,
 ) -> tuple[str, ...]:
     """What is claimed of balls at the times, sentence by sentence, and what it rests on.
 
-    ``outputs``: what there are balls of beside the state; ``equal``: see :func:`assumed`.
+    ``outputs``: what there are balls of beside the state; ``equal``: see :func:`assumed`;
+    ``radii``: of a box of starts, by components of w.
     """
+    motion = "the motion through this state at t = 0 exists"
+    if radii is not None:
+        near = ", ".join(map(str, radii))
+        motion = (
+            f"every motion through a state at t = 0 whose w differs from this one by ({near}) at "
+            "most, component by component, exists"
+        )
     reach = [min([Fraction(0), *times]), max([Fraction(0), *times])]
     names = ", ".join(f"{name} = {_exactly(value)}" for name, value in _numbers(scene))
     beside = "".join(f", its {word} likewise" for word in outputs)
@@ -74,7 +86,7 @@ def stated(
         "I w' + w x I w = Mg gamma x r0, gamma' = gamma x w"
         + ("" if scene.gamma is not None else " (gamma left out: no moment)")
         + f", with {names}:",
-        f"the motion through this state at t = 0 exists on [{_exactly(reach[0])}, "
+        f"{motion} on [{_exactly(reach[0])}, "
         f"{_exactly(reach[1])}], and at each time told each component of its state lies within "
         f"the ball's radius of its midpoint{beside}.",
         "Numbers are those of the scene, exactly: a decimal is that decimal, a fraction that "

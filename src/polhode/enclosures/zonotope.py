@@ -40,6 +40,7 @@ from polhode.enclosures.step_bound import TINY, Bounds, gamma
 from polhode.numbers.flint_context import ctx
 
 SETTLED = 24
+_SHARPENED = 2  # (2) with an r of its own is another r
 MOST_COLUMNS = 80_000  # sums of more would need more than UP for their rounding
 _IDENTITY = np.eye(6)
 
@@ -151,10 +152,12 @@ def _accepted(known: Bounds, n: int, eps: float, hb: float) -> Step:
     r = UP * 2.0 * growth * (eps + delta + 2.0 * hb * sigma * sigma) + TINY
     if not 8.0 * growth * hb * r <= 0.999 or not sigma + r < 1e150:  # whose square is a number
         raise Refused("the set has grown too large for the next step")
-    s = UP * (growth * (delta + hb * (sigma + r) ** 2) + rho * eps) + TINY
-    if not s < 1e300:
-        raise Refused("the error of a step has no bound")
-    return Step(min(r, UP * (float(known.sizes[n]) * eps + s) + TINY), s)
+    for _ in range(_SHARPENED):
+        s = UP * (growth * (delta + hb * (sigma + r) ** 2) + rho * eps) + TINY
+        if not s < 1e300:
+            raise Refused("the error of a step has no bound")
+        r = min(r, UP * (float(known.sizes[n]) * eps + s) + TINY)
+    return Step(r, s)
 
 
 def _jumps(state: State, known: Bounds) -> Any:

@@ -39,6 +39,7 @@ class Outcome(Enum):
     TOO_FEW_DIGITS = "too few digits"
     INTERRUPTED = "interrupted"
     NOT_RUN = "not run"
+    TOO_WIDE = "too wide"
 
     @property
     def cause(self) -> str:
@@ -95,6 +96,10 @@ _CAUSES = {
         "ask for fewer digits or a shorter run, and let --digits choose number type and tolerance",
     ),
     "interrupted": ("the run was interrupted", "run again, or ask for a shorter run"),
+    "too wide": (
+        "the motions from the start's intervals are too far apart by then for one proof of all",
+        "give narrower intervals, or earlier times",
+    ),
     "not run": ("the sweep was interrupted before this member was done", "run it again"),
 }
 

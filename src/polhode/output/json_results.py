@@ -189,6 +189,11 @@ def of_enclosure(found: Enclosure) -> JsonObject:
         "statement": list(found.statement),
         "assumed": list(found.assumed),
         **({"angles_lost": list(found.lost)} if found.lost else {}),
+        **(
+            {"omega_radius": [in_full(r) for r in found.omega_radius], "until": found.until}
+            if found.omega_radius is not None
+            else {}
+        ),
         "steps": found.steps,
         "tries": found.tries,
         "seconds": round(found.seconds_in_all, 3),
@@ -197,14 +202,18 @@ def of_enclosure(found: Enclosure) -> JsonObject:
 
 
 def of_certified_events(found: CertifiedEvents) -> JsonObject:
-    """Proven events: decimals to which every number of a time's ball rounds, radii, slopes."""
-    from polhode.enclosures.result import guaranteed, rounded_up
+    """Proven events: decimals to which every number of a time's ball rounds, radii, slopes, and
+    the states then as midpoints and radii."""
+    from polhode.enclosures.result import decimal_ball, guaranteed, rounded_up
 
+    balls = [list(map(decimal_ball, t.state, t.radii)) for t in found.times]
     return {
         "name": found.name,
         "times": [guaranteed(t.time, t.radius) for t in found.times],
         "radii": rounded_up([t.radius for t in found.times]),
         "slopes": [t.slope for t in found.times],
+        "states": [[middle for middle, _ in row] for row in balls],
+        "state_radii": [[radius for _, radius in row] for row in balls],
         "undecided": [list(interval) for interval in found.undecided],
         "proven": found.proven,
     }

@@ -68,10 +68,15 @@ def load(scene: Scene | str | Path) -> Scene:
         return scene
     from polhode.scenes import scene_file
 
+    return scene_file.read(*place(scene))
+
+
+def place(scene: str | Path) -> tuple[Path, str | None]:
+    """The file of a scene, and its name where it is a case that ships; raises BadInput."""
     of_kind("load", "scene", scene, (str, Path), "a Scene, a path, or the name of a case")
     name = str(scene)
     if ships(name):
-        return scene_file.read(folder() / f"{name}.toml", name)
+        return folder() / f"{name}.toml", name
     try:
         exists = Path(scene).exists()
     except (OSError, ValueError):
@@ -79,7 +84,7 @@ def load(scene: Scene | str | Path) -> Scene:
     if not exists or not name:
         known = nearest(name, names())
         raise BadInput(name or "''", "SCENE", None, f"a path, or the name of a case: {known}")
-    return scene_file.read(Path(scene))
+    return Path(scene), None
 
 
 def path_of(scene: str | Path) -> Path | None:

@@ -41,12 +41,16 @@ def read(path: Path, name: str | None = None) -> Scene:
     if name is None:
         scene = read(path, str(path))
         return scene if scene.name == called(path) else replace(scene, name=called(path))
+    return parse(text_of(path, name), name)
+
+
+def text_of(path: Path, name: str) -> str:
+    """A scene file's text; raises BadInput with that name."""
     found = read_whole(path, MAX_FILE, "a readable scene file", name)
     try:
-        text = found.decode("utf-8-sig").replace("\r\n", "\n")
+        return found.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError:
         raise BadInput(name, "file", None, "a readable scene file (not UTF-8 text)") from None
-    return parse(text, name)
 
 
 def parse(text: str, name: str = "scene") -> Scene:

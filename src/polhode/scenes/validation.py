@@ -13,6 +13,9 @@ from polhode.numbers.expression import ExpressionError
 from polhode.scenes import keys
 from polhode.scenes.body import Vector
 
+#: Between the middle and the radius of an interval, which proofs alone take.
+PLUS_MINUS = ("\u00b1", "+-", "+/-")
+
 
 class Literal(str):
     """A decimal of the file, digit for digit."""
@@ -104,6 +107,9 @@ class Reading:
             if isinstance(value, (Fraction, exact.Irrational)):  # a varied number
                 return value
         except ExpressionError as fault:
+            if isinstance(value, str) and any(mark in value for mark in PLUS_MINUS):
+                expected = "a number; intervals are taken in start.omega, and by proofs alone: "
+                raise self.bad(key, value, expected + "reference --certified") from None
             raise self.bad(key, value, f"a number ({fault})") from None
         raise self.bad(key, value, "a number")
 

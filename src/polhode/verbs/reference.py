@@ -15,8 +15,9 @@ from polhode.common.files import check_writable, is_stdout
 from polhode.numbers import number_types
 from polhode.numbers.exact import Exact
 from polhode.output import json_results
-from polhode.scenes import library
+from polhode.scenes import library, start_box
 from polhode.scenes.scene import Scene
+from polhode.scenes.start_box import StartBox
 from polhode.scenes.vocabulary import COLUMNS
 from polhode.verbs.terminal import (
     DONE,
@@ -84,7 +85,8 @@ def main(options: Namespace) -> int:
     from polhode.judging.references.reference import Reference
     from polhode.judging.references.reference import reference as reference_of
 
-    scene = library.load(options.scene)
+    box = start_box.read(options.scene) if options.certified else None
+    scene = library.load(options.scene) if box is None else box.scene
     if options.outputs is not None:
         scene = replace(scene, outputs=tuple(o for o in options.outputs.split(",") if o))
     times = scene.times if options.at is None else read_times(scene, options.at)
@@ -100,11 +102,11 @@ def main(options: Namespace) -> int:
                 raise BadInput(scene.name, key, None, "--certified with it")
     if options.events and not scene.events:
         raise BadInput(scene.name, "events", None, "given in the scene, for --events")
-    if options.certified:
+    if box is not None:
         if options.file is not None:
             check_writable(Path(options.file), [".json"], [library.path_of(options.scene)])
             refuse_two_on_stdout(Path(options.file), options.json)
-        return _certified(scene, times, options)
+        return _certified(StartBox(scene, box.radii), times, options)
     reference = reference_of(scene)
     if not isinstance(reference, Reference):
         expected = "a scene with a closed form, or --certified"
@@ -117,20 +119,24 @@ def main(options: Namespace) -> int:
     return DONE
 
 
-def _certified(scene: Scene, times: Sequence[Exact], options: Namespace) -> int:
+def _certified(box: StartBox, times: Sequence[Exact], options: Namespace) -> int:
     """A proven enclosure, and proven events; on stdout nothing but proven digits."""
     from polhode.certificates import state_certificate
     from polhode.enclosures.certify import MAX_STEPS, certify
     from polhode.enclosures.events import certify_events
     from polhode.motion.outcomes import Outcome
 
+    scene, radii = box
     held = json_results.held_times(scene, times, options.digits)
     if options.file is not None:
+        if radii is not None:
+            raise BadInput(scene.name, start_box.KEY, None, "numbers, for a certificate")
         state_certificate.check(scene, held)
     limits: dict[str, Any] = {
         "max_steps": options.max_steps or MAX_STEPS,
         "max_seconds": options.max_seconds,
         "forecast": lambda seconds: _foretell(scene, seconds),
+        "omega_radius": radii,
     }
     began = time.monotonic()
     events: tuple[CertifiedEvents, ...] = ()
@@ -176,6 +182,8 @@ def _certified(scene: Scene, times: Sequence[Exact], options: Namespace) -> int:
     if found.outcome.done:
         return DONE
     cause, advice = found.outcome.cause, found.outcome.advice
+    if found.outcome is Outcome.TOO_WIDE:
+        cause = f"followed to t = {found.until:.6g}: {cause}"
     note(f"polhode: {scene.name}: {len(found.times)} of {len(held)} times: {cause}; {advice}")
     return INTERRUPTED if found.outcome is Outcome.INTERRUPTED else NOT_REACHED
 

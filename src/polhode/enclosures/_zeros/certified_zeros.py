@@ -19,6 +19,8 @@ of it is undecided, or nothing.  An interval that touches the last time stays un
 touches the first does, unless g and its first derivatives along the motion are known to be 0
 there: if g and k - 1 derivatives are, and the k-th is not 0 on [0, b], g has no zero in (0, b].
 Ends are multiples of 2**-48 of a step, so that a ball's midpoint and radius hold them exactly.
+
+Where there is one zero in I, the state then is among those of the step at all times of I.
 """
 
 from __future__ import annotations
@@ -51,10 +53,17 @@ _FLAT = 4  # radii
 _TIMES = 1 << 12  # bits: more than any time has
 
 
-class Crossing(NamedTuple):
-    """One zero, in the proof's unit of time: a ball around its time, and the sign of g' there."""
+class Zero(NamedTuple):
+    """Where a zero is: balls around its time, in the proof's unit, and around the state then."""
 
     time: Any
+    state: tuple[Any, ...]
+
+
+class Crossing(NamedTuple):
+    """One zero, and the sign of g' there."""
+
+    at: Zero
     slope: int
 
 
@@ -70,7 +79,7 @@ class _Part(NamedTuple):
 
     sign: int  # of g at its other end; 0 where that is not certified either
     slope: int  # of g' on it
-    time: Any  # where its zero is, if it has one; None if Newton shows that it has none
+    zero: Zero | None  # where its zero is, if it has one; None if Newton shows that it has none
     begin: Any
     end: Any
 
@@ -142,9 +151,9 @@ class Search:
         if left.slope * left.sign == 0:
             self._undecided(left)
         elif left.sign != sign:
-            if left.time is None:
+            if left.zero is None:
                 raise Contradiction("a zero before a step's boundary is nowhere")
-            self.crossings.append(Crossing(left.time, left.slope))
+            self.crossings.append(Crossing(left.zero, left.slope))
 
     def _part(self, part: _Part, at_begin: bool, at_end: bool) -> None:
         """An interval without a certified sign at the step's beginning, its end, or both."""
@@ -156,10 +165,10 @@ class Search:
         elif left is None:
             self._undecided(part)
         elif left.slope == part.slope != 0 and left.sign * part.sign < 0:
-            times = [x.time for x in (left, part) if x.time is not None]
-            if not times:
+            zeros = [x.zero for x in (left, part) if x.zero is not None]
+            if not zeros:
                 raise Contradiction("a zero on a step's boundary is nowhere")
-            self.crossings.append(Crossing(_union(times), left.slope))
+            self.crossings.append(Crossing(_either(zeros), left.slope))
         elif not (left.slope == part.slope != 0 and left.sign * part.sign > 0):
             self._undecided(left)
             self._undecided(part)
@@ -171,10 +180,10 @@ class Search:
             return
         begin, end = part.begin, part.end
         if part.slope:  # one zero at the most, and only where Newton's steps leave it
-            if part.time is None:
+            if part.zero is None:
                 return
             with ctx.workprec(_TIMES):
-                begin, end = part.time.lower(), part.time.upper()
+                begin, end = part.zero.time.lower(), part.zero.time.upper()
         if self.contacts and not self.contacts[-1].end < begin:
             last = self.contacts.pop()
             begin, end = last.begin, last.end if last.end > end else end
@@ -279,8 +288,8 @@ class _OnStep:
             off = (slope * (over - arb(over.mid()))).abs_upper()
             return bool(value.contains(0) and off <= _FLAT * arb(value.rad()))
 
-    def _newton(self, a: int, b: int, slope: Any) -> Any:
-        """A ball around the time of the zero in [a, b], if it has one; None if it has none.
+    def _newton(self, a: int, b: int, slope: Any) -> Zero | None:
+        """Where the zero in [a, b] is, if it has one; None if it has none.
 
         tau = m - g(m)/(h g'(I)) for the zero in I, whatever m of [0, 1] is taken.
         """
@@ -302,7 +311,8 @@ class _OnStep:
                 if smaller.rad() * 2 > inside.rad():
                     break
                 inside = smaller
-            return arb((times[self.n], -CLOCK)) + inside * self.h
+            state = around(self.known, self.n, inside, radii)
+            return Zero(arb((times[self.n], -CLOCK)) + inside * self.h, tuple(state))
 
 
 def _ball(a: int, b: int) -> Any:
@@ -310,11 +320,13 @@ def _ball(a: int, b: int) -> Any:
     return arb((a + b, -GRAIN - 1)) + arb(0, float(b - a) * 2.0 ** (-GRAIN - 1))
 
 
-def _union(balls: Sequence[Any]) -> Any:
-    found = balls[0]
+def _either(zeros: Sequence[Zero]) -> Zero:
+    """A zero that is one of these."""
+    found = zeros[0]
     with ctx.workprec(_TIMES):
-        for ball in balls[1:]:
-            found = found.union(ball)
+        for time, state in zeros[1:]:
+            both = tuple(x.union(y) for x, y in zip(found.state, state, strict=True))
+            found = Zero(found.time.union(time), both)
     return found
 
 

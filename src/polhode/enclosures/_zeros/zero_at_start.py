@@ -24,9 +24,10 @@ _BITS = 2000
 def first_derivative(what: Motion, g: Polynomial) -> Polynomial | None:
     """The first derivative of g along the motion that is not 0 at t = 0, where g is 0 there.
 
-    None where g is not, where that is not decided exactly, or is of too high an order.
+    None where g is not, where that is not decided exactly, or is of too high an order; and where
+    the start is a box.
     """
-    if not _rational(what, g):
+    if what.radii or not _rational(what, g):
         return None
     found, zero = g, Fraction(0)
     start = [x for x in what.start if isinstance(x, Fraction)]

@@ -1,0 +1,98 @@
+"""Starts that are boxes: ``start.omega = ["3/10 ± 1e-9", 0, 1]``, every motion from it at once.
+
+What proves something of all motions from a box reads its scene here; everything else refuses such a
+scene, since it would take one motion of many.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from polhode.common.arguments import each
+from polhode.common.errors import BadInput
+from polhode.common.files import called
+from polhode.numbers.conversion import exact_number
+from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.scenes import library, scene_file
+from polhode.scenes.scene import Scene
+from polhode.scenes.validation import PLUS_MINUS, Literal, Reading
+
+KEY = "start.omega"
+_EXPECTED = "a middle and a radius that is a fraction, 0 or more"
+
+
+class StartBox(NamedTuple):
+    """All starts whose omega differs from the scene's by at most ``radii``, in its body axes.
+
+    ``radii``: fractions; None for the scene's own start alone.
+    """
+
+    scene: Scene
+    radii: tuple[Fraction, Fraction, Fraction] | None = None
+
+
+def read(scene: Scene | str | Path) -> StartBox:
+    """A scene, and the radii of its start where its file gives intervals; raises BadInput."""
+    if isinstance(scene, Scene):
+        return StartBox(scene)
+    path, name = library.place(scene)
+    source = name or str(path)
+    text = scene_file.text_of(path, source)
+    tables = scene_file.tables(text, source)
+    omega = _omega(tables)
+    if not any(_mark(x) for x in omega):
+        return StartBox(library.load(scene))
+    reading, radii = Reading(source, tables), []
+    for k, item in enumerate(omega):
+        mark = _mark(item)
+        middle, _, radius = item.partition(mark) if mark else (item, "", "0")
+        found = reading.number(KEY, radius.strip())
+        if not isinstance(found, Fraction) or found < 0:
+            raise reading.bad(KEY, item, _EXPECTED)
+        radii.append(found)
+        omega[k] = middle.strip() if mark else item
+        text = text.replace(item, middle.strip()) if mark else text
+    own = scene_file.of_tables(tables, source, lambda: text)
+    a, b, c = radii
+    return StartBox(own if name else replace(own, name=called(path)), (a, b, c))
+
+
+def chosen(scene: Scene | str | Path, radius: AnyNumber | AnyVector | None) -> StartBox:
+    """What a scene's file gives, or the box with one radius, or with one for each component."""
+    box = read(scene)
+    if radius is None:
+        return box
+    scene = box.scene
+    if box.radii is not None:
+        raise BadInput(scene.name, "omega_radius", None, "nothing beside intervals in the scene")
+    listed = (radius,) * 3 if isinstance(radius, (str, int, float, Fraction)) else radius
+    radii = each(scene.name, "omega_radius", listed, _fraction, "a number, or three")
+    if len(radii) != 3:
+        raise BadInput(scene.name, "omega_radius", len(radii), "a number, or three")
+    a, b, c = radii
+    return StartBox(scene, (a, b, c))
+
+
+def _fraction(radius: AnyNumber) -> Fraction:
+    found = exact_number(radius)
+    if not isinstance(found, Fraction) or found < 0:
+        raise ValueError("a fraction, 0 or more")
+    return found
+
+
+def _omega(tables: Mapping[str, Any]) -> list[Any]:
+    """The components as they are written; empty where omega is not three of them."""
+    start = tables.get("start")
+    found = start.get("omega") if isinstance(start, dict) else None
+    return found if isinstance(found, list) and len(found) == 3 else []
+
+
+def _mark(item: object) -> str:
+    """What stands before a component's radius; empty where there is none."""
+    if not isinstance(item, str) or isinstance(item, Literal):
+        return ""
+    return next((mark for mark in PLUS_MINUS if mark in item), "")
