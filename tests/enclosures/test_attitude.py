@@ -19,7 +19,6 @@ from flint import fmpz, fmpz_poly
 import polhode
 from polhode.enclosures import (
     attitude,
-    attitude_series,
     fixed_point_problem,
     integral_contraction,
     proof_loop,
@@ -27,6 +26,7 @@ from polhode.enclosures import (
     step_bound,
     winding_number,
 )
+from polhode.enclosures.approximation import attitude_series
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.quaternion import Turned, Turns
 from polhode.enclosures.result import Part

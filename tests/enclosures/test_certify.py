@@ -12,12 +12,8 @@ from typing import Any
 import pytest
 
 import polhode
-from polhode.enclosures import (
-    fixed_point_problem,
-    integral_contraction,
-    precision_choice,
-    proof_loop,
-)
+from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
+from polhode.enclosures.approximation import precision_choice
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.result import guaranteed
 from polhode.numbers.conversion import exact_number, exactly

@@ -14,12 +14,8 @@ import pytest
 from flint import arb, ctx
 
 import polhode
-from polhode.enclosures import (
-    fixed_point_problem,
-    integral_contraction,
-    precision_choice,
-    proof_loop,
-)
+from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
+from polhode.enclosures.approximation import precision_choice
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.numbers.conversion import exactly
 from polhode.scenes import library

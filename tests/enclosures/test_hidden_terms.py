@@ -14,12 +14,12 @@ import pytest
 from polhode.enclosures import (
     defect,
     fixed_point_problem,
-    newton_correction,
     proof_loop,
     step_bound,
     taylor_polynomials,
     zonotope,
 )
+from polhode.enclosures.approximation import newton_correction
 from polhode.enclosures.fixed_point_problem import CLOCK, Refused
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.enclosures import newton_correction, window_approximation
+from polhode.enclosures.approximation import newton_correction, window_approximation
 from polhode.enclosures.proof_loop import Untrusted
 
 #: Ways of writing into an array.

@@ -19,11 +19,11 @@ from polhode.enclosures import (
     defect,
     fixed_point_problem,
     integral_contraction,
-    newton_correction,
     step_bound,
     taylor_polynomials,
     zonotope,
 )
+from polhode.enclosures.approximation import newton_correction
 from polhode.enclosures.fixed_point_problem import CLOCK, Problem
 from polhode.enclosures.proof_loop import Untrusted, run
 from polhode.scenes.body import Body
@@ -46,7 +46,7 @@ def generic() -> Scene:
 
 def short_steps(*given: Any) -> Any:
     """An honest approximation on steps so short that exp(alpha) is near 1."""
-    from polhode.enclosures import window_approximation
+    from polhode.enclosures.approximation import window_approximation
 
     return window_approximation.window(*given, turn=0.05)
 
@@ -110,7 +110,7 @@ def one_step(
     problem: Problem, length: int, moved: Any, v: Callable[[Any], Any] = newton_correction.matrices
 ) -> tuple[Any, Any]:
     """A state after one step whose polynomial is wrong by ``moved`` (6,), corrected once."""
-    from polhode.enclosures import window_approximation
+    from polhode.enclosures.approximation import window_approximation
 
     state = zonotope.beginning(problem)
     centre = tuple(

@@ -19,12 +19,11 @@ from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.enclosures import (
     attitude,
-    attitude_series,
     fixed_point_problem,
     integral_contraction,
-    precision_choice,
     proof_loop,
 )
+from polhode.enclosures.approximation import attitude_series, precision_choice
 from polhode.enclosures.derived import derived_balls
 from polhode.enclosures.fixed_point_problem import (
     CLOCK,
@@ -210,9 +209,7 @@ def digits_of_box(box: StartBox) -> int:
     return min(MOST_DIGITS, max(1, math.ceil(left)) + _BEYOND_A_BOX)
 
 
-def _too_wide(
-    box: StartBox, times: Sequence[Exact], digits: int, deadline: Deadline
-) -> BadInput:
+def _too_wide(box: StartBox, times: Sequence[Exact], digits: int, deadline: Deadline) -> BadInput:
     """The complaint about a box that was followed to none of the times."""
     radii, found = box.radii or (), None
     at = [min(times, key=abs)]
@@ -319,7 +316,7 @@ def _found(
         given["angles"] = [attitude.angles(poses[n], rows[n][3:], noise + 100) for n in order]
     for word in derived_words():
         if word in scene.outputs:
-            given[word] = derivedballs(word, scene, given, noise + 100)
+            given[word] = derived_balls(word, scene, given, noise + 100)
     parts = {
         word: Part(*balls(found, noise + 100)) for word, found in given.items() if word in COLUMNS
     }

@@ -16,14 +16,10 @@ from polhode.common.deadline import Deadline
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.result import Result
-from polhode.enclosures import (
-    fixed_point_problem,
-    integral_contraction,
-    precision_choice,
-    proof_loop,
-)
+from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
 from polhode.enclosures._zeros.certified_zeros import Search
 from polhode.enclosures._zeros.zero_at_start import first_derivative, is_still
+from polhode.enclosures.approximation import precision_choice
 from polhode.enclosures.certify import (
     MAX_STEPS,
     MOST_DIGITS,

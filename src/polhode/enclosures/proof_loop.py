@@ -19,12 +19,11 @@ from polhode.common.progress import Progress
 from polhode.enclosures import (
     defect,
     integral_contraction,
-    newton_correction,
     step_bound,
     taylor_polynomials,
-    window_approximation,
     zonotope,
 )
+from polhode.enclosures.approximation import newton_correction, window_approximation
 from polhode.enclosures.fixed_point_problem import CLOCK, TIME_BITS, Problem, Refused
 from polhode.enclosures.zonotope import State
 from polhode.motion.outcomes import Outcome

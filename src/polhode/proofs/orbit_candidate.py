@@ -17,8 +17,8 @@ from flint import arb
 
 from polhode.common.progress import Message
 from polhode.enclosures import proof_loop
+from polhode.enclosures.approximation.precision_choice import BITS_A_DIGIT
 from polhode.enclosures.fixed_point_problem import LEAST_FINE, MOST_NOISE, Problem, Refused
-from polhode.enclosures.precision_choice import BITS_A_DIGIT
 from polhode.enclosures.proof_loop import Proof, Untrusted
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact

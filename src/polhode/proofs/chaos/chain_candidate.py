@@ -11,7 +11,8 @@ from functools import partial
 import numpy as np
 from flint import arb
 
-from polhode.enclosures import proof_loop, window_approximation
+from polhode.enclosures import proof_loop
+from polhode.enclosures.approximation import window_approximation
 from polhode.enclosures.fixed_point_problem import CLOCK, LEAST_FINE, Problem, Refused
 from polhode.enclosures.proof_loop import Proof, Untrusted, Watcher
 from polhode.motion.outcomes import Outcome

@@ -13,7 +13,8 @@ from typing import Any
 from polhode.closed_forms.families import closed_form
 from polhode.common.executors import cores, in_order
 from polhode.common.progress import Message
-from polhode.enclosures import fixed_point_problem, precision_choice
+from polhode.enclosures import fixed_point_problem
+from polhode.enclosures.approximation import precision_choice
 from polhode.enclosures.certify import certify
 from polhode.judging.adaptive_precision import integrate
 from polhode.judging.references.reference import reference as reference_of

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from flint import fmpz, fmpz_poly
 
-from polhode.enclosures import newton_correction
+from polhode.enclosures.approximation import newton_correction
 from polhode.enclosures.quaternion import PRODUCT, defects
 from polhode.enclosures.taylor_polynomials import FIRST_LEVEL, Pieces
 

@@ -1,0 +1,1 @@
+"""What proofs are guided by and believe nothing of: approximate motions, corrections, costs."""

@@ -1,0 +1,71 @@
+"""What is called trusted: all of it, and nothing that a proof does not rest on."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import polhode
+from polhode.enclosures.statement import BESIDE, TRUSTED, trusted_lines
+
+TOP = Path(polhode.__file__).parent
+
+
+def is_beside(name: str) -> bool:
+    return any(name == part or name.startswith(f"{part}/") for part in BESIDE)
+
+
+def imported(name: str) -> Iterator[str]:
+    """The modules of polhode that a file imports anywhere, but for a type checker alone."""
+    waiting: list[ast.AST] = [ast.parse((TOP / f"{name}.py").read_text(encoding="utf-8"))]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            waiting += node.orelse
+            continue
+        waiting += ast.iter_child_nodes(node)
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("polhode."):
+            whole = node.module.split(".")[1:]
+            for alias in node.names:
+                below = TOP.joinpath(*whole, f"{alias.name}.py")
+                yield "/".join([*whole, alias.name] if below.exists() else whole)
+
+
+@pytest.mark.parametrize("name", TRUSTED)
+def test_a_trusted_file_imports_what_is_trusted_or_said_to_be_beside(name):
+    rest = {x for x in imported(name) if x not in TRUSTED and f"{x}/__init__" not in TRUSTED}
+    assert {x for x in rest if not is_beside(x)} == set()
+
+
+def test_what_is_beside_is_imported_by_a_trusted_file_and_is_not_trusted():
+    found = {x for name in TRUSTED for x in imported(name)}
+    for part, why in BESIDE.items():
+        assert any(x == part or x.startswith(f"{part}/") for x in found), part
+        assert why
+    assert [name for name in TRUSTED if is_beside(name)] == []
+
+
+def test_the_room_of_proofs_is_trusted_but_for_what_approximates():
+    files = {
+        p.relative_to(TOP).with_suffix("").as_posix() for p in (TOP / "enclosures").rglob("*.py")
+    }
+    rest = files - set(TRUSTED)
+    assert rest
+    assert {name.rpartition("/")[0] for name in rest} == {"enclosures/approximation"}
+
+
+def test_what_approximates_makes_no_value_that_a_proof_believes():
+    """Bounds, Step and State come out of the trusted files alone."""
+    for path in (TOP / "enclosures" / "approximation").glob("*.py"):
+        calls = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.Call)]
+        made = {ast.unparse(call.func).split(".")[-1] for call in calls}
+        assert not made & {"Bounds", "Step", "State", "Proof", "Enclosure", "Turns", "Crossing"}
+
+
+def test_the_statement_tells_how_many_lines_that_is():
+    told = polhode.certify("euler/sphere", at=[1]).statement[4]
+    assert f"{trusted_lines()} lines of polhode in {len(TRUSTED)} files" in told
+    assert 5000 < trusted_lines() < 12_000
