@@ -168,8 +168,8 @@ def test_what_is_left_of_a_step_after_so_many_intervals_is_undecided(
     found = _of(variable(5) - constant(Fraction(1, 3)), 90)
     assert found.contacts
     for crossing in whole.crossings:
-        assert any(crossing.time.overlaps(other.time) for other in found.crossings) or any(
-            x.begin < crossing.time < x.end for x in found.contacts
+        assert any(crossing.at.time.overlaps(other.at.time) for other in found.crossings) or any(
+            x.begin < crossing.at.time < x.end for x in found.contacts
         )
 
 
@@ -232,7 +232,7 @@ def test_a_zero_on_a_steps_boundary_is_one_zero() -> None:
         for shift in (0, Fraction(1, 10**45), -Fraction(1, 10**25)):
             search, _ = _searched(level + shift)
             assert search.contacts == []
-            assert sum(bool(x.time < 12) for x in search.crossings) == count
+            assert sum(bool(x.at.time < 12) for x in search.crossings) == count
             tried += 1
     assert tried >= 6
 
@@ -273,8 +273,8 @@ def _at_corners() -> list[float]:
         (crossing,) = search.crossings
         with mpmath.workdps(60):
             true = exactly(2 * mpmath.acos(mpmath.mpf(1) / 3))  # w is 1/2 in the proof's unit
-        radius = Fraction(float(crossing.time.rad()))
-        worst.append(float(abs(true - _exact(crossing.time)) / radius))
+        radius = Fraction(float(crossing.at.time.rad()))
+        worst.append(float(abs(true - _exact(crossing.at.time)) / radius))
     return worst
 
 

@@ -50,6 +50,7 @@ def _missed(numbers: dict[str, float]) -> float:
     known: Any = SimpleNamespace(
         **{name: np.array([n[name]]) for name in ("growth", "delta", "sigma", "rho")},
         sizes=np.array([1e300]),
+        problem=SimpleNamespace(is_box=False),
     )
     claimed = zonotope._accepted(known, 0, n["eps"], HB)
     growth, sigma = Fraction(n["growth"]), Fraction(n["sigma"])
@@ -69,6 +70,31 @@ def test_a_step_claims_what_the_theorem_says(
     assert 0.1 < _missed(numbers) <= 1.0
     with without(zonotope, "_accepted", *change):
         assert _missed(numbers) > 1.0
+
+
+def _missed_by_a_box() -> float:
+    """The s of the theorem with the r that its own s gives, over the one that is claimed."""
+    numbers: dict[str, Any] = {"delta": 1e-3, "sigma": 2e9, "rho": 1e-12, "growth": 20.0}
+    known: Any = SimpleNamespace(
+        **{name: np.array([x]) for name, x in numbers.items()},
+        sizes=np.array([4.0]),
+        problem=SimpleNamespace(is_box=True),
+    )
+    eps, size, hb = Fraction(10**9), Fraction(4), Fraction(HB)
+    delta, sigma, rho, growth = (Fraction(x) for x in numbers.values())
+    claimed = zonotope._accepted(known, 0, float(eps), HB)
+    r = 2 * growth * (eps + delta + 2 * hb * sigma**2)
+    for _ in range(2):
+        s = growth * (delta + hb * (sigma + r) ** 2) + rho * eps
+        r = min(r, size * eps + s)
+    return float(s / Fraction(claimed.s))
+
+
+def test_a_box_has_the_s_of_its_own_r() -> None:
+    assert 0.999 < _missed_by_a_box() <= 1.0
+    half = "float(known.sizes[n]) * eps", "0.5 * float(known.sizes[n]) * eps"
+    with without(zonotope, "_accepted", *half):
+        assert _missed_by_a_box() > 1.0
 
 
 def test_a_step_too_uncertain_is_refused() -> None:

@@ -219,11 +219,10 @@ def _too_wide(box: StartBox, times: Sequence[Exact], digits: int, deadline: Dead
             found = certify(box.scene, at, digits=digits + k, omega_radius=narrower)
         if deadline.passed or (found is not None and found.times):
             break
-    told = ", ".join(shown(r) for r in radii)
     expected = f"narrower intervals, to be followed to t = {shown(at[0])}"
     if found is not None and found.times:
         expected += f"; a part in {10**k} of these works"
-    return BadInput(box.scene.name, start_box.KEY, f"\u00b1 ({told})", expected)
+    return BadInput(box.scene.name, start_box.KEY, box.told, expected)
 
 
 def time_limit(scene: Scene, seconds: float | None) -> Deadline:

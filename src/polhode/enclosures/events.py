@@ -186,6 +186,8 @@ def certify_events(
             return _found(what, polynomials, last, noise, progress, deadline)
         except Refused as why:
             noise = min(MOST_NOISE, precision_choice.raised(noise, needed_for.bits, why))
+    if box.radii is not None:
+        raise BadInput(scene.name, start_box.KEY, box.told, "narrower intervals")
     raise BadInput(scene.name, "digits", digits, "digits that can be proven to the end")
 
 

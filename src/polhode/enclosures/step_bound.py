@@ -20,7 +20,8 @@ motion exists on the whole step, |z| <= r there, and for any polynomial matrix V
 Proof.  While |z| <= r, variation of constants in (1) gives |z| < r, so the first time at which
 |z| = r cannot lie in the step, and a bounded solution of a polynomial field goes on.  The same
 formula, with z(0) apart, gives Phi(tau, 0) z(0) and the first part of s.  U = Phi - V obeys
-U' = A U + (A V - V'), U(0) = I - V(0), so |U| <= rho.
+U' = A U + (A V - V'), U(0) = I - V(0), so |U| <= rho.  In s any bound of |z| on the step may stand
+for r, such as sup |V| eps + s: much the smaller where eps is, of a box of starts.
 
 Lemma.  For a diagonal matrix Q of any positive numbers q_i and S = sym(Q A Q^-1) = sum S_k tau**k,
 

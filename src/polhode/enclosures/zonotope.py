@@ -40,7 +40,6 @@ from polhode.enclosures.step_bound import TINY, Bounds, gamma
 from polhode.numbers.flint_context import ctx
 
 SETTLED = 24
-_SHARPENED = 2  # (2) with an r of its own is another r
 MOST_COLUMNS = 80_000  # sums of more would need more than UP for their rounding
 _IDENTITY = np.eye(6)
 
@@ -152,7 +151,7 @@ def _accepted(known: Bounds, n: int, eps: float, hb: float) -> Step:
     r = UP * 2.0 * growth * (eps + delta + 2.0 * hb * sigma * sigma) + TINY
     if not 8.0 * growth * hb * r <= 0.999 or not sigma + r < 1e150:  # whose square is a number
         raise Refused("the set has grown too large for the next step")
-    for _ in range(_SHARPENED):
+    for _ in range(1 + known.problem.is_box):  # an r that (2) gives makes another s; see there
         s = UP * (growth * (delta + hb * (sigma + r) ** 2) + rho * eps) + TINY
         if not s < 1e300:
             raise Refused("the error of a step has no bound")

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
@@ -34,6 +34,11 @@ class StartBox(NamedTuple):
     scene: Scene
     radii: tuple[Fraction, Fraction, Fraction] | None = None
 
+    @property
+    def told(self) -> str:
+        """The radii for a complaint."""
+        return f"{PLUS_MINUS[0]} ({', '.join(map(str, self.radii or ()))})"
+
 
 def read(scene: Scene | str | Path) -> StartBox:
     """A scene, and the radii of its start where its file gives intervals; raises BadInput."""
@@ -49,13 +54,15 @@ def read(scene: Scene | str | Path) -> StartBox:
     reading, radii = Reading(source, tables), []
     for k, item in enumerate(omega):
         mark = _mark(item)
-        middle, _, radius = item.partition(mark) if mark else (item, "", "0")
-        found = reading.number(KEY, radius.strip())
+        if not isinstance(item, str) or not mark:
+            radii.append(Fraction(0))
+            continue
+        middle, _, radius = (part.strip() for part in item.partition(mark))
+        found = reading.number(KEY, radius)
         if not isinstance(found, Fraction) or found < 0:
             raise reading.bad(KEY, item, _EXPECTED)
         radii.append(found)
-        omega[k] = middle.strip() if mark else item
-        text = text.replace(item, middle.strip()) if mark else text
+        omega[k], text = middle, text.replace(item, middle)
     own = scene_file.of_tables(tables, source, lambda: text)
     a, b, c = radii
     return StartBox(own if name else replace(own, name=called(path)), (a, b, c))
@@ -84,7 +91,7 @@ def _fraction(radius: AnyNumber) -> Fraction:
     return found
 
 
-def _omega(tables: Mapping[str, Any]) -> list[Any]:
+def _omega(tables: Mapping[str, object]) -> list[object]:
     """The components as they are written; empty where omega is not three of them."""
     start = tables.get("start")
     found = start.get("omega") if isinstance(start, dict) else None

@@ -1,0 +1,266 @@
+"""All motions from a box of starts at once: the balls hold what single starts give, in quad."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+import polhode
+from polhode import BadInput
+from polhode.cli import main
+from polhode.enclosures import certify, events, fixed_point_problem, integral_contraction
+from polhode.enclosures._zeros import zero_at_start
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.conversion import exactly
+from polhode.scenes import scene_file
+from shared.mutation import without
+
+RADII = Fraction(1, 10**8), Fraction(3, 10**9), Fraction(1, 10**8)
+SIDES = [*itertools.product((-1, 1), repeat=3), (Fraction(1, 3), Fraction(-2, 5), 0)]
+TILTED = """
+schema = 1
+[body]
+inertia = [[2, 0.1, 0.2], [0.1, 1.5, -0.3], [0.2, -0.3, 1]]
+centre = [0.1, 0.2, -0.3]
+weight = 1
+[start]
+omega = [0.4, "1/3", 1.5]
+angles = [0.2, 1, 0]
+[run]
+end = 5
+"""
+FILE = TILTED.replace('"1/3"', '"1/3 \u00b1 1e-8"').replace("0.4,", '"0.4 +- 2e-9",')
+SCENES = {
+    "tilted": scene_file.parse(TILTED),
+    **{
+        name: polhode.load(name)
+        for name in ("lagrange/nutation", "kovalevskaya/generic", "general/asymmetric-chaotic")
+    },
+}
+
+
+def moved(scene, side, radii=RADII):
+    omega = [w + s * r for w, s, r in zip(scene.omega, side, radii, strict=True)]
+    return replace(scene, omega=tuple(omega), events=scene.events)
+
+
+def reach(centres, radii, truth):
+    """The largest |truth - centre|/radius of rows."""
+    return max(
+        float(abs(exactly(x) - c) / Fraction(r))
+        for row, middle, wide in zip(truth, centres, radii, strict=True)
+        for x, c, r in zip(row, middle, wide, strict=True)
+    )
+
+
+def farthest(scene, times, outputs=(), radii=RADII):
+    """Of the state and of an output: how far single starts come in their balls."""
+    scene = replace(scene, outputs=outputs, events=())
+    found = polhode.certify(scene, times, omega_radius=radii)
+    assert found.outcome.done
+    parts = [(found.centres, found.radii, "states")]
+    parts += [(*getattr(found, word), word) for word in outputs]
+    ratios = []
+    for side in SIDES:
+        run = polhode.integrate(moved(scene, side), "quad", at=times)
+        ratios.append([reach(x, r, getattr(run, word)) for x, r, word in parts])
+    return [max(column) for column in zip(*ratios, strict=True)]
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("name", SCENES)
+def test_every_start_of_the_box_is_in_the_balls_and_corners_come_near_their_edges(name):
+    for found in farthest(SCENES[name], [Fraction(1, 2), 3], ("attitude", "angles")):
+        assert 0.01 < found <= 1
+    (at_once,) = farthest(SCENES[name], [Fraction(1, 1000)])
+    assert 0.5 < at_once <= 1
+
+
+def test_the_box_is_what_the_balls_are_at_the_start():
+    found = polhode.certify(SCENES["kovalevskaya/generic"], [0], omega_radius=RADII)
+    for wide, r in zip(found.radii[0], [*RADII, 0, 0, 0], strict=True):
+        assert 0 <= wide - r <= 1e-15
+
+
+def test_backward_motions_too():
+    (found,) = farthest(SCENES["tilted"], [-2])
+    assert 0.01 < found <= 1
+
+
+def test_what_forgets_the_box_is_noticed():
+    scene = SCENES["kovalevskaya/generic"]
+    spread = without(fixed_point_problem, "problem", "what.starts(2 * fine + 100)", "_POINTS(what)")
+    fixed_point_problem._POINTS = lambda what: replace(what, radii=()).starts(400)
+    with spread:
+        assert farthest(scene, [1])[0] > 1
+    pinned = "[fixed_point_problem.ball(x, bits) for x in what.start]"
+    integral_contraction.fixed_point_problem = fixed_point_problem
+    with without(integral_contraction, "prepared", "what.starts(bits)", pinned):
+        # one energy for all starts: no set can have it, or too small a one does
+        try:
+            found = farthest(scene, [3])[0]
+        except AssertionError:
+            found = 2
+        assert found > 1
+
+
+# -- events -----------------------------------------------------------------------------------
+
+
+def watched(scene, zero):
+    return replace(scene, outputs=(), events=(polhode.Event("it", zero),))
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("name", SCENES)
+def test_an_event_is_one_of_every_start_and_the_state_then_is_in_its_balls(name):
+    scene = watched(SCENES[name], "gamma1 - gamma2/3")
+    (found,) = polhode.certify_events(scene, 6, omega_radius=RADII)
+    assert found.proven
+    assert len(found.times) >= 2
+    most = 0.0
+    for side in SIDES:
+        (event,) = polhode.integrate(moved(scene, side), "quad", at=[6]).events
+        assert len(event.times) == len(found.times)
+        for t, row, ball in zip(event.times, event.states, found.times, strict=True):
+            assert abs(exactly(t) - ball.time) <= Fraction(ball.radius)
+            ratio = reach([ball.state], [ball.radii], [row])
+            assert ratio <= 1
+            most = max(most, ratio)
+    assert most > 0.05
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("name", SCENES)
+def test_the_state_at_an_event_of_one_start_is_proven_nearly_as_sharply_as_the_motion(name):
+    scene = watched(SCENES[name], "gamma1 - gamma2/3")
+    (found,) = polhode.certify_events(scene, 6, digits=25)
+    (event,) = polhode.integrate(scene, "mp", digits=40, at=[6]).events
+    assert len(event.times) == len(found.times) >= 2
+    for t, row, ball in zip(event.times, event.states, found.times, strict=True):
+        assert abs(exactly(t) - ball.time) <= Fraction(ball.radius)
+        assert reach([ball.state], [ball.radii], [row]) <= 1
+        assert max(ball.radii) < 1e-22
+
+
+def test_an_event_at_the_start_s_middle_is_not_decided_for_a_box(monkeypatch):
+    scene = SCENES["kovalevskaya/generic"]
+    scene = watched(scene, f"p - {scene.omega[0]}")
+    (alone,) = polhode.certify_events(scene, 1)
+    assert alone.proven
+    (found,) = polhode.certify_events(scene, 1, omega_radius="1e-6")
+    assert found.undecided[0][0] == 0
+    with without(zero_at_start, "first_derivative", "what.radii or ", ""):
+        monkeypatch.setattr(events, "first_derivative", zero_at_start.first_derivative)
+        (wrong,) = polhode.certify_events(scene, 1, omega_radius="1e-6")
+    assert wrong.proven  # which it is not
+
+
+# -- as far as a box can be followed ----------------------------------------------------------
+
+
+def test_a_wide_box_is_followed_as_far_as_it_goes(tmp_path, capsys):
+    scene = SCENES["general/asymmetric-chaotic"]
+    found = polhode.certify(scene, [1, 2, 500], omega_radius="1e-5")
+    assert found.outcome is Outcome.TOO_WIDE
+    assert [*found.times] == [1, 2]
+    assert 8 < found.until < 100
+    assert not found.reached
+    path = tmp_path / "wide.toml"
+    path.write_text(FILE.replace("1e-8", "1e-5").replace("end = 5", "at = [1, 500]"))
+    assert main(["reference", str(path), "--certified"]) == 3
+    told = capsys.readouterr()
+    assert "1 of 2 times: followed to t = " in told.err
+    assert len(told.out.splitlines()) == 2
+
+
+def test_a_box_that_is_too_wide_for_any_time_is_refused_with_one_that_works():
+    with pytest.raises(BadInput, match=r"a part in 10+ of these works") as fault:
+        polhode.certify(SCENES["tilted"], [3], omega_radius="1/10")
+    assert fault.value.key == "start.omega"
+
+
+def test_a_narrow_box_costs_no_more_digits_than_it_leaves():
+    scene = SCENES["lagrange/nutation"]
+    wide = polhode.certify(scene, [2], digits=200, omega_radius="1e-6")
+    assert wide.noise < 120
+    none = polhode.certify(scene, [2], digits=30, omega_radius=0)
+    assert none.digits[0] >= 30
+
+
+# -- how it is said ---------------------------------------------------------------------------
+
+
+def test_intervals_in_a_file_are_the_radii(tmp_path, capsys):
+    path = tmp_path / "box.toml"
+    path.write_text(FILE, encoding="utf-8")
+    found = polhode.certify(path, [1])
+    radii = Fraction(2, 10**9), Fraction(1, 10**8), 0
+    assert found.omega_radius == radii
+    same = polhode.certify(scene_file.parse(TILTED), [1], omega_radius=radii)
+    assert found.centres == same.centres
+    assert found.radii == same.radii
+    assert "(1/500000000, 1/100000000, 0) at most" in found.statement[1]
+    assert main(["reference", str(path), "--certified", "--json", "--at", "1"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["omega_radius"] == ["0.000000002", "0.00000001", "0"]
+    assert "every motion through a state" in told["statement"][1]
+
+
+@pytest.mark.parametrize(
+    ("written", "expected"),
+    [
+        ('"1/3 \u00b1 -1e-8"', "a middle and a radius"),
+        ('"1/3 \u00b1 sqrt(2)"', "a middle and a radius"),
+        ('"1/3 \u00b1"', "a number"),
+        ('"1/3 \u00b1 1 \u00b1 2"', "a number"),
+    ],
+)
+def test_intervals_that_are_none_are_refused(tmp_path, written, expected):
+    path = tmp_path / "box.toml"
+    path.write_text(TILTED.replace('"1/3"', written), encoding="utf-8")
+    with pytest.raises(BadInput, match=expected) as fault:
+        polhode.certify(path, [1])
+    assert fault.value.key == "start.omega"
+
+
+@pytest.mark.parametrize("verb", [["run"], ["check"], ["levels"], ["frequencies"], ["reference"]])
+def test_what_takes_one_motion_refuses_intervals(tmp_path, capsys, verb):
+    path = tmp_path / "box.toml"
+    path.write_text(FILE, encoding="utf-8")
+    assert main([*verb, str(path)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "start.omega" in line
+    assert "reference --certified" in line
+
+
+@pytest.mark.parametrize("radius", [-1, (1, 2), ("1e-9", "1e-9", "x"), [1e-9] * 4])
+def test_radii_that_are_none_are_refused(radius):
+    with pytest.raises(BadInput, match="omega_radius"):
+        polhode.certify(SCENES["tilted"], [1], omega_radius=radius)
+
+
+def test_what_a_box_cannot_have_is_refused(tmp_path):
+    path = tmp_path / "box.toml"
+    path.write_text(FILE, encoding="utf-8")
+    with pytest.raises(BadInput, match="nothing beside intervals"):
+        polhode.certify(path, [1], omega_radius="1e-9")
+    with pytest.raises(BadInput, match="numbers, for a certificate"):
+        polhode.certify(path, [1]).save(tmp_path / "box.json")
+    assert main(["reference", str(path), "--certified", "-o", str(tmp_path / "box.json")]) == 2
+    assert not (tmp_path / "box.json").exists()
+    pole = replace(polhode.load("lagrange/from-the-pole"), outputs=("angles",))
+    with pytest.raises(BadInput, match="depends on omega"):
+        polhode.certify(pole, [1], omega_radius="1e-9")
+
+
+def test_a_box_around_rest_has_no_size_to_compare_with():
+    still = polhode.top(moments=[1, 2, 3], omega=[0, 0, 0], weight=0)
+    found = polhode.certify(still, [1], omega_radius="1e-9")
+    assert found.digits == (0.0,)
+    with without(certify, "_at_rest", "what.radii or ", ""):
+        assert polhode.certify(still, [1], omega_radius="1e-9").digits[0] > 8
