@@ -1,4 +1,4 @@
-"""For test suites of other programs: a trajectory has so many correct digits, or the test fails."""
+"""For test suites of other programs: so many correct digits, such an order of convergence."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
+from polhode.judging.convergence_order import ObservedOrder, observed_order
 from polhode.judging.score.compare import compare
 from polhode.judging.score.judgement import Judgement
 from polhode.numbers.conversion import exact_number, to_double
@@ -76,3 +77,35 @@ def assert_digits(
             told = f"{here:.2f} correct digits at t = {brief(t)}, where at least {at_least:g}"
             raise AssertionError(f"{told} are wanted\n{found}")
     return found
+
+
+def order_of(
+    mine: Callable[[float], Iterable[AnyVector]],
+    scene: Scene | str | Path,
+    steps: Sequence[AnyNumber] | None = None,
+    *,
+    at: Iterable[AnyNumber] | None = None,
+    columns: Sequence[str] | None = None,
+) -> ObservedOrder:
+    """The order at which an integrator converges to the exact motion, observed.
+
+    ``mine``: a function from a step to rows of numbers, one at each of the times ``at``, the
+    scene's last unless given.  ``steps``: three or more; a 32nd to a 2048th of the time unless
+    given.  ``columns``: of the rows, those of the scene unless given.  Steps at which the first
+    digit is wrong, or at which rounding rules, do not count.  Raises BadInput where fewer than
+    three do.
+
+    >>> import polhode.testing
+    >>> f = polhode.field("kovalevskaya/generic")
+    >>> def midpoint(h):
+    ...     y = f.start
+    ...     for _ in range(round(1 / h)):
+    ...         y = y + h * f(0, y + h / 2 * f(0, y))
+    ...     return [y]
+    >>> found = polhode.testing.order_of(midpoint, "kovalevskaya/generic", at=[1])
+    >>> 1.9 < found.least <= found.order <= found.most < 2.1
+    True
+    """
+    if not callable(mine):
+        raise BadInput("order_of", "mine", mine, "a function from a step to rows")
+    return observed_order(mine, library.load(scene), steps, at, columns)

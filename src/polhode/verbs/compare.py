@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser, Namespace
+import math
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
+from polhode.numbers.decimals import brief
 from polhode.output import json_results
 from polhode.verbs.terminal import (
     DONE,
@@ -31,7 +33,10 @@ HELP = "judge a trajectory that some other program computed"
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument(
-        "file", type=word, metavar="FILE", help="a CSV with a column t and any of the others"
+        "file",
+        type=word,
+        metavar="FILE",
+        help="a CSV, .npz, .npy or .parquet with a column t",
     )
     parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     parser.add_argument("--number", help="the file's decimals are rounded values of this type")
@@ -45,6 +50,12 @@ def options(parser: ArgumentParser) -> None:
         help="the file's columns in order, t,qw,qx,...; or of some: 'time_ms=t*1e-3, Q.W=q0'",
     )
     parser.add_argument(
+        "--at-least",
+        type=at_least,
+        metavar="D",
+        help="exit code 3 where any part has fewer correct digits at any time",
+    )
+    parser.add_argument(
         "--max-seconds",
         type=seconds,
         metavar="S",
@@ -55,7 +66,7 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Judge a trajectory that some other program computed."""
     try:
-        told = _judged(options)
+        judged, told = _judged(options)
     except BadInput as fault:
         if fault.key != "max_seconds":
             raise
@@ -65,11 +76,28 @@ def main(options: Namespace) -> int:
         say(told)
     else:
         print_json(told)
+    wanted = options.at_least
+    if wanted is not None and not judged.worst >= wanted:
+        where = f"{judged.worst_part} at t = {brief(judged.worst_time)}"
+        found = f"{judged.worst:.2f} correct digits of {where}"
+        note(f"polhode: {judged.subject.name}: {found}, where at least {wanted:g} are wanted")
+        return NOT_REACHED
     return DONE
 
 
-def _judged(options: Namespace) -> str | dict[str, object]:
-    """The judgement as text, or as an object for JSON."""
+def at_least(text: str) -> float:
+    """An option that is a number of digits."""
+    try:
+        found = float(text)
+    except ValueError:
+        found = math.nan
+    if not math.isfinite(found):
+        raise ArgumentTypeError(f"a number of digits, not {text[:40]!r}")
+    return found
+
+
+def _judged(options: Namespace) -> tuple[Judgement, str | dict[str, object]]:
+    """The judgement, and as text, or as an object for JSON."""
     from polhode.common.executors import cores
     from polhode.judging.score.compare import compare
 
@@ -103,4 +131,4 @@ def _judged(options: Namespace) -> str | dict[str, object]:
             forecast=foretold,
             as_it_stands=options.as_it_stands,
         )
-        return json_results.of_judgement(judged) if options.json else str(judged)
+        return judged, json_results.of_judgement(judged) if options.json else str(judged)

@@ -19,6 +19,7 @@ from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 
+_NEAR = 1e-3  # a first row to the start
 _OFF = 0.3  # of 1: by how much a chord of the first row may differ from the start's speed
 
 
@@ -52,6 +53,20 @@ def time_unit(subject: Subject, scene: Scene) -> TimeUnit | None:
         if ratios and all(abs(x / float(unit.length) - 1) < _OFF for x in ratios):
             return unit
     return None
+
+
+def begins_at_start(subject: Subject, scene: Scene) -> bool:
+    """Whether the first row is nearly the scene's state at t = 0, or there is none of the state."""
+    start = np.array([to_double(x) for x in scene.start])
+    if subject.states is None:
+        return subject.attitude is not None
+    found = []
+    for half in (slice(0, 3), slice(3, 6)):
+        here, there = _numbers(subject.states[0][half]), start[half]
+        if here is not None and len(here) == len(there) == 3:
+            size = float(np.linalg.norm(there)) or 1.0
+            found.append(float(np.linalg.norm(here - there)) < _NEAR * size)
+    return all(found) if found else subject.attitude is not None
 
 
 def _ratios(subject: Subject, scene: Scene, row: int) -> Iterator[float]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias, TypedDict
 
@@ -15,7 +14,7 @@ from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.conditioning.conditioning import Conditioning
 from polhode.judging.diagnosis.reading import as_read
-from polhode.judging.diagnosis.time_unit import time_unit
+from polhode.judging.diagnosis.time_unit import begins_at_start, time_unit
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, reference
 from polhode.judging.references.two_precisions import TwoPrecisions
@@ -23,11 +22,13 @@ from polhode.judging.score.judgement import Judgement
 from polhode.judging.score.part_digits import fewest
 from polhode.judging.score.report_text import SHOWN
 from polhode.judging.score.score import AnyReference, does_not_answer
+from polhode.judging.tables.array_file import ENDINGS, arrays
 from polhode.judging.tables.candidate import Subject, of_run, of_table
 from polhode.judging.tables.csv_file import open_table
-from polhode.judging.tables.csv_layout import naming
-from polhode.judging.tables.reading import GAIN, WRONG, Reading
+from polhode.judging.tables.csv_layout import Naming, naming
+from polhode.judging.tables.reading import GAIN, WRONG, Reading, TimeChange
 from polhode.judging.tables.table import Table, table_of_columns, table_of_rows
+from polhode.numbers.decimals import brief
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.runs.problem.options import choose_number
@@ -83,9 +84,10 @@ def compare(
     ----------
     what : Trajectory, str, Path, mapping, DataFrame, Dataset or rows
         A run; the path of a CSV file with a column t and any of p q r gamma1 gamma2 gamma3 psi
-        theta phi q0 q1 q2 q3, or of a derived output; the same columns as a mapping of names to
-        arrays, a pandas DataFrame or an xarray Dataset; or rows of numbers, which hold at the
-        times ``at`` and have the columns ``columns``.
+        theta phi q0 q1 q2 q3, or of a derived output; of an .npz, .npy or .parquet file of such
+        columns; the same columns as a mapping of names to arrays, a pandas DataFrame or an xarray
+        Dataset; or rows of numbers, which hold at the times ``at`` and have the columns
+        ``columns``.
     against : reference, Scene, str or Path, optional
         A reference, or the scene whose reference it is; of a run its own scene unless given.
     number : str or NumberType, optional
@@ -164,8 +166,12 @@ def compare(
         if digits is not None and number is None:
             raise BadInput(scene.name, "digits", digits, "number given with it: mp")
         kind = None if number is None else choose_number(scene, number, digits)
-        if isinstance(what, (str, Path)):
-            names = None if columns is None else naming(",".join(columns))
+        names = None if columns is None else naming(",".join(columns))
+        if isinstance(what, (str, Path)) and Path(what).suffix.lower() in ENDINGS:
+            meant = names or Naming()
+            held, own = arrays(Path(what), meant)
+            what = table_of_columns(held, kind or own, str(what), meant.column)
+        elif isinstance(what, (str, Path)):
             file = open_table(Path(what), kind, names)
             some = None if first is None else file.some(SHOWN)
             with suppress(BadInput):  # first what is wrong with the file, if anything is
@@ -184,7 +190,7 @@ def compare(
         expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
         raise BadInput(subject.name, "header", None, expected)
     if not as_it_stands and subject.run is None:
-        subject = _in_seconds(subject, against)
+        subject = _from_the_start(_in_seconds(subject, against), against)
     found = Judgement(subject, against, known, workers, progress, as_it_stands)
     try:
         _ = found.digits  # what cannot be judged is refused here
@@ -219,16 +225,35 @@ def _in_seconds(subject: Subject, against: AnyReference) -> Subject:
     if unit is None:
         return subject
     first = sorted(range(len(subject.times)), key=lambda k: abs(subject.times[k]))[:_FIRST]
-    some = subject.some([k for k in first if subject.times[k] != 0])
+    some = [k for k in first if subject.times[k] != 0]
+    return _at_other_times(subject, against, some, TimeChange(unit=unit.length), unit.name)
+
+
+def _from_the_start(subject: Subject, against: AnyReference) -> Subject:
+    """A table whose first row is the scene's start at another time, with times from there on."""
+    first = subject.times[0]
+    if first == 0 or not begins_at_start(subject, against.scene):
+        return subject
+    words = f"from its first row on ({brief(first)})"
+    some = list(range(min(_FIRST, len(subject.times))))
+    return _at_other_times(subject, against, some, TimeChange(shift=first), words)
+
+
+def _at_other_times(
+    subject: Subject, against: AnyReference, some: list[int], change: TimeChange, words: str
+) -> Subject:
+    """A table at changed times, where some of its rows are right so alone."""
+    rows = subject.some(some)
+    changed = replace(rows, times=tuple(change.of(t) for t in rows.times))
+    before = 0.0
+    with suppress(BadInput):  # no proof goes so far
+        before = Judgement(rows, against).worst
     with suppress(BadInput):
-        before, now = (
-            Judgement(replace(some, times=tuple(t * by for t in some.times)), against).worst
-            for by in (Fraction(1), unit.length)
-        )
+        now = Judgement(changed, against).worst
         if before < WRONG and now >= before + GAIN:
-            reading = Reading("t", before, unit.name, now)
-            times = tuple(t * unit.length for t in subject.times)
-            return replace(subject, times=times, readings=(reading,))
+            reading = Reading("t", before, words, now)
+            times = tuple(change.of(t) for t in subject.times)
+            return replace(subject, times=times, readings=(*subject.readings, reading))
     return subject
 
 

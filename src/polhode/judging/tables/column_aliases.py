@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -40,6 +41,8 @@ _BALL = re.compile(r"(qpos|qvel)[_.]?\[?([0-3])\]?$")
 _UNIT = re.compile(
     r"[\s_]*[\[(]?(deg|degrees|rad|radians|rpm|ms|us|ns|s|sec)(?:[/_ ]s)?[\])]?$", re.I
 )
+#: The whole seconds and the nanoseconds of one time, as ROS writes it.
+_STAMP = re.compile(r"(?:.*[./])?stamp[._](?:(secs?)|nano?secs?|nsecs?)$")
 _TIMES = {"ms": Fraction(1, 1000), "us": Fraction(1, 10**6), "ns": Fraction(1, 10**9)}
 
 
@@ -61,12 +64,14 @@ def not_judged() -> dict[str, str]:
 class Column(NamedTuple):
     """The column that a header names, None where it is unknown; whether it is in degrees.
 
-    ``factor``: what its numbers are multiplied by, of another unit.
+    ``factor``: what its numbers are multiplied by, of another unit.  ``part``: whether columns of
+    that name are added up.
     """
 
     name: str | None
     degrees: bool = False
     factor: Fraction = Fraction(1)
+    part: bool = False
 
 
 def column(header: str) -> Column:
@@ -80,6 +85,10 @@ def column(header: str) -> Column:
     names = known()
     if header in names:
         return Column(header)
+    if header == "%time":
+        return Column("t", False, _TIMES["ns"])
+    if stamp := _STAMP.match(header.lower()):
+        return Column("t", False, Fraction(1) if stamp[1] else _TIMES["ns"], True)
     unit = _UNIT.search(header)
     bare = header[: unit.start()] if unit and unit.start() else header
     name = bare if bare in names else _OTHERS.get(bare.lower()) or _exported(bare.lower())
@@ -91,6 +100,16 @@ def column(header: str) -> Column:
     if word == "rpm":
         return Column(name, True, Fraction(6)) if name in STATE[:3] else Column(None)
     return Column(name, word.startswith("deg"))
+
+
+def twice(named: Iterable[Column]) -> str | None:
+    """A name that two columns have which are no parts of one; None where there is none."""
+    held = [*named]
+    for name in known():
+        same = [found for found in held if found.name == name]
+        if len(same) > 1 and not (all(x.part for x in same) and len({*same}) == len(same)):
+            return name
+    return None
 
 
 def _exported(name: str) -> str | None:

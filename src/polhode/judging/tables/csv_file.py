@@ -14,11 +14,11 @@ from typing import TextIO
 from polhode.common.errors import BadInput
 from polhode.common.files import called, read_whole
 from polhode.common.text_tables import few
-from polhode.judging.tables.column_aliases import Column, known
+from polhode.judging.tables.column_aliases import Column, known, twice
 from polhode.judging.tables.csv_columns import most_printed, values
 from polhode.judging.tables.csv_layout import SEPARATORS, Naming, layout
 from polhode.judging.tables.sidecar import Sidecar, beside
-from polhode.judging.tables.table import Table, radians
+from polhode.judging.tables.table import Table, added, radians
 from polhode.numbers import expression
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import NumberType
@@ -83,9 +83,8 @@ class TableFile:
             raise BadInput(str(path), "file", None, "a header line that names the columns")
         header = rows[0][1]
         named = [self.names.column(name) for name in header]
-        for name in known():
-            if sum(name == found.name for found in named) > 1:
-                raise BadInput(str(path), "header", name, "each column once")
+        if (name := twice(named)) is not None:
+            raise BadInput(str(path), "header", name, "each column once")
         if all(found.name != "t" for found in named):
             raise BadInput(str(path), "header", ",".join(header), _ACCEPTED)
         if all(found.name in (None, "t") for found in named):
@@ -146,7 +145,7 @@ def _table(
     beside = beside.of(printed, by_name["t"])
     held, own = beside.number, beside.number if number is None else None
     found: dict[str, tuple[Fraction | None, ...]] = {}
-    for (name, degrees, factor), texts in columns.items():
+    for (name, degrees, factor, part), texts in columns.items():
         if name is None:
             continue
         by = None if factor == 1 else factor
@@ -163,7 +162,7 @@ def _table(
                 exact = values(texts, number or own)
         except ExpressionError:
             raise _first_bad(path, named, rows) from None
-        found[name] = tuple(exact)
+        found[name] = added(found.get(name), exact) if part else tuple(exact)
     times = tuple(t for t in found.pop("t") if t is not None)
     if len(times) < len(rows):
         raise _first_bad(path, named, rows)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
@@ -10,7 +10,7 @@ from typing import Any
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
-from polhode.judging.tables.column_aliases import column, known, not_judged
+from polhode.judging.tables.column_aliases import Column, column, known, not_judged, twice
 from polhode.judging.tables.type_inference import type_of
 from polhode.numbers import exact
 from polhode.numbers.conversion import exact_number, exactly
@@ -81,46 +81,62 @@ def table_of_rows(
     return Table("states", times, named, (), printed, number)
 
 
-def table_of_columns(given: Any, number: NumberType | None = None) -> Table:
+def table_of_columns(
+    given: Any,
+    number: NumberType | None = None,
+    source: str = "compare",
+    meaning: Callable[[str], Column] = column,
+) -> Table:
     """Columns by name as a table: a mapping, a pandas DataFrame, an xarray Dataset.
+
+    ``source``: what complaints name.  ``meaning``: what each name stands for.
 
     Names are those of a file's header; the time may be a DataFrame's index.  Columns of floats
     are known as such; nan, NaT and None are empty cells.  Raises BadInput.
     """
     if hasattr(given, "iloc"):  # a DataFrame
-        if column(str(given.index.name)).name == "t":
+        if meaning(str(given.index.name)).name == "t":
             given = given.reset_index()
         held = {str(name): given[name].to_numpy() for name in given.columns}
     else:
         names = [*getattr(given, "coords", ()), *given.keys()]
         held = {str(name): getattr(given[name], "values", given[name]) for name in names}
-    named = {name: column(name) for name in held}
+    named = {name: meaning(name) for name in held}
     header = ",".join(held)
-    for name in known():
-        if sum(name == found.name for found in named.values()) > 1:
-            raise BadInput("compare", "columns", name, "each column once")
+    if (name := twice(named.values())) is not None:
+        raise BadInput(source, "columns", name, "each column once")
     if all(found.name != "t" for found in named.values()):
-        raise BadInput("compare", "columns", header, "a column t among them")
+        raise BadInput(source, "columns", header, "a column t among them")
     if all(found.name in (None, "t") for found in named.values()):
         expected = f"columns beside t that can be judged, of {', '.join(known()[1:])}"
-        raise BadInput("compare", "columns", header, expected)
+        raise BadInput(source, "columns", header, expected)
     if number is None:
         number = type_of(held[name] for name, k in named.items() if k.name not in (None, "t"))
     found: dict[str, tuple[Fraction | None, ...]] = {}
-    for name, (known_name, degrees, factor) in named.items():
+    for name, (known_name, degrees, factor, part) in named.items():
         if known_name is not None:
-            cells = each("compare", name, held[name], _cell, "a column of numbers")
+            cells = each(source, name, held[name], _cell, "a column of numbers")
             cells = cells if factor == 1 else tuple(x and x * factor for x in cells)
-            found[known_name] = tuple(radians(x) if x and degrees else x for x in cells)
+            cells = tuple(radians(x) if x and degrees else x for x in cells)
+            found[known_name] = added(found.get(known_name), cells) if part else cells
     times = found.pop("t")
     if not times or None in times or any(len(cells) != len(times) for cells in found.values()):
-        raise BadInput(
-            "compare", "columns", header, "columns as long as t, with a time in each row"
-        )
+        raise BadInput(source, "columns", header, "columns as long as t, with a time in each row")
     printed = number.printed_digits if number else MOST_PRINTED
     ignored = tuple(name for name, meant in named.items() if meant.name is None)
+    called = "columns" if source == "compare" else source
     exact_times = tuple(t for t in times if t is not None)
-    return Table("columns", exact_times, found, ignored, printed, number)
+    return Table(called, exact_times, found, ignored, printed, number)
+
+
+def added(
+    one: Sequence[Fraction | None] | None, other: Sequence[Fraction | None]
+) -> tuple[Fraction | None, ...]:
+    """Columns that are parts of one, cell by cell; the other alone where there is one."""
+    if one is None:
+        return tuple(other)
+    pairs = zip(one, other, strict=True)
+    return tuple(None if x is None or y is None else x + y for x, y in pairs)
 
 
 def _cell(value: Any) -> Fraction | None:

@@ -1,0 +1,124 @@
+"""Tables in files of arrays: NumPy's .npz and .npy, and Parquet where pandas reads it."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from polhode.common.errors import UNREADABLE, BadInput
+from polhode.common.files import read_whole
+from polhode.judging.tables.column_aliases import column
+from polhode.judging.tables.csv_file import MAX_BYTES
+from polhode.judging.tables.csv_layout import Naming
+from polhode.numbers.conversion import exactly
+from polhode.numbers.expression import decimal
+from polhode.numbers.number_types import MAX_DIGITS, NAMES, NumberType, bits_for
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+ENDINGS = (".npy", ".npz", ".parquet")
+_OWN = {"times": ("t",), "states": STATE, "angles": ANGLES, "attitude": ATTITUDE}
+_FAULTS = (*UNREADABLE, OSError, EOFError, MemoryError, OverflowError, KeyError)
+_AXES = {3: "xyz", 4: "wxyz"}
+
+#: Columns by the names in the file.
+Arrays: TypeAlias = "Mapping[str, Any] | pd.DataFrame"
+
+
+def arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
+    """The columns of a file, and the type of their numbers where it says it; raises BadInput."""
+    data = read_whole(path, MAX_BYTES, "a readable file of arrays")
+    if path.suffix.lower() == ".parquet":
+        return _parquet(path, data), None
+    import numpy as np
+
+    try:
+        if zipfile.is_zipfile(io.BytesIO(data)):
+            size = sum(part.file_size for part in zipfile.ZipFile(io.BytesIO(data)).infolist())
+            if size > MAX_BYTES:
+                raise BadInput(str(path), "file", None, f"at most {MAX_BYTES} bytes of arrays")
+        found: Any = np.load(io.BytesIO(data), allow_pickle=False)
+        held = {name: found[name] for name in found.files} if hasattr(found, "files") else found
+    except (*_FAULTS, zipfile.BadZipFile) as fault:
+        if isinstance(fault, BadInput):
+            raise
+        raise BadInput(str(path), "file", None, "arrays of numbers that NumPy wrote") from None
+    if not isinstance(held, dict):
+        return _of_one(path, held, names), None
+    if {"about", "times", "states"} <= {*held}:
+        return _of_polhode(path, held)
+    columns: dict[str, Any] = {}
+    for name, array in held.items():
+        columns |= _flat(path, name, array)
+    return columns, None
+
+
+def _parquet(path: Path, data: bytes) -> pd.DataFrame:
+    try:
+        import pandas as pd
+
+        found: pd.DataFrame = pd.read_parquet(io.BytesIO(data))
+    except ImportError:
+        raise BadInput(str(path), "file", None, "pandas and pyarrow installed, for it") from None
+    except Exception as fault:  # pyarrow has classes of its own for what is no such file
+        reason = str(fault).partition("\n")[0]
+        raise BadInput(str(path), "file", None, f"a Parquet file ({reason})") from None
+    return found
+
+
+def _of_one(path: Path, array: Any, names: Naming) -> dict[str, Any]:
+    """Columns of one array: of its fields' names, or of those that were named beside it."""
+    if array.dtype.names:
+        return {name: array[name] for name in array.dtype.names}
+    if array.ndim != 2 or len(names.header) != array.shape[1]:
+        expected = "fields with names, or --columns with a name for each of its columns"
+        raise BadInput(str(path), "shape", array.shape, expected)
+    return {name: array[:, k] for k, name in enumerate(names.header)}
+
+
+def _of_polhode(path: Path, held: Mapping[str, Any]) -> tuple[dict[str, Any], NumberType]:
+    """A trajectory that polhode saved: its decimals as numbers of its type."""
+    try:
+        about = json.loads(str(held["about"]))
+        number = NumberType(about["number"], about["bits"])
+        if number.name not in NAMES or not 0 < number.bits <= bits_for(MAX_DIGITS):
+            raise ValueError
+        columns: dict[str, Any] = {}
+        for key, names in _OWN.items():
+            if key in held:
+                rows = held[key].reshape(len(held["times"]), -1)
+                columns |= {
+                    name: [None if x == "" else _exactly(str(x), number, key) for x in rows[:, k]]
+                    for k, name in enumerate(names[: rows.shape[1]])
+                }
+    except (*_FAULTS, AttributeError, TypeError):
+        raise BadInput(str(path), "about", None, "what polhode saved of a trajectory") from None
+    return columns, number
+
+
+def _exactly(text: str, number: NumberType, key: str) -> Fraction:
+    """A number of the type from its decimal; of a time the decimal itself."""
+    found = decimal(text)
+    return found if key == "times" else exactly(number.rounded(found))
+
+
+def _flat(path: Path, name: str, array: Any) -> dict[str, Any]:
+    """A column, or those of an array of three or four: ``gamma`` as ``gamma_x``, ..."""
+    if array.ndim == 1:
+        return {name: array}
+    if array.ndim == 0:
+        return {}
+    axes: Sequence[str] = _AXES.get(array.shape[1], "") if array.ndim == 2 else ""
+    prefix = "w" if name.lower() == "omega" else name  # omega_x is a column along space axes
+    parts = {f"{prefix}_{axis}": array[:, k] for k, axis in enumerate(axes)}
+    if not parts or column(next(iter(parts))).name is None:
+        expected = "columns, or arrays of shape (n, 3) or (n, 4) such as omega, gamma, quaternion"
+        raise BadInput(str(path), name, array.shape, expected)
+    return parts
