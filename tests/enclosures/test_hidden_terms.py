@@ -44,15 +44,19 @@ STEPS: list[tuple[dict[str, float], tuple[str, str]]] = [
 HB = 1e-15
 
 
+def _claimed(n: dict[str, float], size: float, is_box: bool = False) -> zonotope.Step:
+    known: Any = SimpleNamespace(
+        **{name: np.array([n[name]]) for name in ("growth", "delta", "sigma", "rho")},
+        sizes=np.array([size]),
+        problem=SimpleNamespace(is_box=is_box),
+    )
+    return zonotope._accepted(known, 0, n["eps"], HB)
+
+
 def _missed(numbers: dict[str, float]) -> float:
     """The least s of the theorem over the one that is claimed."""
     n = {"delta": 1e-3, "sigma": 1.0, "rho": 1e-12, "eps": 1.0, "growth": 20.0, **numbers}
-    known: Any = SimpleNamespace(
-        **{name: np.array([n[name]]) for name in ("growth", "delta", "sigma", "rho")},
-        sizes=np.array([1e300]),
-        problem=SimpleNamespace(is_box=False),
-    )
-    claimed = zonotope._accepted(known, 0, n["eps"], HB)
+    claimed = _claimed(n, 1e300)
     growth, sigma = Fraction(n["growth"]), Fraction(n["sigma"])
     once, hb = Fraction(n["eps"]) + Fraction(n["delta"]), Fraction(HB)
     r = Fraction(0)  # the least r with growth (eps + delta + h beta (sigma + r)**2) <= r
@@ -74,15 +78,10 @@ def test_a_step_claims_what_the_theorem_says(
 
 def _missed_by_a_box() -> float:
     """The s of the theorem with the r that its own s gives, over the one that is claimed."""
-    numbers: dict[str, Any] = {"delta": 1e-3, "sigma": 2e9, "rho": 1e-12, "growth": 20.0}
-    known: Any = SimpleNamespace(
-        **{name: np.array([x]) for name, x in numbers.items()},
-        sizes=np.array([4.0]),
-        problem=SimpleNamespace(is_box=True),
-    )
-    eps, size, hb = Fraction(10**9), Fraction(4), Fraction(HB)
-    delta, sigma, rho, growth = (Fraction(x) for x in numbers.values())
-    claimed = zonotope._accepted(known, 0, float(eps), HB)
+    numbers = {"delta": 1e-3, "sigma": 2e9, "rho": 1e-12, "growth": 20.0, "eps": 1e9}
+    claimed = _claimed(numbers, 4.0, is_box=True)
+    delta, sigma, rho, growth, eps = (Fraction(x) for x in numbers.values())
+    size, hb = Fraction(4), Fraction(HB)
     r = 2 * growth * (eps + delta + 2 * hb * sigma**2)
     for _ in range(2):
         s = growth * (delta + hb * (sigma + r) ** 2) + rho * eps

@@ -14,7 +14,6 @@ from polhode.common.result import Result
 from polhode.judging.references.reference import reference
 from polhode.judging.score.compare import compare
 from polhode.numbers.conversion import exact_number, to_double
-from polhode.numbers.decimals import brief
 from polhode.numbers.exact import sign
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes.scene import Scene
@@ -84,7 +83,7 @@ def observed_order(
         if c
     ]
     if len(points) < _FEWEST:
-        told = ", ".join(f"{brief(h)}: {d:.1f}" for h, d in zip(lengths, digits, strict=True))
+        told = ", ".join(f"{h:.3g}: {d:.1f}" for h, d in zip(lengths, digits, strict=True))
         low = min(most)
         expected = f"{_FEWEST} or more that give {_LEAST:g} to {low:.1f} digits (there were {told})"
         raise BadInput("order_of", "steps", len(points), expected)

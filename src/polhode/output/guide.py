@@ -6,7 +6,7 @@ import json
 import re
 from pathlib import Path
 
-from polhode.common.errors import BadInput, nearest
+from polhode.common.errors import BadInput, listed
 from polhode.numbers.quantity import UNITS, named
 from polhode.output import api_reference
 from polhode.output.json_object import JsonObject
@@ -30,7 +30,7 @@ def page(topic: str) -> str:
     """A page as Markdown; raises BadInput for a topic that there is not."""
     path = FOLDER / f"{topic}.md"
     if not re.fullmatch(r"[\w-]+", topic) or not path.is_file():
-        raise BadInput("guide", "TOPIC", topic, nearest(topic, [*topics(), NOTEBOOK]))
+        raise BadInput("guide", "TOPIC", topic, listed(topic, [*topics(), NOTEBOOK]))
     text = path.read_text(encoding="utf-8")
     text = re.sub(r"<!-- keys ?([\w.]*) -->", lambda found: "\n".join(_keys(found[1])), text)
     text = re.sub(r"<!-- columns -->", lambda _: "\n".join(_columns()), text)

@@ -142,7 +142,7 @@ KEYS: dict[str, tuple[Key, ...]] = {
         Key(
             "omega",
             VECTOR,
-            'angular velocity p, q, r in body axes; for proofs also intervals, `"3/10 ± 1e-9"`',
+            "angular velocity p, q, r in body axes",
             '["0.3", 0.2, 1.1]',
             unit="rad/s",
         ),
