@@ -304,6 +304,10 @@ def of_judgement(judged: Judgement) -> JsonObject:
             {"part": r.part, "convention": r.convention, "digits": round(r.digits, 1)}
             for r in judged.readings
         ]
+    if judged.causes:
+        answer["causes"] = [
+            {"cause": cause.words, "digits": round(cause.digits, 1)} for cause in judged.causes
+        ]
     answer["proven"] = reference.is_proven
     if not reference.is_closed_form:
         answer["reference_digits"] = None if math.isnan(known) else round(known, 1)

@@ -14,18 +14,17 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from polhode.common.errors import BadInput
 from polhode.common.text_tables import few
+from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.diagnosis.rotation_matrices import matrices
 from polhode.judging.diagnosis.time_unit import UNITS
 from polhode.judging.diagnosis.ways import LEAST_ROWS, Right, Way, as_it_stands, ways
 from polhode.judging.references.certified import Certified
-from polhode.judging.references.reference import Reference, Remembered, by_sign, rows
+from polhode.judging.references.reference import Reference, Remembered, rows
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import GAIN, WRONG, Reading, TimeChange
 from polhode.numbers.conversion import exactly, to_double
-from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 
@@ -65,7 +64,7 @@ def readings(
         return found
     if len(times) >= LEAST_ROWS:
         for words, change in _other_times(subject, reference.scene):
-            moved = _integrated(reference.scene, [change.of(t) for t in times])
+            moved = integrated(reference.scene, [change.of(t) for t in times])
             there = [] if moved is None else _read(whole, plain, moved, words, change)
             if there and _explains(there, plain):
                 return there
@@ -132,7 +131,7 @@ def _other_weight(
     if not scene.body.weight:
         return []
     body = replace(scene.body, weight=-scene.body.weight)
-    right = _integrated(replace(scene, body=body), times)
+    right = integrated(replace(scene, body=body), times)
     change = TimeChange()  # the plain convention is one, too
     words = "a weight of the other sign"
     found = [] if right is None else _read(whole, plain, right, words, change)
@@ -153,29 +152,6 @@ def _right(reference: AnyReference, times: Sequence[Fraction]) -> Right | None:
     if states is None:  # a proof that had no more time
         return None
     return Right(states, attitude, None if attitude is None else matrices(attitude))
-
-
-def _integrated(scene: Scene, times: Sequence[Fraction]) -> Right | None:
-    """The motion at other times, integrated in double: dearer digits are not needed to tell."""
-    from polhode.runs.solve import solve
-
-    found: dict[Fraction, tuple[Any, Any]] = {}
-    turning = bool(scene.columns[3:])
-    asked = replace(scene, outputs=("attitude",) if turning else (), events=())
-    try:
-        for part in by_sign(times):
-            run = solve(asked.at(part), DOUBLE, interruptible=False)
-            if len(run.times) < len(part):
-                return None
-            turns = run.attitude if run.attitude is not None else [None] * len(part)
-            found |= dict(zip(part, zip(run.states, turns, strict=True), strict=True))
-    except (BadInput, ImportError, ValueError, OverflowError):
-        return None
-    states = np.array([[float(x) for x in found[t][0]] for t in times])
-    if not turning:
-        return Right(states)
-    attitude = np.array([[float(x) for x in found[t][1]] for t in times])
-    return Right(states, attitude, matrices(attitude))
 
 
 def _whole(subject: Subject, doubles: Callable[[Any], Any]) -> dict[str, Doubles]:

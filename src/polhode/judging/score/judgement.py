@@ -17,6 +17,7 @@ from polhode.equations.integrals import Drift
 from polhode.judging.conditioning.conditioning import Conditioning, conditioning
 from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
 from polhode.judging.conditioning.rounding_errors import Band
+from polhode.judging.diagnosis.causes import Cause, causes
 from polhode.judging.diagnosis.departure import Departure, departure
 from polhode.judging.diagnosis.error_budget import LAST, between, chance, is_lost, is_thin, limit
 from polhode.judging.diagnosis.omega_only import OmegaAlone, omega_alone
@@ -375,6 +376,17 @@ class Judgement(Result, ByValue):
         found = reading(source, scene, at, worst, 10.0**-worst, judged)
         return () if found is None else (found,)
 
+    @cached_property
+    def causes(self) -> tuple[Cause, ...]:
+        """Numbers of which one, if it were another, would make a table right that is not: constants
+        of the body, the start, a clock; the best first, fitted, and changed nowhere."""
+        source, digits = self.subject.source, self.digits
+        if not isinstance(source, Table) or not digits or self.offers:
+            return ()
+        if min(digits) >= LAST and not self.limit.startswith("method"):
+            return ()
+        return causes(self.subject, self.reference.scene)
+
     def __str__(self) -> str:
         against, others = self.reference, self._others
         known = f"to {self.agreement:.1f} digits"
@@ -393,6 +405,7 @@ class Judgement(Result, ByValue):
             told.setdefault(name, []).append(str(where))
         lines += [f"{name}: {'; '.join(texts)}" for name, texts in told.items()]
         lines += [str(reading) for reading in self.readings]
+        lines += [str(cause) for cause in self.causes]
         if self.omega_alone is not None:
             lines.append(str(self.omega_alone))
         if self.drift is not None:

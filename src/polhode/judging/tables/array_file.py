@@ -29,7 +29,7 @@ _FAULTS = (*UNREADABLE, OSError, EOFError, MemoryError, OverflowError, KeyError)
 _AXES = {3: "xyz", 4: "wxyz"}
 
 #: Columns by the names in the file.
-Arrays: TypeAlias = "Mapping[str, Any] | pd.DataFrame"
+Arrays: TypeAlias = "Mapping[str, object] | pd.DataFrame"
 
 
 def arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
@@ -54,7 +54,7 @@ def arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
         return _of_one(path, held, names), None
     if {"about", "times", "states"} <= {*held}:
         return _of_polhode(path, held)
-    columns: dict[str, Any] = {}
+    columns: dict[str, object] = {}
     for name, array in held.items():
         columns |= _flat(path, name, array)
     return columns, None
@@ -73,7 +73,7 @@ def _parquet(path: Path, data: bytes) -> pd.DataFrame:
     return found
 
 
-def _of_one(path: Path, array: Any, names: Naming) -> dict[str, Any]:
+def _of_one(path: Path, array: Any, names: Naming) -> dict[str, object]:
     """Columns of one array: of its fields' names, or of those that were named beside it."""
     if array.dtype.names:
         return {name: array[name] for name in array.dtype.names}
@@ -83,14 +83,14 @@ def _of_one(path: Path, array: Any, names: Naming) -> dict[str, Any]:
     return {name: array[:, k] for k, name in enumerate(names.header)}
 
 
-def _of_polhode(path: Path, held: Mapping[str, Any]) -> tuple[dict[str, Any], NumberType]:
+def _of_polhode(path: Path, held: Mapping[str, Any]) -> tuple[dict[str, object], NumberType]:
     """A trajectory that polhode saved: its decimals as numbers of its type."""
     try:
         about = json.loads(str(held["about"]))
         number = NumberType(about["number"], about["bits"])
         if number.name not in NAMES or not 0 < number.bits <= bits_for(MAX_DIGITS):
             raise ValueError
-        columns: dict[str, Any] = {}
+        columns: dict[str, object] = {}
         for key, names in _OWN.items():
             if key in held:
                 rows = held[key].reshape(len(held["times"]), -1)
@@ -109,7 +109,7 @@ def _exactly(text: str, number: NumberType, key: str) -> Fraction:
     return found if key == "times" else exactly(number.rounded(found))
 
 
-def _flat(path: Path, name: str, array: Any) -> dict[str, Any]:
+def _flat(path: Path, name: str, array: Any) -> dict[str, object]:
     """A column, or those of an array of three or four: ``gamma`` as ``gamma_x``, ..."""
     if array.ndim == 1:
         return {name: array}
