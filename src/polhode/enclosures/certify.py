@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -176,7 +177,7 @@ def certify(
             )
         except Refused as why:
             refusal = str(why)
-            if noise == MOST_NOISE:
+            if noise == MOST_NOISE or (box.radii is not None and tries > 1):
                 break
             noise = precision_choice.raised(noise, bits, why)
             continue
@@ -193,7 +194,7 @@ def certify(
             break
         noise += math.ceil(precision_choice.BITS_A_DIGIT * (digits - best.fewest)) + _SPARE
     if box.radii is not None:
-        raise _too_wide(box, times, digits, deadline)
+        raise _too_wide(box, times, deadline)
     had = f"{best.fewest:.1f} proven" if best else refusal
     expected = f"digits that can be proven to t = {_farthest(times)} ({had})"
     raise BadInput(scene.name, "digits", digits, expected)
@@ -209,20 +210,30 @@ def digits_of_box(box: StartBox) -> int:
     return min(MOST_DIGITS, max(1, math.ceil(left)) + _BEYOND_A_BOX)
 
 
-def _too_wide(box: StartBox, times: Sequence[Exact], digits: int, deadline: Deadline) -> BadInput:
+def _too_wide(box: StartBox, times: Sequence[Exact], deadline: Deadline) -> BadInput:
     """The complaint about a box that was followed to none of the times."""
-    radii, found = box.radii or (), None
-    at = [min(times, key=abs)]
-    for k in range(1, _TENTHS + 1):
-        narrower = tuple(r / 10**k for r in radii)
-        with suppress(BadInput):
-            found = certify(box.scene, at, digits=digits + k, omega_radius=narrower)
-        if deadline.passed or (found is not None and found.times):
-            break
+    zero = Fraction(0)
+    (a, b, c), at = box.radii or (zero, zero, zero), [min(times, key=abs)]
+    size = max([Fraction(1), *map(abs, map(_fraction_near, box.scene.omega))])
+    first = next(k for k in itertools.count(1) if max(a, b, c) <= size * 10 ** (k - 1))
     expected = f"narrower intervals, to be followed to t = {shown(at[0])}"
-    if found is not None and found.times:
-        expected += f"; a part in {10**k} of these works"
+    for k in range(first, first + _TENTHS):
+        narrower = StartBox(box.scene, (a / 10**k, b / 10**k, c / 10**k))
+        side = _Side(narrower, at, sign(at[0]) < 0)
+        fine = digits_of_box(narrower)
+        needed = precision_choice.forecast(side.motion, side.last, fine, deadline)
+        noise = min(max(LEAST_NOISE, math.ceil(needed.bits + needed.grown)), MOST_NOISE)
+        with suppress(Refused):
+            if _found(narrower, at, [side], fine, noise, True, None, deadline, False).times:
+                expected += f"; a part in {10**k if k < 7 else f'1e{k}'} of these works"
+                break
+        if deadline.passed:
+            break
     return BadInput(box.scene.name, start_box.KEY, box.told, expected)
+
+
+def _fraction_near(x: Exact) -> Fraction:
+    return exact.binary(*exact.rounded(x, 53))
 
 
 def time_limit(scene: Scene, seconds: float | None) -> Deadline:

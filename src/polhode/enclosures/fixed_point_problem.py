@@ -47,6 +47,7 @@ _FINER = 24  # Q - P: the radii of the constants, times exp(alpha), stay below t
 _SLOW, _LEAST_WEIGHT = 1.0 / 64.0, 1e-12  # of a pull, and of a moment, for the weights
 _SHARPER = 20  # bits behind 2**-S to which every constant must be known
 _MOST_BITS = 1 << 15
+_WIDEST = 1e100  # in units of 2**-P: whose square is a double
 
 
 class Refused(ArithmeticError):
@@ -229,6 +230,8 @@ def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Probl
             near, radius = _nearest(known, fine)
             start.append(near)
             spread.append(upper(radius * arb((1, noise))))
+    if what.radii and not max(spread) < _WIDEST:
+        raise Refused("the start's intervals are too wide")
     return Problem(
         noise,
         fine,

@@ -6,6 +6,7 @@ scene, since it would take one motion of many.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
@@ -15,14 +16,17 @@ from typing import NamedTuple
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.files import called
+from polhode.numbers import exact
 from polhode.numbers.conversion import exact_number
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact, sign
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import library, scene_file
 from polhode.scenes.scene import Scene
 from polhode.scenes.validation import PLUS_MINUS, Literal, Reading
 
 KEY = "start.omega"
-_EXPECTED = "a middle and a radius that is a fraction, 0 or more"
+_EXPECTED = "a middle and a radius of 0 or more"
 
 
 class StartBox(NamedTuple):
@@ -37,7 +41,7 @@ class StartBox(NamedTuple):
     @property
     def told(self) -> str:
         """The radii for a complaint."""
-        return f"{PLUS_MINUS[0]} ({', '.join(map(str, self.radii or ()))})"
+        return f"{PLUS_MINUS[0]} ({', '.join(map(shown, self.radii or ()))})"
 
 
 def read(scene: Scene | str | Path) -> StartBox:
@@ -59,9 +63,9 @@ def read(scene: Scene | str | Path) -> StartBox:
             continue
         middle, _, radius = (part.strip() for part in item.partition(mark))
         found = reading.number(KEY, radius)
-        if not isinstance(found, Fraction) or found < 0:
+        if sign(found) < 0:
             raise reading.bad(KEY, item, _EXPECTED)
-        radii.append(found)
+        radii.append(_fraction(found))
         omega[k], text = middle, text.replace(item, middle)
     own = scene_file.of_tables(tables, source, lambda: text)
     a, b, c = radii
@@ -77,18 +81,27 @@ def chosen(scene: Scene | str | Path, radius: AnyNumber | AnyVector | None) -> S
     if box.radii is not None:
         raise BadInput(scene.name, "omega_radius", None, "nothing beside intervals in the scene")
     listed = (radius,) * 3 if isinstance(radius, (str, int, float, Fraction)) else radius
-    radii = each(scene.name, "omega_radius", listed, _fraction, "a number, or three")
+    radii = each(scene.name, "omega_radius", listed, _radius, "a number, or three")
     if len(radii) != 3:
         raise BadInput(scene.name, "omega_radius", len(radii), "a number, or three")
     a, b, c = radii
     return StartBox(scene, (a, b, c))
 
 
-def _fraction(radius: AnyNumber) -> Fraction:
+def _radius(radius: AnyNumber) -> Fraction:
     found = exact_number(radius)
-    if not isinstance(found, Fraction) or found < 0:
-        raise ValueError("a fraction, 0 or more")
-    return found
+    if sign(found) < 0:
+        raise ValueError("0 or more")
+    return _fraction(found)
+
+
+def _fraction(radius: Exact) -> Fraction:
+    """The radius; where it is no fraction, as of degrees, a decimal of four digits above it."""
+    if isinstance(radius, Fraction):
+        return radius
+    near = exact.binary(*exact.rounded(radius, 53)) * (1 + Fraction(1, 1 << 50))
+    unit = Fraction(10) ** math.floor(math.log10(near) - 3)
+    return math.ceil(near / unit) * unit
 
 
 def _omega(tables: Mapping[str, object]) -> list[object]:

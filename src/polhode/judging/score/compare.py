@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -13,6 +14,7 @@ from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.conditioning.conditioning import Conditioning
+from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.diagnosis.reading import as_read
 from polhode.judging.diagnosis.time_unit import begins_at_start, time_unit
 from polhode.judging.references.certified import Certified
@@ -28,6 +30,7 @@ from polhode.judging.tables.csv_file import open_table
 from polhode.judging.tables.csv_layout import Naming, naming
 from polhode.judging.tables.reading import GAIN, WRONG, Reading, TimeChange
 from polhode.judging.tables.table import Table, table_of_columns, table_of_rows
+from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
@@ -245,9 +248,7 @@ def _at_other_times(
     """A table at changed times, where some of its rows are right so alone."""
     rows = subject.some(some)
     changed = replace(rows, times=tuple(change.of(t) for t in rows.times))
-    before = 0.0
-    with suppress(BadInput):  # no proof goes so far
-        before = Judgement(rows, against).worst
+    before = _as_they_stand(rows, against)
     with suppress(BadInput):
         now = Judgement(changed, against).worst
         if before < WRONG and now >= before + GAIN:
@@ -255,6 +256,25 @@ def _at_other_times(
             times = tuple(change.of(t) for t in subject.times)
             return replace(subject, times=times, readings=(*subject.readings, reading))
     return subject
+
+
+def _as_they_stand(rows: Subject, against: AnyReference) -> float:
+    """The fewest digits of rows; of a proof, that may have far to go, against a run in double."""
+    if isinstance(against, Certified):
+        plain = integrated(against.scene, rows.times, attitude=False)
+        if plain is None or rows.states is None:
+            return 0.0
+        true = dict(zip(rows.times, plain.states.tolist(), strict=True))
+        off = [
+            abs(to_double(exactly(x)) - y)
+            for t, row in zip(rows.times, rows.states, strict=True)
+            for x, y in zip(row, true[t], strict=True)
+            if x is not None
+        ]
+        return max(0.0, -math.log10(max([1e-16, *off])))
+    with suppress(BadInput):
+        return Judgement(rows, against).worst
+    return 0.0
 
 
 def _unit(found: Judgement) -> str:
