@@ -11,6 +11,7 @@ import pytest
 
 import polhode
 from polhode import BadInput, cli
+from polhode.judging.references.certified import Certified
 from polhode.judging.tables import array_file
 from polhode.scenes.vocabulary import STATE
 
@@ -189,6 +190,29 @@ def test_a_motion_without_a_formula_begins_at_its_first_row_too(tmp_path):
     assert found.worst > 14
     with pytest.raises(BadInput):
         polhode.compare(columns, scene, as_it_stands=True)
+    back = {name: values[::-1] for name, values in columns.items()}
+    assert polhode.compare(back, scene).reading == found.reading
+
+
+@pytest.mark.parametrize("scene", ["general/asymmetric-regular", "general/asymmetric-chaotic"])
+def test_a_convention_is_told_without_a_proof_to_a_far_time(scene, monkeypatch):
+    asked = []
+    enclosure = Certified.enclosure
+
+    def noted(self, times, *more):
+        asked.append(max(abs(t) for t in times))
+        return enclosure(self, times, *more)
+
+    monkeypatch.setattr(Certified, "enclosure", noted)
+    run = polhode.integrate(scene, at=TIMES)
+    columns = {"t": run.t, **{name: run.states[:, k] for k, name in enumerate(STATE)}}
+    swapped = columns | {"p": columns["q"], "q": columns["p"]}
+    for times, words in ((run.t * 1000, "milliseconds"), (run.t + 1234.5, "t from 1234.5 on")):
+        found = polhode.compare(swapped | {"t": times}, scene)
+        assert words in found.reading
+        assert "p q r = q p r" in found.reading
+        assert found.worst > 11
+    assert max(asked) <= 3
 
 
 def test_rows_that_begin_later_are_as_they_are(exact):

@@ -142,6 +142,9 @@ def _other_weight(
 def _right(reference: AnyReference, times: Sequence[Fraction]) -> Right | None:
     """The reference's states and attitudes at these times; None where it gives no states."""
 
+    if isinstance(reference, Certified):  # whose proof may have far to go
+        return integrated(reference.scene, times)
+
     def asked(question: Callable[..., Any]) -> Any:
         try:
             return np.array([[float(x) for x in row] for row in rows(question, times, 18)])
@@ -149,7 +152,7 @@ def _right(reference: AnyReference, times: Sequence[Fraction]) -> Right | None:
             return None
 
     states, attitude = asked(reference.at), asked(reference.attitude)
-    if states is None:  # a proof that had no more time
+    if states is None:
         return None
     return Right(states, attitude, None if attitude is None else matrices(attitude))
 

@@ -55,14 +55,14 @@ def time_unit(subject: Subject, scene: Scene) -> TimeUnit | None:
     return None
 
 
-def begins_at_start(subject: Subject, scene: Scene) -> bool:
-    """Whether the first row is nearly the scene's state at t = 0, or there is none of the state."""
+def begins_at_start(subject: Subject, row: int, scene: Scene) -> bool:
+    """Whether a row is nearly the scene's state at t = 0, or there is none of the state."""
     start = np.array([to_double(x) for x in scene.start])
     if subject.states is None:
         return subject.attitude is not None
     found = []
     for half in (slice(0, 3), slice(3, 6)):
-        here, there = _numbers(subject.states[0][half]), start[half]
+        here, there = _numbers(subject.states[row][half]), start[half]
         if here is not None and len(here) == len(there) == 3:
             size = float(np.linalg.norm(there)) or 1.0
             found.append(float(np.linalg.norm(here - there)) < _NEAR * size)

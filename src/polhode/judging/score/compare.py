@@ -14,6 +14,7 @@ from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.conditioning.conditioning import Conditioning
+from polhode.judging.diagnosis.conventions import readings
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.diagnosis.reading import as_read
 from polhode.judging.diagnosis.time_unit import begins_at_start, time_unit
@@ -194,6 +195,8 @@ def compare(
         raise BadInput(subject.name, "header", None, expected)
     if not as_it_stands and subject.run is None:
         subject = _from_the_start(_in_seconds(subject, against), against)
+        if isinstance(against, Certified):
+            subject = _read_before(subject, against)
     found = Judgement(subject, against, known, workers, progress, as_it_stands)
     try:
         _ = found.digits  # what cannot be judged is refused here
@@ -212,14 +215,31 @@ def _as_read(found: Judgement) -> Judgement:
     """The judgement in the conventions that make its wrong parts right, where some do."""
     if not found.is_wrong:
         return found
-    readings = [one for one in found.offers if one.change is not None]
-    if not readings:
+    offers = [one for one in found.offers if one.change is not None]
+    if not offers:
         return found
-    other = replace(found, subject=as_read(found.subject, readings))
+    other = replace(found, subject=as_read(found.subject, offers))
     wanted = {name: fewest(digits, 0.0) - GAIN for name, digits in found.part_digits.items()}
-    wanted |= {one.part: one.as_it_stands + GAIN for one in readings}
+    wanted |= {one.part: one.as_it_stands + GAIN for one in offers}
     good = all(fewest(other.part_digits.get(k, ()), 0.0) >= d for k, d in wanted.items())
     return other if good else found
+
+
+def _read_before(subject: Subject, against: Certified) -> Subject:
+    """A table in the convention that makes it right, where that is told without a far proof."""
+    some = subject.some(few(len(subject.times), SHOWN))
+    if _as_they_stand(some, against) >= WRONG:
+        return subject
+    parts = ("omega", "gamma", "attitude", "angles")
+    found = [one for one in readings(subject, against, parts) if one.change is not None]
+    if not found:
+        return subject
+    read = as_read(subject, found)
+    with suppress(BadInput):
+        digits = Judgement(read, against).part_digits
+        if all(fewest(digits.get(x.part, ()), 0.0) >= x.as_it_stands + GAIN for x in found):
+            return read
+    return subject
 
 
 def _in_seconds(subject: Subject, against: AnyReference) -> Subject:
@@ -233,12 +253,12 @@ def _in_seconds(subject: Subject, against: AnyReference) -> Subject:
 
 
 def _from_the_start(subject: Subject, against: AnyReference) -> Subject:
-    """A table whose first row is the scene's start at another time, with times from there on."""
-    first = subject.times[0]
-    if first == 0 or not begins_at_start(subject, against.scene):
+    """A table whose earliest row is the scene's start at another time, with times from there on."""
+    some = sorted(range(len(subject.times)), key=subject.times.__getitem__)[:_FIRST]
+    first = subject.times[some[0]]
+    if first == 0 or not begins_at_start(subject, some[0], against.scene):
         return subject
     words = f"from its first row on ({brief(first)})"
-    some = list(range(min(_FIRST, len(subject.times))))
     return _at_other_times(subject, against, some, TimeChange(shift=first), words)
 
 
