@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias, TypedDict
 
-from polhode.common.arguments import of_kind, whole
+from polhode.common.arguments import each, of_kind, whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
@@ -170,13 +170,12 @@ def compare(
         if digits is not None and number is None:
             raise BadInput(scene.name, "digits", digits, "number given with it: mp")
         kind = None if number is None else choose_number(scene, number, digits)
-        names = None if columns is None else naming(",".join(columns))
         if isinstance(what, (str, Path)) and Path(what).suffix.lower() in ENDINGS:
-            meant = names or Naming()
+            meant = _naming(columns) or Naming()
             held, own = arrays(Path(what), meant)
             what = table_of_columns(held, kind or own, str(what), meant.column)
         elif isinstance(what, (str, Path)):
-            file = open_table(Path(what), kind, names)
+            file = open_table(Path(what), kind, _naming(columns))
             some = None if first is None else file.some(SHOWN)
             with suppress(BadInput):  # first what is wrong with the file, if anything is
                 if some is not None and _is_told(first, *some, against):
@@ -209,6 +208,13 @@ def compare(
         found = replace(found, reference=Certified(against.scene, **limits))
         _ = found.digits
     return found if as_it_stands or found.subject.run is not None else _as_read(found)
+
+
+def _naming(columns: Sequence[str] | None) -> Naming | None:
+    """What columns of a file are called, where that was told."""
+    if columns is None:
+        return None
+    return naming(",".join(each("compare", "columns", columns, str, "a list of names")))
 
 
 def _as_read(found: Judgement) -> Judgement:
