@@ -4,7 +4,8 @@ A command that runs long is started as a process of its own, and at a random mom
 processor time SIGINT or SIGTERM comes: to the process, or to its whole group as from a terminal.
 It ends within SECONDS of the clock, or where the machine is busy of its processor time; with exit
 code 130, or the one that it had already; with no more on stderr than lines of its own; and it
-leaves nothing but what is documented: parts to go on from, and a sweep's members.
+leaves nothing but what is documented: parts to go on from, a sweep's members, and its file if that
+was written before the signal came, whole.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import zipfile
 from collections import Counter
 from pathlib import Path
 from random import Random
@@ -84,6 +86,8 @@ _NAMES = {"R": "general/asymmetric-regular", "C": "general/asymmetric-chaotic"}
 #: What a command may leave that was ended by a signal.
 LEFT = re.compile(r"x\.npz\.parts(/.*)?|out(/[\w.-]+\.parts.*)?")
 SWEPT = re.compile(r"x\.npz")
+#: How a whole file ends, by its name's ending: a signal may come between it and the last line.
+ENDS = {".svg": b"</svg>\n", ".png": b"IEND\xaeB`\x82", ".gif": b";", ".html": b"</html>\n"}
 SAID = re.compile(r"(polhode: [^\n]+\n|[\w/.-]+: [^\n]+\n)*")
 _OURS = ("given.", "thin.")
 _GIVEN = """
@@ -215,7 +219,20 @@ def _left() -> list[str]:
 
 
 def _may_stay(work: str, path: str) -> bool:
-    return bool(LEFT.fullmatch(path) or (work.startswith("sweep") and SWEPT.fullmatch(path)))
+    return bool(
+        LEFT.fullmatch(path)
+        or (work.startswith("sweep") and SWEPT.fullmatch(path))
+        or whole(Path(path))
+    )
+
+
+def whole(path: Path) -> bool:
+    """Whether a file is one that a command writes, to its end."""
+    if path.suffix == ".npz":
+        with contextlib.suppress(OSError, zipfile.BadZipFile), zipfile.ZipFile(path) as held:
+            return held.testzip() is None
+        return False
+    return path.suffix in ENDS and path.read_bytes().endswith(ENDS[path.suffix])
 
 
 def sampled(work: str, moments: int, seed: int = 0) -> tuple[Counter[str], list[str]]:

@@ -26,6 +26,18 @@ def test_a_signal_is_obeyed(work):
     assert not faults
 
 
+@pytest.mark.parametrize("name", ["x.svg", "x.png", "x.gif", "x.html", "x.npz"])
+def test_half_a_file_may_not_stay(tmp_path, name):
+    path = tmp_path / name
+    what = {".html": "view {}", ".npz": "levels {}", ".gif": "plot {} --what motion --end 1"}
+    command = what.get(path.suffix, "plot {} --what angles").format("lagrange/looping")
+    assert cli.main([*command.split(), "-o", str(path)]) == 0
+    assert interrupts.whole(path)
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) // 2])
+    assert not interrupts.whole(path)
+
+
 @pytest.mark.campaign
 @pytest.mark.skipif(sys.platform != "linux", reason="processor time is read from /proc")
 @pytest.mark.parametrize("work", WORKS)
