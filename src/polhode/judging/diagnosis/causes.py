@@ -107,12 +107,13 @@ class Fit:
         return -math.log10(worst) if worst > 0 else 16.0
 
     def _error(self, model: Model, x: float, count: int) -> Doubles | None:
-        """The scaled difference from the first rows, in one column of numbers."""
+        """The scaled difference from the first rows, in one column of numbers; None if too large."""
         states = model(x, self.times[:count])
-        if states is None or not np.all(np.isfinite(states)):
+        if states is None:
             return None
-        found: Doubles = ((states[:, self.columns] - self.table[:count]) / self.scale).ravel()
-        return found
+        with np.errstate(over="ignore", invalid="ignore"):
+            found: Doubles = ((states[:, self.columns] - self.table[:count]) / self.scale).ravel()
+        return found if np.all(np.isfinite(found)) else None
 
     def cause(self, one: _Candidate) -> Cause | None:
         """The number, fitted, where it explains the table."""
