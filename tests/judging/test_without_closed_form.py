@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import polhode
 from polhode.enclosures.certify import certify
 from polhode.judging.adaptive_precision import integrate
 from polhode.numbers.conversion import exactly, to_mpf
@@ -97,3 +98,21 @@ def test_the_plain_series_is_exact_on_a_motion_that_is_known():
         wanted = (mpmath.cos(angle), mpmath.sin(angle), 3)
         for x, y in zip(row[:3], wanted, strict=True):
             assert abs(mpmath.mpf(x.numerator) / x.denominator - y) < mpmath.mpf(10) ** -DIGITS
+
+
+def test_a_forecast_of_a_proof_that_a_look_at_the_times_asks_for():
+    """It asked for the unit of a judgement that was not made yet."""
+    scene = "general/asymmetric-regular"
+    run = polhode.integrate(scene, at=[0, 1, 2, 5])
+    rows = [[float(x) for x in row] for row in run.states]
+    told = []
+    found = polhode.compare(
+        rows,
+        polhode.load(scene),
+        at=[1234, 1235, 1236, 1239],
+        forecast=lambda *what: told.append(what),
+    )
+    assert found.worst > 14.5
+    assert "from its first row on" in str(found)
+    assert told
+    assert all(seconds < 60 for seconds, _ in told)

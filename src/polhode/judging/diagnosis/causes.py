@@ -107,7 +107,7 @@ class Fit:
         return -math.log10(worst) if worst > 0 else 16.0
 
     def _error(self, model: Model, x: float, count: int) -> Doubles | None:
-        """The scaled difference from the first rows, in one column of numbers; None if too large."""
+        """The scaled difference from the first rows, in one column; None if too large."""
         states = model(x, self.times[:count])
         if states is None:
             return None

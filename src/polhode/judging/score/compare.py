@@ -155,18 +155,18 @@ def compare(
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
     limits: _Limits = {"progress": progress, "max_seconds": max_seconds}
     if forecast is not None:
-        limits["forecast"] = lambda seconds: forecast(seconds, _unit(found))
+        limits["forecast"] = lambda seconds: forecast(seconds, _unit(subject, scene))
     if isinstance(against, (Scene, str, Path)):
         against = reference(against)
         if isinstance(against, Certified):
             against = Certified(against.scene, **limits)
+    scene = against.scene
     if isinstance(what, Trajectory):
         if not what.times:
             ended = f"a time that the run reached ({what.outcome.cause}; {what.outcome.advice})"
             raise BadInput(what.scene.name, "rows", None, ended)
         subject = of_run(what)
     else:
-        scene = against.scene
         if digits is not None and number is None:
             raise BadInput(scene.name, "digits", digits, "number given with it: mp")
         kind = None if number is None else choose_number(scene, number, digits)
@@ -201,7 +201,7 @@ def compare(
         _ = found.digits  # what cannot be judged is refused here
     except BadInput as refused:
         if not does_not_answer(against, refused):
-            if refused.key == "at" and (unit := _unit(found)):  # a proof of too many steps
+            if refused.key == "at" and (unit := _unit(subject, scene)):  # a proof of too many steps
                 expected = f"{refused.expected}; t looks like {unit}"
                 raise BadInput(refused.source, "t", refused.value, expected) from None
             raise
@@ -275,9 +275,11 @@ def _at_other_times(
     rows = subject.some(some)
     changed = replace(rows, times=tuple(change.of(t) for t in rows.times))
     before = _as_they_stand(rows, against)
+    if before >= WRONG:
+        return subject
     with suppress(BadInput):
         now = Judgement(changed, against).worst
-        if before < WRONG and now >= before + GAIN:
+        if now >= before + GAIN:
             reading = Reading("t", before, words, now)
             times = tuple(change.of(t) for t in subject.times)
             return replace(subject, times=times, readings=(*subject.readings, reading))
@@ -303,9 +305,9 @@ def _as_they_stand(rows: Subject, against: AnyReference) -> float:
     return 0.0
 
 
-def _unit(found: Judgement) -> str:
+def _unit(subject: Subject, scene: Scene) -> str:
     """The unit that the times seem to have, empty where it is the scene's."""
-    unit = time_unit(found.subject, found.reference.scene)
+    unit = time_unit(subject, scene)
     return "" if unit is None else unit.name
 
 
