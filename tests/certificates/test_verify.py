@@ -240,18 +240,17 @@ def test_a_key_of_the_scene_that_is_not_known_is_refused(small):
 
 def enclosed(given, monkeypatch):
     """The balls that the checker finds at the statement's last time, whatever that states."""
-    found = []
-    monkeypatch.setattr(verify, "_check", lambda claim, there, rates: found.append((there, rates)))
+    found = {}
+    monkeypatch.setattr(verify, "_check", lambda names, _, there: found.update({names: there}))
     verify.state(given)
-    there, rates = found[-1]
-    return [x / rate for x, rate in zip(there, rates, strict=True)]
+    return found
 
 
-def worst(given, monkeypatch):
+def worst(given, monkeypatch, names=verify.NAMES, key="balls"):
     """How far the truth lies from the middle of the checker's balls, in their radii."""
-    balls = enclosed(given, monkeypatch)
+    balls = enclosed(given, monkeypatch)[names]
     ctx.prec = 300
-    truth = [Fraction(middle) for middle, _ in given["statement"][-1]["balls"]]
+    truth = [Fraction(middle) for middle, _ in given["statement"][-1][key]]
     return max(
         float(abs(x.mid() - arb(fmpq(y.numerator, y.denominator))).mid() / x.rad())
         for x, y in zip(balls, truth, strict=True)

@@ -16,7 +16,7 @@ from polhode.numbers.flint_context import ctx
 #: JSON's objects.
 Made: TypeAlias = dict[str, object]
 
-_MORE, _TRIES = 16, 5  # bits, where those given are too few
+_MORE = (0, 16, 48, 96, 160)  # bits, where those given are too few
 
 
 def checked(
@@ -27,8 +27,8 @@ def checked(
     ``name``: of the scene; ``made``: a certificate with so many bits, and the number of the try.
     """
     fault = ""
-    for n in range(_TRIES):
-        found = made(bits + n * _MORE, n)
+    for n, more in enumerate(_MORE):
+        found = made(bits + more, n)
         try:
             with ctx.workprec(verify.COARSE):  # which the checker changes as it likes
                 verify.KINDS[str(found["kind"])](found, progress)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from polhode.certificates import grid, verify
 from polhode.certificates.certificate_file import Made, checked, write
@@ -21,6 +21,14 @@ from polhode.scenes.scene import Scene
 #: Middle and radius as decimals.
 Ball: TypeAlias = tuple[str, str]
 
+
+class Attitude(NamedTuple):
+    """The quaternion at t = 0, and at each time its four balls."""
+
+    start: Sequence[Exact]
+    balls: Sequence[Sequence[Ball]]
+
+
 _SPARE = 28  # bits beyond the smallest radius
 _SHARPEST = 2.0**-20  # a radius is no smaller a part of the largest at its time
 
@@ -31,14 +39,15 @@ def save(
     balls: Sequence[Sequence[Ball]],
     path: str | Path,
     progress: Progress | None = None,
+    attitude: Attitude | None = None,
 ) -> None:
-    """Write the certificate that a scene's states lie in balls at certain times.
+    """Write the certificate that a scene's states, and its attitude, lie in balls at certain times.
 
     It is checked before it is written, with more bits where that does not succeed at once.  Raises
     BadInput for what has no certificate, or cannot be written.
     """
     check_writable(Path(path), [".json"], [])
-    write(path, certificate(scene, times, balls, progress))
+    write(path, certificate(scene, times, balls, progress, attitude))
 
 
 def certificate(
@@ -46,20 +55,28 @@ def certificate(
     times: Sequence[Exact],
     balls: Sequence[Sequence[Ball]],
     progress: Progress | None = None,
+    attitude: Attitude | None = None,
 ) -> Made:
     """The certificate as JSON's objects, checked; raises BadInput."""
     check(scene, times)
+    turns: Sequence[Sequence[Ball]] = [()] * len(times) if attitude is None else attitude.balls
     claimed = [
-        (t, _widened(row))
-        for t, row in zip(times, balls, strict=True)
+        (t, _widened([*row, *turn]))
+        for t, row, turn in zip(times, balls, turns, strict=True)
         if t != 0 and isinstance(t, Fraction)  # at 0 the scene itself says it
     ]
-    statement = [{"t": str(t), "balls": [list(ball) for ball in row]} for t, row in claimed]
+    statement = [
+        {"t": str(t), "balls": [list(ball) for ball in row[:6]]}
+        | ({"attitude": [list(ball) for ball in row[6:]]} if row[6:] else {})
+        for t, row in claimed
+    ]
     last = max((t for t, _ in claimed), key=abs)
     least = min(float(radius) for _, row in claimed for _, radius in row)
 
     def made(bits: int, tried: int) -> Made:
         body = _scene(scene, bits + verify.COARSE)
+        if attitude is not None:
+            body["attitude"] = [grid.number(x, bits + verify.COARSE) for x in attitude.start]
         with ctx.workprec(bits + 2 * verify.COARSE):
             _, _, start = verify.balls_of(verify.read_scene(body))
             guesses = grid.steps(_body(body), start, last, bits, progress=progress)
@@ -109,4 +126,4 @@ def _scene(scene: Scene, bits: int) -> dict[str, object]:
 
 
 def _body(numbers: dict[str, object]) -> dict[str, object]:
-    return {key: x for key, x in numbers.items() if key not in ("omega", "gamma")}
+    return {key: x for key, x in numbers.items() if key not in ("omega", "gamma", "attitude")}

@@ -52,12 +52,13 @@ MOST_BITS, MOST_STEPS, MOST_DIGITS = 4_000, 1_000_000, 20_000
 FARTHEST = 20_000  # bits of a time or a state, before or after the point
 MOST_WORK, EACH, HARD = 20_000_000_000, 100, 1000  # about an hour; see Run
 NAMES = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
+TURN = ("q0", "q1", "q2", "q3")
 GROUP = 24  # steps
 COARSE = 64  # bits of matrices and bounds
 STATES, DERIVATIVES = 50, 62  # bits to which V is made: where a state is asked for, or D too
 
 Interval = tuple[Fraction, Fraction]  # middle and radius
-Claim = tuple[Fraction, list[Interval]]  # a time and six balls
+Claim = tuple[Fraction, list[Interval]]  # a time and six balls; of the attitude four
 Table: TypeAlias = list[list[arb]]
 Tell: TypeAlias = Callable[[float, int], None]  # the part of the steps that is done, and how many
 X = TypeVar("X", arb, arb_poly)
@@ -329,6 +330,21 @@ def transition(a: Sequence[arb_mat], fine: int) -> list[arb_mat]:
     return v
 
 
+def turning(y: Sequence[arb_poly], h: arb) -> list[list[arb]]:
+    """Exact coefficients of polynomials near v' = h/2 v (0, y), v(0) = 1."""
+    rows = [[arb(int(i == 0))] for i in range(4)]
+
+    def product(i: int, j: int) -> arb:
+        k = len(rows[0]) - 1
+        return summed(rows[i][n] * y[j][k - n] for n in range(k + 1))
+
+    for k in range(max(len(x) for x in y)):
+        rates = _turned(product)
+        for row, rate in zip(rows, rates, strict=True):
+            row.append((rate * h / (2 * (k + 1))).mid())
+    return rows
+
+
 # -- one step, and the set ----------------------------------------------------------------------
 
 
@@ -537,6 +553,10 @@ class Run:
         """The grid's unit, in the scene's units."""
         return Fraction(2) ** -self.time_bits
 
+    def length(self, stage: Stage) -> arb:
+        """A step's length in the unit of time of the run."""
+        return dyadic(stage.last - stage.first, self.shift - self.time_bits)
+
     def stages(self, found: Set, tell: Tell | None) -> Iterator[Stage]:
         """Each step, with the set at its start; raises NotProved."""
         count = len(self.centres)
@@ -572,12 +592,117 @@ class Stage(NamedTuple):
     noise: list[arb]
     before: Set
 
-    def at(self, time: Fraction) -> Table:
-        """The columns at a time of the step, in the grid's unit."""
+    def part(self, time: Fraction) -> Fraction:
+        """Where in the step a time of the grid's unit lies, from 0 to 1; raises NotProved."""
         tau = (time - self.first) / (self.last - self.first)
         if not 0 <= tau <= 1:
             raise NotProved("a time is not in the step that is to tell of it")
-        return self.before.within(self.step, self.noise, tau)
+        return tau
+
+    def at(self, time: Fraction) -> Table:
+        """The columns at a time of the step, in the grid's unit."""
+        return self.before.within(self.step, self.noise, self.part(time))
+
+    def rates(self) -> tuple[list[arb_poly], arb]:
+        """Exact polynomials near w of the first set, and a bound of what they miss."""
+        step, found = self.step, self.before
+        m = [row[0] for row in found.m]
+        around = [row[0] for row in _bounds(found.s, found.w)]
+        ctx.prec, off, polynomials = step.bits, arb(0), []
+        for i in range(3):
+            moved = arb_poly([summed(x[i, j] * m[j] for j in range(6)) for x in step.v])
+            row = (step.p[i] + moved).coeffs()
+            polynomials.append(arb_poly([x.mid() for x in row]))
+            rounded = summed(upper(x.rad()) for x in row)
+            left = summed(upper(x[i, j]) * around[j] for x in step.v for j in range(6))
+            off = off.max(upper(rounded + left + self.noise[0]))
+        return polynomials, off
+
+
+# -- the attitude -------------------------------------------------------------------------------
+
+#: The attitude Q, a unit quaternion that takes body axes to space, has Q' = Q (0, w)/2.  On a step
+#: Q = Q(0) u with u' = h/2 u (0, w), u(0) = 1.  For any polynomials v and y, |w - y| <= r in each
+#: component, d = v' - h/2 v (0, y), (u - v)' is orthogonal to u - v but for h/2 u (0, w - y) - d;
+#: so, |u| being 1 and the norm Euclid's,
+#:
+#:     |u - v| <= |v(0) - 1| + int |d| + |h| sqrt(3)/2 r = miss,
+#:
+#: and a quaternion q within e of Q(0) gives |Q - q v| <= (|q| + e) miss + e (1 + miss).  Here y is
+#: the part in w of p + V m, m the middle of the set of the z(0): r bounds V (z(0) - m), and s.
+
+
+class Attitude:
+    """Q at the start of a step: an exact quaternion, and how far it may be off."""
+
+    def __init__(self, start: Sequence[arb]) -> None:
+        self.q = [x.mid() for x in start]
+        self.off = _length([x.rad() for x in start])
+
+    def step(self, h: arb, stage: Stage) -> tuple[list[arb_poly], arb]:
+        """v and a bound of what q v misses, at every moment of a step; raises NotProved."""
+        y, r = stage.rates()
+        ctx.prec = stage.step.bits
+        v = [arb_poly(row) for row in turning(y, h)]
+        delta = defect_of_turn(v, y, h)
+        ctx.prec = COARSE
+        miss = upper(delta + upper(h) / 2 * arb(3).sqrt() * r)
+        size = upper(_length(self.q) + self.off)
+        return v, upper(size * miss + self.off * (1 + miss))
+
+    def at(self, v: Sequence[arb_poly], off: arb, tau: Fraction, bits: int) -> list[arb]:
+        """Q at a moment of the step, as balls."""
+        ctx.prec = bits
+        moment = ball((tau, Fraction(0)))
+        a, b = self.q, [row(moment) for row in v]
+        found = [
+            a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+            a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+            a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3],
+            a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1],
+        ]
+        return [x + arb(0, off) for x in found]
+
+    def next(self, v: Sequence[arb_poly], off: arb, bits: int) -> Attitude:
+        """Q at the start of the next step."""
+        found = Attitude(self.at(v, arb(0), Fraction(1), bits))
+        found.off = upper(found.off + off)
+        return found
+
+
+def defect_of_turn(v: Sequence[arb_poly], y: Sequence[arb_poly], h: arb) -> arb:
+    """An upper bound of the integral of |v' - h/2 v (0, y)|; v(0) is 1 exactly."""
+    slopes = _turned(lambda i, j: v[i] * y[j])
+    rows = [
+        (row.derivative() - slope * (h / 2)).coeffs() for row, slope in zip(v, slopes, strict=True)
+    ]
+    ctx.prec = COARSE
+    last = max(map(len, rows))
+    return integral([_length([_entry(row, k) for row in rows]) for k in range(last)])
+
+
+def _length(numbers: Iterable[arb]) -> arb:
+    """An upper bound of the Euclidean norm."""
+    return upper(summed(upper(x) ** 2 for x in numbers).sqrt())
+
+
+def _turned(product: Callable[[int, int], X]) -> list[X]:
+    """The components of v (0, w): ``product(i, j)`` is v_i w_j."""
+    return [
+        -product(1, 0) - product(2, 1) - product(3, 2),
+        product(0, 0) + product(2, 2) - product(3, 1),
+        product(0, 1) + product(3, 0) - product(1, 2),
+        product(0, 2) + product(1, 1) - product(2, 0),
+    ]
+
+
+def vertical(q: Sequence[arb]) -> list[arb]:
+    """The gamma of an attitude."""
+    return [
+        2 * (q[1] * q[3] - q[0] * q[2]),
+        2 * (q[2] * q[3] + q[0] * q[1]),
+        q[0] ** 2 - q[1] ** 2 - q[2] ** 2 + q[3] ** 2,
+    ]
 
 
 # -- a claim: states ----------------------------------------------------------------------------
@@ -593,12 +718,16 @@ def _held(certificate: object, more: Sequence[str] = ()) -> dict[str, object]:
 def state(certificate: object, tell: Tell | None = None) -> list[str]:
     """What a certificate of states proves; raises NotProved, Damaged."""
     held = _held(certificate)
-    claims = _claims(held["statement"])
+    claims, turns = _claims(held["statement"])
     bits = _whole(held["bits"], COARSE, MOST_BITS, "bits")
     ctx.prec = bits + 2 * COARSE
-    scene = read_scene(held["scene"])
-    _check_start(claims, scene[2])
+    scene, first = read_scene(held["scene"]), read_attitude(held["scene"])
+    if turns and not first:
+        raise Damaged("scene: expected attitude, of which the statement tells")
+    _check_start(NAMES, claims, scene[2])
+    _check_start(TURN, turns, first)
     inertia, torque, start = balls_of(scene)
+    attitude = _attitude(first, start[3:]) if turns else None
     run = Run(held, inertia, torque, len(claims))
     sense, unit = (1 if run.grid[-1] > 0 else -1), run.unit
     for t, _ in claims:
@@ -606,17 +735,42 @@ def state(certificate: object, tell: Tell | None = None) -> list[str]:
             raise NotProved(f"t = {written(t)} lies outside the grid")
     offset = [x * rate - y for x, rate, y in zip(start, run.rates, run.centres[0], strict=True)]
     begin = Set([[x.mid()] for x in offset], [[upper(x.rad())] for x in offset], 1)
-    order = sorted((claim for claim in claims if claim[0]), key=lambda claim: -abs(claim[0]))
+    order, turned = _in_order(claims), _in_order(turns)
     for stage in run.stages(begin, tell):
-        while order and sense * order[-1][0] <= sense * stage.last * unit:
+        end = sense * stage.last * unit
+        while order and sense * order[-1][0] <= end:
             claim = order.pop()
-            _check(claim, [row[0] for row in stage.at(claim[0] / unit)], run.rates)
+            there = [row[0] for row in stage.at(claim[0] / unit)]
+            _check(NAMES, claim, [x / rate for x, rate in zip(there, run.rates, strict=True)])
+        if attitude is None:
+            continue
+        v, off = attitude.step(run.length(stage), stage)
+        while turned and sense * turned[-1][0] <= end:
+            claim = turned.pop()
+            tau = stage.part(claim[0] / unit)
+            _check(TURN, claim, attitude.at(v, off, tau, stage.step.bits))
+        attitude = attitude.next(v, off, stage.step.bits)
     last = written(max((t for t, _ in claims), key=abs))
-    widest = max(radius for _, balls in claims for _, radius in balls)
+    widest = max(radius for _, balls in (*claims, *turns) for _, radius in balls)
+    too = f" and at {len(turns)} its attitude" if turns else ""
     return [
-        f"proved: at {len(claims)} times up to t = {last} the motion of this scene "
+        f"proved: at {len(claims)} times up to t = {last} the motion of this scene{too} "
         f"lies in the balls that the certificate states, of radius {rounded_up(widest)} at most"
     ]
+
+
+def _in_order(claims: Sequence[Claim]) -> list[Claim]:
+    """The claims at other times than 0, the last one first."""
+    return sorted((claim for claim in claims if claim[0]), key=lambda claim: -abs(claim[0]))
+
+
+def _attitude(first: Sequence[Interval], gamma: Sequence[arb]) -> Attitude:
+    """The attitude at t = 0; refused where its gamma is another one than the scene's."""
+    start = [ball(x) for x in first]
+    for x, y in zip(vertical(start), gamma, strict=True):
+        if not x.overlaps(y):
+            raise NotProved("the attitude at t = 0 has another gamma than the scene")
+    return Attitude(start)
 
 
 def _grid(value: object) -> list[int]:
@@ -633,8 +787,18 @@ Scene = tuple[list[list[Interval]], list[list[Interval]], list[Interval]]
 
 
 def read_scene(scene: object) -> Scene:
-    """Inertia, centre and weight, and start of a scene; raises Damaged."""
+    """Inertia, centre and weight, and start of a scene, without its attitude; raises Damaged."""
+    if isinstance(scene, dict):
+        scene = {key: x for key, x in scene.items() if key != "attitude"}
     return read_body(scene, ("omega", "gamma"))
+
+
+def read_attitude(scene: object) -> list[Interval]:
+    """The quaternion at t = 0, where the scene tells one."""
+    value = scene.get("attitude") if isinstance(scene, dict) else None
+    if value is None:
+        return []
+    return [_interval(x, "attitude") for x in _list(value, 4, "attitude")]
 
 
 def read_body(scene: object, names: Sequence[str]) -> Scene:
@@ -673,30 +837,39 @@ def scaling(inertia: Sequence[Sequence[arb]], torque: Sequence[arb], start: Sequ
     return math.frexp(rate)[1] if 0 < rate < float("inf") else 0
 
 
-def _claims(statement: object) -> list[Claim]:
+def _claims(statement: object) -> tuple[list[Claim], list[Claim]]:
+    """Those of the state, and those of the attitude."""
     found: list[Claim] = []
+    turns: list[Claim] = []
     for row in _list(statement, None, "statement"):
-        t, balls = _keys(row, ("t", "balls"), "statement")
-        pairs = [_interval(_list(x, 2, "balls"), "balls") for x in _list(balls, 6, "balls")]
-        found.append((_rational(t, "t"), pairs))
+        told = isinstance(row, dict) and "attitude" in row
+        t, balls, *more = _keys(row, ("t", "balls", *["attitude"] * told), "statement")
+        found.append((_rational(t, "t"), _balls(balls, 6)))
+        turns += [(_rational(t, "t"), _balls(one, 4)) for one in more]
     if not found:
         raise Damaged("statement: expected at least one time")
-    return found
+    return found, turns
 
 
-def _check_start(claims: Sequence[Claim], start: Sequence[Interval]) -> None:
+def _balls(value: object, count: int) -> list[Interval]:
+    return [_interval(_list(x, 2, "balls"), "balls") for x in _list(value, count, "balls")]
+
+
+def _check_start(names: Sequence[str], claims: Sequence[Claim], start: Sequence[Interval]) -> None:
     for t, balls in claims:
-        for name, (x, r), (middle, radius) in zip(NAMES, start, balls, strict=True):
-            if t == 0 and abs(x - middle) + r > radius:
+        if t != 0:
+            continue
+        for name, (x, r), (middle, radius) in zip(names, start, balls, strict=True):
+            if abs(x - middle) + r > radius:
                 raise NotProved(f"{name} at t = 0 is not in its ball")
 
 
-def _check(claim: Claim, there: Sequence[arb], rates: Sequence[arb]) -> None:
+def _check(names: Sequence[str], claim: Claim, there: Sequence[arb]) -> None:
     t, balls = claim
-    for name, x, rate, pair in zip(NAMES, there, rates, balls, strict=True):
+    for name, x, pair in zip(names, there, balls, strict=True):
         middle, radius = (arb(fmpq(y.numerator, y.denominator)) for y in pair)
         line = f"{name} at t = {written(t)} is not shown to lie in its ball"
-        certainly(abs(x / rate - middle) <= radius, line)
+        certainly(abs(x - middle) <= radius, line)
 
 
 def written(t: Fraction) -> str:

@@ -16,6 +16,7 @@ from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.enclosures.statement import stated
 from polhode.enclosures.variations.flow_derivative import FlowDerivative
+from polhode.equations.kinematics import starting_attitude
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.decimals import shown
@@ -50,6 +51,13 @@ class Part(NamedTuple):
         """The midpoints as mpf."""
         return [
             [None if x is None else ordinary(to_mpf(x, bits)) for x in row] for row in self.centres
+        ]
+
+    def decimals(self) -> list[list[tuple[str, str]]]:
+        """Balls as decimals, of what is known at every time: see :meth:`Enclosure.decimals`."""
+        return [
+            [decimal_ball(x, r) for x, r in zip(row, radii, strict=True) if x is not None]
+            for row, radii in zip(self.centres, self.radii, strict=True)
         ]
 
 
@@ -171,7 +179,11 @@ class Enclosure(Result, ByValue):
 
         if self.omega_radius is not None:
             raise BadInput(self.scene.name, "start.omega", None, "numbers, for a certificate")
-        state_certificate.save(self.scene, self.times, self.decimals(), path, progress)
+        turned, gamma = None, self.scene.gamma
+        if self.attitude is not None and gamma is not None:
+            first = starting_attitude(gamma, self.scene.psi)
+            turned = state_certificate.Attitude(first, self.attitude.decimals())
+        state_certificate.save(self.scene, self.times, self.decimals(), path, progress, turned)
 
     def __repr__(self) -> str:
         last = f" to t = {shown(self.times[-1])}" if self.times else ""
