@@ -26,7 +26,7 @@ from polhode.verbs.terminal import BAD_INPUT, DONE, INTERRUPTED
 VERBS = (
     *("list", "show", "new", "run", "reference", "check", "compare", "sweep", "plot", "view"),
     *("levels", "section", "map", "orbit", "prove", "verify", "frequencies", "study", "report"),
-    *("guide", "about"),
+    *("benchmark", "guide", "about"),
 )
 
 

@@ -78,13 +78,16 @@ WORKS = {
     "orbit-family": "orbit grioli/precession --continue h=50 -o x.npz",
     "frequencies": "frequencies R --end 10000 --lines 30",
     "view": "view R --end 1000 --digits 40 -o x.html",
+    "benchmark": "benchmark -o out",
     "show": "show kovalevskaya/generic",
     "list": "list",
     "guide": "guide jobs",
 }
 _NAMES = {"R": "general/asymmetric-regular", "C": "general/asymmetric-chaotic"}
 #: What a command may leave that was ended by a signal.
-LEFT = re.compile(r"x\.npz\.parts(/.*)?|out(/[\w.-]+\.parts.*)?")
+LEFT = re.compile(
+    r"x\.npz\.parts(/.*)?|out(/[\w.-]+\.parts.*|/\w+-[\w-]+\.(csv|certificate\.json))?"
+)
 SWEPT = re.compile(r"x\.npz")
 #: How a whole file ends, by its name's ending: a signal may come between it and the last line.
 ENDS = {".svg": b"</svg>\n", ".png": b"IEND\xaeB`\x82", ".gif": b";", ".html": b"</html>\n"}

@@ -16,7 +16,7 @@ from polhode.numbers.flint_context import ctx
 #: JSON's objects.
 Made: TypeAlias = dict[str, object]
 
-_MORE = (0, 16, 48, 96, 160)  # bits, where those given are too few
+_MORE = (0, 48, 112, 192)  # bits, where those given are too few
 
 
 def checked(

@@ -1,0 +1,167 @@
+"""The heavy top benchmark: what is committed is what is proved, and made again to the bit."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+import polhode
+from polhode.benchmark import folder
+from polhode.benchmark.certified_values import COLUMNS, certified_values
+from polhode.benchmark.tops import DIGITS, TOPS
+from polhode.certificates import verify
+from polhode.cli import main
+from polhode.judging.references.reference import Reference
+from polhode.judging.references.reference import reference as reference_of
+from polhode.numbers.conversion import exactly
+from test_house import TOP
+
+HELD = TOP / "reports" / "benchmark"
+NAMED = {top.name: top for top in TOPS}
+
+
+def rows(name):
+    with open(HELD / f"{name}.csv", newline="") as file:
+        header, *found = csv.reader(file)
+    assert tuple(header) == COLUMNS
+    return found
+
+
+def test_there_are_as_many_tops_as_are_told():
+    assert len(NAMED) == 24
+    held = {path.name for path in HELD.iterdir()}
+    own = {f"{name}{end}" for name in NAMED for end in (".csv", ".certificate.json")}
+    assert held == own | {*folder.CHECKERS, folder.DATA, folder.PAGE}
+
+
+@pytest.mark.parametrize("name", folder.CHECKERS)
+def test_checkers_are_those_that_ship(name):
+    shipped = TOP / "src/polhode/benchmark/checkers" / name
+    assert (HELD / name).read_bytes() == shipped.read_bytes()
+
+
+def test_the_page_is_the_one_that_is_made():
+    assert (HELD / folder.PAGE).read_text() == folder.page()
+
+
+@pytest.mark.sample(4, first=7)
+@pytest.mark.parametrize("name", NAMED)
+def test_values_are_made_again_to_the_bit(name):
+    assert (HELD / f"{name}.csv").read_text() == certified_values(NAMED[name]).csv
+
+
+@pytest.mark.sample(1, first=7, slow=3)
+@pytest.mark.parametrize("name", NAMED)
+def test_certificates_are_made_again_to_the_bit_and_proved(name, tmp_path):
+    assert main(["benchmark", "--only", name, "-o", str(tmp_path)]) == 0
+    for path in tmp_path.iterdir():
+        assert path.read_bytes() == (HELD / path.name).read_bytes()
+    assert polhode.verify(tmp_path / f"{name}.certificate.json")
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_each_certificate_states_the_values(name):
+    held = json.loads((HELD / f"{name}.certificate.json").read_text())
+    _, *found = rows(name)
+    assert len(found) == len(held["statement"]) == 10
+    for row, told in zip(found, held["statement"], strict=True):
+        assert Fraction(row[0]) == Fraction(told["t"])
+        middles, radii = zip(*told["balls"], *told["attitude"], strict=True)
+        assert [*middles] == row[1:]
+        for x, radius in zip(row[1:], radii, strict=True):
+            unit = Fraction(1, 10 ** len(x.partition(".")[2]))
+            assert Fraction(radius) == unit * Fraction(51, 100)
+        largest = max(abs(Fraction(x)) for x in row[1:4])
+        assert Fraction(radii[0]) < largest / 10**DIGITS or largest < 1
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_each_certificate_is_of_the_scene(name):
+    """Its exact numbers, or balls that hold them, and the start that the values begin with."""
+    held = json.loads((HELD / f"{name}.certificate.json").read_text())["scene"]
+    scene = polhode.load(NAMED[name].case)
+    moments = [scene.body.inertia[k][k] for k in range(3)]
+    numbers = [moments, scene.body.centre, [scene.body.weight], scene.omega, scene.gamma]
+    keys = ["moments", "centre", "weight", "omega", "gamma"]
+    for key, exact in zip(keys, numbers, strict=True):
+        told = held[key] if key != "weight" else [held[key]]
+        for x, y in zip(told, exact, strict=True):
+            if isinstance(x, str):
+                assert Fraction(x) == y
+            else:
+                middle, radius = map(Fraction, x)
+                assert abs(middle - exactly_of(y)) <= 2 * radius
+    start = [Fraction(x[0] if isinstance(x, list) else x) for x in held["attitude"]]
+    for x, y in zip(start, rows(name)[0][7:], strict=True):
+        assert abs(x - Fraction(y)) <= Fraction(1, 2 * 10**DIGITS)
+
+
+def exactly_of(x):
+    from polhode.numbers.exact import binary, rounded
+
+    return binary(*rounded(x, 2000))
+
+
+@pytest.mark.sample(5, first=3)
+@pytest.mark.parametrize("name", NAMED)
+def test_values_are_those_of_the_closed_form(name):
+    """Which shares no code with the enclosure: every place, rounded."""
+    scene = replace(polhode.load(NAMED[name].case), outputs=("attitude",))
+    form = reference_of(scene)
+    if not isinstance(form, Reference):
+        pytest.skip("no closed form")
+    _, *found = rows(name)
+    times = [Fraction(t) for t in NAMED[name].times]
+    with_turn = form.attitude(times, DIGITS + 8)
+    states = form.at(times, DIGITS + 8)
+    for row, state, turn in zip(found, states, with_turn, strict=True):
+        for x, y in zip(row[1:], [*state, *turn], strict=True):
+            places = len(x.partition(".")[2])
+            assert abs(Fraction(x) - exactly(y)) < Fraction(51, 100 * 10**places)
+
+
+def test_a_value_that_is_changed_in_its_last_place_is_not_proved():
+    name = "staude-unstable"
+    held = json.loads((HELD / f"{name}.certificate.json").read_text())
+    last = held["statement"][0]["balls"][0]
+    last[0] = last[0][:-1] + str((int(last[0][-1]) + 5) % 10)
+    held["statement"] = held["statement"][:1]
+    with pytest.raises(verify.NotProved, match="p at t = 1 is not shown"):
+        verify.state(held)
+
+
+def test_the_data_are_those_of_the_cases():
+    held = json.loads((HELD / folder.DATA).read_text())
+    assert [top["name"] for top in held["tops"]] == [*NAMED]
+    for told in held["tops"]:
+        scene = polhode.load(told["case"])
+        for key, exact in (("omega", scene.omega), ("gamma", scene.gamma)):
+            for x, y in zip(told["decimal"][key], exact, strict=True):
+                assert abs(Fraction(x) - exactly_of(y)) <= abs(exactly_of(y)) / 10**59
+        assert Fraction(told["decimal"]["weight"]) >= 0
+        assert told["attitude"] == rows(told["name"])[0][7:]
+        assert told["times"] == [row[0] for row in rows(told["name"])[1:]]
+
+
+def test_compare_reads_the_values_and_finds_them_right():
+    found = polhode.compare(HELD / "lagrange-nutation.csv", "lagrange/nutation")
+    assert found.worst > DIGITS - 0.2
+
+
+def test_a_name_that_is_none_is_refused(tmp_path, capsys):
+    assert main(["benchmark", "--only", "lagrange", "-o", str(tmp_path / "x")]) == 2
+    assert "--only = lagrange: expected" in capsys.readouterr().err
+    assert not (tmp_path / "x").exists()
+
+
+def test_a_case_may_be_named_too(tmp_path, capsys):
+    assert main(["benchmark", "--only", "staude/unstable", "-o", str(tmp_path), "--json"]) == 0
+    written = json.loads(capsys.readouterr().out)["written"]
+    assert [path.rpartition("/")[2] for path in written] == [
+        "staude-unstable.csv",
+        "staude-unstable.certificate.json",
+    ]
