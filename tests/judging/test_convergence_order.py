@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
 import polhode
 from polhode import BadInput
+from polhode.cli import main
 from polhode.testing import order_of
 
 SCENE = "kovalevskaya/generic"
@@ -84,3 +87,60 @@ def test_what_is_no_function_or_no_time_is_refused():
         order_of([1], SCENE)
     with pytest.raises(BadInput, match="a time other than 0"):
         order_of(with_step(rk4), SCENE, at=[0])
+
+
+def written(path, method, h, every=1, until=2.0, header="t,p,q,r,gamma1,gamma2,gamma3"):
+    """A table of a method with steps h, each, or one in some."""
+    y, rows = np.array(F.start), [[0.0, *F.start]]
+    for k in range(round(until / h)):
+        y = method(F, y, h)
+        if (k + 1) % every == 0:
+            rows.append([(k + 1) * h, *y])
+    np.savetxt(path, rows, delimiter=",", fmt="%.17g", header=header, comments="")
+    return str(path)
+
+
+@pytest.mark.parametrize(("method", "order"), [(euler, 1), (midpoint, 2), (rk4, 4)])
+def test_the_order_between_two_files_is_told(method, order, tmp_path, capsys):
+    coarse, fine = (written(tmp_path / f"{h}.csv", method, h) for h in (0.01, 0.005))
+    assert main(["compare", coarse, fine, SCENE, "--orders"]) == 0
+    *table, last = capsys.readouterr().out.splitlines()
+    assert len(table) == 201  # a header, and the times of the coarse one but 0
+    found = float(last.split()[1].rstrip(";"))
+    assert abs(found - order) < 0.15
+    assert last.endswith("steps 0.01 of 0.01.csv, 0.005 of 0.005.csv")
+
+
+def test_steps_may_be_told_and_three_files_given(tmp_path, capsys):
+    files = [written(tmp_path / f"{n}.csv", rk4, 0.1 / n, 5 * n) for n in (1, 2, 4)]
+    command = ["compare", *files, SCENE, "--orders"]
+    assert main(command) == 2
+    assert "the rows of these files lie 0.5 apart alike" in capsys.readouterr().err
+    assert main([*command, "--steps", "1/10,0.05,0.025", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["steps"] == [0.1, 0.05, 0.025]
+    assert found["times"] == ["0.5", "1", "1.5", "2"]
+    assert len(found["correct_digits"]) == 3
+    assert 3.8 < found["least"] <= found["order"] <= found["most"] < 4.2
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["--orders", "--steps", "0.1"], "2 different ones above 0, one a file"),
+        (["--orders", "--steps", "0.1,0.1"], "2 different ones above 0, one a file"),
+        (["--orders", "--steps", "0.1,x"], "x"),
+        (["--orders", "--at-least", "3"], "without --at-least"),
+        ([], "with --orders only"),
+    ],
+)
+def test_orders_that_cannot_be_told_are_refused(more, said, tmp_path, capsys):
+    files = [written(tmp_path / f"{h}.csv", rk4, h) for h in (0.1, 0.05)]
+    assert main(["compare", *files, SCENE, *more]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_files_at_rounding_have_no_order(tmp_path, capsys):
+    files = [written(tmp_path / f"{h}.csv", rk4, h, 100) for h in (0.0005, 0.00025)]
+    assert main(["compare", *files, SCENE, "--orders"]) == 2
+    assert "common ones at which all files have 1.5 to" in capsys.readouterr().err

@@ -7,12 +7,14 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
+from statistics import median
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.result import Result
 from polhode.judging.references.reference import reference
 from polhode.judging.score.compare import compare
+from polhode.judging.score.judgement import Judgement
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.exact import sign
 from polhode.numbers.scalars import AnyNumber, AnyVector
@@ -77,18 +79,124 @@ def observed_order(
         digits.append(found.worst)
         most.append(found.subject.held - _SPARE)
     counted = tuple(_LEAST < d < m for d, m in zip(digits, most, strict=True))
-    points = [
-        (math.log(h), -math.log(10.0) * d)
-        for h, d, c in zip(lengths, digits, counted, strict=True)
-        if c
-    ]
+    points = [(h, d) for h, d, c in zip(lengths, digits, counted, strict=True) if c]
     if len(points) < _FEWEST:
         told = ", ".join(f"{h:.3g}: {d:.1f}" for h, d in zip(lengths, digits, strict=True))
         low = min(most)
         expected = f"{_FEWEST} or more that give {_LEAST:g} to {low:.1f} digits (there were {told})"
         raise BadInput("order_of", "steps", len(points), expected)
+    order = _slope(*zip(*points, strict=True))
+    slopes = [_slope(*zip(*pair, strict=True)) for pair in pairwise(points)]
+    return ObservedOrder(order, min(slopes), max(slopes), lengths, tuple(digits), counted)
+
+
+@dataclass(frozen=True, repr=False)
+class OrderBetweenTables(Result):
+    """The order that tables made with different steps show at the times that all of them have.
+
+    ``order``: the median of ``orders``, one a time, ``least`` and ``most`` among them; None at a
+    time where the first digit is wrong or rounding rules.  ``steps``: of the tables; ``digits``: a
+    row a table, correct ones at each of ``times``.
+    """
+
+    names: tuple[str, ...]
+    steps: tuple[float, ...]
+    times: tuple[Fraction, ...]
+    digits: tuple[tuple[float, ...], ...]
+    orders: tuple[float | None, ...]
+
+    @property
+    def known(self) -> list[float]:
+        """The orders at the times that count."""
+        return [x for x in self.orders if x is not None]
+
+    @property
+    def order(self) -> float:
+        """The median."""
+        return median(self.known)
+
+    @property
+    def least(self) -> float:
+        """The smallest."""
+        return min(self.known)
+
+    @property
+    def most(self) -> float:
+        """The largest."""
+        return max(self.known)
+
+    def __repr__(self) -> str:
+        return f"<OrderBetweenTables {self.order:.2f}, {self._range}>"
+
+    @property
+    def _range(self) -> str:
+        return (
+            f"{self.least:.2f} to {self.most:.2f} at {len(self.known)} of {len(self.times)} times"
+        )
+
+    def __str__(self) -> str:
+        steps = ", ".join(
+            f"{h:.6g} of {name}" for h, name in zip(self.steps, self.names, strict=True)
+        )
+        return f"order {self.order:.2f}; {self._range}; steps {steps}"
+
+
+def order_between(
+    judged: Sequence[Judgement], steps: Sequence[AnyNumber] | None = None
+) -> OrderBetweenTables:
+    """The order of one method whose tables, made with different steps, were judged.
+
+    ``steps``: of the tables, the distances of their rows unless given.
+    """
+    names = tuple(one.subject.name for one in judged)
+    if steps is None:
+        lengths = tuple(_spacing(one) for one in judged)
+        expected = f"given: the rows of these files lie {lengths[0]:g} apart alike"
+    else:
+        lengths = each("orders", "steps", steps, lambda h: to_double(exact_number(h)), "numbers")
+        expected = f"{len(judged)} different ones above 0, one a file"
+    right = all(0 < h < math.inf for h in lengths)
+    if not right or len(lengths) != len(judged) or len({*lengths}) < max(2, len(judged)):
+        raise BadInput(", ".join(names), "steps", None, expected)
+    digits = [dict(zip(map(_label, one.times), _fewest(one), strict=True)) for one in judged]
+    times = [t for t in judged[0].times if t and all(_label(t) in held for held in digits)]
+    rows = tuple(tuple(held[_label(t)] for t in times) for held in digits)
+    most = min(one.subject.held for one in judged) - _SPARE
+    orders = tuple(
+        _slope(lengths, here) if all(_LEAST < d < most for d in here) else None
+        for here in zip(*rows, strict=True)
+    )
+    if not any(x is not None for x in orders):
+        told = ", ".join(f"{min(row):.1f} to {max(row):.1f}" for row in rows if row)
+        expected = f"common ones at which all files have {_LEAST:g} to {most:.1f} digits"
+        raise BadInput(", ".join(names), "t", told or None, expected)
+    return OrderBetweenTables(names, lengths, tuple(times), rows, orders)
+
+
+def _spacing(judged: Judgement) -> float:
+    """The distance of a table's rows, the median."""
+    times = sorted(judged.times)
+    return float(median(b - a for a, b in pairwise(times))) if len(times) > 1 else 0.0
+
+
+def _label(t: Fraction) -> str:
+    """What times of several files have in common that differ in the last digits of doubles."""
+    return f"{float(t):.12g}"
+
+
+def _fewest(judged: Judgement) -> list[float]:
+    """At each time the digits of the state; of what is judged, where there is no state."""
+    if judged.digits:
+        return [*judged.digits]
+    parts = [row for row in judged.part_digits.values() if row]
+    return [
+        min((d for d in here if d is not None), default=0.0) for here in zip(*parts, strict=True)
+    ]
+
+
+def _slope(steps: Sequence[float], digits: Sequence[float]) -> float:
+    """Of the least squares through log errors over log steps."""
+    points = [(math.log10(h), -d) for h, d in zip(steps, digits, strict=True)]
     x, y = (sum(column) / len(points) for column in zip(*points, strict=True))
     square = sum((a - x) ** 2 for a, _ in points)
-    order = sum((a - x) * (b - y) for a, b in points) / square
-    slopes = [(d - b) / (c - a) for (a, b), (c, d) in pairwise(points)]
-    return ObservedOrder(order, min(slopes), max(slopes), lengths, tuple(digits), counted)
+    return float(sum((a - x) * (b - y) for a, b in points) / square)

@@ -29,6 +29,7 @@ if TYPE_CHECKING:  # a run needs none of these
     from polhode.enclosures.result import Enclosure
     from polhode.equations.integrals import Drift
     from polhode.judging.conditioning.lyapunov import Lyapunov
+    from polhode.judging.convergence_order import OrderBetweenTables
     from polhode.judging.diagnosis.omega_only import OmegaAlone
     from polhode.judging.references.reference import Reference
     from polhode.judging.score.judgement import Judgement
@@ -312,6 +313,20 @@ def of_judgement(judged: Judgement) -> JsonObject:
     if not reference.is_closed_form:
         answer["reference_digits"] = None if math.isnan(known) else round(known, 1)
     return answer
+
+
+def of_order(found: OrderBetweenTables) -> JsonObject:
+    """The object that ``compare --orders --json`` prints."""
+    return {
+        "files": [*found.names],
+        "steps": [*found.steps],
+        "times": [in_full(t) for t in found.times],
+        "correct_digits": [[round(d, 2) for d in row] for row in found.digits],
+        "orders": [None if x is None else round(x, 3) for x in found.orders],
+        "order": round(found.order, 3),
+        "least": round(found.least, 3),
+        "most": round(found.most, 3),
+    }
 
 
 def of_omega_alone(found: OmegaAlone | None) -> JsonObject | None:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from polhode.common.errors import BadInput
 from polhode.numbers.decimals import brief
@@ -18,6 +19,7 @@ from polhode.verbs.terminal import (
     ProgressLine,
     note,
     print_json,
+    print_table,
     say,
     seconds,
     whole,
@@ -27,16 +29,19 @@ from polhode.verbs.terminal import (
 if TYPE_CHECKING:
     from polhode.judging.score.judgement import Judgement
 
+T = TypeVar("T")
+
 HELP = "judge a trajectory that some other program computed"
 
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument(
-        "file",
+        "files",
         type=word,
+        nargs="+",
         metavar="FILE",
-        help="a CSV, .npz, .npy or .parquet with a column t",
+        help="a CSV, .npz, .npy or .parquet with a column t; several with --orders",
     )
     parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     parser.add_argument("--number", help="the file's decimals are rounded values of this type")
@@ -56,6 +61,16 @@ def options(parser: ArgumentParser) -> None:
         help="exit code 3 where any part has fewer correct digits at any time",
     )
     parser.add_argument(
+        "--orders",
+        action="store_true",
+        help="of files made with different steps: the order of their method at each time",
+    )
+    parser.add_argument(
+        "--steps",
+        metavar="H,H",
+        help="of these files, where they are not the distances of their rows",
+    )
+    parser.add_argument(
         "--max-seconds",
         type=seconds,
         metavar="S",
@@ -65,8 +80,13 @@ def options(parser: ArgumentParser) -> None:
 
 def main(options: Namespace) -> int:
     """Judge a trajectory that some other program computed."""
+    if options.orders:
+        return _orders(options)
+    if len(options.files) > 1 or options.steps is not None:
+        key, value = ("FILE", options.files[1]) if len(options.files) > 1 else ("--steps", None)
+        raise BadInput("polhode compare", key, value, "with --orders only")
     try:
-        judged, told = _judged(options)
+        judged, told = _judged(options, options.files[0], partial(_answer, options.json))
     except BadInput as fault:
         if fault.key != "max_seconds":
             raise
@@ -96,12 +116,39 @@ def at_least(text: str) -> float:
     return found
 
 
-def _judged(options: Namespace) -> tuple[Judgement, str | dict[str, object]]:
+def _orders(options: Namespace) -> int:
+    """The order between files; exit code 2 where they show none."""
+    from polhode.judging.convergence_order import order_between
+
+    if len(options.files) < 2 or options.at_least is not None:
+        expected = "two files or more" if len(options.files) < 2 else "without --at-least"
+        raise BadInput("polhode compare", "--orders", None, expected)
+    judged = [_judged(options, file, lambda found: found) for file in options.files]
+    steps = None if options.steps is None else options.steps.split(",")
+    found = order_between(judged, steps)
+    if options.json:
+        print_json(json_results.of_order(found))
+        return DONE
+    rows = [
+        [brief(t), *(f"{d:.2f}" for d in digits), "" if order is None else f"{order:.2f}"]
+        for t, order, *digits in zip(found.times, found.orders, *found.digits, strict=True)
+    ]
+    print_table(["t", *found.names, "order"], rows)
+    say(str(found))
+    return DONE
+
+
+def _answer(json: bool, judged: Judgement) -> tuple[Judgement, str | dict[str, object]]:
     """The judgement, and as text, or as an object for JSON."""
+    return judged, json_results.of_judgement(judged) if json else str(judged)
+
+
+def _judged(options: Namespace, file: str, answer: Callable[[Judgement], T]) -> T:
+    """What is made of the judgement of a file, which may ask for more of it."""
     from polhode.common.executors import cores
     from polhode.judging.score.compare import compare
 
-    path, number, digits = Path(options.file), options.number, options.digits
+    path, number, digits = Path(file), options.number, options.digits
     with ProgressLine("compare") as progress:
 
         def first(brief: Judgement, count: int) -> None:
@@ -131,4 +178,4 @@ def _judged(options: Namespace) -> tuple[Judgement, str | dict[str, object]]:
             forecast=foretold,
             as_it_stands=options.as_it_stands,
         )
-        return judged, json_results.of_judgement(judged) if options.json else str(judged)
+        return answer(judged)
