@@ -50,6 +50,11 @@ def options(parser: ArgumentParser) -> None:
         "--as-it-stands", action="store_true", help="apply no other convention than the scene's"
     )
     parser.add_argument(
+        "--read",
+        metavar="WORDS",
+        help="the conventions to read it in, as a reading tells them: 'degrees, scalar-last, y up'",
+    )
+    parser.add_argument(
         "--columns",
         metavar="NAMES",
         help="the file's columns in order, t,qw,qx,...; or of some: 'time_ms=t*1e-3, Q.W=q0'",
@@ -177,5 +182,6 @@ def _judged(options: Namespace, file: str, answer: Callable[[Judgement], T]) -> 
             max_seconds=options.max_seconds,
             forecast=foretold,
             as_it_stands=options.as_it_stands,
+            read=options.read,
         )
         return answer(judged)

@@ -44,18 +44,9 @@ def readings(
 
     ``wrong``: which of omega, gamma, attitude and angles are, or may be.
     """
-    kept = few(len(subject.times), MOST_ROWS)
-    times = [subject.times[k] for k in kept]
-
-    def doubles(part: Any) -> Any:
-        if part is None:
-            return None
-        values = [[math.nan if x is None else to_double(exactly(x)) for x in part[k]] for k in kept]
-        found = np.array(values, dtype=float)
-        return None if np.isnan(found).any() else found
-
-    whole = {k: part for k, part in _whole(subject, doubles).items() if k in wrong}
-    right = _right(reference, times) if whole else None
+    parts, times = whole_parts(subject)
+    whole = {k: part for k, part in parts.items() if k in wrong}
+    right = right_at(reference, times) if whole else None
     if right is None:
         return []
     plain = {part: as_it_stands(part, values, right) for part, values in whole.items()}
@@ -63,7 +54,7 @@ def readings(
     if found and _explains(found, plain):
         return found
     if len(times) >= LEAST_ROWS:
-        for words, change in _other_times(subject, reference.scene):
+        for words, change in other_times(subject, reference.scene):
             moved = integrated(reference.scene, [change.of(t) for t in times])
             there = [] if moved is None else _read(whole, plain, moved, words, change)
             if there and _explains(there, plain):
@@ -104,11 +95,17 @@ def _plainest(part: str, values: Doubles, right: Right, stands: bool) -> Way | N
     return next((way for way in found if way.digits >= best - _AS_GOOD), None)
 
 
-def _other_times(subject: Subject, scene: Scene) -> Iterator[tuple[str, TimeChange]]:
-    """Times at which the rows may hold instead: a step off, backward, from another beginning."""
-    first, second = subject.times[:2]
+def other_times(
+    subject: Subject, scene: Scene, far: bool = False
+) -> Iterator[tuple[str, TimeChange]]:
+    """Times at which the rows may hold instead: a step off, backward, from another beginning.
+
+    ``far``: in other units, too, that make the last time one that is far.
+    """
+    first = subject.times[0]
     for sign, word in ((1, "late"), (-1, "early")):
-        yield f"one step of t {word}", TimeChange(shift=sign * (second - first))
+        for second in subject.times[1:2]:
+            yield f"one step of t {word}", TimeChange(shift=sign * (second - first))
     if first != 0:
         yield f"t from {float(first):.6g} on", TimeChange(shift=first)
     yield "t of the other sense", TimeChange(sign=-1)
@@ -117,7 +114,7 @@ def _other_times(subject: Subject, scene: Scene) -> Iterator[tuple[str, TimeChan
     speed = max([1e-300, *(abs(to_double(x)) for x in scene.start[:3])])
     farthest = max(abs(to_double(t)) for t in subject.times)
     for unit in UNITS:
-        if farthest * float(unit.length) * speed < _FARTHEST:
+        if far or farthest * float(unit.length) * speed < _FARTHEST:
             yield f"t {unit.name}", TimeChange(unit=unit.length)
 
 
@@ -139,10 +136,14 @@ def _other_weight(
     return told if told and _explains(told, plain) else []
 
 
-def _right(reference: AnyReference, times: Sequence[Fraction]) -> Right | None:
-    """The reference's states and attitudes at these times; None where it gives no states."""
+def right_at(
+    reference: AnyReference, times: Sequence[Fraction], moved: TimeChange | None = None
+) -> Right | None:
+    """The reference's states and attitudes at these times; None where it gives no states.
 
-    if isinstance(reference, Certified):  # whose proof may have far to go
+    ``moved``: where the times are not those of the table, a run in double tells them.
+    """
+    if moved is not None or isinstance(reference, Certified):  # whose proof may have far to go
         return integrated(reference.scene, times)
 
     def asked(question: Callable[..., Any]) -> Any:
@@ -157,8 +158,17 @@ def _right(reference: AnyReference, times: Sequence[Fraction]) -> Right | None:
     return Right(states, attitude, None if attitude is None else matrices(attitude))
 
 
-def _whole(subject: Subject, doubles: Callable[[Any], Any]) -> dict[str, Doubles]:
-    """The parts of which every number is there."""
+def whole_parts(subject: Subject) -> tuple[dict[str, Doubles], list[Fraction]]:
+    """The parts of which every number is there, as doubles, at some of the times; and these."""
+    kept = few(len(subject.times), MOST_ROWS)
+
+    def doubles(part: Any) -> Any:
+        if part is None:
+            return None
+        values = [[math.nan if x is None else to_double(exactly(x)) for x in part[k]] for k in kept]
+        found = np.array(values, dtype=float)
+        return None if np.isnan(found).any() else found
+
     found: dict[str, Any] = {}
     if subject.columns:
         for name, columns in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
@@ -169,4 +179,4 @@ def _whole(subject: Subject, doubles: Callable[[Any], Any]) -> dict[str, Doubles
         values = doubles(getattr(subject, name))
         if values is not None:
             found[name] = values
-    return found
+    return found, [subject.times[k] for k in kept]

@@ -18,6 +18,7 @@ from polhode.judging.diagnosis.conventions import readings
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.diagnosis.reading import as_read
 from polhode.judging.diagnosis.time_unit import begins_at_start, time_unit
+from polhode.judging.diagnosis.told_conventions import read_as_told
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, reference
 from polhode.judging.references.two_precisions import TwoPrecisions
@@ -79,6 +80,7 @@ def compare(
     workers: int = 1,
     progress: Progress | None = None,
     as_it_stands: bool = False,
+    read: str | None = None,
     max_seconds: float | None = None,
     forecast: Callable[[float, str], None] | None = None,
 ) -> Judgement:
@@ -118,6 +120,9 @@ def compare(
     as_it_stands : bool
         Judge the numbers in the conventions of the scene alone.  Otherwise another convention that
         makes a part right is applied, and ``reading`` says which.
+    read : str, optional
+        Conventions to read a table in, whatever digits they give, separated by commas, in the words
+        in which a judgement tells its reading: "degrees, scalar-last, y up".
     max_seconds : float, optional
         A limit on proofs, where no closed form answers.
     forecast : callable, optional
@@ -192,7 +197,9 @@ def compare(
     if not (subject.columns or subject.angles or subject.attitude or subject.derived):
         expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
         raise BadInput(subject.name, "header", None, expected)
-    if not as_it_stands and subject.run is None:
+    if read is not None and subject.run is None:
+        subject, as_it_stands = read_as_told(subject, against, read), True
+    elif not as_it_stands and subject.run is None:
         subject = _from_the_start(_in_seconds(subject, against), against)
         if isinstance(against, Certified):
             subject = _read_before(subject, against)

@@ -1,0 +1,112 @@
+"""Conventions told by hand are applied, whatever digits they give, and no others."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import polhode
+from judging.test_readings_together import columns_of, quaternion_times
+from polhode.cli import main
+from polhode.common.errors import BadInput
+from polhode.scenes.vocabulary import ATTITUDE, STATE
+
+CASE = "lagrange/nutation"
+
+
+@pytest.fixture(scope="module")
+def columns():
+    scene = polhode.load(CASE).at([k / 8 for k in range(17)])
+    run = polhode.integrate(scene)
+    found = {name: columns_of(run, name) for name in (*STATE, *ATTITUDE)}
+    return {"t": np.array([float(t) for t in run.t])} | found
+
+
+def in_degrees(columns):
+    return columns | {name: np.degrees(columns[name]) for name in STATE[:3]}
+
+
+def scalar_last(columns):
+    return columns | {f"q{k}": columns[f"q{(k + 1) % 4}"] for k in range(4)}
+
+
+def y_up(columns):
+    half = math.sqrt(0.5)
+    return quaternion_times(columns, left=np.array([half, -half, 0, 0]))
+
+
+def in_milliseconds(columns):
+    return columns | {"t": 1000 * columns["t"]}
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ([in_degrees], "degrees"),
+        ([scalar_last], "scalar-last"),
+        ([scalar_last], "qw last"),
+        ([y_up], "y-up"),
+        ([y_up], "y up"),
+        ([in_milliseconds], "t milliseconds"),
+        ([in_degrees, scalar_last], "degrees, scalar-last"),
+        ([in_degrees, scalar_last, in_milliseconds], "ms ,qw last,deg"),
+    ],
+)
+def test_what_is_told_is_applied(columns, changes, told):
+    changed = columns
+    for change in changes:
+        changed = change(changed)
+    found = polhode.compare(changed, CASE, read=told)
+    assert found.worst > 14
+    assert polhode.compare(changed, CASE, as_it_stands=True).worst < 2
+
+
+def test_it_is_the_reading_that_is_found(columns):
+    changed = scalar_last(in_degrees(columns))
+    found = polhode.compare(changed, CASE)
+    told = polhode.compare(changed, CASE, read=", ".join(r.convention for r in found.readings))
+    assert told.readings == found.readings
+    assert told.digits == found.digits
+
+
+def test_axes_are_told_as_a_reading_tells_them(columns):
+    changed = columns | {"p": columns["q"], "q": columns["p"]}
+    assert polhode.compare(changed, CASE, read="p q r = q p r").worst > 14
+
+
+def test_what_makes_a_right_table_wrong_is_applied_too(columns):
+    found = polhode.compare(columns, CASE, read="degrees")
+    assert found.worst < 1
+    assert found.reading == "omega degrees"
+
+
+def test_nothing_else_is_tried(columns):
+    found = polhode.compare(scalar_last(in_degrees(columns)), CASE, read="degrees")
+    assert found.worst_part == "attitude"
+    assert found.worst < 1
+    assert [reading.part for reading in found.readings] == ["omega"]
+
+
+@pytest.mark.parametrize("told", ["sideways", "degrees, sideways", "", " , "])
+def test_what_is_none_is_refused(columns, told):
+    with pytest.raises(BadInput, match=r"read = .*: expected conventions"):
+        polhode.compare(columns, CASE, read=told)
+
+
+def test_a_convention_of_a_part_that_is_not_there_is_refused(columns):
+    some = {name: columns[name] for name in ("t", *STATE)}
+    with pytest.raises(BadInput, match="read = scalar-last"):
+        polhode.compare(some, CASE, read="scalar-last")
+
+
+def test_the_command_line(columns, tmp_path, capsys):
+    path = tmp_path / "x.csv"
+    rows = np.array([*in_degrees(columns).values()]).T
+    np.savetxt(path, rows, delimiter=",", fmt="%.17g", header=",".join(columns), comments="")
+    command = ["compare", str(path), CASE, "--read"]
+    assert main([*command, "degrees"]) == 0
+    assert "read as" in capsys.readouterr().out
+    assert main([*command, "sideways"]) == 2
+    assert capsys.readouterr().err.startswith("polhode: ")
