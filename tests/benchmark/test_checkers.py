@@ -11,9 +11,9 @@ import sys
 from fractions import Fraction
 
 import pytest
+from test_benchmark import HELD
 
 import polhode
-from benchmark.test_benchmark import HELD
 from polhode.cli import main
 
 TOP = "lagrange-nutation"

@@ -9,9 +9,9 @@ from fractions import Fraction
 
 import pytest
 from flint import arb, ctx
+from test_verify import holds, worst
 
 import polhode
-from certificates.test_verify import holds, worst
 from polhode.certificates import verify
 from polhode.certificates.state_certificate import Attitude, certificate
 from polhode.cli import main

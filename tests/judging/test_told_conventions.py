@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
+from test_readings_together import columns_of, quaternion_times
 
 import polhode
-from judging.test_readings_together import columns_of, quaternion_times
 from polhode.cli import main
 from polhode.common.errors import BadInput
 from polhode.scenes.vocabulary import ATTITUDE, STATE

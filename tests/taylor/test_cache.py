@@ -119,8 +119,8 @@ def test_about_says_what_is_wrong_with_the_cache(home):
         (found,) = (text for text in told if text.startswith("cache "))
         return found
 
-    assert "bytes in" in line(folder / "good")
-    assert line("/proc/polhode").startswith("cache     none, every run compiles again (")
+    assert " MB in " in line(folder / "good")
+    assert line("/proc/polhode").startswith("cache        none, every run compiles again (")
 
 
 @pytest.mark.slow
@@ -150,3 +150,24 @@ def test_the_cache_does_not_grow_once_it_holds_what_a_run_needs(home, tmp_path, 
 def told(cache, folder) -> int:
     """The cache's size in bytes, by `polhode about`."""
     return json.loads(polhode(["about", "--json"], folder, cache).stdout)["cache"]["bytes"]
+
+
+def test_the_environment_bounds_the_cache(home, tmp_path):
+    folder, _ = home
+    for told, limit in (("7", 7_000_000), ("0", 0)):
+        about = polhode(["about", "--json"], folder, tmp_path, POLHODE_CACHE_MB=told)
+        assert json.loads(about.stdout)["cache"]["limit"] == limit
+    none = polhode(["run", "scene.toml"], folder, tmp_path / "none", POLHODE_CACHE_MB="0")
+    assert none.returncode == 0
+    assert not json.loads(polhode(["about", "--json"], folder, tmp_path / "none").stdout)["cache"][
+        "bytes"
+    ]
+
+
+@pytest.mark.parametrize("wrong", ["much", "-1", "1e3", "", "9" * 12])
+def test_a_bound_that_is_none_is_refused(home, wrong):
+    folder, _ = home
+    done = polhode(["run", "scene.toml"], folder, None, POLHODE_CACHE_MB=wrong)
+    assert done.returncode == 2
+    assert "POLHODE_CACHE_MB" in done.stderr
+    assert done.stderr.count("\n") == 1

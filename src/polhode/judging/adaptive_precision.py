@@ -14,8 +14,8 @@ from polhode.common.progress import Progress, bar
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
 from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NumberType, wider
-from polhode.numbers.rows import Doubles, Extendeds
-from polhode.numbers.scalars import AnyNumber, Real
+from polhode.numbers.rows import Doubles, Extendeds, Objects
+from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import Options, checked_options, choose_number
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
@@ -73,7 +73,7 @@ def integrate(
     *,
     digits: int | None = None,
     **options: Unpack[_Options],
-) -> Trajectory[list[list[Real]]]: ...
+) -> Trajectory[Objects]: ...
 @overload
 def integrate(
     scene: Scene | str | Path,

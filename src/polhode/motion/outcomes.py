@@ -6,8 +6,9 @@ from bisect import bisect_right
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, SupportsIndex, overload
 
+from polhode.common.errors import nearest
 from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue, may_wait
 from polhode.numbers.decimals import decimal_in_full, shown
@@ -154,6 +155,38 @@ class EventTimes(Result, ByValue):
     def time_strings(self) -> list[str]:
         """The times, every digit."""
         return [decimal_in_full(t) for t in self.times]
+
+
+class Events(tuple[EventTimes, ...]):
+    """The events of a run, by place or by name.
+
+    >>> from dataclasses import replace
+    >>> import polhode
+    >>> scene = replace(polhode.load("lagrange/nutation"), events=(polhode.Event("nutation"),))
+    >>> polhode.integrate(scene, at=[10]).events["nutation"].t.round(6).tolist()[:2]
+    [0.465993, 2.316887]
+    """
+
+    __slots__ = ()
+
+    @overload
+    def __getitem__(self, which: SupportsIndex) -> EventTimes: ...
+    @overload
+    def __getitem__(self, which: slice) -> tuple[EventTimes, ...]: ...
+    @overload
+    def __getitem__(self, which: str) -> EventTimes: ...
+    def __getitem__(
+        self, which: SupportsIndex | slice | str
+    ) -> EventTimes | tuple[EventTimes, ...]:
+        if not isinstance(which, str):
+            return super().__getitem__(which)
+        for event in self:
+            if event.name == which:
+                return event
+        raise KeyError(f"{which}: expected {nearest(which, [event.name for event in self])}")
+
+
+NO_EVENTS = Events()
 
 
 @may_wait("onto")

@@ -122,5 +122,7 @@ def own(value: T) -> T:
         found = mpmath.make_mpf(raw)
     elif type(value) in (list, tuple):
         found = type(found)(map(own, found))
+    elif getattr(getattr(value, "dtype", None), "kind", "") == "O":  # an array of mpf
+        found = own(found.tolist())
     same: T = found
     return same

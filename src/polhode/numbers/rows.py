@@ -35,14 +35,14 @@ Array: TypeAlias = "Flat | npt.NDArray[np.generic]"
 #: One row.
 Row: TypeAlias = "Flat | list[Real]"
 
-#: Several rows of one number type: an array of doubles or of extended, lists of mpf above.
-Rows: TypeAlias = "Flat | list[list[Real]]"
+#: Several rows of one number type: an array, of mpf above extended; lists of mpf on the way.
+Rows: TypeAlias = "Flat | Objects | list[list[Real]]"
 
-#: Rows of a trajectory's states.
-States: TypeAlias = Rows
+#: Rows of a trajectory's states: an array, of mpf above extended.
+States: TypeAlias = "Flat | Objects"
 
 #: Rows to be read alone, of numbers of any kind.
-Given: TypeAlias = "Flat | Sequence[Sequence[Scalar | None] | Array]"
+Given: TypeAlias = "Flat | Objects | Sequence[Sequence[Scalar | None] | Array]"
 
 #: Numbers of one type in a row, heyoka's or exact ones too: an array, or a list.
 Numbers: TypeAlias = "Array | list[Scalar]"
@@ -67,13 +67,27 @@ Reread: TypeAlias = "Row | list[Row] | list[Real | None] | Gapped"
 
 def is_flat(rows: Rows | Numbers) -> TypeGuard[Flat]:
     """Whether rows, or numbers in a row, are of a type that numpy holds."""
-    return not isinstance(rows, list)
+    return not isinstance(rows, list) and rows.dtype.kind == "f"
 
 
 def flat(rows: Rows | Numbers) -> Flat:
     """Rows of a type that numpy holds, as the array that they are."""
     assert is_flat(rows)
     return rows
+
+
+def read_only(rows: Rows, width: int) -> States:
+    """Rows as an array (rows, ``width``) that cannot be written into, of objects above extended."""
+    import numpy as np
+
+    if isinstance(rows, list):
+        objects = np.empty((len(rows), width), dtype=np.object_)
+        for k, row in enumerate(rows):
+            objects[k] = row
+        rows = objects
+    found = rows.view()
+    found.flags.writeable = False
+    return found
 
 
 def doubles(rows: Rows | Numbers | list[list[Scalar]]) -> Doubles:

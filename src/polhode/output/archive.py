@@ -17,12 +17,12 @@ import numpy.typing as npt
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import read_npz, read_whole
 from polhode.common.value_semantics import same
-from polhode.motion.outcomes import EventTimes, Outcome, Projection
+from polhode.motion.outcomes import Events, EventTimes, Outcome, Projection
 from polhode.numbers import expression
 from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import decimal_in_full, strings
 from polhode.numbers.number_types import LEAST_MP_BITS, NAMES, NumberType, named
-from polhode.numbers.rows import Given, Row, Rows
+from polhode.numbers.rows import Given, Row, Rows, read_only
 from polhode.numbers.scalars import AnyNumber
 from polhode.output.json_object import JsonObject
 from polhode.output.json_results import as_json
@@ -31,7 +31,7 @@ from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import toml
-from polhode.scenes.vocabulary import COLUMNS
+from polhode.scenes.vocabulary import ATTITUDE, COLUMNS
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -145,6 +145,9 @@ def _run(held: _Held, about: JsonObject, scene: Scene) -> Trajectory:
     }
     if any(x is None for row in rows["states"] for x in row):
         raise ValueError("states: not all are numbers")
+    widths = {"states": len(scene.columns), "attitude": len(ATTITUDE)}
+    for name in widths.keys() & rows.keys():
+        rows[name] = read_only(rows[name], widths[name])
     if "angles" in rows:
         rows["angles"] = [list(row) for row in rows["angles"]]
     errors = None
@@ -163,7 +166,7 @@ def _run(held: _Held, about: JsonObject, scene: Scene) -> Trajectory:
         method=_told(about, "method", str),
         correct_digits=_told(about, "correct_digits", float, None),
         checked_by=_told(about, "checked_by", str),
-        events=_events(held, about, scene, number),
+        events=Events(_events(held, about, scene, number)),
         projection=_projection(about),
         errors=errors,
         provenance=_told(about, "provenance", dict),

@@ -13,7 +13,7 @@ import numpy as np
 from polhode.common.errors import BadInput
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.rows import Given, Stack, kind_of
+from polhode.numbers.rows import Stack
 from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
@@ -26,17 +26,7 @@ if TYPE_CHECKING:
 
 def columns(run: Trajectory) -> dict[str, Stack]:
     """A run's columns by name: numbers of its type (mpf in arrays of objects), nan undefined."""
-    parts: list[tuple[tuple[str, ...], Given]] = [(run.columns, run.states)]
-    parts += [(COLUMNS[word].names, rows) for word, rows in run.outputs.items()]
-    kind = kind_of(run.number)
-    found = {}
-    for names, rows in parts:
-        for k, name in enumerate(names):
-            column = np.empty(len(run.times), dtype=kind)
-            for i, row in enumerate(rows):
-                column[i] = np.nan if row[k] is None else row[k]
-            found[name] = column
-    return found
+    return {name: run[name] for names, _ in run.named for name in names}
 
 
 def of_run_pandas(run: Trajectory) -> pd.DataFrame:

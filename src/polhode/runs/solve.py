@@ -10,9 +10,10 @@ from typing import TypeAlias, cast
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.provenance import provenance
-from polhode.motion.outcomes import Outcome
+from polhode.motion.outcomes import Events, Outcome
 from polhode.motion.protocols import CannotSolve, Motion
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import read_only
 from polhode.runs._observers.protocol import CannotObserve, Observed
 from polhode.runs.methods import refined
 from polhode.runs.methods.taylor import TaylorMotion
@@ -21,6 +22,7 @@ from polhode.runs.problem.options import USUAL, Options
 from polhode.runs.problem.problem import Problem, problem
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import ATTITUDE
 
 #: What begins a motion of a problem: see :class:`polhode.runs.methods.taylor.TaylorMotion`.
 Method: TypeAlias = Callable[[Problem, Scene, tuple[str, ...], bool, Options], Motion]
@@ -70,14 +72,15 @@ def solve(
             )
             parts = {"build": planning + building, "run": seconds - building}
             rows, read, times = found.rows, motion.read, schedule.exact
+            turned = read.attitude(rows)
             return Trajectory(
                 scene=scene,
                 number=number,
                 times=times if len(rows) == len(times) else times[: len(rows)],
-                states=read.states(rows),
-                attitude=read.attitude(rows),
+                states=read_only(read.states(rows), len(scene.columns)),
+                attitude=None if turned is None else read_only(turned, len(ATTITUDE)),
                 angles=read.angles(rows),
-                events=found.events,
+                events=Events(found.events),
                 projection=motion.projection,
                 outcome=found.outcome,
                 steps=motion.steps,

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TYPE_CHECKING, Generic, SupportsFloat, overload
+from typing import TYPE_CHECKING, Generic, SupportsFloat, cast, overload
 
 from polhode.common.cached_property import cached_property
+from polhode.common.errors import nearest
 from polhode.common.presentation import Slot
 from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue, may_wait
@@ -15,10 +17,21 @@ from polhode.equations.column import derived, derived_words
 from polhode.equations.form import equations
 from polhode.equations.hodographs import Hodographs
 from polhode.equations.integrals import Drift, drift
-from polhode.motion.outcomes import EventTimes, Outcome, Projection
+from polhode.motion.outcomes import NO_EVENTS, Events, Outcome, Projection
 from polhode.numbers.decimals import decimal_in_full, shown, strings
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Columns, Flat, Given, Reread, Row, Rows, States, part_of
+from polhode.numbers.rows import (
+    Columns,
+    Flat,
+    Given,
+    Objects,
+    Reread,
+    Row,
+    Rows,
+    States,
+    kind_of,
+    part_of,
+)
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.runs.error_estimate import Expected, by_errors, expected
 from polhode.runs.presentation import Reevaluation, RunPresentation
@@ -36,7 +49,6 @@ if TYPE_CHECKING:
 
     #: The type of a run's states: by its number type, any of them where that is not known.
     S_co = TypeVar("S_co", bound=States, default=States, covariant=True)
-    F = TypeVar("F", bound=Flat)
 else:
     from typing import TypeVar
 
@@ -63,8 +75,9 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     [0.393669412155, -0.27086132721, 1.11466936938]
 
     ``times``: exact values of the times at which the states hold (already rounded to the type).
-    ``states``: shape (len(times), 3 or 6), p q r [gamma1 gamma2 gamma3]: an ndarray for double and
-    extended, rows of mpf above.  ``attitude``: there where hodographs were asked for, too.
+    ``states``: shape (len(times), 3 or 6), p q r [gamma1 gamma2 gamma3], an ndarray, of mpf above
+    extended; nothing can be written into it.  ``attitude``: there where hodographs were asked for,
+    too.
     ``steps``: Taylor steps taken.  ``events``: one for each event of the scene.  ``projection``:
     None where the state was not put back on the first integrals.  ``method``: "taylor" or
     "refined"; a refined run's ``errors`` are estimates, one a state, of the largest error over its
@@ -83,7 +96,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     digits: int | None = None
     attitude: S_co | None = None
     angles: Sequence[Sequence[Real | None]] | None = None
-    events: tuple[EventTimes, ...] = ()
+    events: Events = NO_EVENTS
     projection: Projection | None = None
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
     dense: Callable[[AnyNumber | Iterable[AnyNumber]], Row | Rows] | None = field(
@@ -94,21 +107,13 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     correct_digits: float | None = None
     checked_by: str = ""
 
-    @overload
-    def __call__(self: Trajectory[F], t: AnyNumber | Iterable[AnyNumber]) -> F: ...
-    @overload
-    def __call__(  # type: ignore[overload-overlap]  # a text is one number
-        self: Trajectory[list[list[Real]]], t: str
-    ) -> list[Real]: ...
-    @overload
-    def __call__(
-        self: Trajectory[list[list[Real]]], t: Iterable[AnyNumber]
-    ) -> list[list[Real]]: ...
-    @overload
-    def __call__(self: Trajectory[list[list[Real]]], t: SupportsFloat) -> list[Real]: ...
-    @overload
-    def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> Row | Rows: ...
-    def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> Row | Rows:
+    def __setstate__(self, state: Mapping[str, object]) -> None:
+        super().__setstate__(state)
+        for rows in (self.states, self.attitude):
+            if rows is not None:
+                rows.flags.writeable = False
+
+    def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> S_co:
         """The state at time t, or the states at several times.
 
         See :class:`polhode.runs.methods.dense_output.Dense`.
@@ -117,13 +122,82 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         """
         if self.dense is None:
             raise ValueError("states at the output times only: nothing was integrated here")
-        return self.dense(t)
+        found = self.dense(t)
+        if isinstance(found, list):
+            import numpy as np
+
+            held = np.array(found, dtype=np.object_)
+            found = held if found else held.reshape(0, len(self.columns))
+        return cast("S_co", found)
 
     def __repr__(self) -> str:
         return (
             f"<Trajectory of {self.scene.name}: {self.number.name}, {len(self.times)} times "
             f"to t = {shown(self.reached)}, {self.outcome.value}>"
         )
+
+    def __getitem__(self, name: str) -> Flat | Objects:
+        """A column by its name, an array of the run's type, nan where a number is not defined.
+
+        ``name``: t, p, q, r, gamma1, gamma2, gamma3, or of an output that was asked for.
+
+        >>> import polhode
+        >>> run = polhode.integrate("lagrange/nutation", at=[1, 2])
+        >>> [round(float(x), 6) for x in run["theta"]]
+        [0.948788, 1.319247]
+        """
+        if name == "t":
+            return self.t
+        for names, rows in self.named:
+            if name in names:
+                return self._column(rows, names.index(name))
+        known = ["t", *(name for names, _ in self.named for name in names)]
+        raise KeyError(f"{name}: expected {nearest(name, known)}; outputs= adds others")
+
+    __iter__ = None  # columns have names, and no order
+
+    def _column(self, rows: Given, place: int) -> Flat | Objects:
+        import numpy as np
+
+        if isinstance(rows, np.ndarray):
+            found: Flat | Objects = rows[:, place]
+            return found
+        column = np.empty(len(rows), dtype=kind_of(self.number))
+        for k, row in enumerate(rows):
+            column[k] = math.nan if row[place] is None else row[place]
+        column.flags.writeable = False
+        return column
+
+    @property
+    def named(self) -> list[tuple[tuple[str, ...], Given]]:
+        """All rows that are there, each with the names of its columns."""
+        outputs = [(COLUMNS[word].names, rows) for word, rows in self.outputs.items()]
+        return [(self.columns, self.states), *outputs]
+
+    @property
+    def omega(self) -> Flat | Objects:
+        """p q r, shape (len(times), 3)."""
+        return self.states[:, :3]
+
+    @property
+    def gamma(self) -> Flat | Objects:
+        """gamma1 gamma2 gamma3, shape (len(times), 3); no columns where the scene has no gamma."""
+        return self.states[:, 3:]
+
+    @property
+    def psi(self) -> Flat | Objects:
+        """The precession angle, where angles were asked for."""
+        return self["psi"]
+
+    @property
+    def theta(self) -> Flat | Objects:
+        """The nutation angle, where angles were asked for."""
+        return self["theta"]
+
+    @property
+    def phi(self) -> Flat | Objects:
+        """The angle of proper rotation, where angles were asked for."""
+        return self["phi"]
 
     @property
     def t(self) -> npt.NDArray[np.float64]:

@@ -48,13 +48,14 @@ def main(options: Namespace) -> int:
     cache = facts["cache"]
     told["cases"] = str(facts["cases"])
     told["cache"] = "off"
-    if cache["enabled"]:
-        told["cache"] = f"{cache['bytes']} bytes in {cache['path']}, at most {cache['limit']}"
+    if cache["enabled"] and "fault" not in cache:
+        held, most = (f"{cache[key] / 1e6:.0f} MB" for key in ("bytes", "limit"))
+        told["cache"] = f"{held} in {cache['path']}, at most {most} (POLHODE_CACHE_MB bounds it)"
     if "fault" in cache:
         told["cache"] = f"none, every run compiles again ({' '.join(cache['fault'].split())})"
     told["refined"] = facts["refined"]
     for name, fact in told.items():
-        say(f"{name:<9} {fact}")
+        say(f"{name:<12} {fact}")
     return DONE
 
 

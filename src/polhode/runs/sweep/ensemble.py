@@ -12,7 +12,7 @@ from polhode.equations.column import derived_stack, of_state_alone
 from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.numbers.decimals import shown
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Flat, Rows, Stack
+from polhode.numbers.rows import Flat, Rows, Stack, read_only
 from polhode.numbers.scalars import Real
 from polhode.runs.sweep.endings import Ended
 from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
@@ -82,7 +82,7 @@ class Ensemble(Ended):
             scene=member.at(self.scene.times),
             number=self.number,
             times=self.times[:count],
-            states=states,
+            states=read_only(states, len(member.columns)),
             outcome=self.outcome(index),
             steps=int(self.counts[index]),
             reached=self.arrived[index],

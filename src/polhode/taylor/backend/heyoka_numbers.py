@@ -7,6 +7,7 @@ exactly, rounded once to the run's type, and handed over typed.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from fractions import Fraction
@@ -15,6 +16,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
+from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.exact import Number, sign
@@ -127,6 +129,23 @@ def as_fraction(value: HeyokaNumber, number: NumberType) -> Fraction:
 
     with mpmath.workprec(number.bits):
         return exactly(mpmath.mpf(str(value)))
+
+
+#: The variable of the environment that bounds the cache, in megabytes; 0 is off.
+CACHE_LIMIT = "POLHODE_CACHE_MB"
+
+
+def _bound_cache() -> None:
+    """Apply CACHE_LIMIT, once, where it is set; raises BadInput."""
+    told = os.environ.get(CACHE_LIMIT)
+    if told is None:
+        return
+    if not (told.isascii() and told.isdigit() and len(told) < 10):
+        raise BadInput("environment", CACHE_LIMIT, told, "a whole number of megabytes, 0 for none")
+    hy.llvm_state.set_diskcache_limit(1_000_000 * int(told))
+
+
+_bound_cache()
 
 
 def cache() -> dict[str, Any]:
